@@ -1,0 +1,59 @@
+"""A candidate: one way to cut a contour. And the options that decide which candidates there are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from ..cut import Direction
+from ..geometry.curve import Curve
+from ..geometry.segment import Point
+from ..nest import Kind
+
+LeadKind = Literal["line", "arc", "none"]
+
+
+@dataclass(frozen=True, slots=True)
+class LeadOptions:
+    """How torch paths join a contour. Lengths in mm, measured along the lead.
+
+    The lead is made as long as `lead_in_mm` where there is room, shorter down to `lead_in_min_mm` where there is
+    not; `pierce_clearance_mm` is the least distance from the pierce point to every contour (rule `pierce`).
+    """
+
+    entries: int = 8
+    kerf_mm: float = 1.5
+    lead: LeadKind = "line"
+    lead_in_mm: float = 6.0
+    lead_in_min_mm: float = 1.0
+    lead_out: LeadKind = "none"
+    lead_out_mm: float = 2.0
+    pierce_clearance_mm: float = 1.0
+    hole_overcut_mm: float = 1.0
+    edge_start: bool = True
+    directions: Mapping[Kind, tuple[Direction, ...]] = field(
+        default_factory=lambda: {"outer": ("cw", "ccw"), "hole": ("cw", "ccw"), "mark": ("cw", "ccw")}
+    )
+    entry_points: Mapping[str, Point] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Candidate:
+    """One way to cut a contour.
+
+    `contour` is the index into `Nest.contours`; `entry_mm` the path length of the entry along the contour as drawn;
+    `end` the point where the torch is switched off. `edge_start` says that the torch comes in from the sheet edge
+    and nothing is pierced. `cut_mm` is the torch-on path length, leads and overcut included.
+    """
+
+    contour: int
+    entry_mm: float
+    entry: Point
+    direction: Direction
+    pierce: Point
+    lead_in: Curve | None
+    lead_out: Curve | None
+    end: Point
+    cut_mm: float
+    edge_start: bool = False

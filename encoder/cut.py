@@ -1,0 +1,68 @@
+"""A cut: one contour as the torch will make it. Geometry only, so that rules can judge it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal, overload
+
+from .geometry.curve import Curve
+from .geometry.segment import Point
+
+Direction = Literal["cw", "ccw"]
+Side = Literal["left", "right", "bottom", "top"]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Cut:
+    """One contour, cut (or marked) once.
+
+    `entry` lies on the contour. The torch's centre follows `lead_in` from `pierce` to the point where it joins the
+    kerf-compensated contour, once around the compensated contour, then `lead_out` (any overcut included) from the
+    joining point to where it is switched off; both are open paths. Either may be None: the torch starts, or stops,
+    where it joins. `zone` counts from 1, 0 where none is known; times are seconds from the program's start.
+    """
+
+    contour: str
+    entry: Point
+    direction: Direction
+    pierce: Point
+    lead_in: Curve | None = None
+    lead_out: Curve | None = None
+    zone: int = 0
+    start_s: float = 0.0
+    end_s: float = 0.0
+
+    @property
+    def end(self) -> Point:
+        """Where the torch is switched off: the end of the lead-out, else the entry."""
+        if self.lead_out is None:
+            return self.entry
+        x, y = self.lead_out.vertices[-1, :2].tolist()
+        return x, y
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class CutSequence(Sequence[Cut]):
+    """The cuts in order, with what a rule needs to judge them and cannot see in one cut alone."""
+
+    cuts: tuple[Cut, ...]
+    start_side: Side | None = None
+    home: Point = (0.0, 0.0)
+
+    @overload
+    def __getitem__(self, key: int) -> Cut: ...
+    @overload
+    def __getitem__(self, key: slice) -> tuple[Cut, ...]: ...
+    def __getitem__(self, key: int | slice) -> Cut | tuple[Cut, ...]:
+        return self.cuts[key]
+
+    def __len__(self) -> int:
+        return len(self.cuts)
+
+    def __iter__(self) -> Iterator[Cut]:
+        return iter(self.cuts)
+
+    def positions(self) -> dict[str, int]:
+        """Contour id → position, counted from 1."""
+        return {c.contour: k for k, c in enumerate(self.cuts, 1)}

@@ -1,0 +1,56 @@
+"""The one family of errors that kerfwise raises on purpose.
+
+The command line turns an `InputError` into one message and exit code 2, a `RulesConflict` into exit code 1.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class KerfwiseError(Exception):
+    """Base class of every error that kerfwise raises on purpose."""
+
+
+class InputError(KerfwiseError):
+    """Something a person gave (a nest, a profile, an option) cannot be used.
+
+    Parameters
+    ----------
+    message
+        What was given, what was expected and what to do, in one or two sentences.
+    file, line, column
+        Where it stands, where known (line and column count from 1).
+    details
+        One line each, for lists such as every open end of a drawing.
+
+    Examples
+    --------
+    >>> str(InputError("unknown rule 'levelahead'", file="plant.yaml", line=7, column=3))
+    "plant.yaml:7:3: unknown rule 'levelahead'"
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        file: str | Path | None = None,
+        line: int | None = None,
+        column: int | None = None,
+        details: tuple[str, ...] = (),
+    ) -> None:
+        self.message, self.file, self.line, self.column, self.details = message, file, line, column, details
+        super().__init__(self._text())
+
+    def _text(self) -> str:
+        place = ":".join(str(p) for p in (self.file, self.line, self.column) if p is not None)
+        head = f"{place}: {self.message}" if place else self.message
+        return "\n".join([head, *(f"  - {d}" for d in self.details)])
+
+
+class RulesConflict(KerfwiseError):
+    """The hard rules cannot all hold; `reasons` names the statements that clash, a sentence each."""
+
+    def __init__(self, message: str, reasons: tuple[str, ...] = ()) -> None:
+        self.message, self.reasons = message, reasons
+        super().__init__("\n".join([message, *(f"  - {r}" for r in reasons)]))

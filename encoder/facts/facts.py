@@ -1,0 +1,114 @@
+"""Everything that rules may know of a nest, computed once. Arrays are indexed like `Nest.contours`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..candidates.candidate import Candidate
+from ..cut import Side
+from ..nest import Nest
+
+Ints = NDArray[np.int64]
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+SIDES: tuple[Side, ...] = ("left", "right", "bottom", "top")
+Because = Literal["profile", "narrow-side", "long-parts", "offcut", "heat"]
+
+
+@dataclass(frozen=True, slots=True)
+class FactOptions:
+    """Thresholds of the facts, mm unless the name says otherwise (RULES.md section 2 gives the defaults).
+
+    `start_side` fixes the side ("auto" decides it). `zone_respects` names the order facts that no zone may
+    contradict; `zone_pairs` adds pairs of contour ids (before, after), as locks do; `zone_fixed` puts a part
+    (by id) in a zone whatever the geometry says.
+    """
+
+    web_mm: float = 25.0
+    edge_band_mm: float = 25.0
+    long_ratio: float = 4.0
+    offcut_share: float = 0.15
+    start_side: Side | Literal["auto"] = "auto"
+    zone_contours: int = 12
+    square_ratio: float = 1.25
+    zone_respects: tuple[Literal["contains", "level_ahead", "in_hull"], ...] = (
+        "contains",
+        "level_ahead",
+        "in_hull",
+    )
+    zone_pairs: tuple[tuple[str, str], ...] = ()
+    zone_fixed: tuple[tuple[str, int], ...] = ()
+    head_share: float = 0.25
+    tail_share: float = 0.25
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Facing:
+    """What stretches of boundary look at: parallel arrays, one row a (row, neighbour) pair.
+
+    `row` is a contour (in `Facts.neighbours`) or a candidate (in `head`, `tail`); `neighbour` a contour index;
+    `length_mm` the boundary length that faces it; `gap_mm` the smallest gap (nan where not measured).
+    """
+
+    row: Ints
+    neighbour: Ints
+    length_mm: Floats
+    gap_mm: Floats
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Stretch:
+    """What the head or the tail of every candidate's path faces: lengths in mm per candidate, and neighbours."""
+
+    total_mm: Floats
+    edge_mm: Floats
+    solid_mm: Floats
+    neighbours: Facing
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Facts:
+    """The facts of one nest. n contours, m candidates.
+
+    Pairs are arrays (k, 2) of contour indices. `contains[:, 0]` contains `contains[:, 1]` (closure), `parent` (n,)
+    the immediate container or -1. `level_ahead` and `in_hull` rows read (j, i): j lies ahead of, or in the hull of,
+    i (RULES.md section 2). `edge_gap_mm`, `edge_length_mm` are (n, 4) in the order of `SIDES`. `zone` counts
+    from 1; a mark has the zone of its part. `offcut_mm`, `offcut_large`, `heat_mm`, `heat_parts` follow `SIDES`.
+    `first[i]` and `first[i + 1]` bound the candidates of contour i.
+    """
+
+    nest: Nest
+    options: FactOptions
+    parent: Ints
+    contains: Ints
+    start_side: Side
+    start_side_because: Because
+    level_ahead: Ints
+    in_hull: Ints
+    neighbours: Facing
+    edge_gap_mm: Floats
+    edge_length_mm: Floats
+    solid_mm: Floats
+    long: Bools
+    offcut_mm: Floats
+    offcut_large: Bools
+    heat_mm: Floats
+    heat_parts: Ints
+    zone: Ints
+    candidates: tuple[Candidate, ...]
+    first: Ints
+    head: Stretch
+    tail: Stretch
+
+    @property
+    def n(self) -> int:
+        """Number of contours."""
+        return len(self.nest.contours)
+
+    def candidates_of(self, contour: int) -> range:
+        """Candidate numbers of a contour."""
+        return range(int(self.first[contour]), int(self.first[contour + 1]))

@@ -1,0 +1,166 @@
+"""A path of lines and arcs in the plane: the one shape that everything else is made of.
+
+Vertices carry DXF bulges: the bulge of vertex k belongs to the segment from k to k + 1 and is the tangent of a
+quarter of the arc's sweep, positive for a counter-clockwise arc; 0 is a straight line.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from .segment import Point, Segment
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Lines and arcs that follow each other, open or closed.
+
+    Parameters
+    ----------
+    vertices
+        Array (n, 3) of x, y in mm and the bulge of the segment that starts there. In an open curve the bulge of
+        the last vertex is ignored.
+    closed
+        Whether the last vertex is joined to the first.
+
+    Examples
+    --------
+    >>> circle = Curve.of([(-10, 0, 1), (10, 0, 1)])
+    >>> round(circle.length_mm, 3), circle.is_ccw
+    (62.832, True)
+    """
+
+    vertices: FloatArray
+    closed: bool = True
+
+    @staticmethod
+    def of(points: Iterable[Sequence[float]], closed: bool = True) -> Curve:
+        """Make a curve of (x, y) or (x, y, bulge) tuples; a missing bulge is 0."""
+        rows = [(float(p[0]), float(p[1]), float(p[2]) if len(p) > 2 else 0.0) for p in points]
+        return Curve(np.array(rows, dtype=np.float64).reshape(-1, 3), closed)
+
+    def as_rows(self) -> list[list[float]]:
+        """The vertices as JSON rows: [x, y] or [x, y, bulge]."""
+        return [[x, y] if b == 0 else [x, y, b] for x, y, b in self.vertices.tolist()]
+
+    @cached_property
+    def segments(self) -> tuple[Segment, ...]:
+        """The lines and arcs in order; zero-length ones are left out."""
+        v = self.vertices.tolist()
+        ends = v[1:] + v[:1] if self.closed else v[1:]
+        made = (Segment((a[0], a[1]), (b[0], b[1]), a[2]) for a, b in zip(v, ends, strict=False))
+        return tuple(s for s in made if s.length_mm > 1e-9)
+
+    @cached_property
+    def starts_mm(self) -> FloatArray:
+        """Array (segments + 1,): path length from the start to the start of each segment, then the total."""
+        return np.concatenate([[0.0], np.cumsum([s.length_mm for s in self.segments])])
+
+    @property
+    def length_mm(self) -> float:
+        """Path length, mm."""
+        return float(self.starts_mm[-1])
+
+    @cached_property
+    def signed_area_mm2(self) -> float:
+        """Area enclosed (Green's theorem, exact on arcs); positive when counter-clockwise."""
+        return sum(s.area_term_mm2 for s in self.segments)
+
+    @property
+    def is_ccw(self) -> bool:
+        """True when the curve runs counter-clockwise (y up)."""
+        return self.signed_area_mm2 > 0
+
+    def locate(self, s_mm: float) -> tuple[int, float]:
+        """Segment index and fraction 0…1 along it at path length `s_mm` (wraps on a closed curve)."""
+        total = self.length_mm
+        s = s_mm % total if self.closed else min(max(s_mm, 0.0), total)
+        k = int(np.searchsorted(self.starts_mm, s, side="right")) - 1
+        k = min(max(k, 0), len(self.segments) - 1)
+        return k, min(max((s - self.starts_mm[k]) / self.segments[k].length_mm, 0.0), 1.0)
+
+    def point_at(self, s_mm: float) -> Point:
+        """The point at path length `s_mm`."""
+        k, f = self.locate(s_mm)
+        return self.segments[k].point_at(f)
+
+    def tangent_at(self, s_mm: float) -> Point:
+        """Unit tangent at path length `s_mm` (of the segment that starts there, at a corner)."""
+        k, f = self.locate(s_mm)
+        return self.segments[k].tangent_at(f)
+
+    def project(self, point: Sequence[float]) -> tuple[float, float]:
+        """Path length of the nearest point of the curve to `point`, and the distance to it, mm."""
+        best = (0.0, math.inf)
+        for start, seg in zip(self.starts_mm.tolist(), self.segments, strict=False):
+            f, d = seg.project((point[0], point[1]))
+            if d < best[1] - 1e-12:
+                best = (start + f * seg.length_mm, d)
+        return best
+
+    def reversed(self) -> Curve:
+        """The same path the other way round (a closed curve keeps its first vertex)."""
+        v = self.vertices
+        if self.closed:
+            points = np.concatenate([v[:1, :2], v[:0:-1, :2]])
+            bulges = -v[::-1, 2]
+        else:
+            points = v[::-1, :2]
+            bulges = np.concatenate([-v[-2::-1, 2], [0.0]])
+        return Curve(np.column_stack([points, bulges]), self.closed)
+
+    def towards(self, direction: str) -> Curve:
+        """The closed curve run "cw" or "ccw"."""
+        return self if self.is_ccw == (direction == "ccw") else self.reversed()
+
+    def between(self, start_mm: float, length_mm: float) -> Curve:
+        """The open piece of `length_mm` that begins at path length `start_mm`; it may wrap, even more than once."""
+        rows: list[tuple[float, float, float]] = []
+        left = length_mm
+        k, f = self.locate(start_mm)
+        end = self.segments[k].point_at(f)
+        while left > 1e-9:
+            seg = self.segments[k]
+            take = min(left, seg.length_mm * (1 - f))
+            if take > 1e-9:
+                piece = seg.between(f, f + take / seg.length_mm)
+                rows.append((*piece.start, piece.bulge))
+                end = piece.end
+                left -= take
+            k, f = (k + 1) % len(self.segments), 0.0
+        rows.append((*end, 0.0))
+        return Curve.of(rows, closed=False)
+
+    def opened_at(self, s_mm: float) -> Curve:
+        """The closed curve as an open path that starts and ends at path length `s_mm`."""
+        return self.between(s_mm, self.length_mm)
+
+    def flatten(self, tolerance_mm: float = 0.01) -> FloatArray:
+        """Array (m, 2) of points whose chords stay within `tolerance_mm`; a closed curve does not repeat its first."""
+        if not self.segments:
+            return np.asarray(self.vertices[:1, :2])
+        parts = [np.array([self.segments[0].start])] + [s.flatten(tolerance_mm) for s in self.segments]
+        points = np.concatenate(parts)
+        return points[:-1] if self.closed else points
+
+    def line(self, tolerance_mm: float = 0.01) -> shapely.LineString:
+        """The path as a shapely LineString, closed ones repeat their first point."""
+        points = self.flatten(tolerance_mm)
+        return shapely.LineString(np.concatenate([points, points[:1]]) if self.closed else points)
+
+    def polygon(self, tolerance_mm: float = 0.01) -> shapely.Polygon:
+        """The area inside a closed curve as a shapely Polygon (not checked for validity)."""
+        return shapely.Polygon(self.flatten(tolerance_mm))
+
+    def moved(self, dx_mm: float, dy_mm: float) -> Curve:
+        """The curve shifted by (dx, dy)."""
+        return Curve(self.vertices + np.array([dx_mm, dy_mm, 0.0]), self.closed)

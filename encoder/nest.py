@@ -1,0 +1,121 @@
+"""The nest: a sheet and the parts placed on it, frozen, in mm, y up."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal
+
+import shapely
+
+from .geometry.curve import Curve
+
+Kind = Literal["outer", "hole", "mark"]
+Severity = Literal["warning", "repaired"]
+
+
+@dataclass(frozen=True, eq=False)
+class Contour:
+    """One curve that the torch follows once; `id` is `<part>.outer`, `<part>.hole1`… or `<part>.mark1`…"""
+
+    id: str
+    part: str
+    kind: Kind
+    curve: Curve
+
+    @cached_property
+    def polygon(self) -> shapely.Polygon:
+        """The area inside a closed contour (chords within 0.01 mm)."""
+        return self.curve.polygon()
+
+    @cached_property
+    def line(self) -> shapely.LineString:
+        """The contour as a line (chords within 0.01 mm)."""
+        return self.curve.line()
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One outer contour, its holes and its marks; `attributes` are free keys of the nest file (priority, order…)."""
+
+    id: str
+    outer: Contour
+    holes: tuple[Contour, ...] = ()
+    marks: tuple[Contour, ...] = ()
+    attributes: dict[str, object] = field(default_factory=dict)
+
+    @cached_property
+    def polygon(self) -> shapely.Polygon:
+        """The metal of the part: the outer contour less its holes."""
+        return shapely.Polygon(self.outer.curve.flatten(), [h.curve.flatten() for h in self.holes])
+
+    def __iter__(self) -> Iterator[Contour]:
+        """Marks, then holes, then the outer contour: the natural cutting order."""
+        yield from (*self.marks, *self.holes, self.outer)
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """The stock: its outline and, for a remnant, its own holes."""
+
+    outline: Curve
+    holes: tuple[Curve, ...] = ()
+
+    @cached_property
+    def polygon(self) -> shapely.Polygon:
+        """The metal of the sheet."""
+        return shapely.Polygon(self.outline.flatten(), [h.flatten() for h in self.holes])
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """xmin, ymin, xmax, ymax, mm."""
+        x0, y0, x1, y1 = self.polygon.bounds
+        return x0, y0, x1, y1
+
+    @staticmethod
+    def rectangle(width_mm: float, height_mm: float) -> Sheet:
+        """A sheet with its lower left corner at the origin."""
+        return Sheet(Curve.of([(0, 0), (width_mm, 0), (width_mm, height_mm), (0, height_mm)]))
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """Something the reader wants said aloud: a warning, or what `--repair` mended."""
+
+    severity: Severity
+    text: str
+    contours: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Nest:
+    """A sheet with its parts; made by a reader, which validates it once.
+
+    `contours` lists every contour, part by part in file order, each part's marks, holes, then outer.
+    """
+
+    sheet: Sheet
+    parts: tuple[Part, ...]
+    file: str = ""
+    sha256: str = ""
+    notes: tuple[Note, ...] = ()
+
+    @cached_property
+    def contours(self) -> tuple[Contour, ...]:
+        """Every contour to cut or mark."""
+        return tuple(c for p in self.parts for c in p)
+
+    @cached_property
+    def index(self) -> dict[str, int]:
+        """Contour id → its place in `contours`."""
+        return {c.id: k for k, c in enumerate(self.contours)}
+
+    @cached_property
+    def part_of(self) -> dict[str, Part]:
+        """Part id → part."""
+        return {p.id: p for p in self.parts}
+
+    def contour(self, contour_id: str) -> Contour:
+        """The contour of that id (KeyError if there is none)."""
+        return self.contours[self.index[contour_id]]

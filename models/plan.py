@@ -1,0 +1,221 @@
+"""The plan: which contour when, where and which way round, and what is proven of it (kerfwise-plan/1)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from ..encoder.cut import Cut, CutSequence, Side
+from ..encoder.errors import InputError
+from ..encoder.geometry.curve import Curve
+
+FORMAT = "kerfwise-plan/1"
+Status = Literal["optimal", "feasible"]
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedCut:
+    """A cut with what the plan says of it: its part, kind, torch-on length and the reasons for its place."""
+
+    cut: Cut
+    part: str
+    kind: str
+    length_mm: float
+    because: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Totals:
+    """Sums over the whole program: mm, pierces, s, and heat (see `models/heat`)."""
+
+    cut_mm: float
+    idle_mm: float
+    pierces: int
+    time_s: float
+    heat: float
+
+
+@dataclass(frozen=True, slots=True)
+class SolveReport:
+    """What is known of the plan's cost; `bound` and `gap` are None unless proven for the whole model.
+
+    `objective` and `bound` are in mm of idle travel (soft rules weigh in at their weights); `gap` is
+    (objective - bound) / objective. `proved_by` names the engine behind the bound, `found_by` the one behind the plan.
+    """
+
+    engine: str
+    status: Status
+    objective: float
+    bound: float | None
+    gap: float | None
+    seconds: float
+    seed: int
+    found_by: str = ""
+    proved_by: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class RuleReport:
+    """One rule of the profile: whether it holds in the plan, and where it was excused and why."""
+
+    id: str
+    strength: str
+    holds: bool
+    exceptions: tuple[tuple[tuple[str, ...], str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Dropped:
+    """A statement left out because the order rules form a cycle."""
+
+    rule: str
+    contours: tuple[str, ...]
+    why: str
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """The whole answer; `nest` and `profile` name files and their sha256."""
+
+    nest: Mapping[str, str]
+    profile: Mapping[str, str]
+    start_side: Side
+    start_side_because: str
+    cuts: tuple[PlannedCut, ...]
+    totals: Totals
+    solve: SolveReport
+    rules: tuple[RuleReport, ...] = ()
+    dropped: tuple[Dropped, ...] = field(default=())
+
+    def sequence(self, home: tuple[float, float] = (0.0, 0.0)) -> CutSequence:
+        """The bare cuts, as rules judge them."""
+        return CutSequence(tuple(p.cut for p in self.cuts), self.start_side, home)
+
+    def to_json(self) -> str:
+        """The plan as kerfwise-plan/1 text: stable key order, one cut a line, a newline at the end."""
+        head: dict[str, Any] = {
+            "format": FORMAT,
+            "nest": dict(self.nest),
+            "profile": dict(self.profile),
+            "start_side": self.start_side,
+            "start_side_because": self.start_side_because,
+        }
+        tail: dict[str, Any] = {
+            "totals": {k: _round(getattr(self.totals, k)) for k in Totals.__slots__},
+            "solve": {k: _round(getattr(self.solve, k)) for k in SolveReport.__slots__},
+            "rules": [
+                {
+                    "id": r.id,
+                    "strength": r.strength,
+                    "holds": r.holds,
+                    "exceptions": [{"contours": list(c), "why": w} for c, w in r.exceptions],
+                }
+                for r in self.rules
+            ],
+            "dropped": [{"rule": d.rule, "contours": list(d.contours), "why": d.why} for d in self.dropped],
+        }
+        cuts = ",\n  ".join(json.dumps(_cut_row(k, c), ensure_ascii=False) for k, c in enumerate(self.cuts, 1))
+        lines = [f' "{k}": {json.dumps(v, ensure_ascii=False)}' for k, v in head.items()]
+        lines.append(f' "cuts": [\n  {cuts}\n ]')
+        lines += [f' "{k}": {json.dumps(v, ensure_ascii=False)}' for k, v in tail.items()]
+        return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def _round(value: object, digits: int = 6) -> object:
+    return round(value, digits) if isinstance(value, float) else value
+
+
+def _path(curve: Curve | None) -> list[list[float]]:
+    return [] if curve is None else [[round(v, 6) for v in row] for row in curve.as_rows()]
+
+
+def _cut_row(order: int, planned: PlannedCut) -> dict[str, Any]:
+    cut = planned.cut
+    return {
+        "order": order,
+        "contour": cut.contour,
+        "part": planned.part,
+        "kind": planned.kind,
+        "zone": cut.zone,
+        "entry": [round(v, 6) for v in cut.entry],
+        "pierce": [round(v, 6) for v in cut.pierce],
+        "lead_in": _path(cut.lead_in),
+        "lead_out": _path(cut.lead_out),
+        "direction": cut.direction,
+        "length_mm": round(planned.length_mm, 3),
+        "start_s": round(cut.start_s, 3),
+        "end_s": round(cut.end_s, 3),
+        "because": list(planned.because),
+    }
+
+
+def read_plan(path: str | Path) -> Plan:
+    """Read a kerfwise-plan/1 file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is not JSON, or lacks something the format asks for.
+    """
+    try:
+        data = json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"cannot read the plan: {error.strerror}", file=path) from None
+    except UnicodeDecodeError:
+        raise InputError("not a plan: the file is not UTF-8 text", file=path) from None
+    except json.JSONDecodeError as error:
+        raise InputError(f"not JSON: {error.msg}", file=path, line=error.lineno, column=error.colno) from None
+    if not isinstance(data, dict) or data.get("format") != FORMAT:
+        raise InputError(f'not a plan: expected "format": "{FORMAT}"', file=path)
+    try:
+        return _plan_of(data)
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
+        raise InputError(f"the plan is damaged: {error!r}", file=path) from None
+
+
+def _plan_of(data: dict[str, Any]) -> Plan:
+    def curve(rows: list[list[float]]) -> Curve | None:
+        return Curve.of(rows, closed=False) if rows else None
+
+    cuts = tuple(
+        PlannedCut(
+            Cut(
+                c["contour"],
+                (float(c["entry"][0]), float(c["entry"][1])),
+                c["direction"],
+                (float(c["pierce"][0]), float(c["pierce"][1])),
+                curve(c["lead_in"]),
+                curve(c["lead_out"]),
+                c["zone"],
+                c["start_s"],
+                c["end_s"],
+            ),
+            c["part"],
+            c["kind"],
+            c["length_mm"],
+            tuple(c["because"]),
+        )
+        for c in sorted(data["cuts"], key=lambda c: int(c["order"]))
+    )
+    return Plan(
+        nest=data["nest"],
+        profile=data["profile"],
+        start_side=data["start_side"],
+        start_side_because=data["start_side_because"],
+        cuts=cuts,
+        totals=Totals(**data["totals"]),
+        solve=SolveReport(**data["solve"]),
+        rules=tuple(
+            RuleReport(
+                r["id"],
+                r["strength"],
+                r["holds"],
+                tuple((tuple(e["contours"]), e["why"]) for e in r["exceptions"]),
+            )
+            for r in data["rules"]
+        ),
+        dropped=tuple(Dropped(d["rule"], tuple(d["contours"]), d["why"]) for d in data["dropped"]),
+    )

@@ -1,0 +1,110 @@
+"""The vocabulary of rules: linear conditions and costs over the decisions of a plan.
+
+Decisions: `Pick(c)`, candidate c is used; `Before(i, j)`, contour i is cut before contour j; and the route itself.
+Contours and candidates are numbered as in `Facts`. Positions count from 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Before:
+    """Literal: contour `i` is cut before contour `j`."""
+
+    i: int
+    j: int
+
+
+@dataclass(frozen=True, slots=True)
+class Pick:
+    """Literal: candidate `c` is used."""
+
+    c: int
+
+
+Literal = Before | Pick
+
+
+@dataclass(frozen=True, slots=True)
+class About:
+    """Where a statement comes from: the rule's id, the contour ids it is about, and a sentence for the planner."""
+
+    rule: str
+    contours: tuple[str, ...]
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True)
+class Precede:
+    """Contour `before` is cut before contour `after`."""
+
+    before: int
+    after: int
+    about: About
+    weight: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Forbid:
+    """Candidate `candidate` may not be used."""
+
+    candidate: int
+    about: About
+    weight: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class AtLeast:
+    """The sum of weights of the true literals is at least `bound` (whenever candidate `when` is used, if given)."""
+
+    literals: tuple[Literal, ...]
+    weights: tuple[int, ...]
+    bound: int
+    about: About
+    when: int | None = None
+    weight: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Contiguous:
+    """These contours follow each other without another between."""
+
+    contours: tuple[int, ...]
+    about: About
+    weight: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Lag:
+    """At least `cuts` other cuts, or `seconds` s, lie between contours `first` and `second`, whichever is cut first."""
+
+    first: int
+    second: int
+    about: About
+    cuts: int = 0
+    seconds: float = 0.0
+    weight: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class NoGood:
+    """At no moment are all of `out` cut while all of `left` are still in."""
+
+    out: frozenset[int]
+    left: frozenset[int]
+    about: About
+    weight: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class IdleTravel:
+    """Idle travel counts, at `weight` a millimetre."""
+
+    about: About
+    weight: float = 1.0
+
+
+Statement = Precede | Forbid | AtLeast | Contiguous | Lag | NoGood | IdleTravel
+"""Every `weight` of None makes a statement hard; a number makes breaking it cost that much, in mm of idle travel."""
