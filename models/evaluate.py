@@ -1,0 +1,96 @@
+"""What a route costs and which hard statements it breaks: the plain reference that every engine is held against."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ..rules.statements import About, AtLeast, Before, Lag, Pick
+from .problem import Problem
+
+
+def route_cost(problem: Problem, route: Sequence[int]) -> int:
+    """Cost in whole µm of visiting the sites of `route` in order, from home and back, soft statements included."""
+    sites = np.asarray(route, dtype=np.int64)
+    home = problem.home_um[None, :]
+    leave = np.concatenate([home, problem.end_um[sites]]).astype(np.float64)
+    reach = np.concatenate([problem.pierce_um[sites], home])
+    legs = np.rint(problem.travel_weight * np.sqrt(((leave - reach) ** 2).sum(axis=1)))
+    order = [int(problem.site_contour[s]) for s in route]
+    total = int(legs.sum()) + int(problem.site_cost[sites].sum())
+    total += sum(cost for cost, _ in _broken_conditions(problem, route) if cost is not None)
+    total += sum(g.cost * (_pieces(order, g.contours) - 1) for g in problem.soft_groups)
+    position = {c: k for k, c in enumerate(order)}
+    total += sum(
+        round(lag.weight * 1000) * _missing_cuts(lag, position) for lag in problem.lags if lag.weight is not None
+    )
+    picked = set(route)
+    total += sum(
+        round(s.weight * 1000)
+        for s in problem.general
+        if s.weight is not None and not general_holds(problem, s, position, picked)
+    )
+    return total
+
+
+def broken(problem: Problem, route: Sequence[int]) -> tuple[About, ...]:
+    """The hard statements that a route breaks; empty for a lawful one. Every contour must be there once."""
+    order = [int(problem.site_contour[s]) for s in route]
+    if sorted(order) != list(range(problem.n)):
+        return (About("coverage", (), "every contour is cut exactly once"),)
+    found: list[About] = []
+    position = {c: k for k, c in enumerate(order)}
+    at = np.array([position[c] for c in range(problem.n)])
+    rows, columns = np.nonzero(problem.before & (at[:, None] > at[None, :]))
+    for i, j in zip(rows.tolist(), columns.tolist(), strict=True):
+        names = (problem.ids[i], problem.ids[j])
+        found.append(About("order", names, f"{names[0]} must be cut before {names[1]}"))
+    for block in np.unique(problem.block):
+        members = tuple(np.flatnonzero(problem.block == block).tolist())
+        if _pieces(order, members) > 1:
+            names = tuple(problem.ids[k] for k in members)
+            found.append(About("contiguous", names, f"{', '.join(names)} must follow each other"))
+    found += [about for cost, about in _broken_conditions(problem, route) if cost is None]
+    found += [lag.about for lag in problem.lags if lag.weight is None and _missing_cuts(lag, position) > 0]
+    picked = set(route)
+    found += [s.about for s in problem.general if s.weight is None and not general_holds(problem, s, position, picked)]
+    return tuple(found)
+
+
+def general_holds(problem: Problem, statement: AtLeast, position: dict[int, int], picked: set[int]) -> bool:
+    """Whether a statement over any literals holds; `picked` are sites."""
+    if statement.when is not None and int(problem.candidate_site[statement.when]) not in picked:
+        return True
+    total = 0
+    for literal, weight in zip(statement.literals, statement.weights, strict=True):
+        match literal:
+            case Before(i, j):
+                total += weight * (position[i] < position[j])
+            case Pick(c):
+                total += weight * (int(problem.candidate_site[c]) in picked)
+    return total >= statement.bound
+
+
+def _missing_cuts(lag: Lag, position: dict[int, int]) -> int:
+    return max(0, lag.cuts - (abs(position[lag.first] - position[lag.second]) - 1))
+
+
+def _pieces(order: Sequence[int], members: tuple[int, ...]) -> int:
+    wanted = set(members)
+    inside = [c in wanted for c in order]
+    return sum(now and not was for was, now in zip([False, *inside], inside, strict=False))
+
+
+def _broken_conditions(problem: Problem, route: Sequence[int]) -> Iterator[tuple[int | None, About]]:
+    already: set[int] = set()
+    of_contour: dict[int, list[int]] = {}
+    for k, condition in enumerate(problem.conditions):
+        of_contour.setdefault(condition.contour, []).append(k)
+    for site in route:
+        contour = int(problem.site_contour[site])
+        for k in of_contour.get(contour, ()):
+            condition = problem.conditions[k]
+            if condition.when in (None, site) and not condition.met(already):
+                yield condition.cost, condition.about
+        already.add(contour)

@@ -1,0 +1,230 @@
+"""The problem: facts and statements as the numbers that every engine works on.
+
+Costs are whole micrometres (of idle travel, or of what a soft rule is worth in it), so that all engines agree to
+the last digit. Candidates of a contour that no statement tells apart and that share pierce and end are one *site*.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..encoder.errors import RulesConflict
+from ..encoder.facts.facts import Facts
+from ..rules.statements import About, AtLeast, Contiguous, Forbid, IdleTravel, Lag, NoGood, Pick, Precede, Statement
+from .closure import close
+from .conditions import Condition, of_at_least, of_no_good, of_soft_precede
+
+UM_PER_MM = 1000
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class SoftGroup:
+    """Contours that should follow each other: every piece beyond the first costs `cost` µm."""
+
+    contours: tuple[int, ...]
+    cost: int
+    about: About
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Problem:
+    """n contours, m sites.
+
+    `site_candidate[s]` is the candidate that site s stands for, `candidate_site[c]` the site of candidate c or -1; sites of contour i are `first[i]` … `first[i+1] - 1`.
+    `pierce_um`, `end_um` are (m, 2) coordinates, µm; `site_cost` (m,) what using a site costs (soft `Forbid`).
+    `before[i, j]` says that i must come before j (closure, lifted over contiguous blocks); `block[i]` numbers the
+    contiguous block that i belongs to. `conditions` are about sites (`when` is a site here). `general` are statements
+    that only an engine with the whole order in hand can judge.
+    """
+
+    n: int
+    first: Ints
+    site_contour: Ints
+    site_candidate: Ints
+    candidate_site: Ints
+    pierce_um: Ints
+    end_um: Ints
+    site_cost: Ints
+    home_um: Ints
+    travel_weight: float
+    before: Bools
+    block: Ints
+    conditions: tuple[Condition, ...]
+    soft_groups: tuple[SoftGroup, ...]
+    lags: tuple[Lag, ...]
+    general: tuple[AtLeast, ...]
+    ids: tuple[str, ...]
+
+    @property
+    def m(self) -> int:
+        """Number of sites."""
+        return len(self.site_contour)
+
+    def sites(self, contour: int) -> range:
+        """Site numbers of a contour."""
+        return range(int(self.first[contour]), int(self.first[contour + 1]))
+
+    def travel(self, ends_um: Ints, pierces_um: Ints) -> Ints:
+        """Cost matrix of idle travel from every end (k, 2) to every pierce (l, 2), whole µm."""
+        gap = ends_um[:, None, :].astype(np.float64) - pierces_um[None, :, :]
+        return np.asarray(np.rint(self.travel_weight * np.sqrt((gap**2).sum(axis=2))), dtype=np.int64)
+
+
+def make_problem(facts: Facts, statements: tuple[Statement, ...], home_mm: tuple[float, float]) -> Problem:
+    """Compile facts and statements.
+
+    Raises
+    ------
+    RulesConflict
+        If the hard orders form a cycle, or a contour has no candidate left.
+    """
+    contour_of = [c.contour for c in facts.candidates]
+    hard = [s for s in statements if isinstance(s, Precede) and s.weight is None]
+    groups = [s for s in statements if isinstance(s, Contiguous)]
+    blocks = _blocks(facts.n, [g for g in groups if g.weight is None])
+    before = close(facts.n, [(p.before, p.after) for p in hard], blocks)
+    if before.diagonal().any():
+        raise _contradiction(before, hard)
+    conditions, general = _conditions(statements, contour_of)
+    allowed, costs = _candidate_costs(facts, statements)
+    site_of, representatives = _sites(facts, allowed, costs, conditions, general)
+    chosen = np.array(representatives, dtype=np.int64)
+    contours = np.array([contour_of[c] for c in representatives], dtype=np.int64)
+    candidate_site = np.full(len(facts.candidates), -1, dtype=np.int64)
+    candidate_site[list(site_of)] = list(site_of.values())
+    first = np.searchsorted(contours, np.arange(facts.n + 1)).astype(np.int64)
+    return Problem(
+        n=facts.n,
+        first=first,
+        site_contour=contours,
+        site_candidate=chosen,
+        candidate_site=candidate_site,
+        pierce_um=_um([facts.candidates[c].pierce for c in representatives]),
+        end_um=_um([facts.candidates[c].end for c in representatives]),
+        site_cost=costs[chosen] if len(chosen) else np.zeros(0, dtype=np.int64),
+        home_um=_um([home_mm])[0],
+        travel_weight=sum(s.weight for s in statements if isinstance(s, IdleTravel)),
+        before=before,
+        block=blocks,
+        conditions=tuple(
+            dict.fromkeys(_on_site(c, site_of) for c in conditions if c.when is None or c.when in site_of)
+        ),
+        soft_groups=tuple(SoftGroup(g.contours, _cost(g.weight), g.about) for g in groups if g.weight is not None),
+        lags=tuple(s for s in statements if isinstance(s, Lag)),
+        general=tuple(general),
+        ids=tuple(c.id for c in facts.nest.contours),
+    )
+
+
+def _um(points: list[tuple[float, float]]) -> Ints:
+    return np.asarray(np.rint(np.array(points, dtype=np.float64).reshape(-1, 2) * UM_PER_MM), dtype=np.int64)
+
+
+def _cost(weight_mm: float | None) -> int:
+    return round((weight_mm or 0.0) * UM_PER_MM)
+
+
+def _blocks(n: int, groups: list[Contiguous]) -> Ints:
+    """Number of the contiguous block of every contour: groups that share a contour must be one block."""
+    block = np.arange(n, dtype=np.int64)
+    owner: dict[int, Contiguous] = {}
+    for group in groups:
+        for contour in group.contours:
+            if contour in owner:
+                other = owner[contour]
+                raise RulesConflict(
+                    "contours can be kept together in one group only",
+                    (other.about.sentence, group.about.sentence),
+                )
+            owner[contour] = group
+            block[contour] = group.contours[0]
+    return block
+
+
+def _contradiction(before: Bools, hard: list[Precede]) -> RulesConflict:
+    """Names the orders between contours that stand on a cycle (rules/cycles names the shortest one beforehand)."""
+    stuck = before.diagonal()
+    said = [p.about.sentence for p in hard if stuck[p.before] and stuck[p.after]]
+    return RulesConflict("the order rules contradict each other", tuple(dict.fromkeys(said)))
+
+
+def _conditions(statements: tuple[Statement, ...], contour_of: list[int]) -> tuple[list[Condition], list[AtLeast]]:
+    conditions: list[Condition] = []
+    general: list[AtLeast] = []
+    for s in statements:
+        if isinstance(s, Precede) and s.weight is not None:
+            conditions.append(of_soft_precede(s, _cost(s.weight)))
+        elif isinstance(s, NoGood):
+            conditions.extend(of_no_good(s, None if s.weight is None else _cost(s.weight)))
+        elif isinstance(s, AtLeast):
+            made = of_at_least(s, contour_of, None if s.weight is None else _cost(s.weight))
+            if made is None:
+                general.append(s)
+            else:
+                conditions.append(made)
+    return conditions, general
+
+
+def _candidate_costs(facts: Facts, statements: tuple[Statement, ...]) -> tuple[Bools, Ints]:
+    allowed = np.ones(len(facts.candidates), dtype=np.bool_)
+    costs = np.zeros(len(facts.candidates), dtype=np.int64)
+    reasons: dict[int, list[str]] = defaultdict(list)
+    for s in statements:
+        if isinstance(s, Forbid):
+            if s.weight is None:
+                allowed[s.candidate] = False
+                reasons[facts.candidates[s.candidate].contour].append(s.about.sentence)
+            else:
+                costs[s.candidate] += _cost(s.weight)
+    for contour in range(facts.n):
+        span = facts.candidates_of(contour)
+        if not allowed[span.start : span.stop].any():
+            name = facts.nest.contours[contour].id
+            raise RulesConflict(f"{name} has no lawful entry left", tuple(dict.fromkeys(reasons[contour])))
+    return allowed, costs
+
+
+def _sites(
+    facts: Facts, allowed: Bools, costs: Ints, conditions: list[Condition], general: list[AtLeast]
+) -> tuple[dict[int, int], list[int]]:
+    """Site of every candidate that is kept, and the candidate each site stands for."""
+    told_apart: dict[int, list[object]] = defaultdict(list)
+    for condition in conditions:
+        if condition.when is not None:
+            told_apart[condition.when].append((condition.members, condition.weights, condition.bound, condition.cost))
+    for number, s in enumerate(general):
+        for c in {lit.c for lit in s.literals if isinstance(lit, Pick)} | {s.when}:
+            if c is not None:
+                told_apart[c].append(number)
+    site_of: dict[int, int] = {}
+    seen: dict[object, int] = {}
+    representatives: list[int] = []
+    for number, candidate in enumerate(facts.candidates):
+        if not allowed[number]:
+            continue
+        key = (candidate.contour, candidate.pierce, candidate.end, int(costs[number]), tuple(told_apart[number]))
+        if key not in seen:
+            seen[key] = len(representatives)
+            representatives.append(number)
+        site_of[number] = seen[key]
+    return site_of, representatives
+
+
+def _on_site(condition: Condition, site_of: dict[int, int]) -> Condition:
+    if condition.when is None:
+        return condition
+    return Condition(
+        condition.contour,
+        condition.members,
+        condition.weights,
+        condition.bound,
+        condition.about,
+        site_of[condition.when],
+        condition.cost,
+    )
