@@ -49,8 +49,8 @@ def broken(problem: Problem, route: Sequence[int]) -> tuple[About, ...]:
     for block in np.unique(problem.block):
         members = tuple(np.flatnonzero(problem.block == block).tolist())
         if _pieces(order, members) > 1:
-            names = tuple(problem.ids[k] for k in members)
-            found.append(About("contiguous", names, f"{', '.join(names)} must follow each other"))
+            together = tuple(problem.ids[k] for k in members)
+            found.append(About("contiguous", together, f"{', '.join(together)} must follow each other"))
     found += [about for cost, about in _broken_conditions(problem, route) if cost is None]
     found += [lag.about for lag in problem.lags if lag.weight is None and _missing_cuts(lag, position) > 0]
     picked = set(route)

@@ -36,7 +36,8 @@ class SoftGroup:
 class Problem:
     """n contours, m sites.
 
-    `site_candidate[s]` is the candidate that site s stands for, `candidate_site[c]` the site of candidate c or -1; sites of contour i are `first[i]` … `first[i+1] - 1`.
+    `site_candidate[s]` is the candidate that site s stands for, `candidate_site[c]` the site of candidate c or -1;
+    sites of contour i are `first[i]` … `first[i+1] - 1`.
     `pierce_um`, `end_um` are (m, 2) coordinates, µm; `site_cost` (m,) what using a site costs (soft `Forbid`).
     `before[i, j]` says that i must come before j (closure, lifted over contiguous blocks); `block[i]` numbers the
     contiguous block that i belongs to. `conditions` are about sites (`when` is a site here). `general` are statements
