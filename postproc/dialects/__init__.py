@@ -1,0 +1,5 @@
+"""Controls and how they spell a program."""
+
+from .dialect import Dialect, LineNumbers, dialect_names, load_dialect
+
+__all__ = ["Dialect", "LineNumbers", "dialect_names", "load_dialect"]

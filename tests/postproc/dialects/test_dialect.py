@@ -1,0 +1,68 @@
+"""Dialects are data: every shipped file loads, and a damaged one is answered with its line."""
+
+from pathlib import Path
+
+import pytest
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.postproc import dialects
+from kerfwise.postproc.dialects import LineNumbers, dialect_names, load_dialect
+
+FOLDER = Path(dialects.__file__).parent
+
+
+@pytest.mark.parametrize("name", dialect_names())
+def test_every_shipped_dialect_loads_under_its_own_name(name: str) -> None:
+    assert load_dialect(name).name == name
+
+
+def test_qtplasmac_as_documented() -> None:
+    dialect = load_dialect("linuxcnc-qtplasmac")
+    assert (dialect.torch_on, dialect.torch_off, dialect.mark_on) == ("M3 $0 S1", "M5 $0", "M3 $1 S1")
+    assert dialect.line_numbers == LineNumbers(10, 10)
+    assert dialect.max_line == 255
+    assert dialect.footer[-1] == "M2"
+
+
+def test_unknown_name_is_answered_with_the_nearest() -> None:
+    with pytest.raises(InputError, match="unknown dialect 'linuxcnc-plasmac'; did you mean 'linuxcnc-qtplasmac'"):
+        load_dialect("linuxcnc-plasmac")
+
+
+def shop(tmp_path: Path, old: str, new: str) -> str:
+    text = (FOLDER / "linuxcnc-qtplasmac.yaml").read_text()
+    assert old in text
+    (tmp_path / "shop.yaml").write_text(text.replace(old, new))
+    return str(tmp_path / "shop.yaml")
+
+
+def test_a_plant_brings_its_own(tmp_path: Path) -> None:
+    file = shop(tmp_path, "{start: 10, step: 10}", "null")
+    assert load_dialect(file).line_numbers is None
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("torch_on: M3", "torchon: M3", r"shop.yaml:15: unknown key 'torchon'; did you mean 'torch_on'"),
+        ("dwell: G4 P{seconds}\n", "", "lacks dwell$"),
+        ("decimals: 4", "decimals: four", r":29: decimals: expected a whole number, got 'four'"),
+        ("decimals: 4", "decimals: yes", "expected a whole number, got True"),
+        ("pierce_dwell: program", "pierce_dwell: never", "pierce_dwell: expected machine or program, got 'never'"),
+        ("{start: 10, step: 10}", "{start: 10}", r"line_numbers: expected \{start: 10, step: 10\} or null"),
+        ("feed: F{mm_min}", "feed: F{inch_min}", r"feed: expected one \{mm_min\}"),
+        ("max_line: 255", "max_line: 20", "max_line: expected at least 60, got 20"),
+        ("  - G21", "  - [", "not YAML"),
+    ],
+)
+def test_a_damaged_file_is_answered_with_its_line(tmp_path: Path, old: str, new: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        load_dialect(shop(tmp_path, old, new))
+
+
+def test_no_file_and_no_dialect(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot read the dialect: No such file"):
+        load_dialect(str(tmp_path / "none.yaml"))
+    (tmp_path / "list.yaml").write_text("- a\n")
+    with pytest.raises(InputError, match="not a dialect"):
+        load_dialect(str(tmp_path / "list.yaml"))
