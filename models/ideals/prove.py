@@ -1,0 +1,108 @@
+"""Proves the best plan wherever the sets that can occur are few, stretch after stretch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..problem import Problem
+from ..solution import Incumbent, Progress
+from .lattice import Budget, Layer, TooLarge, sweep_layers, walk_back
+from .local import MOST_CONTOURS, Floats, Ints, Local, localise
+from .series import series
+
+ADDITIONS_PER_S = 4e8
+MOST_STATES = 600_000_000
+HOME = -1
+
+
+@dataclass(frozen=True, slots=True)
+class Proof:
+    """The best route there is; `incumbent` is None where no lawful route exists at all."""
+
+    incumbent: Incumbent | None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Stretch:
+    local: Local
+    entrance: Ints
+    travel: Floats
+    layers: list[Layer]
+
+
+def applies(problem: Problem) -> bool:
+    """Whether the cost of a step depends on nothing but the set already cut and the last site."""
+    short = all(lag.cuts <= 1 and lag.seconds == 0 for lag in problem.lags)
+    return short and not problem.general
+
+
+def prove(problem: Problem, incumbent: Incumbent | None, work: float, progress: Progress | None = None) -> Proof | None:
+    """Solve exactly, or return None if the budget (`work`, seconds or so) does not suffice.
+
+    An incumbent makes it faster, never different: states that cannot lead to a plan as cheap are dropped.
+    """
+    groups = series(problem) if applies(problem) else []
+    if not groups or max(map(len, groups)) > MOST_CONTOURS:
+        return None
+    known = incumbent.cost if incumbent else None
+    budget = Budget(work * ADDITIONS_PER_S, MOST_STATES, lambda: progress is None or progress("ideals", known, None))
+    limit = np.inf if known is None else float(known)
+    least = _least_in(problem)
+    stretches: list[_Stretch] = []
+    ways, costs, earlier = np.array([HOME]), np.zeros(1), frozenset[int]()
+    try:
+        for group in groups:
+            local = localise(problem, group, earlier)
+            travel = _travel(problem, np.concatenate([ways, local.sites]), local.sites)
+            earlier |= frozenset(group)
+            later = sum(least[c] for c in range(problem.n) if c not in earlier)
+            rest = np.array([*(least[c] for c in group), later])
+            layers = sweep_layers(local, travel, costs, limit, rest, budget)
+            stretches.append(_Stretch(local, ways, travel, layers))
+            end = layers[-1]
+            if not len(end.contour) or not np.isfinite(end.values).any():
+                return Proof(None)
+            ways = np.concatenate([local.sites[local.first[c] : local.first[c + 1]] for c in end.contour])
+            costs = end.values
+    except TooLarge:
+        return None
+    home = _travel(problem, ways, np.array([HOME]))[:, 0]
+    total = costs + home
+    best = int(np.argmin(total))
+    return Proof(Incumbent(_route(stretches, best), round(float(total[best]))))
+
+
+def _route(stretches: list[_Stretch], state: int) -> tuple[int, ...]:
+    route: list[int] = []
+    for stretch in reversed(stretches):
+        columns, state = walk_back(stretch.local, stretch.layers, stretch.travel, state)
+        route = [int(stretch.local.sites[c]) for c in columns] + route
+    return tuple(route)
+
+
+def _travel(problem: Problem, rows: Ints, columns: Ints) -> Floats:
+    """Cost of going from the end of each row's site to the pierce of each column's, `HOME` for the machine's home."""
+    ends = np.where((rows == HOME)[:, None], problem.home_um, problem.end_um[rows])
+    pierces = np.where((columns == HOME)[:, None], problem.home_um, problem.pierce_um[columns])
+    travel = problem.travel(ends, pierces).astype(np.float64)
+    for lag in problem.lags:
+        cost = np.inf if lag.weight is None else float(round(lag.weight * 1000))
+        for i, j in ((lag.first, lag.second), (lag.second, lag.first)):
+            left = np.flatnonzero((rows != HOME) & (problem.site_contour[rows] == i))
+            right = np.flatnonzero((columns != HOME) & (problem.site_contour[columns] == j))
+            if lag.cuts == 1:
+                travel[np.ix_(left, right)] += cost
+    return travel
+
+
+def _least_in(problem: Problem) -> list[float]:
+    """For every contour a lower bound on the travel that leads to it."""
+    least = []
+    for contour in range(problem.n):
+        sites = np.array(problem.sites(contour))
+        others = np.flatnonzero(~problem.before[contour][problem.site_contour] & (problem.site_contour != contour))
+        ends = np.concatenate([problem.home_um[None, :], problem.end_um[others]])
+        least.append(float(problem.travel(ends, problem.pierce_um[sites]).min()))
+    return least
