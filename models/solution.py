@@ -36,7 +36,8 @@ class Incumbent:
 class Solution:
     """The best route found, as candidate numbers in cutting order.
 
-    `objective` and `bound` are in mm; `bound` is None unless proven for the whole model.
+    `objective` and `bound` are in mm; `bound` is None unless proven for the whole model. `seconds` is wall-clock time
+    under a time limit, else the deterministic work spent, so that the same input gives the same plan to the byte.
     """
 
     route: tuple[int, ...]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -19,9 +19,13 @@ HOME = -1
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """The best route there is; `incumbent` is None where no lawful route exists at all."""
+    """The best route there is; `incumbent` is None where no lawful route exists at all.
+
+    `work` is what the proof took, in deterministic seconds (`ADDITIONS_PER_S` additions each).
+    """
 
     incumbent: Incumbent | None
+    work: float = field(default=0.0, compare=False)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -63,7 +67,7 @@ def prove(problem: Problem, incumbent: Incumbent | None, work: float, progress: 
             stretches.append(_Stretch(local, ways, travel, layers))
             end = layers[-1]
             if not len(end.contour) or not np.isfinite(end.values).any():
-                return Proof(None)
+                return Proof(None, work - budget.additions / ADDITIONS_PER_S)
             ways = np.concatenate([local.sites[local.first[c] : local.first[c + 1]] for c in end.contour])
             costs = end.values
     except TooLarge:
@@ -71,7 +75,8 @@ def prove(problem: Problem, incumbent: Incumbent | None, work: float, progress: 
     home = _travel(problem, ways, np.array([HOME]))[:, 0]
     total = costs + home
     best = int(np.argmin(total))
-    return Proof(Incumbent(_route(stretches, best), round(float(total[best]))))
+    route = Incumbent(_route(stretches, best), round(float(total[best])))
+    return Proof(route, work - budget.additions / ADDITIONS_PER_S)
 
 
 def _route(stretches: list[_Stretch], state: int) -> tuple[int, ...]:

@@ -1,0 +1,72 @@
+"""The command line: each verb is a file in `commands`, imported only when it is called."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+
+import click
+
+from . import __version__
+
+VERBS = {
+    "solve": "Turn a nest into a checked cutting program.",
+    "check": "Judge a plan or a program by every rule, independently.",
+    "facts": "Write the facts of a nest, as JSON or MiniZinc data.",
+    "plot": "Draw a nest or a plan (SVG, PNG or HTML).",
+    "profile": "Check a profile, or show it with every default filled in.",
+    "rules": "List the rules, or print one rule's page.",
+}
+
+
+class Verbs(click.Group):
+    """Knows the verbs by name and imports the one that is asked for."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """The verbs, in the order a new user needs them."""
+        return list(VERBS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The verb's command, imported now; None for an unknown verb."""
+        if cmd_name not in VERBS:
+            return None
+        command: click.Command = importlib.import_module(f".commands.{cmd_name}", __package__).command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """The verbs with a line each, without importing any."""
+        with formatter.section("Verbs"):
+            formatter.write_dl(list(VERBS.items()))
+
+
+@click.command(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__)
+def program() -> None:
+    """Sequence the cuts of a nest: every rule held, idle travel as low as can be, and the proof.
+
+    Exit codes: 0 done, 1 the rules cannot be met or are broken, 2 wrong usage or unreadable input, 130 interrupted
+    (the best plan so far is written).
+    """
+
+
+def main(argv: list[str] | None = None) -> None:
+    """Run the command line and leave with its exit code."""
+    from .encoder.errors import InputError, RulesConflict
+
+    try:
+        code = program.main(argv, prog_name="kerfwise", standalone_mode=False)
+    except click.ClickException as error:
+        error.show()
+        code = 2
+    except click.exceptions.Abort:
+        code = 130
+    except InputError as error:
+        click.echo(f"kerfwise: {error}", err=True)
+        code = 2
+    except RulesConflict as error:
+        click.echo(f"kerfwise: {error}", err=True)
+        code = 1
+    except BrokenPipeError:
+        sys.stderr.close()
+        code = 0
+    sys.exit(code if isinstance(code, int) else 0)

@@ -1,0 +1,31 @@
+"""kerfwise facts: what the rules are told of a nest."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..encoder.errors import InputError
+from .given import given_options, read_given
+
+
+@click.command()
+@given_options
+@click.option("-o", "--output", metavar="FACTS.json|FACTS.dzn", help="Where to write (standard output, as JSON).")
+def command(output: str | None, **given: Any) -> None:
+    """Write the facts of NEST: containment, what lies ahead, hulls, neighbours, zones, candidates."""
+    if output and Path(output).suffix not in (".json", ".dzn"):
+        raise InputError(
+            f"cannot write facts as {Path(output).suffix or output!r}: give a name ending in .json or .dzn"
+        )
+    from ..encoder.facts import facts_dzn, facts_json
+    from ..postproc.files import write_files
+    from .facts_of import facts_of
+
+    facts = facts_of(read_given(**given))
+    if output is None:
+        click.echo(facts_json(facts), nl=False)
+    else:
+        write_files({Path(output): facts_dzn(facts) if output.endswith(".dzn") else facts_json(facts)})

@@ -1,0 +1,14 @@
+"""From a nest and a profile to its facts and statements: the part that several verbs share."""
+
+from __future__ import annotations
+
+from ..encoder.candidates import build_candidates
+from ..encoder.facts import compute_facts
+from ..encoder.facts.facts import Facts
+from .given import Given
+
+
+def facts_of(given: Given) -> Facts:
+    """All facts of the nest under the profile's thresholds."""
+    candidates = build_candidates(given.nest, given.profile.lead_options())
+    return compute_facts(given.nest, given.profile.fact_options(), candidates)

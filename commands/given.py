@@ -1,0 +1,66 @@
+"""What a person gives on the command line: the options that verbs share, and how they become a nest and a profile."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import click
+
+from ..encoder.errors import InputError
+from ..encoder.nest import Nest
+from ..rules.profile import Profile, load_profile
+
+DEFAULT_PROFILE = "plasma-carbon-steel"
+Verb = Callable[..., Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """A nest and the profile it is to be cut by."""
+
+    nest: Nest
+    profile: Profile
+
+
+def given_options(verb: Verb) -> Verb:
+    """Add NEST and the options that decide how it is read."""
+    for add in (
+        click.option("--repair", is_flag=True, help="Mend what can be mended in the drawing, and say what was done."),
+        click.option("--sheet", metavar="WxH", help="Sheet size in mm, where the drawing has no outline for it."),
+        click.option("--units", metavar="UNIT", help="Unit of the drawing: mm, cm, m, in or ft."),
+        click.option("-p", "--profile", default=DEFAULT_PROFILE, show_default=True, help="Name or path of a profile."),
+        click.argument("nest", metavar="NEST"),
+    ):
+        verb = add(verb)
+    return verb
+
+
+def read_given(nest: str, profile: str, units: str | None, sheet: str | None, repair: bool) -> Given:
+    """Read both; what the reader has to say goes to standard error, a line each."""
+    from ..encoder.readers import read_nest
+
+    plant = load_profile(profile)
+    options = plant.read_options()
+    options = replace(
+        options,
+        units=units or options.units,
+        sheet_size_mm=_size(sheet) if sheet else options.sheet_size_mm,
+        repair=repair,
+    )
+    read = read_nest(nest, options)
+    for note in read.notes:
+        click.echo(f"{note.severity}: {note.text}", err=True)
+    return Given(read, plant)
+
+
+def _size(text: str) -> tuple[float, float]:
+    width, _, height = text.lower().partition("x")
+    try:
+        size = float(width), float(height)
+    except ValueError:
+        size = (0.0, 0.0)
+    if not (0 < size[0] < 1e6 and 0 < size[1] < 1e6):
+        raise InputError(f"--sheet {text!r} is not a size: write width x height in mm, such as 3000x1500")
+    return size

@@ -1,0 +1,29 @@
+"""kerfwise profile: check one, or show it with nothing left implicit."""
+
+from __future__ import annotations
+
+import click
+
+from ..rules.profile import load_profile
+
+
+@click.group()
+def command() -> None:
+    """Check a profile (by name or path), or show it with every default filled in."""
+
+
+@command.command()
+@click.argument("profile", metavar="PROFILE")
+def check(profile: str) -> None:
+    """Say whether PROFILE can be used, and if not, where it is wrong."""
+    loaded = load_profile(profile)
+    hard = sum(setting.strength == "hard" for setting in loaded.rules.values())
+    soft = sum(setting.strength == "soft" for setting in loaded.rules.values())
+    click.echo(f"{loaded.name}: fine, {hard} hard and {soft} soft rules")
+
+
+@command.command()
+@click.argument("profile", metavar="PROFILE")
+def show(profile: str) -> None:
+    """Print PROFILE as YAML with every default filled in."""
+    click.echo(load_profile(profile).show(), nl=False)

@@ -1,0 +1,97 @@
+"""From a solution to a plan: cuts with their times, totals, and the reasons for every place."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+from ..encoder.cut import Cut
+from ..encoder.facts.facts import Facts
+from ..encoder.nest import Contour
+from ..rules.profile import Profile
+from ..rules.state import Stated
+from .plan import Dropped, Plan, PlannedCut, SolveReport, Totals
+from .reasons import reasons
+from .solution import Solution
+from .timing.constant import Feeds, Leg, idle_mm, schedule
+
+
+def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution, engine: str, seed: int) -> Plan:
+    """The whole plan but for the verdict on each rule, which only the independent check can give."""
+    nest = facts.nest
+    candidates = [facts.candidates[c] for c in solution.route]
+    contours = [nest.contours[c.contour] for c in candidates]
+    legs = [
+        Leg(c.pierce, c.end, c.cut_mm, k.kind == "mark", not c.edge_start)
+        for c, k in zip(candidates, contours, strict=True)
+    ]
+    machine = profile.machine
+    feeds = Feeds(
+        machine.cut_feed_mm_s,
+        machine.mark_feed_mm_s,
+        machine.travel_mm_s,
+        machine.pierce_time_s,
+        machine.mark_time_s,
+    )
+    times = schedule(legs, feeds, machine.home)
+    why = reasons(facts, stated, [c.contour for c in candidates])
+    cuts = tuple(
+        PlannedCut(
+            Cut(
+                contour.id,
+                candidate.entry,
+                candidate.direction,
+                candidate.pierce,
+                candidate.lead_in,
+                candidate.lead_out,
+                int(facts.zone[candidate.contour]),
+                begin,
+                end,
+            ),
+            contour.part,
+            contour.kind,
+            candidate.cut_mm,
+            because,
+        )
+        for candidate, contour, (begin, end), because in zip(candidates, contours, times, why, strict=True)
+    )
+    last = times[-1][1] + math.dist(legs[-1].end, machine.home) / machine.travel_mm_s if times else 0.0
+    gap = None
+    if solution.bound is not None:
+        gap = (solution.objective - solution.bound) / solution.objective if solution.objective > 0 else 0.0
+    return Plan(
+        nest={"file": nest.file, "sha256": nest.sha256},
+        profile={"name": profile.name, "sha256": profile.sha256},
+        start_side=facts.start_side,
+        start_side_because=facts.start_side_because,
+        cuts=cuts,
+        totals=Totals(
+            cut_mm=sum(leg.length_mm for leg in legs),
+            idle_mm=idle_mm(legs, machine.home),
+            pierces=sum(leg.pierced and not leg.marks for leg in legs),
+            time_s=last,
+            heat=close_calls(contours),
+        ),
+        solve=SolveReport(
+            engine,
+            solution.status,
+            solution.objective,
+            solution.bound,
+            gap,
+            solution.seconds,
+            seed,
+            solution.found_by,
+            solution.proved_by,
+        ),
+        dropped=tuple(Dropped(d.rule, d.contours, d.why) for d in stated.dropped),
+    )
+
+
+def close_calls(contours: list[Contour], radius_mm: float = 50.0) -> float:
+    """A first measure of heat: how many cuts follow a cut of another part less than `radius_mm` away.
+
+    Pristupov and Petunin ask that neighbours not be cut one after the other; the simulated temperature
+    (Verkhoturov) will be a better measure.
+    """
+    through = [c for c in contours if c.kind != "mark"]
+    return float(sum(a.part != b.part and a.line.distance(b.line) < radius_mm for a, b in pairwise(through)))

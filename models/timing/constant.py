@@ -1,0 +1,57 @@
+"""Time of a program at constant feeds: T = L_on / V_on + L_off / V_off + N_pt · t_pt (Tavaeva and Petunin)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ...encoder.geometry.segment import Point
+
+
+@dataclass(frozen=True, slots=True)
+class Feeds:
+    """Speeds in mm/s and the time to pierce (or to start marking), s."""
+
+    cut_mm_s: float
+    mark_mm_s: float
+    travel_mm_s: float
+    pierce_s: float
+    mark_start_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """One torch-on path: where it starts and ends, its length, and whether it marks or enters from the edge."""
+
+    start: Point
+    end: Point
+    length_mm: float
+    marks: bool = False
+    pierced: bool = True
+
+
+def schedule(legs: Sequence[Leg], feeds: Feeds, home: Point) -> list[tuple[float, float]]:
+    """Seconds from the program's start at which each leg begins (pierce included) and ends.
+
+    Examples
+    --------
+    >>> schedule([Leg((30, 40), (30, 40), 100)], Feeds(10, 10, 50, 0.5), (0, 0))
+    [(1.0, 11.5)]
+    """
+    now, at = 0.0, home
+    times = []
+    for leg in legs:
+        begin = now + math.dist(at, leg.start) / feeds.travel_mm_s
+        speed = feeds.mark_mm_s if leg.marks else feeds.cut_mm_s
+        wait = feeds.mark_start_s if leg.marks else feeds.pierce_s if leg.pierced else 0.0
+        now, at = begin + wait + leg.length_mm / speed, leg.end
+        times.append((begin, now))
+    return times
+
+
+def idle_mm(legs: Sequence[Leg], home: Point) -> float:
+    """Idle travel from home through all legs and back, mm."""
+    ends = [home, *(leg.end for leg in legs)]
+    starts = [*(leg.start for leg in legs), home]
+    return sum(map(math.dist, ends, starts))

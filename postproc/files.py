@@ -1,0 +1,41 @@
+"""Output files appear whole or not at all: written beside, then renamed."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from ..encoder.errors import InputError
+
+
+def write_files(contents: Mapping[Path, str | bytes]) -> None:
+    """Write all files, or none: each is written beside its place and renamed once all are on disk.
+
+    Raises
+    ------
+    InputError
+        If a folder does not exist or may not be written.
+    """
+    beside: dict[Path, Path] = {}
+    try:
+        for path, content in contents.items():
+            handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+            beside[path] = Path(name)
+            with os.fdopen(handle, "wb") as file:
+                file.write(content if isinstance(content, bytes) else content.encode("utf-8"))
+            os.chmod(name, 0o666 & ~_umask())
+        for path, temporary in beside.items():
+            temporary.replace(path)
+    except OSError as error:
+        raise InputError(f"cannot write: {error.strerror}", file=path) from None
+    finally:
+        for temporary in beside.values():
+            temporary.unlink(missing_ok=True)
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

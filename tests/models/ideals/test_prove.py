@@ -1,0 +1,94 @@
+"""The dynamic program over ideals against brute force, and on problems that fall apart into zones."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from hypothesis import assume, given, settings
+
+from kerfwise.models.evaluate import broken, route_cost
+from kerfwise.models.ideals import prove
+from kerfwise.models.ideals.prove import applies
+from kerfwise.models.ideals.series import series
+from kerfwise.models.problem import Problem, SoftGroup
+from kerfwise.models.solution import Incumbent
+from kerfwise.rules.statements import Lag
+from kerfwise.tests.models.brute import cheapest
+from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered
+
+
+@settings(max_examples=150, deadline=None)
+@given(problems())
+def test_same_optimum_as_brute_force(drawn: Problem) -> None:
+    tiny = replace(drawn, general=(), lags=tuple(lag for lag in drawn.lags if lag.cuts <= 1))
+    best, proof = cheapest(tiny), prove(tiny, None, work=10)
+    assert proof is not None
+    if best is None:
+        assert proof.incumbent is None
+        return
+    assert proof.incumbent is not None
+    assert proof.incumbent.cost == best.cost
+    assert broken(tiny, proof.incumbent.route) == ()
+    assert route_cost(tiny, proof.incumbent.route) == best.cost
+
+
+@settings(max_examples=60, deadline=None)
+@given(problems())
+def test_an_incumbent_changes_nothing_but_the_work(drawn: Problem) -> None:
+    tiny = replace(drawn, general=(), lags=())
+    free = prove(tiny, None, work=10)
+    assert free is not None
+    assume(free.incumbent is not None)
+    assert free.incumbent is not None
+    assert prove(tiny, free.incumbent, work=10) == free
+    dearer = Incumbent(free.incumbent.route, free.incumbent.cost + 7)
+    assert prove(tiny, dearer, work=10) == free
+
+
+def zones(count: int, size: int, sites: int) -> Problem:
+    """Zones of contours from left to right, each before the next."""
+    ranked = [(i, j) for i in range(count * size) for j in range(count * size) if i // size + 1 == j // size]
+    bare = scattered(5, count * size, sites)
+    where = [
+        [(x / 1000, y / 1000) for x, y in bare.pierce_um[list(bare.sites(i))].tolist()] for i in range(count * size)
+    ]
+    return problem(where, pairs=ranked)
+
+
+def test_zones_are_swept_one_after_the_other() -> None:
+    many = zones(10, 8, 8)
+    assert [len(group) for group in series(many)] == [8] * 10
+    proof = prove(many, None, work=10)
+    assert proof is not None
+    assert proof.incumbent is not None
+    assert broken(many, proof.incumbent.route) == ()
+    assert route_cost(many, proof.incumbent.route) == proof.incumbent.cost
+
+
+def test_a_soft_group_across_two_zones_joins_them() -> None:
+    two = replace(zones(2, 2, 1), soft_groups=(SoftGroup((1, 2), 1000, ABOUT),))
+    assert [len(group) for group in series(two)] == [1, 2, 1] or len(series(two)) < 3
+    proof, best = prove(two, None, work=10), cheapest(two)
+    assert proof is not None
+    assert proof.incumbent is not None
+    assert best is not None
+    assert proof.incumbent.cost == best.cost
+
+
+def test_says_so_when_it_does_not_fit() -> None:
+    assert prove(scattered(1, 20, 4), None, work=0.001) is None
+    assert prove(scattered(1, 70, 1), None, work=10) is None
+
+
+def test_does_not_claim_what_a_state_cannot_hold() -> None:
+    lagged = replace(scattered(1, 4, 1), lags=(Lag(0, 1, ABOUT, cuts=2),))
+    assert not applies(lagged)
+    assert prove(lagged, None, work=10) is None
+
+
+def test_no_contours_at_all_is_not_a_proof() -> None:
+    empty = problem([])
+    assert series(empty) == []
+    assert prove(empty, None, work=1) is None
+    assert np.size(empty.before) == 0

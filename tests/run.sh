@@ -1,0 +1,50 @@
+#!/bin/sh
+# Sets up everything and runs the whole test suite: lint, types, import layers, tests.
+# Needs Python 3.11 or newer and, on Debian or Ubuntu, root or sudo for MiniZinc; all else comes from PyPI.
+# PYTHON=/path/to/python chooses the interpreter.
+set -eu
+cd "$(dirname "$0")/.."
+
+say() { printf '\n== %s\n' "$*"; }
+fail() { printf '%s\n' "$*" >&2; exit 1; }
+
+as_root() {
+  if [ "$(id -u)" = 0 ]; then "$@"
+  elif command -v sudo >/dev/null 2>&1; then sudo "$@"
+  else fail "this step needs root: $*"; fi
+}
+updated=
+from_debian() {
+  command -v apt-get >/dev/null 2>&1 || fail "$1 is missing: install it with your system's packages, then run this again"
+  [ -n "$updated" ] || { as_root apt-get update -qq; updated=yes; }
+  as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq "$1" >/dev/null
+}
+
+PYTHON=${PYTHON:-python3}
+"$PYTHON" -c 'import sys; sys.exit(sys.version_info < (3, 11))' ||
+  fail "kerfwise needs Python 3.11 or newer; $("$PYTHON" --version 2>&1) was found (set PYTHON=/path/to/python)"
+
+say "environment in .venv"
+[ -x .venv/bin/python ] || "$PYTHON" -m venv .venv 2>/dev/null || { from_debian python3-venv; "$PYTHON" -m venv .venv; }
+.venv/bin/python -m pip install -q -e '.[test]'
+
+say "MiniZinc"
+command -v minizinc >/dev/null 2>&1 || from_debian minizinc
+minizinc --version | head -1
+
+say "LinuxCNC's interpreter, for reading the programs back"
+if [ ! -x .tools/rs274/bin/rs274 ]; then
+  command -v apt-get >/dev/null 2>&1 || fail "rs274 is fetched from Debian's packages: run this on Debian 12, or set RS274=/path/to/rs274"
+  [ -n "$updated" ] || { as_root apt-get update -qq; updated=yes; }
+  sh tests/tools/get_rs274.sh .tools/rs274 >.rs274.log 2>&1 || { cat .rs274.log >&2; fail "rs274 could not be fetched"; }
+  rm -f .rs274.log
+fi
+
+say "lint, types, layers"
+.venv/bin/ruff check .
+.venv/bin/ruff format --check .
+.venv/bin/mypy
+.venv/bin/lint-imports
+
+say "tests"
+exec .venv/bin/pytest -q -n 2 --dist loadfile "$@"
