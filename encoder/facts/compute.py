@@ -1,0 +1,94 @@
+"""All facts of a nest, family after family."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..candidates.candidate import Candidate
+from ..nest import Nest
+from .cells import cells_of
+from .containment import closure_of, parents_of
+from .facts import FactOptions, Facts, Ints
+from .heat import heat
+from .hulls import in_hull
+from .long_parts import long_parts
+from .neighbours import outlook_of, surroundings_of
+from .offcut import edge_gaps, offcuts
+from .outlines import outlines_of
+from .shadows import level_ahead
+from .start_side import start_side
+from .stretches import runs_of, stretch_of
+from .zones import zones_of
+
+
+def compute_facts(nest: Nest, options: FactOptions, candidates: Sequence[Candidate] = ()) -> Facts:
+    """The facts of a nest and of the candidates of its contours.
+
+    Parameters
+    ----------
+    nest
+        A validated nest.
+    options
+        Thresholds, and what a profile fixes.
+    candidates
+        Sorted by contour index; may be empty.
+
+    Raises
+    ------
+    InputError
+        If `options` name contours or parts that the nest does not have, or zones that contradict each other.
+
+    Examples
+    --------
+    >>> from kerfwise.tests.nests import nest, part, rect
+    >>> two = nest(400, 100, part("A", rect(10, 10, 80, 80)), part("B", rect(100, 10, 80, 80)))
+    >>> facts = compute_facts(two, FactOptions())
+    >>> facts.start_side, facts.start_side_because, facts.level_ahead.tolist()
+    ('left', 'offcut', [[0, 1]])
+    """
+    outlines, sheet_mm = outlines_of(nest), nest.sheet.bounds
+    parent = parents_of(outlines)
+    contains = closure_of(parent)
+
+    is_long = long_parts(outlines, options.long_ratio)
+    edge_gap_mm = edge_gaps(outlines, sheet_mm)
+    offcut_mm, offcut_large = offcuts(edge_gap_mm[outlines.outers], sheet_mm, options.offcut_share)
+    heat_mm, heat_parts = heat(outlines, sheet_mm)
+    side, because = start_side(sheet_mm, options, is_long, edge_gap_mm, offcut_large, heat_mm, heat_parts)
+
+    ahead = level_ahead(outlines, parent, side)
+    hull = in_hull(outlines, parent)
+    order_facts: dict[str, Ints] = {"contains": contains[:, ::-1], "level_ahead": ahead, "in_hull": hull}
+    respected = np.concatenate([np.empty((0, 2), dtype=np.int64), *(order_facts[f] for f in options.zone_respects)])
+    zone = zones_of(nest, outlines, parent, side, respected, options)
+
+    outlook = outlook_of(outlines, parent, nest.sheet, cells_of(outlines), options)
+    surroundings = surroundings_of(outlines, parent, outlook)
+    runs = runs_of(outlook)
+    contour = np.fromiter((c.contour for c in candidates), np.int64, len(candidates))
+    return Facts(
+        nest=nest,
+        options=options,
+        parent=parent,
+        contains=contains,
+        start_side=side,
+        start_side_because=because,
+        level_ahead=ahead,
+        in_hull=hull,
+        neighbours=surroundings.neighbours,
+        edge_gap_mm=edge_gap_mm,
+        edge_length_mm=surroundings.edge_length_mm,
+        solid_mm=surroundings.solid_mm,
+        long=is_long,
+        offcut_mm=offcut_mm,
+        offcut_large=offcut_large,
+        heat_mm=heat_mm,
+        heat_parts=heat_parts,
+        zone=zone,
+        candidates=tuple(candidates),
+        first=np.searchsorted(contour, np.arange(outlines.n + 1)),
+        head=stretch_of(outlines, runs, candidates, options.head_share, "head"),
+        tail=stretch_of(outlines, runs, candidates, options.tail_share, "tail"),
+    )

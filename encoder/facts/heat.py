@@ -1,0 +1,38 @@
+"""Where on the sheet the cutting heat goes (Petunin 2009, fig. 2, rule d)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .facts import SIDES, Floats, Ints
+from .outlines import Outlines
+from .sides import AWAY, AXIS, Bounds
+
+
+def heat(outlines: Outlines, sheet_mm: Bounds) -> tuple[Floats, Ints]:
+    """Cut length, mm, and number of small parts in the half of the sheet at each side, in the order of SIDES.
+
+    Marks are left out: they do not cut through. A part counts as small when its outer contour encloses no more than
+    the median part does, and lies in the half that has its centroid.
+    """
+    outers = outlines.outers
+    area = outlines.area_mm2[outers]
+    small = outers[area <= np.median(area)] if len(outers) else outers
+    through = ~outlines.is_mark[outlines.chord_contour]
+    start, end = outlines.chord_start[through], outlines.chord_end[through]
+    length_mm = np.hypot(*(end - start).T)
+    cut_mm, parts = [], []
+    for side in SIDES:
+        axis, away = AXIS[side], AWAY[side]
+        middle = away * (sheet_mm[axis] + sheet_mm[axis + 2]) / 2
+        cut_mm.append(float(length_mm @ _share_below(away * start[:, axis], away * end[:, axis], middle)))
+        parts.append(int(np.count_nonzero(away * outlines.centroid[small, axis] < middle)))
+    return np.array(cut_mm), np.array(parts, dtype=np.int64)
+
+
+def _share_below(a: Floats, b: Floats, limit: float) -> Floats:
+    """How much of each stretch from a to b lies below the limit; half of one that lies on it."""
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    level = high == low
+    share = np.clip((limit - low) / np.where(level, 1.0, high - low), 0.0, 1.0)
+    return np.where(level, (np.sign(limit - low) + 1) / 2, share)

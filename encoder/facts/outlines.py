@@ -1,0 +1,86 @@
+"""The contours of a nest as arrays, made once for all families of facts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from ..nest import Nest
+from .facts import Bools, Floats, Ints
+from .sums import summed_by
+
+Geometries = NDArray[Any]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Outlines:
+    """Contours flattened within 0.01 mm. n contours, indexed like `Nest.contours`; m chords, contour after contour.
+
+    `polygon` is the area inside an outer contour or a hole, None for a mark; `centroid` its centre of mass
+    (Pristupov 2016), nan for a mark. `own_outer` is the outer contour of the part that a contour belongs to.
+    `length_mm` is exact on arcs. `chord_start`, `chord_end` (m, 2) and `chord_contour` (m,) are the chords.
+    """
+
+    line: Geometries
+    polygon: Geometries
+    centroid: Floats
+    bounds_mm: Floats
+    length_mm: Floats
+    area_mm2: Floats
+    is_ccw: Bools
+    is_outer: Bools
+    is_mark: Bools
+    own_outer: Ints
+    chord_start: Floats
+    chord_end: Floats
+    chord_contour: Ints
+
+    @property
+    def n(self) -> int:
+        """Number of contours."""
+        return len(self.length_mm)
+
+    @property
+    def outers(self) -> Ints:
+        """Indices of the outer contours."""
+        return np.flatnonzero(self.is_outer)
+
+
+def outlines_of(nest: Nest) -> Outlines:
+    """The arrays of a nest."""
+    contours = nest.contours
+    n = len(contours)
+    line: Geometries = np.array([c.line for c in contours], dtype=object)
+    is_mark = np.array([c.kind == "mark" for c in contours], dtype=bool)
+    points, contour_of_point = shapely.get_coordinates(line, return_index=True)
+
+    polygon: Geometries = np.full(n, None, dtype=object)
+    enclosing = ~is_mark[contour_of_point]
+    polygon[~is_mark] = shapely.polygons(
+        shapely.linearrings(points[enclosing], indices=(np.cumsum(~is_mark) - 1)[contour_of_point[enclosing]])
+    )
+    centroid = shapely.centroid(polygon)
+
+    within = contour_of_point[1:] == contour_of_point[:-1]
+    start, end, of = points[:-1][within], points[1:][within], contour_of_point[1:][within].astype(np.int64)
+    cross = start[:, 0] * end[:, 1] - end[:, 0] * start[:, 1]
+    outer_at = {p.id: nest.index[p.outer.id] for p in nest.parts}
+    return Outlines(
+        line=line,
+        polygon=polygon,
+        centroid=np.column_stack([shapely.get_x(centroid), shapely.get_y(centroid)]),
+        bounds_mm=shapely.bounds(line).reshape(n, 4),
+        length_mm=np.array([c.curve.length_mm for c in contours], dtype=np.float64),
+        area_mm2=np.nan_to_num(shapely.area(polygon)),
+        is_ccw=summed_by(of, cross, n) > 0,
+        is_outer=np.array([c.kind == "outer" for c in contours], dtype=bool),
+        is_mark=is_mark,
+        own_outer=np.array([outer_at[c.part] for c in contours], dtype=np.int64),
+        chord_start=start,
+        chord_end=end,
+        chord_contour=of,
+    )

@@ -1,0 +1,157 @@
+"""Facts as MiniZinc data, for rule authors and the MiniZinc engine.
+
+Contours and candidates count from 1 there, a relation is an array of bools such as `contains[i, j]`, and every
+length is an integer in hundredths of a millimetre, so that solvers without floats can read it.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+
+import numpy as np
+
+from ..errors import InputError
+from .facts import SIDES, Facing, Facts, Floats, Ints, Stretch
+
+CONTOURS_MAX = 2000
+KINDS = ("outer", "hole", "mark")
+
+HEADER = """\
+% Facts of a nest for MiniZinc (kerfwise-facts/1). Contours 1..n_contours, candidates 1..n_candidates.
+% Every length and coordinate is an integer in 0.01 mm. Sides: 1 left, 2 right, 3 bottom, 4 top.
+%
+%   n_contours                number of contours
+%   contour_id[i]             id of contour i, as in plans and reports
+%   part[i]                   number of the part of i, in the order of the nest
+%   kind[i]                   1 outer, 2 hole, 3 mark
+%   parent[i]                 the contour that immediately contains i, 0 if none does
+%   zone[i]                   zone of i, from 1
+%   long[i]                   i is an outer contour, one side at least long_ratio times the other
+%   start_side                the side where cutting starts
+%   contains[i, j]            j lies inside i, directly or not
+%   level_ahead[j, i]         j lies between the start side and i, on the level of i
+%   in_hull[j, i]             j lies in the concavity of i
+%   edge_gap[i, side]         distance of i from the side
+%   edge_length[i, side]      boundary of i that faces the edge of the sheet there
+%   solid_length[i]           boundary of i that faces wide uncut metal
+%   n_facing                  pairs of contours that face each other closely; for each pair p
+%   facing_from[p]            the contour whose boundary it is
+%   facing_to[p]              the outer contour that it faces
+%   facing_length[p]          length of that stretch of boundary
+%   facing_gap[p]             smallest distance between the two
+%   offcut_depth[side]        depth of the empty strip along the side
+%   offcut_large[side]        it is large
+%   heat_length[side]         cut length in the half of the sheet at the side
+%   heat_parts[side]          small parts in that half
+%   n_candidates              number of candidates; those of a contour follow each other; for each candidate c
+%   cand_contour[c]           the contour it cuts
+%   cand_x[c], cand_y[c]      where it pierces: idle travel arrives here
+%   cand_end_x[c], cand_end_y[c]   where the torch goes off: idle travel leaves from here
+%   cand_ccw[c]               it runs counter-clockwise (an open mark: along the drawn line)
+%   cand_cut_length[c]        torch-on path, leads and overcut included
+%   cand_edge_start[c]        it comes in from the edge of the sheet and nothing is pierced
+%   head_length[c]            the first stretch of its path round the contour, of which
+%   head_edge[c], head_solid[c]    face the edge and solid metal, and the rest, for each p in 1..n_head,
+%   head_cand[p], head_contour[p], head_facing[p]    faces that contour for that length
+%   tail_length[c] … tail_facing[p]    the same of the last stretch
+"""
+
+
+def facts_dzn(facts: Facts) -> str:
+    """The facts as MiniZinc data text; its first lines say what each field is.
+
+    Raises
+    ------
+    InputError
+        If the nest has more than 2000 contours: relations are square arrays there, and exact models of that size
+        are out of reach. JSON has no such limit.
+    """
+    n = facts.n
+    if n > CONTOURS_MAX:
+        raise InputError(f"{n} contours are too many for MiniZinc data (at most {CONTOURS_MAX}); write .json instead")
+    contours = facts.nest.contours
+    part_number = {p.id: k for k, p in enumerate(facts.nest.parts, 1)}
+    cands, near = facts.candidates, facts.neighbours
+    fields: list[tuple[str, str]] = [
+        ("n_contours", str(n)),
+        ("contour_id", _list(json.dumps(c.id, ensure_ascii=False) for c in contours)),
+        ("part", _ints(part_number[c.part] for c in contours)),
+        ("kind", _ints(KINDS.index(c.kind) + 1 for c in contours)),
+        ("parent", _ints(facts.parent + 1)),
+        ("zone", _ints(facts.zone)),
+        ("long", _bools(facts.long)),
+        ("start_side", str(SIDES.index(facts.start_side) + 1)),
+        ("contains", _relation(facts.contains, n)),
+        ("level_ahead", _relation(facts.level_ahead, n)),
+        ("in_hull", _relation(facts.in_hull, n)),
+        ("edge_gap", _table(facts.edge_gap_mm)),
+        ("edge_length", _table(facts.edge_length_mm)),
+        ("solid_length", _lengths(facts.solid_mm)),
+        ("n_facing", str(len(near.row))),
+        ("facing_from", _ints(near.row + 1)),
+        ("facing_to", _ints(near.neighbour + 1)),
+        ("facing_length", _lengths(near.length_mm)),
+        ("facing_gap", _lengths(near.gap_mm)),
+        ("offcut_depth", _lengths(facts.offcut_mm)),
+        ("offcut_large", _bools(facts.offcut_large)),
+        ("heat_length", _lengths(facts.heat_mm)),
+        ("heat_parts", _ints(facts.heat_parts)),
+        ("n_candidates", str(len(cands))),
+        ("cand_contour", _ints(c.contour + 1 for c in cands)),
+        ("cand_x", _lengths(c.pierce[0] for c in cands)),
+        ("cand_y", _lengths(c.pierce[1] for c in cands)),
+        ("cand_end_x", _lengths(c.end[0] for c in cands)),
+        ("cand_end_y", _lengths(c.end[1] for c in cands)),
+        ("cand_ccw", _bools(c.direction == "ccw" for c in cands)),
+        ("cand_cut_length", _lengths(c.cut_mm for c in cands)),
+        ("cand_edge_start", _bools(c.edge_start for c in cands)),
+        *_stretch_fields("head", facts.head),
+        *_stretch_fields("tail", facts.tail),
+    ]
+    return HEADER + "".join(f"{name} = {value};\n" for name, value in fields)
+
+
+def _stretch_fields(name: str, stretch: Stretch) -> list[tuple[str, str]]:
+    facing: Facing = stretch.neighbours
+    return [
+        (f"{name}_length", _lengths(stretch.total_mm)),
+        (f"{name}_edge", _lengths(stretch.edge_mm)),
+        (f"{name}_solid", _lengths(stretch.solid_mm)),
+        (f"n_{name}", str(len(facing.row))),
+        (f"{name}_cand", _ints(facing.row + 1)),
+        (f"{name}_contour", _ints(facing.neighbour + 1)),
+        (f"{name}_facing", _lengths(facing.length_mm)),
+    ]
+
+
+def _list(values: Iterable[str]) -> str:
+    return f"[{', '.join(values)}]"
+
+
+def _ints(values: Iterable[int]) -> str:
+    return _list(str(int(v)) for v in values)
+
+
+def _lengths(values_mm: Iterable[float]) -> str:
+    return _ints(round(v * 100) for v in values_mm)
+
+
+def _bools(values: Iterable[object]) -> str:
+    return _list("true" if v else "false" for v in values)
+
+
+def _rows(rows: Iterable[Iterable[str]], width: int) -> str:
+    """A 2-D array; one without rows keeps its number of columns."""
+    lines = [", ".join(row) for row in rows]
+    return "[| " + "\n   | ".join(lines) + " |]" if lines else f"array2d(1..0, 1..{width}, [])"
+
+
+def _relation(pairs: Ints, n: int) -> str:
+    holds = np.zeros((n, n), dtype=bool)
+    holds[pairs[:, 0], pairs[:, 1]] = True
+    return _rows((("true" if v else "false" for v in row) for row in holds.tolist()), n)
+
+
+def _table(values_mm: Floats) -> str:
+    return _rows(((str(round(v * 100)) for v in row) for row in values_mm.tolist()), values_mm.shape[1])
