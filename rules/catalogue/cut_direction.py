@@ -1,0 +1,84 @@
+"""Rule cut-direction."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal, cast
+
+from ...encoder.cut import CutSequence, Direction
+from ...encoder.nest import Kind, Nest
+from ..kinds import Choice
+from ..option import option
+from ..rule import Rule, Violation
+from ..statements import Forbid
+
+if TYPE_CHECKING:
+    from ...encoder.facts.facts import Facts
+
+Way = Literal["free", "cw", "ccw"]
+WAYS = Choice(("free", "cw", "ccw"))
+SPOKEN: dict[Direction, str] = {"cw": "clockwise", "ccw": "counter-clockwise"}
+
+
+@dataclass(frozen=True, slots=True)
+class CutDirectionOptions:
+    """Which way round each kind of contour is cut."""
+
+    outer: Way = field(default="free", metadata=option(WAYS, "direction of outer contours"))
+    hole: Way = field(default="free", metadata=option(WAYS, "direction of holes"))
+    mark: Way = field(
+        default="free", metadata=option(WAYS, "direction of marks (of an open one: ccw is along the line as drawn)")
+    )
+
+    def allowed(self, kind: Kind) -> tuple[Direction, ...]:
+        """The directions that a kind of contour may be cut in."""
+        way = cast(Way, getattr(self, kind))
+        return ("cw", "ccw") if way == "free" else (way,)
+
+
+class CutDirection(Rule[CutDirectionOptions]):
+    """Contours are cut in the direction that the process asks of their kind.
+
+    ## What it does
+
+    For each kind of contour (outer, hole, mark) the profile leaves the direction free or fixes it. Directions are as
+    seen from above with y up.
+
+    ## Why
+
+    A plasma arc swirls: one side of the kerf comes out square, the other bevelled. Outer contours clockwise and holes
+    counter-clockwise put the square side on the part.
+
+    ## Wrong
+
+    `outer: cw`, and `P1.outer` cut counter-clockwise.
+
+    ## Right
+
+    `outer: cw`, and `P1.outer` cut clockwise.
+    """
+
+    id = "cut-direction"
+    sentence = "Contours are cut in the direction that the process asks of their kind."
+    source = "plasma practice (swirl of the arc)"
+    Options = CutDirectionOptions
+
+    def statements(self, facts: Facts, options: CutDirectionOptions) -> Iterator[Forbid]:
+        for number, candidate in enumerate(facts.candidates):
+            contour = facts.nest.contours[candidate.contour]
+            if candidate.direction not in (allowed := options.allowed(contour.kind)):
+                sentence = f"{contour.id} is cut {SPOKEN[allowed[0]]}: that is the direction of every {contour.kind}"
+                yield Forbid(number, self.about((contour.id,), sentence))
+
+    def violations(self, nest: Nest, cuts: CutSequence, options: CutDirectionOptions) -> list[Violation]:
+        found = []
+        for k, cut in enumerate(cuts, 1):
+            contour = nest.contour(cut.contour)
+            if cut.direction not in (allowed := options.allowed(contour.kind)):
+                text = (
+                    f"{contour.id} (cut {k}) is cut {SPOKEN[cut.direction]}; the direction of every {contour.kind} is "
+                    f"{SPOKEN[allowed[0]]}"
+                )
+                found.append(Violation(self.id, (contour.id,), text, (k,)))
+        return found

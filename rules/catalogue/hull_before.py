@@ -1,0 +1,69 @@
+"""Rule hull-before."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import shapely
+
+from ...encoder.cut import CutSequence, Side
+from ...encoder.nest import Nest
+from ..option import NoOptions
+from ..placement import same_place
+from ..rule import Ids, OrderRule
+from ..statements import Precede
+
+if TYPE_CHECKING:
+    from ...encoder.facts.facts import Facts
+
+FLAT_MM = 0.05
+"""A contour that nowhere lies deeper inside its hull is convex: drawings carry such rounding."""
+ON_HULL_MM = 1e-6
+
+
+class HullBefore(OrderRule[NoOptions]):
+    """A part that sits in the concavity of another is cut before it.
+
+    ## What it does
+
+    A part whose centroid lies in the convex hull of another part that is not convex, in the same place (straight on
+    the sheet, or in the same hole), is cut before it. A centroid on the hull is in it.
+
+    ## Why
+
+    Pristupov 2016 (fig. 4): once a hook or a channel is out, what sits in its mouth hangs on an island of metal. The
+    weakest of the order rules: where they contradict each other it is the first to give way.
+
+    ## Wrong
+
+    A disc D in the mouth of the channel C: `C.outer`, `D.outer`.
+
+    ## Right
+
+    `D.outer`, `C.outer`.
+    """
+
+    id = "hull-before"
+    sentence = "A part that sits in the concavity of another is cut before it."
+    source = "Pristupov 2016, fig. 4"
+    Options = NoOptions
+    gives_way = 2
+
+    def statements(self, facts: Facts, options: NoOptions) -> Iterator[Precede]:
+        for before, after in facts.in_hull.tolist():
+            yield self.precede(facts, before, after)
+
+    def pairs(self, nest: Nest, cuts: CutSequence, options: NoOptions) -> list[Ids]:
+        if not nest.parts:
+            return []
+        outlines = [part.outer.line for part in nest.parts]
+        hulls = shapely.convex_hull(outlines)
+        hollow = shapely.hausdorff_distance(outlines, shapely.boundary(hulls)) > FLAT_MM
+        centroids = shapely.centroid([part.outer.polygon for part in nest.parts])
+        inside, hull = shapely.STRtree(hulls).query(centroids, "dwithin", distance=ON_HULL_MM)
+        held = hollow[hull]
+        return [(a.outer.id, b.outer.id) for a, b in same_place(nest, inside[held], hull[held])]
+
+    def reason(self, before: str, after: str, start_side: Side | None) -> str:
+        return f"it sits in the concavity of {after}, and would be left on an island once {after} is out"

@@ -1,0 +1,57 @@
+"""Rule inner-before-outer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from ...encoder.cut import CutSequence, Side
+from ...encoder.nest import Nest
+from ..option import NoOptions
+from ..placement import host_holes
+from ..rule import Ids, OrderRule
+from ..statements import Precede
+
+if TYPE_CHECKING:
+    from ...encoder.facts.facts import Facts
+
+
+class InnerBeforeOuter(OrderRule[NoOptions]):
+    """Every contour that lies inside another is cut before it.
+
+    ## What it does
+
+    The holes and marks of a part come before its outer contour; a part that lies in a hole of another comes before
+    that hole. It is stated for each contour and the one immediately around it; the rest follows.
+
+    ## Why
+
+    Cutting a contour frees the metal inside it: a contour cut there afterwards is cut in a piece that has dropped or
+    moved. Pristupov 2016 (fig. 1) and Verkhoturov et al. (restriction 1) ask it of every plan; it is never dropped.
+
+    ## Wrong
+
+    `P1.outer`, `P1.hole1`: the hole is cut in a part that is loose.
+
+    ## Right
+
+    `P1.hole1`, `P1.outer`.
+    """
+
+    id = "inner-before-outer"
+    sentence = "Every contour that lies inside another is cut before it."
+    source = "Pristupov 2016, fig. 1; Verkhoturov et al., restriction 1"
+    Options = NoOptions
+
+    def statements(self, facts: Facts, options: NoOptions) -> Iterator[Precede]:
+        for contour, around in enumerate(facts.parent.tolist()):
+            if around >= 0:
+                yield self.precede(facts, contour, around)
+
+    def pairs(self, nest: Nest, cuts: CutSequence, options: NoOptions) -> list[Ids]:
+        within_part = [(c.id, part.outer.id) for part in nest.parts for c in (*part.marks, *part.holes)]
+        nested = [(nest.part_of[guest].outer.id, hole.id) for guest, hole in host_holes(nest).items()]
+        return within_part + nested
+
+    def reason(self, before: str, after: str, start_side: Side | None) -> str:
+        return f"it lies inside it, and cutting {after} frees the metal it is in"

@@ -1,0 +1,77 @@
+"""Rule level-ahead."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+
+from ...encoder.cut import CutSequence, Side
+from ...encoder.nest import Nest
+from ..option import NoOptions
+from ..placement import same_place
+from ..rule import Ids, OrderRule
+from ..statements import Precede
+
+if TYPE_CHECKING:
+    from ...encoder.facts.facts import Facts
+
+GRAZE_MM = 1e-6
+AWAY = {"left": (1.0, 0.0), "right": (-1.0, 0.0), "bottom": (0.0, 1.0), "top": (0.0, -1.0)}
+
+
+class LevelAhead(OrderRule[NoOptions]):
+    """A part that lies between another part and the start side is cut before it.
+
+    ## What it does
+
+    Let d be the direction of cutting, away from the start side. The shadow of a part is every point from which a ray
+    in direction d meets its outer contour: the space between the start side and the part. A part whose centroid lies
+    in the shadow of another in the same place (straight on the sheet, or in the same hole) is cut before it. A ray
+    that grazes the contour meets it.
+
+    ## Why
+
+    Pristupov 2016 (fig. 3): a part left standing behind the torch ends up on an island of metal, which sags, and the
+    torch may break on it. Where this rule contradicts itself or hull-before, hull-before gives way first.
+
+    ## Wrong
+
+    Start side left, A to the left of B on the same level: `B.outer`, `A.outer`.
+
+    ## Right
+
+    `A.outer`, `B.outer`.
+    """
+
+    id = "level-ahead"
+    sentence = "A part that lies between another part and the start side is cut before it."
+    source = "Pristupov 2016, fig. 3"
+    Options = NoOptions
+    gives_way = 1
+
+    def statements(self, facts: Facts, options: NoOptions) -> Iterator[Precede]:
+        for before, after in facts.level_ahead.tolist():
+            yield self.precede(facts, before, after)
+
+    def unjudged(self, nest: Nest, cuts: CutSequence, options: NoOptions) -> str | None:
+        return None if cuts.start_side else "the side that cutting starts from is not stated"
+
+    def pairs(self, nest: Nest, cuts: CutSequence, options: NoOptions) -> list[Ids]:
+        if cuts.start_side is None or not nest.parts:
+            return []
+        outlines = [part.outer.line for part in nest.parts]
+        xmin, ymin, xmax, ymax = shapely.total_bounds(outlines).tolist()
+        reach = np.array(AWAY[cuts.start_side]) * (xmax - xmin + ymax - ymin + 1)
+        start = shapely.get_coordinates(shapely.centroid([part.outer.polygon for part in nest.parts]))
+        rays = shapely.linestrings(np.stack([start, start + reach], axis=1))
+        ahead, met = shapely.STRtree(outlines).query(rays, "dwithin", distance=GRAZE_MM)
+        return [(a.outer.id, b.outer.id) for a, b in same_place(nest, ahead, met)]
+
+    def reason(self, before: str, after: str, start_side: Side | None) -> str:
+        return (
+            f"it lies between {after} and the {start_side} side, where cutting starts, and would be left on an island "
+            "behind the torch"
+        )

@@ -1,0 +1,151 @@
+"""Rule locks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from ...encoder.cut import CutSequence
+from ...encoder.errors import InputError
+from ...encoder.geometry.segment import Point
+from ...encoder.nest import Contour, Nest
+from ..kinds import LENGTH
+from ..lock import Lock, check_locks
+from ..option import option
+from ..rule import Rule, Violation
+from ..statements import AtLeast, Before, Forbid, Precede, Statement
+
+if TYPE_CHECKING:
+    from ...encoder.facts.facts import Facts
+
+
+@dataclass(frozen=True, slots=True)
+class LocksOptions:
+    """`locks` come from the profile's own key of that name."""
+
+    entry_tolerance_mm: float = field(
+        default=0.5, metadata=option(LENGTH, "an entry this near to the locked one is it")
+    )
+    locks: tuple[Lock, ...] = ()
+
+
+class Locks(Rule[LocksOptions]):
+    """What the operator has locked stays as it is.
+
+    ## What it does
+
+    A profile's `locks` fix single decisions: `{contour: ID, before: ID}`, `{contour: ID, position: first | last | N}`
+    (over all contours, marks included), `{contour: ID, entry: [x, y]}`, `{contour: ID, direction: cw | ccw}`,
+    `{part: ID, zone: N}`. Always hard; a lock that contradicts another hard rule is an error that names both.
+
+    ## Why
+
+    The operator knows what no rule does: a scratch on the sheet, a part that is waited for, a clamp in the way.
+
+    ## Wrong
+
+    `{contour: P2.outer, position: first}`, and the plan begins with `P1.outer`.
+
+    ## Right
+
+    `{contour: P2.outer, position: first}`, and the plan begins with `P2.outer`.
+    """
+
+    id = "locks"
+    sentence = "What the operator has locked stays as it is."
+    source = "plant practice"
+    Options = LocksOptions
+    strengths = ("hard",)
+
+    def statements(self, facts: Facts, options: LocksOptions) -> Iterator[Statement]:
+        check_locks(options.locks, facts.nest)
+        for lock in options.locks:
+            if lock.contour is not None:
+                yield from self._of_contour(facts, lock, lock.contour, options.entry_tolerance_mm)
+            else:
+                _check_zone(facts, lock)
+
+    def _of_contour(self, facts: Facts, lock: Lock, name: str, tolerance_mm: float) -> Iterator[Statement]:
+        contours, i = facts.nest.contours, facts.nest.index[name]
+        others = [k for k in range(facts.n) if k != i]
+        if lock.before is not None:
+            sentence = f"{name} is cut before {lock.before}: {lock.because}"
+            yield Precede(i, facts.nest.index[lock.before], self.about((name, lock.before), sentence))
+        if lock.position in ("first", "last"):
+            for k in others:
+                first, then = (i, k) if lock.position == "first" else (k, i)
+                ids = (contours[first].id, contours[then].id)
+                sentence = f"{ids[0]} is cut before {ids[1]}: {name} is {lock.position}, {lock.because}"
+                yield Precede(first, then, self.about(ids, sentence))
+        elif lock.position is not None:
+            about = self.about((name,), f"{name} is cut {lock.position} in order: {lock.because}")
+            ahead, behind = tuple(Before(k, i) for k in others), tuple(Before(i, k) for k in others)
+            ones = (1,) * len(others)
+            yield AtLeast(ahead, ones, int(lock.position) - 1, about)
+            yield AtLeast(behind, ones, facts.n - int(lock.position), about)
+        for number in facts.candidates_of(i):
+            candidate = facts.candidates[number]
+            if lock.entry is not None and not _is_at(candidate.entry, lock.entry, contours[i], tolerance_mm):
+                sentence = f"{name} is entered at {_spoken(lock.entry)}: {lock.because}"
+                yield Forbid(number, self.about((name,), sentence))
+            if lock.direction is not None and candidate.direction != lock.direction:
+                yield Forbid(number, self.about((name,), f"{name} is cut {lock.direction}: {lock.because}"))
+
+    def violations(self, nest: Nest, cuts: CutSequence, options: LocksOptions) -> list[Violation]:
+        check_locks(options.locks, nest)
+        at = cuts.positions()
+        found = []
+        for lock in options.locks:
+            for ids, what in _broken(nest, cuts, lock, options.entry_tolerance_mm):
+                positions = tuple(at[name] for name in ids)
+                found.append(Violation(self.id, ids, f"{what}: {lock.because}", positions))
+        return found
+
+
+def _broken(nest: Nest, cuts: CutSequence, lock: Lock, tolerance_mm: float) -> Iterator[tuple[tuple[str, ...], str]]:
+    """What a lock finds wrong: contour ids that are cut, and words."""
+    at = cuts.positions()
+    if lock.part is not None:
+        for contour in nest.part_of[lock.part]:
+            if contour.id in at and (zone := cuts[at[contour.id] - 1].zone) not in (0, lock.zone):
+                yield (contour.id,), f"{contour.id} (cut {at[contour.id]}) is in zone {zone}, not in zone {lock.zone}"
+        return
+    name = lock.contour or ""
+    if name not in at:
+        return
+    k = at[name]
+    cut = cuts[k - 1]
+    if lock.before is not None and at.get(lock.before, k) < k:
+        yield (name, lock.before), f"{name} (cut {k}) must be cut before {lock.before} (cut {at[lock.before]})"
+    wanted = {"first": 1, "last": len(cuts), None: k}.get(lock.position, lock.position)  # type: ignore[arg-type]
+    if wanted != k:
+        yield (name,), f"{name} is cut {k} in order, not {lock.position}"
+    if lock.entry is not None and not _is_at(cut.entry, lock.entry, nest.contour(name), tolerance_mm):
+        yield (name,), f"{name} (cut {k}) is entered at {_spoken(cut.entry)}, not at {_spoken(lock.entry)}"
+    if lock.direction is not None and cut.direction != lock.direction:
+        yield (name,), f"{name} (cut {k}) is cut {cut.direction}, not {lock.direction}"
+
+
+def _is_at(entry: Point, locked: Point, contour: Contour, tolerance_mm: float) -> bool:
+    """Whether an entry is the point of the contour nearest to the locked one."""
+    along_mm, _ = contour.curve.project(locked)
+    return math.dist(entry, contour.curve.point_at(along_mm)) <= tolerance_mm
+
+
+def _spoken(point: Point) -> str:
+    return f"({point[0]:g}, {point[1]:g})"
+
+
+def _check_zone(facts: Facts, lock: Lock) -> None:
+    part = facts.nest.part_of[lock.part or ""]
+    zone = int(facts.zone[facts.nest.index[part.outer.id]])
+    if zone != lock.zone:
+        message = f"lock: part {part.id} cannot be in zone {lock.zone}, only in zone {zone} of 1…{facts.zone.max()}"
+        where = lock.place
+        raise (
+            InputError(message)
+            if where is None
+            else InputError(message, file=where.file, line=where.line, column=where.column)
+        )

@@ -1,0 +1,103 @@
+"""Rule part-contiguous."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import TYPE_CHECKING, Literal
+
+from ...encoder.cut import CutSequence
+from ...encoder.nest import Contour, Nest, Part
+from ..kinds import Choice
+from ..option import option
+from ..rule import Rule, Violation
+from ..statements import Contiguous, Precede
+
+if TYPE_CHECKING:
+    from ...encoder.facts.facts import Facts
+
+
+@dataclass(frozen=True, slots=True)
+class PartContiguousOptions:
+    """What belongs to the run of a part."""
+
+    marks: Literal["apart", "together"] = field(
+        default="apart",
+        metadata=option(Choice(("apart", "together")), "whether a part's marks belong to its run of cuts"),
+    )
+
+
+class PartContiguous(Rule[PartContiguousOptions]):
+    """The holes of a part and then its outer contour follow each other without another contour between.
+
+    ## What it does
+
+    A part is cut in one go: its holes in any order, its outer contour last, and no contour of another part in
+    between. Marks are left out unless `marks: together` (which needs `marks-first: {scope: part}`).
+
+    ## Why
+
+    Verkhoturov et al., restriction 1: holes keep their place relative to the outline when the sheet has no time to
+    move in between. A plant may switch it off for thermal reasons: it puts much heat in one place.
+
+    ## Wrong
+
+    `P1.hole1`, `P2.outer`, `P1.outer`.
+
+    ## Right
+
+    `P2.outer`, `P1.hole1`, `P1.outer`.
+    """
+
+    id = "part-contiguous"
+    sentence = "The holes of a part and then its outer contour follow each other without another contour between."
+    source = "Verkhoturov et al., restriction 1"
+    Options = PartContiguousOptions
+
+    def statements(self, facts: Facts, options: PartContiguousOptions) -> Iterator[Contiguous | Precede]:
+        index = facts.nest.index
+        for part in facts.nest.parts:
+            run = _run(part, options)
+            if len(run) < 2:
+                continue
+            ids = [c.id for c in run]
+            yield Contiguous(
+                tuple(index[name] for name in ids),
+                self.about(ids, f"{part.id} is cut in one go: {', '.join(ids)} follow each other"),
+            )
+            for contour in run[:-1]:
+                reason = f"{part.outer.id} is the last cut of {part.id}"
+                about = self.about((contour.id, part.outer.id), f"{contour.id} is cut before {part.outer.id}: {reason}")
+                yield Precede(index[contour.id], index[part.outer.id], about)
+
+    def violations(self, nest: Nest, cuts: CutSequence, options: PartContiguousOptions) -> list[Violation]:
+        at = cuts.positions()
+        found = []
+        for part in nest.parts:
+            own = sorted(at[c.id] for c in _run(part, options) if c.id in at)
+            if len(own) < 2:
+                continue
+            broken = next(((a, b) for a, b in pairwise(own) if b != a + 1), None)
+            if broken is not None:
+                a, b = broken
+                stranger = cuts[a].contour
+                text = (
+                    f"{part.id} is not cut in one go: {stranger} (cut {a + 1}) comes between "
+                    f"{cuts[a - 1].contour} (cut {a}) and {cuts[b - 1].contour} (cut {b})"
+                )
+                found.append(
+                    Violation(self.id, (cuts[a - 1].contour, stranger, cuts[b - 1].contour), text, (a, a + 1, b))
+                )
+            last = cuts[own[-1] - 1].contour
+            if part.outer.id in at and last != part.outer.id:
+                outer_at = at[part.outer.id]
+                text = f"{part.outer.id} (cut {outer_at}) is not the last of {part.id}: {last} (cut {own[-1]}) follows"
+                found.append(Violation(self.id, (part.outer.id, last), text, (outer_at, own[-1])))
+        return found
+
+
+def _run(part: Part, options: PartContiguousOptions) -> tuple[Contour, ...]:
+    """The contours of a part that follow each other, its outer contour last."""
+    marks = part.marks if options.marks == "together" else ()
+    return (*marks, *part.holes, part.outer)

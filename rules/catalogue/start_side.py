@@ -1,0 +1,163 @@
+"""Rule start-side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from ...encoder.cut import CutSequence, Side
+from ...encoder.nest import Nest
+from ..kinds import LENGTH, Choice, Number
+from ..option import option
+from ..rule import Rule, Violation
+from ..statements import Statement
+
+if TYPE_CHECKING:
+    from ...encoder.facts.facts import Facts
+
+Box = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class StartSideOptions:
+    """How the side is found; `side` fixes it."""
+
+    side: Side | Literal["auto"] = field(
+        default="auto",
+        metadata=option(
+            Choice(("auto", "left", "right", "bottom", "top")), "the side to start from (auto: by the rule)"
+        ),
+    )
+    edge_band_mm: float = field(
+        default=25.0, metadata=option(LENGTH, "a long part this near to a narrow side lies at it")
+    )
+    long_ratio: float = field(
+        default=4.0, metadata=option(Number(1), "a part is long when one side is this many times the other")
+    )
+    offcut_share: float = field(
+        default=0.15,
+        metadata=option(Number(0, 1), "an empty strip along a side is a large offcut over this share of the sheet"),
+    )
+
+
+class StartSide(Rule[StartSideOptions]):
+    """Cutting starts from the side of the sheet that heat and stiffness ask for.
+
+    ## What it does
+
+    Only the two narrow sides of the sheet are eligible (left and right of a square). Of these, the first that tells
+    them apart: the one with more long parts within `edge_band` of it; the one opposite a large offcut; the one with
+    more cut length in its half of the sheet, then more small parts (no larger than the median); else left or bottom.
+    The profile may fix the side. It states nothing by itself: level-ahead and zone-order follow it.
+
+    ## Why
+
+    Petunin 2009 (fig. 2): long parts bend most, so they go first, while the sheet is cold and whole; a large offcut
+    stiffens the end, when the sheet has gathered most heat; and the side with more heat to come is cut while it is
+    cold.
+
+    ## Wrong
+
+    An offcut on the right, and cutting starts from the right.
+
+    ## Right
+
+    An offcut on the right, and cutting starts from the left.
+    """
+
+    id = "start-side"
+    sentence = "Cutting starts from the side of the sheet that heat and stiffness ask for."
+    source = "Petunin 2009, fig. 2"
+    Options = StartSideOptions
+    strengths = ("hard", "off")
+
+    def statements(self, facts: Facts, options: StartSideOptions) -> Sequence[Statement]:
+        return ()
+
+    def unjudged(self, nest: Nest, cuts: CutSequence, options: StartSideOptions) -> str | None:
+        return None if cuts.start_side else "the side that cutting starts from is not stated"
+
+    def violations(self, nest: Nest, cuts: CutSequence, options: StartSideOptions) -> list[Violation]:
+        if cuts.start_side is None:
+            return []
+        side, because = expected_side(nest, options)
+        if side == cuts.start_side:
+            return []
+        return [Violation(self.id, (), f"cutting starts from the {cuts.start_side}, not from the {side}: {because}")]
+
+
+def expected_side(nest: Nest, options: StartSideOptions) -> tuple[Side, str]:
+    """The side that cutting must start from, and why, decided from the drawing itself.
+
+    Examples
+    --------
+    >>> from kerfwise.tests.nests import nest, part, rect
+    >>> expected_side(nest(400, 100, part("A", rect(10, 10, 80, 80))), StartSideOptions())
+    ('left', 'there is a large offcut on the right')
+    """
+    if options.side != "auto":
+        return options.side, "the profile fixes the side"
+    x0, y0, x1, y1 = nest.sheet.bounds
+    sides: tuple[Side, Side] = ("left", "right") if x1 - x0 >= y1 - y0 else ("bottom", "top")
+    start, end = (x0, x1) if sides[0] == "left" else (y0, y1)
+    outers = [part.outer.polygon for part in nest.parts]
+    if not outers:
+        return sides[0], "nothing tells the sides apart"
+    bounds = shapely.bounds(outers)
+    low, high = (bounds[:, 0], bounds[:, 2]) if sides[0] == "left" else (bounds[:, 1], bounds[:, 3])
+    gaps = np.stack([low - start, end - high])
+
+    near = (gaps[:, _are_long(outers, options.long_ratio)] <= options.edge_band_mm).sum(axis=1)
+    if near[0] != near[1]:
+        return sides[int(near.argmax())], f"{near.max()} long parts lie at the {sides[int(near.argmax())]} side"
+    large = gaps.min(axis=1) > options.offcut_share * (end - start)
+    if large[0] != large[1]:
+        return sides[int(large.argmin())], f"there is a large offcut on the {sides[int(large.argmax())]}"
+    for amounts, what in (
+        (_cut_lengths(nest, sides[0]), "more is cut"),
+        (_small_parts(nest, sides[0]), "more parts lie"),
+    ):
+        if abs(amounts[0] - amounts[1]) > 1e-9 * max(amounts):
+            side = sides[0] if amounts[0] > amounts[1] else sides[1]
+            return side, f"{what} in its half of the sheet"
+    return sides[0], "nothing tells the sides apart"
+
+
+def _are_long(outers: Sequence[shapely.Polygon], ratio: float) -> NDArray[np.bool_]:
+    """Which outlines fit in a rectangle, at any angle, with one side `ratio` times the other."""
+    corners = shapely.get_coordinates(shapely.oriented_envelope(outers)).reshape(-1, 5, 2)
+    one, other = (np.linalg.norm(corners[:, k + 1] - corners[:, k], axis=1) for k in (0, 1))
+    return np.asarray(np.maximum(one, other) >= ratio * np.minimum(one, other) * (1 - 1e-9))
+
+
+def _halves(nest: Nest, first: Side) -> tuple[Box, Box]:
+    """Rectangles (xmin, ymin, xmax, ymax) over the half of the sheet at the first narrow side, and over the other."""
+    x0, y0, x1, y1 = nest.sheet.bounds
+    far = x1 - x0 + y1 - y0
+    a, b, c, d = x0 - far, y0 - far, x1 + far, y1 + far
+    if first == "left":
+        middle = (x0 + x1) / 2
+        return (a, b, middle, d), (middle, b, c, d)
+    middle = (y0 + y1) / 2
+    return (a, b, c, middle), (a, middle, c, d)
+
+
+def _cut_lengths(nest: Nest, first: Side) -> tuple[float, float]:
+    """Length, mm, that is cut through in each half; marks are not."""
+    lines = [c.line for c in nest.contours if c.kind != "mark"]
+    one, other = (float(shapely.length(shapely.clip_by_rect(lines, *half)).sum()) for half in _halves(nest, first))
+    return one, other
+
+
+def _small_parts(nest: Nest, first: Side) -> tuple[float, float]:
+    """Number of parts no larger than the median whose centroid lies in each half."""
+    outers = [part.outer.polygon for part in nest.parts]
+    areas = shapely.area(outers)
+    centroids = shapely.centroid(outers)[areas <= np.median(areas)]
+    one, other = (shapely.contains(shapely.box(*half), centroids) for half in _halves(nest, first))
+    return float(one.sum()), float(other.sum())

@@ -1,0 +1,111 @@
+"""Orders that contradict each other: which of them lie on a cycle, and which way round the cycle goes.
+
+Orders are pairs (before, after). Contours that are cut together (`together`) count as one towards everything else:
+nothing else can come between them, so that an order of one of them is an order of all.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict, deque
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from .registry import RULES
+from .rule import Ids
+
+Link = tuple[int, int]
+Ints = NDArray[np.int64]
+
+
+def contracted(n: int, pairs: Sequence[Link], together: Iterable[Sequence[int]]) -> list[Link]:
+    """The pairs over n contours as links between nodes, each set of contours cut together being one node.
+
+    Orders within such a set are kept apart, as links between nodes n and up.
+
+    Examples
+    --------
+    >>> contracted(4, [(0, 3), (3, 1), (0, 1)], [(0, 1)])
+    [(0, 2), (2, 0), (4, 5)]
+    """
+    chain = [link for members in together for link in pairwise(members)]
+    node = _labels(n, chain, "weak").tolist()
+    return [(node[a], node[b]) if node[a] != node[b] else (n + a, n + b) for a, b in pairs]
+
+
+def components(links: Sequence[Link]) -> list[list[int]]:
+    """The links, by number, that lie on cycles: one list for each strongly connected component.
+
+    Examples
+    --------
+    >>> components([(0, 1), (1, 2), (2, 1), (3, 3)])
+    [[1, 2], [3]]
+    """
+    size = 1 + max((max(link) for link in links), default=0)
+    label = _labels(size, links, "strong")
+    found: dict[int, list[int]] = defaultdict(list)
+    for k, (a, b) in enumerate(links):
+        if label[a] == label[b]:
+            found[int(label[a])].append(k)
+    return sorted(found.values())
+
+
+def path(links: Sequence[Link], among: Iterable[int], start: int, goal: int) -> list[int] | None:
+    """The fewest of the links numbered in `among` that lead from start to goal, in order; None where none do."""
+    leaving: dict[int, list[int]] = defaultdict(list)
+    for k in among:
+        leaving[links[k][0]].append(k)
+    came_by: dict[int, int] = {}
+    waiting = deque([start])
+    while waiting:
+        for k in leaving[waiting.popleft()]:
+            reached = links[k][1]
+            if reached in came_by:
+                continue
+            came_by[reached] = k
+            if reached == goal:
+                return _traced(links, came_by, start, goal)
+            waiting.append(reached)
+    return None
+
+
+def _traced(links: Sequence[Link], came_by: Mapping[int, int], start: int, goal: int) -> list[int]:
+    trail = [came_by[goal]]
+    while links[trail[-1]][0] != start:
+        trail.append(came_by[links[trail[-1]][0]])
+    return trail[::-1]
+
+
+def excusable(pairs_by_rule: Mapping[str, Iterable[Ids]], together: Iterable[Sequence[str]] = ()) -> set[Ids]:
+    """The pairs of contour ids (before, after) that a plan may break, since the rules contradict each other there.
+
+    A pair is excusable when it lies on a cycle of all the pairs, and every rule that asks for it is one that gives
+    way. `pairs_by_rule` has the pairs of every hard rule; `together` the contours that are cut without a break.
+
+    Examples
+    --------
+    >>> sorted(excusable({"level-ahead": [("A", "B"), ("A", "C")], "hull-before": [("B", "A")]}))
+    [('A', 'B'), ('B', 'A')]
+    """
+    binding: dict[Ids, bool] = {}
+    for rule, asked in pairs_by_rule.items():
+        for pair in asked:
+            binding[pair] = binding.get(pair, False) or not RULES[rule].gives_way
+    groups = [tuple(members) for members in together]
+    number = {name: k for k, name in enumerate(dict.fromkeys(i for ids in (*binding, *groups) for i in ids))}
+    links = contracted(
+        len(number), [(number[a], number[b]) for a, b in binding], [[number[i] for i in members] for members in groups]
+    )
+    pairs = list(binding)
+    return {pairs[k] for component in components(links) for k in component if not binding[pairs[k]]}
+
+
+def _labels(size: int, links: Sequence[Link], connection: str) -> Ints:
+    """For each node, the number of the (strongly or weakly) connected component that it is in."""
+    ends = np.array(links, dtype=np.int64).reshape(-1, 2)
+    graph = coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(size, size))
+    return np.asarray(connected_components(graph, directed=True, connection=connection)[1], dtype=np.int64)

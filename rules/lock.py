@@ -1,0 +1,108 @@
+"""Locks: an operator's own decisions about single contours and parts. Always hard."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import yaml
+
+from ..encoder.cut import Direction
+from ..encoder.errors import InputError
+from ..encoder.geometry.segment import Point
+from ..encoder.nest import Nest
+from .kinds import Choice, Kind, Number, PointXY, Text
+from .option import option
+from .suggest import unknown
+from .yaml_positions import Place
+
+
+@dataclass(frozen=True, slots=True)
+class Position(Kind):
+    """first, last, or a position counted from 1."""
+
+    def read(self, node: yaml.Node) -> int | str:
+        text = node.value if isinstance(node, yaml.ScalarNode) else ""
+        if text in ("first", "last"):
+            return str(text)
+        if not re.fullmatch(r"[1-9]\d{0,8}", text):
+            raise self.refuse(node)
+        return int(text)
+
+    def write(self, value: int | str) -> str:
+        return str(value)
+
+    def schema(self) -> dict[str, Any]:
+        return {"anyOf": [{"enum": ["first", "last"]}, {"type": "integer", "minimum": 1}]}
+
+    def expected(self) -> str:
+        return "first, last or a position counted from 1"
+
+
+@dataclass(frozen=True, slots=True)
+class Lock:
+    """One entry of a profile's `locks`: what it is about (a contour, or a part), and what is decided of it.
+
+    `place` is where the profile says so.
+    """
+
+    contour: str | None = field(default=None, metadata=option(Text(), "id of the contour that is locked"))
+    part: str | None = field(default=None, metadata=option(Text(), "id of the part that is locked (to a zone)"))
+    before: str | None = field(default=None, metadata=option(Text(), "id of a contour that is cut later"))
+    position: int | Literal["first", "last"] | None = field(
+        default=None,
+        metadata=option(
+            Position(), "place in the order of all contours, marks included: first, last or a number from 1"
+        ),
+    )
+    entry: Point | None = field(default=None, metadata=option(PointXY(), "where the torch joins the contour"))
+    direction: Direction | None = field(
+        default=None, metadata=option(Choice(("cw", "ccw")), "which way round it is cut")
+    )
+    zone: int | None = field(default=None, metadata=option(Number(1, whole=True), "zone of the part"))
+    place: Place | None = field(default=None, compare=False)
+
+    def wrong(self) -> str | None:
+        """What is wrong with the lock by itself, None for a good one."""
+        of_contour = [o is not None for o in (self.before, self.position, self.entry, self.direction)]
+        if (self.contour is None) == (self.part is None):
+            return "a lock is about one contour or one part: give either contour or part, with an id"
+        if self.part is not None and (self.zone is None or any(of_contour)):
+            return "what can be locked of a part is its zone: {part: ID, zone: N}"
+        if self.contour is not None and (self.zone is not None or not any(of_contour)):
+            return "what can be locked of a contour is before, position, entry or direction"
+        if self.contour is not None and self.contour == self.before:
+            return f"{self.contour} cannot be cut before itself"
+        return None
+
+    @property
+    def because(self) -> str:
+        """The reason that sentences give."""
+        return "locked by the operator" + (f" ({self.place})" if self.place else "")
+
+
+def check_locks(locks: tuple[Lock, ...], nest: Nest) -> None:
+    """Make sure that the nest has what the locks speak of.
+
+    Raises
+    ------
+    InputError
+        If a lock names a contour, a part or a position that the nest does not have.
+    """
+    for lock in locks:
+        for given in (lock.contour, lock.before):
+            if given is not None and given not in nest.index:
+                raise _wrong(lock, unknown("contour", given, nest.index))
+        if lock.part is not None and lock.part not in nest.part_of:
+            raise _wrong(lock, unknown("part", lock.part, nest.part_of))
+        n = len(nest.contours)
+        if isinstance(lock.position, int) and lock.position > n:
+            raise _wrong(lock, f"position {lock.position}: the nest has {n} contours only")
+
+
+def _wrong(lock: Lock, message: str) -> InputError:
+    place = lock.place
+    if place is None:
+        return InputError(f"lock: {message}")
+    return InputError(f"lock: {message}", file=place.file, line=place.line, column=place.column)

@@ -1,0 +1,183 @@
+"""A plant's profile: its machine, its material, and what it asks of every plan. Frozen; speeds in mm/s, times in s."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from importlib import resources
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Literal, TypeVar, cast
+
+from ..encoder.candidates.candidate import LeadOptions
+from ..encoder.cut import Direction
+from ..encoder.errors import InputError
+from ..encoder.facts.facts import FactOptions
+from ..encoder.nest import Kind
+from ..encoder.readers.options import ReadOptions
+from .catalogue.cut_direction import CutDirectionOptions
+from .catalogue.locks import LocksOptions
+from .catalogue.pierce import PierceOptions
+from .catalogue.start_side import StartSideOptions
+from .catalogue.zone_order import ZoneOrderOptions
+from .lock import Lock
+from .profile_reader import Given, read_given
+from .profile_text import profile_yaml
+from .sections import Drawing, Leads, Machine, Material, Objective, OwnRule, RuleSetting, default_settings
+from .suggest import unknown
+
+DEFAULT = "plasma-carbon-steel"
+"""The shipped profile that is used where none is named."""
+
+T = TypeVar("T")
+OrderFact = Literal["contains", "level_ahead", "in_hull"]
+ORDER_FACTS: Mapping[str, OrderFact] = {
+    "inner-before-outer": "contains",
+    "level-ahead": "level_ahead",
+    "hull-before": "in_hull",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """Everything a plant fixes beforehand.
+
+    `sha256` is that of the profile's file; it and `file` do not make two profiles differ.
+
+    Examples
+    --------
+    >>> profile = load_profile("plasma-carbon-steel")
+    >>> profile.material.kerf_mm, profile.rules["level-ahead"].strength
+    (1.5, 'hard')
+    """
+
+    name: str
+    machine: Machine = field(default_factory=Machine)
+    material: Material = field(default_factory=Material)
+    leads: Leads = field(default_factory=Leads)
+    drawing: Drawing = field(default_factory=Drawing)
+    rules: Mapping[str, RuleSetting] = field(default_factory=default_settings)
+    objective: Objective = field(default_factory=Objective)
+    locks: tuple[Lock, ...] = ()
+    own_rules: tuple[OwnRule, ...] = ()
+    sha256: str = field(default="", compare=False)
+    file: str = field(default="", compare=False)
+
+    def settings(self) -> dict[str, RuleSetting]:
+        """The rules that are on, by id; the rule `locks` with what this profile locks."""
+        on = {name: setting for name, setting in self.rules.items() if setting.strength != "off"}
+        locks = self._options("locks", LocksOptions)
+        return on | {"locks": RuleSetting("hard", None, LocksOptions(locks.entry_tolerance_mm, self.locks))}
+
+    def lead_options(self) -> LeadOptions:
+        """How candidates are made: `leads`, the kerf, and what the rules pierce and cut-direction and the locks say."""
+        leads, directions = self.leads, self._options("cut-direction", CutDirectionOptions)
+        fixed = self.rules["cut-direction"].strength == "hard"
+        both: tuple[Direction, ...] = ("cw", "ccw")
+        kinds: tuple[Kind, ...] = ("outer", "hole", "mark")
+        return LeadOptions(
+            entries=leads.entries,
+            kerf_mm=self.material.kerf_mm,
+            lead=leads.lead,
+            lead_in_mm=leads.lead_in_mm,
+            lead_in_min_mm=leads.lead_in_min_mm,
+            lead_out=leads.lead_out,
+            lead_out_mm=leads.lead_out_length_mm,
+            pierce_clearance_mm=self._options("pierce", PierceOptions).clearance_mm if self._is_on("pierce") else 0.0,
+            hole_overcut_mm=leads.hole_overcut_mm,
+            edge_start=leads.edge_start,
+            directions={kind: directions.allowed(kind) if fixed else both for kind in kinds},
+            entry_points={lock.contour: lock.entry for lock in self.locks if lock.contour and lock.entry},
+        )
+
+    def fact_options(self) -> FactOptions:
+        """The thresholds of the facts: what start-side, zone-order, the hard order rules and the locks say of them."""
+        side = self._options("start-side", StartSideOptions)
+        zones = self._options("zone-order", ZoneOrderOptions)
+        return FactOptions(
+            edge_band_mm=side.edge_band_mm,
+            long_ratio=side.long_ratio,
+            offcut_share=side.offcut_share,
+            start_side=side.side if self._is_on("start-side") else "auto",
+            zone_contours=zones.zone_contours,
+            square_ratio=zones.square_ratio,
+            zone_respects=tuple(fact for rule, fact in ORDER_FACTS.items() if self.rules[rule].strength == "hard"),
+            zone_pairs=tuple((lock.contour, lock.before) for lock in self.locks if lock.contour and lock.before),
+            zone_fixed=tuple((lock.part, lock.zone) for lock in self.locks if lock.part and lock.zone),
+        )
+
+    def read_options(self) -> ReadOptions:
+        """How nest files are read."""
+        drawing = self.drawing
+        return ReadOptions(
+            units=drawing.units,
+            sheet_layer=drawing.sheet_layer,
+            mark_layer=drawing.mark_layer,
+            margin_mm=drawing.margin_mm,
+            join_tolerance_mm=drawing.join_tolerance_mm,
+        )
+
+    def show(self) -> str:
+        """The profile as YAML with every default filled in, units and a comment each; it loads as the same profile."""
+        return profile_yaml(self)
+
+    def _is_on(self, rule: str) -> bool:
+        return self.rules[rule].strength != "off"
+
+    def _options(self, rule: str, kind: type[T]) -> T:
+        return cast(T, self.rules[rule].options)
+
+
+def shipped_profiles() -> dict[str, Traversable]:
+    """Name → file of the profiles that come with kerfwise, sorted."""
+    folder = resources.files(__package__) / "profiles"
+    found = {f.name.removesuffix(".yaml"): f for f in folder.iterdir() if f.name.endswith(".yaml")}
+    return dict(sorted(found.items()))
+
+
+def load_profile(name_or_path: str | Path = DEFAULT) -> Profile:
+    """The shipped profile of that name, or the one in that file.
+
+    Raises
+    ------
+    InputError
+        If there is none, or it has a wrong key, type or value: with file, line, column, what was expected, and the
+        nearest valid name. All mistakes of a file are reported at once.
+    """
+    return _load(str(name_or_path), Path(), ())
+
+
+def _load(name: str, folder: Path, chain: tuple[str, ...]) -> Profile:
+    file, content = _content(name, folder)
+    if file in chain:
+        raise InputError(f"based_on goes in a circle: {' → '.join((*chain, file))}", file=file)
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"not a profile: the file is not UTF-8 text ({error.reason})", file=file) from None
+
+    def base(of: str) -> Given:
+        return _fields(_load(of, Path(file).parent, (*chain, file)))
+
+    given = read_given(text, file, _fields(Profile(Path(file).stem)), base)
+    return Profile(**given | {"sha256": hashlib.sha256(content).hexdigest(), "file": file})
+
+
+def _fields(profile: Profile) -> Given:
+    return {f.name: getattr(profile, f.name) for f in dataclasses.fields(profile)}
+
+
+def _content(name: str, folder: Path) -> tuple[str, bytes]:
+    """File name and bytes of a profile given by shipped name or path."""
+    shipped = shipped_profiles()
+    if name in shipped:
+        return f"kerfwise/rules/profiles/{name}.yaml", shipped[name].read_bytes()
+    path = folder / name
+    try:
+        return str(path), path.read_bytes()
+    except OSError as error:
+        if path.suffix or len(path.parts) > 1:
+            raise InputError(f"cannot read the profile: {error.strerror}", file=path) from None
+        raise InputError(unknown("profile", name, shipped)) from None

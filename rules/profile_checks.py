@@ -1,0 +1,49 @@
+"""What only the values of a profile taken together can get wrong."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import yaml
+
+from .sections import Leads, Material, RuleSetting
+from .yaml_positions import Problems
+
+
+def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -> None:
+    """Note values that contradict each other, at the one that the file gives."""
+    leads: Leads = given["leads"]
+    material: Material = given["material"]
+    rules: dict[str, RuleSetting] = given["rules"]
+
+    if leads.lead_in_min_mm > leads.lead_in_mm:
+        problems.add(
+            _deepest(root, "leads", "lead_in_min"),
+            f"leads.lead_in_min: {leads.lead_in_min_mm:g} mm is more than lead_in, {leads.lead_in_mm:g} mm",
+        )
+    clearance_mm = rules["pierce"].options.clearance_mm
+    if rules["pierce"].strength != "off" and clearance_mm <= material.kerf_mm / 2:
+        problems.add(
+            _deepest(root, "rules", "pierce", "clearance"),
+            f"rules.pierce.clearance: {clearance_mm:g} mm is within the kerf; a pierce lies further from every contour "
+            f"than half the kerf, {material.kerf_mm / 2:g} mm (Petunin 2009)",
+        )
+    marks_first, contiguous = rules["marks-first"], rules["part-contiguous"]
+    on_the_sheet = marks_first.strength != "off" and marks_first.options.scope == "sheet"
+    if on_the_sheet and contiguous.strength != "off" and contiguous.options.marks == "together":
+        problems.add(
+            _deepest(root, "rules", "part-contiguous", "marks"),
+            "rules.part-contiguous.marks: marks cannot stay with their part while marks-first puts all marks of the "
+            "sheet first; say marks: apart, or marks-first: {scope: part}",
+        )
+
+
+def _deepest(node: yaml.Node, *path: str) -> yaml.Node:
+    """The node that the keys lead to, or the last one on the way that the file has."""
+    for key in path:
+        members = node.value if isinstance(node, yaml.MappingNode) else ()
+        step = next((value for name, value in members if name.value == key), None)
+        if step is None:
+            return node
+        node = step
+    return node

@@ -1,0 +1,100 @@
+"""What a rule is: it states what must hold over facts, and judges a finished sequence of cuts by geometry alone."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Generic, Literal, TypeVar
+
+from ..encoder.cut import CutSequence, Side
+from ..encoder.nest import Nest
+from .statements import About, Precede, Statement
+
+if TYPE_CHECKING:
+    from ..encoder.facts.facts import Facts
+
+Strength = Literal["hard", "soft", "off"]
+Ids = tuple[str, str]
+OptionsT = TypeVar("OptionsT")
+
+HEADINGS = ("What it does", "Why", "Wrong", "Right")
+"""The headings, in this order, of every rule's docstring."""
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """A rule broken: the contour ids, a sentence, and the positions (from 1) of the cuts that break it."""
+
+    rule: str
+    contours: tuple[str, ...]
+    text: str
+    cuts: tuple[int, ...] = ()
+
+
+class Rule(ABC, Generic[OptionsT]):
+    """One rule of cutting; one file of `catalogue/` holds one.
+
+    The class docstring is the rule's page, under the headings `HEADINGS`. `sentence` says in one line what the rule
+    asks, `source` where it comes from. `strengths` are those a profile may give it, `default` the one it has where a
+    profile is silent, `default_weight` (mm of idle travel) what breaking it once costs when soft. A rule with
+    `gives_way` above 0 may be dropped where order rules contradict each other, the highest first.
+    """
+
+    id: ClassVar[str]
+    sentence: ClassVar[str]
+    source: ClassVar[str]
+    Options: ClassVar[type]
+    strengths: ClassVar[tuple[Strength, ...]] = ("hard", "soft", "off")
+    default: ClassVar[Strength] = "hard"
+    default_weight: ClassVar[float] = 1000.0
+    gives_way: ClassVar[int] = 0
+
+    @abstractmethod
+    def statements(self, facts: Facts, options: OptionsT) -> Iterable[Statement]:
+        """What the rule asks of a plan, stated as hard; the profile's strength is applied outside."""
+
+    @abstractmethod
+    def violations(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> list[Violation]:
+        """Where a sequence of cuts breaks the rule, found from geometry alone, never from facts or statements."""
+
+    def unjudged(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> str | None:
+        """Why the rule cannot be judged on these cuts, where that is so (an NC program tells less than a plan)."""
+        return None
+
+    def about(self, contours: Sequence[str], sentence: str) -> About:
+        """Where a statement of this rule comes from."""
+        return About(self.id, tuple(contours), sentence)
+
+
+class OrderRule(Rule[OptionsT]):
+    """A rule that only says which contour is cut before which."""
+
+    @abstractmethod
+    def pairs(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> list[Ids]:
+        """Contour ids (before, after) that the rule orders, found from geometry alone."""
+
+    @abstractmethod
+    def reason(self, before: str, after: str, start_side: Side | None) -> str:
+        """Why `before` goes first, as the end of a sentence."""
+
+    def precede(self, facts: Facts, before: int, after: int) -> Precede:
+        """The statement that contour number `before` is cut before number `after`, with the reason."""
+        first, then = facts.nest.contours[before].id, facts.nest.contours[after].id
+        reason = self.reason(first, then, facts.start_side)
+        return Precede(before, after, self.about((first, then), f"{first} is cut before {then}: {reason}"))
+
+    def violations(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> list[Violation]:
+        """Every pair that is cut the wrong way round."""
+        at = cuts.positions()
+        return [
+            Violation(
+                self.id,
+                (first, then),
+                f"{first} (cut {at[first]}) must be cut before {then} (cut {at[then]}): "
+                + self.reason(first, then, cuts.start_side),
+                (at[then], at[first]),
+            )
+            for first, then in self.pairs(nest, cuts, options)
+            if first in at and then in at and at[first] > at[then]
+        ]

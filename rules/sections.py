@@ -1,0 +1,127 @@
+"""The sections of a plant's profile: every key a profile can have, with its unit, default and one line of help."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..encoder.candidates.candidate import LeadKind
+from ..encoder.geometry.segment import Point
+from ..encoder.readers.units import MM_PER
+from .kinds import DURATION, LENGTH, SPEED, Choice, Flag, Number, PointXY, Text, over_zero
+from .option import option
+from .registry import RULES
+from .rule import Strength
+from .yaml_positions import Place
+
+_LEADS = Choice(("line", "arc", "none"))
+
+
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """What the machine can do, and the language its control speaks."""
+
+    dialect: str = field(
+        default="linuxcnc-qtplasmac", metadata=option(Choice(("linuxcnc-qtplasmac",)), "language of the NC program")
+    )
+    home: Point = field(default=(0.0, 0.0), metadata=option(PointXY(), "where the torch starts and returns to"))
+    cut_feed_mm_s: float = field(default=2500 / 60, metadata=option(SPEED, "speed while cutting"))
+    mark_feed_mm_s: float = field(default=100.0, metadata=option(SPEED, "speed while marking"))
+    travel_mm_s: float = field(default=250.0, metadata=option(SPEED, "speed of idle travel"))
+    pierce_time_s: float = field(default=0.5, metadata=option(DURATION, "time to pierce"))
+    mark_time_s: float = field(default=0.2, metadata=option(DURATION, "time to start marking"))
+    head: str = field(
+        default="up", metadata=option(Choice(("up", "down")), "whether the head is lifted on idle travel")
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Material:
+    """What is cut."""
+
+    name: str = field(default="S235", metadata=option(Text(), "grade of the sheet"))
+    thickness_mm: float = field(default=6.0, metadata=option(over_zero(LENGTH), "thickness of the sheet"))
+    kerf_mm: float = field(default=1.5, metadata=option(LENGTH, "width that the cut burns away"))
+
+
+@dataclass(frozen=True, slots=True)
+class Leads:
+    """How the torch joins and leaves a contour."""
+
+    entries: int = field(default=8, metadata=option(Number(1, 1000, whole=True), "entries tried on each contour"))
+    lead: LeadKind = field(default="line", metadata=option(_LEADS, "shape of the lead-in"))
+    lead_in_mm: float = field(default=6.0, metadata=option(LENGTH, "length of the lead-in where there is room"))
+    lead_in_min_mm: float = field(default=1.0, metadata=option(LENGTH, "shortest lead-in where there is not"))
+    lead_out: LeadKind = field(default="none", metadata=option(_LEADS, "shape of the lead-out"))
+    lead_out_length_mm: float = field(default=2.0, metadata=option(LENGTH, "length of the lead-out"))
+    hole_overcut_mm: float = field(default=1.0, metadata=option(LENGTH, "how far a hole is cut past its entry"))
+    edge_start: bool = field(
+        default=True, metadata=option(Flag(), "whether to come in from the sheet edge, unpierced, where that is near")
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """How drawings of nests are read."""
+
+    units: str | None = field(
+        default=None,
+        metadata=option(
+            Choice(("auto", *MM_PER), none="auto"), "units of the drawing (auto: what the file says, else mm)"
+        ),
+    )
+    sheet_layer: str = field(
+        default="sheet|plate", metadata=option(Text(pattern=True), "layers that hold the sheet (regular expression)")
+    )
+    mark_layer: str = field(
+        default="mark|scribe|engrav", metadata=option(Text(pattern=True), "layers of marks (regular expression)")
+    )
+    margin_mm: float = field(
+        default=10.0, metadata=option(LENGTH, "room around the parts where the drawing has no sheet")
+    )
+    join_tolerance_mm: float = field(default=0.1, metadata=option(over_zero(LENGTH), "loose ends this near are joined"))
+
+
+@dataclass(frozen=True, slots=True)
+class Objective:
+    """What a plan's cost is made of, in mm of idle travel."""
+
+    idle: float = field(default=1.0, metadata=option(Number(0), "cost of a millimetre of idle travel"))
+    heat: float = field(default=0.0, metadata=option(Number(0), "cost of a point overheated"))
+    time: float = field(default=0.0, metadata=option(Number(0), "cost of a second of idle travel"))
+
+
+@dataclass(frozen=True, slots=True)
+class RuleSetting:
+    """What a profile makes of one rule; `weight` (mm of idle travel a breach) only where it is soft."""
+
+    strength: Strength
+    weight: float | None
+    options: Any
+
+
+@dataclass(frozen=True, slots=True)
+class OwnRule:
+    """A rule of the plant's own as the profile gives it: plain YAML data, and where it stands."""
+
+    raw: Any
+    place: Place | None = field(default=None, compare=False)
+
+
+def default_settings() -> dict[str, RuleSetting]:
+    """Every rule of the catalogue as it is where a profile says nothing of it."""
+    return {
+        name: RuleSetting(rule.default, rule.default_weight if rule.default == "soft" else None, rule.Options())
+        for name, rule in RULES.items()
+    }
+
+
+SECTIONS: Mapping[str, type] = {
+    "machine": Machine,
+    "material": Material,
+    "leads": Leads,
+    "drawing": Drawing,
+    "objective": Objective,
+}
+"""Key in a profile → the dataclass of what stands under it."""

@@ -1,0 +1,142 @@
+"""From facts and a profile to statements: what must hold of a plan of this nest in this plant."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from ..encoder.errors import RulesConflict
+from .cycles import Link, components, contracted, path
+from .feedback import Unbreakable, lightest_cut
+from .lock import check_locks
+from .registry import RULES
+from .statements import About, Contiguous, IdleTravel, Precede, Statement
+
+if TYPE_CHECKING:
+    from ..encoder.facts.facts import Facts
+    from .profile import Profile
+
+
+@dataclass(frozen=True, slots=True)
+class DroppedStatement:
+    """An order that was left out because hard orders contradict each other, and the cycle that it closes."""
+
+    statement: Precede
+    why: str
+
+    @property
+    def rule(self) -> str:
+        """Id of the rule that gave way."""
+        return self.statement.about.rule
+
+    @property
+    def contours(self) -> tuple[str, ...]:
+        """The ids of the two contours: the first was to be cut before the second."""
+        return self.statement.about.contours
+
+
+@dataclass(frozen=True, slots=True)
+class Stated:
+    """What is asked of a plan, free of cycles, and what was dropped to make it so."""
+
+    statements: tuple[Statement, ...]
+    dropped: tuple[DroppedStatement, ...]
+
+
+def state_rules(facts: Facts, profile: Profile) -> Stated:
+    """Ask every rule that is on for its statements, and resolve the cycles among the hard orders.
+
+    Raises
+    ------
+    InputError
+        If a lock names something that the nest does not have.
+    RulesConflict
+        If orders that may not be dropped contradict each other; the reasons are their sentences.
+
+    Examples
+    --------
+    >>> from kerfwise.encoder.facts import compute_facts
+    >>> from kerfwise.rules.profile import load_profile
+    >>> from kerfwise.tests.nests import nest, part, rect
+    >>> profile = load_profile()
+    >>> plate = nest(400, 100, part("P1", rect(10, 10, 80, 80), [rect(30, 30, 20, 20)]))
+    >>> stated = state_rules(compute_facts(plate, profile.fact_options(), ()), profile)
+    >>> stated.statements[0].about.sentence
+    'P1.hole1 is cut before P1.outer: it lies inside it, and cutting P1.outer frees the metal it is in'
+    """
+    check_locks(profile.locks, facts.nest)
+    statements: list[Statement] = []
+    for name, setting in profile.settings().items():
+        stated = RULES[name].statements(facts, setting.options)
+        statements += stated if setting.weight is None else (replace(s, weight=setting.weight) for s in stated)
+    statements += _objective(profile)
+    return resolve(statements, facts.n, {name: rule.gives_way for name, rule in RULES.items()})
+
+
+def _objective(profile: Profile) -> list[Statement]:
+    """Idle travel at its price: by the millimetre, and by the second that a millimetre takes."""
+    price = profile.objective.idle + profile.objective.time / profile.machine.travel_mm_s
+    return [IdleTravel(About("objective", (), f"a millimetre of idle travel costs {price:g}"), price)]
+
+
+def resolve(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int]) -> Stated:
+    """The statements without those that must be dropped to leave the hard orders over n contours free of cycles.
+
+    The weakest rules give way first (`gives_way`, the highest first; 0 never), and as few of their orders as can be.
+    """
+    orders = [s for s in statements if isinstance(s, Precede) and s.weight is None]
+    runs = [s for s in statements if isinstance(s, Contiguous) and s.weight is None]
+    links = contracted(n, [(s.before, s.after) for s in orders], [s.contours for s in runs])
+    asking: dict[Link, list[Precede]] = {}
+    for component in components(links):
+        for k in component:
+            asking.setdefault(links[k], []).append(orders[k])
+    distinct = list(asking)
+    try:
+        out = lightest_cut(distinct, _weights(list(asking.values()), gives_way))
+    except Unbreakable as error:
+        raise _conflict([_firmest(asking[distinct[k]], gives_way) for k in error.cycle], runs) from None
+    kept = sorted(set(range(len(distinct))) - set(out))
+    dropped = []
+    for k in out:
+        against = path(distinct, kept, distinct[k][1], distinct[k][0]) or []
+        why = "cycle: " + ", ".join(_spoken(_firmest(asking[distinct[m]], gives_way)) for m in against)
+        dropped += [DroppedStatement(order, why) for order in asking[distinct[k]]]
+    gone = {id(d.statement) for d in dropped}
+    return Stated(tuple(s for s in statements if id(s) not in gone), tuple(dropped))
+
+
+def _weights(asking: Sequence[Sequence[Precede]], gives_way: Mapping[str, int]) -> list[int | None]:
+    """What each link weighs, by the orders that ask for it: one order more than all orders of weaker rules together.
+
+    None for a link that a rule asks for which never gives way.
+    """
+    ranks = [[gives_way.get(order.about.rule, 0) for order in orders] for orders in asking]
+    counts = Counter(rank for of_link in ranks for rank in of_link)
+    price, total = {}, 0
+    for rank in sorted(counts, reverse=True):
+        price[rank] = total + 1
+        total += counts[rank] * price[rank]
+    return [None if 0 in of_link else sum(price[rank] for rank in of_link) for of_link in ranks]
+
+
+def _firmest(orders: Sequence[Precede], gives_way: Mapping[str, int]) -> Precede:
+    """Of the orders that ask for one link, the one that gives way last."""
+    return min(orders, key=lambda order: gives_way.get(order.about.rule, 0))
+
+
+def _spoken(order: Precede) -> str:
+    first, then = order.about.contours
+    return f"{first} before {then} ({order.about.rule})"
+
+
+def _conflict(cycle: Sequence[Precede], runs: Sequence[Contiguous]) -> RulesConflict:
+    """The error for a cycle of orders that must all hold, a sentence each, with the runs that tie them together."""
+    sentences = []
+    for order, following in zip(cycle, [*cycle[1:], cycle[0]], strict=True):
+        sentences.append(order.about.sentence)
+        if order.after != following.before:
+            sentences += [r.about.sentence for r in runs if {order.after, following.before} <= set(r.contours)]
+    return RulesConflict("these hard rules contradict each other; one must give way", tuple(dict.fromkeys(sentences)))

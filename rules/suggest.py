@@ -1,0 +1,40 @@
+"""Did you mean …? The nearest valid name to a mistyped one."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+def nearest(given: str, valid: Iterable[str]) -> str | None:
+    """The valid name most like `given`, or None when nothing is like it.
+
+    Examples
+    --------
+    >>> nearest("levelahead", ["hull-before", "level-ahead"])
+    'level-ahead'
+    >>> nearest("zzz", ["hull-before"]) is None
+    True
+    """
+    by_plain = {_plain(name): name for name in sorted(valid, reverse=True)}
+    matches = difflib.get_close_matches(_plain(given), by_plain, n=1, cutoff=0.6)
+    return by_plain[matches[0]] if matches else None
+
+
+def unknown(what: str, given: str, valid: Iterable[str]) -> str:
+    """A message for a name that is not among the valid ones: the nearest, and all of them when they are few.
+
+    Examples
+    --------
+    >>> unknown("key", "kerv", ["name", "kerf"])
+    "unknown key 'kerv': did you mean 'kerf'? (valid: kerf, name)"
+    """
+    names = sorted(valid)
+    guess = nearest(given, names)
+    hint = f": did you mean {guess!r}?" if guess else ":"
+    listed = ", ".join(names) if len(names) <= 20 else f"{', '.join(names[:20])}, …"
+    return f"unknown {what} {given!r}{hint} (valid: {listed})" if names else f"unknown {what} {given!r}"
+
+
+def _plain(name: str) -> str:
+    return name.lower().replace("_", "-").replace(" ", "-")
