@@ -1,0 +1,68 @@
+"""Rings and marks become parts by how they lie in each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+
+from ..nest import Contour, Note, Part
+from ..validate import coincident
+from .depth import surrounding
+from .drawing import Piece
+
+
+def assemble(rings: Sequence[Piece], marks: Sequence[Piece]) -> tuple[tuple[Part, ...], list[Note]]:
+    """Parts P1, P2, … in the order their outer rings are drawn in, and notes on what was left out.
+
+    A ring at even depth is the outside of a part, one at odd depth a hole of the part around it. A ring that is
+    the same line as an earlier one is dropped; a mark belongs to the part whose metal it starts on, else touches.
+    """
+    repeats: dict[int, int] = {}
+    for first, again in coincident([r.curve for r in rings]):
+        repeats.setdefault(again, repeats.get(first, first))
+    kept = [k for k in range(len(rings)) if k not in repeats]
+    depth, parent = surrounding([rings[k].polygon for k in kept])
+    outers = [n for n, d in enumerate(depth.tolist()) if d % 2 == 0]
+    holes: dict[int, list[int]] = {n: [] for n in outers}
+    for n in np.flatnonzero(depth % 2).tolist():
+        holes[int(parent[n])].append(n)
+    names, parts = {}, []
+    for number, n in enumerate(outers, 1):
+        part = f"P{number}"
+        names[kept[n]] = f"{part}.outer"
+        names |= {kept[h]: f"{part}.hole{k}" for k, h in enumerate(holes[n], 1)}
+        inner = tuple(Contour(names[kept[h]], part, "hole", rings[kept[h]].curve) for h in holes[n])
+        parts.append(Part(part, Contour(names[kept[n]], part, "outer", rings[kept[n]].curve), inner))
+    notes = [
+        Note(
+            "warning",
+            f"the ring {rings[k].place} is the same line as {names[first]}; it is cut once, as {names[first]}",
+            (names[first],),
+        )
+        for k, first in sorted(repeats.items())
+    ]
+    marked, lost = _with_marks(parts, marks)
+    return marked, notes + lost
+
+
+def _with_marks(parts: Sequence[Part], marks: Sequence[Piece]) -> tuple[tuple[Part, ...], list[Note]]:
+    if not marks:
+        return tuple(parts), []
+    metal = np.array([p.polygon for p in parts], dtype=object)
+    metal = np.where(shapely.is_valid(metal), metal, shapely.make_valid(metal))
+    lines = np.array([m.curve.line() for m in marks], dtype=object)
+    k, on = shapely.STRtree(metal).query(lines, predicate="intersects")
+    shared = shapely.length(shapely.intersection(lines[k], metal[on]))
+    most = np.lexsort((on, -shared, k))
+    owner = {int(mark): int(part) for mark, part in zip(k[most][::-1], on[most][::-1], strict=True)}
+    made: list[list[Contour]] = [[] for _ in parts]
+    for n, mark in enumerate(marks):
+        if n in owner:
+            part, own = parts[owner[n]].id, made[owner[n]]
+            own.append(Contour(f"{part}.mark{len(own) + 1}", part, "mark", mark.curve))
+    lost = [
+        Note("warning", f"the mark {m.place} is on no part: left out") for n, m in enumerate(marks) if n not in owner
+    ]
+    return tuple(Part(p.id, p.outer, p.holes, tuple(own)) for p, own in zip(parts, made, strict=True)), lost

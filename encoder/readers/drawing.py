@@ -1,0 +1,45 @@
+"""What a drawing holds before anyone knows which line is a part's: the common ground of DXF and SVG."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import shapely
+
+from ..geometry.curve import Curve
+from ..nest import Note, Sheet
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """One drawn curve in mm, open or closed, on its layer; `order` counts in the order of the file."""
+
+    curve: Curve
+    layer: str
+    order: int
+
+    @cached_property
+    def polygon(self) -> shapely.Polygon:
+        """The area inside a closed piece, made valid where the ring crosses itself."""
+        polygon = self.curve.polygon()
+        return polygon if polygon.is_valid else shapely.make_valid(polygon)
+
+    @property
+    def place(self) -> str:
+        """Where it is, for messages: its first vertex and its layer."""
+        x, y = self.curve.vertices[0, :2].tolist()
+        return f"at ({x:.3f}, {y:.3f}) on layer '{self.layer}'"
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """The pieces of a drawing in mm, y up, with what its reader wants said.
+
+    `units` is what it was read in; `page` the drawing area, for a format that has one.
+    """
+
+    pieces: tuple[Piece, ...]
+    units: str
+    notes: tuple[Note, ...] = ()
+    page: Sheet | None = None

@@ -1,0 +1,98 @@
+"""DXF files, as CAD systems of thirty years write them, to a drawing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ezdxf import recover
+from ezdxf.document import Drawing as Document
+from ezdxf.filemanagement import readfile
+from ezdxf.lldxf.const import DXFError
+
+from ..errors import InputError
+from ..nest import Note
+from .drawing import Drawing, Piece
+from .dxf_entities import Unread, curve, entities
+from .foreign import FOREIGN_ERRORS
+from .options import ReadOptions
+from .units import DXF_UNITS, MM_PER
+
+DXF_ERRORS: tuple[type[Exception], ...] = (*FOREIGN_ERRORS, DXFError)
+
+
+def read_dxf(path: Path, data: bytes, options: ReadOptions) -> Drawing:
+    """Every curve of the model space, in mm.
+
+    Parameters
+    ----------
+    path, data
+        The file and its bytes.
+    options
+        `units` overrides $INSUNITS; with `repair`, a file that breaks off is read as far as it goes.
+
+    Raises
+    ------
+    InputError
+        When the file is no DXF, breaks off, or an entity in it cannot be understood.
+    """
+    notes = _whole(data, options)
+    document = _document(path)
+    units, unit_notes = _units(document, data, options)
+    hidden = frozenset(str(x.dxf.name).lower() for x in document.layers if x.is_off() or x.is_frozen())
+    pieces, unread = [], Unread()
+    try:
+        for order, (entity, layer) in enumerate(entities(document.modelspace(), hidden, unread)):
+            drawn = curve(entity, MM_PER[units])
+            if drawn is None:
+                unread.types[entity.dxftype()] += 1
+            else:
+                pieces.append(Piece(drawn, layer, order))
+    except DXF_ERRORS as error:
+        raise InputError(f"an entity of this DXF file is damaged ({error}); open and save it anew in CAD") from error
+    return Drawing(tuple(pieces), units, (*notes, *unit_notes, *_unread_notes(unread)))
+
+
+def _whole(data: bytes, options: ReadOptions) -> tuple[Note, ...]:
+    """A DXF file ends with EOF; one that does not has lost contours that nobody would miss until it is cut."""
+    if data.startswith((b"AC10", b"AC1.")):
+        raise InputError("this is a DWG file under another name; save it as DXF")
+    if data.rstrip(b"\0\x1a \t\r\n").endswith(b"EOF"):
+        return ()
+    if not options.repair:
+        raise InputError("the DXF file breaks off: its end mark EOF is missing; export it anew, or try --repair")
+    return (Note("repaired", "the DXF file breaks off before its end mark EOF: read as far as it goes"),)
+
+
+def _document(path: Path) -> Document:
+    try:
+        return readfile(path)
+    except DXF_ERRORS:
+        pass  # real files often break a rule or two of the format: recover reads most of those
+    try:
+        return recover.readfile(path)[0]
+    except DXF_ERRORS as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise InputError(f"not a DXF file that can be read ({reason}); expected an ASCII or binary DXF") from error
+
+
+def _units(document: Document, data: bytes, options: ReadOptions) -> tuple[str, tuple[Note, ...]]:
+    if options.units is not None:
+        return options.units, ()
+    # ezdxf fills in a missing $INSUNITS with a value of its own
+    code = document.header.get("$INSUNITS", 0) if b"$INSUNITS" in data else 0
+    if code in DXF_UNITS or code == 0:
+        return DXF_UNITS.get(code, "mm"), ()
+    known = ", ".join(f"{k} {v}" for k, v in DXF_UNITS.items())
+    text = f"$INSUNITS is {code}, which is no unit of a nest ({known}): read in mm; pass units if they are others"
+    return "mm", (Note("warning", text),)
+
+
+def _unread_notes(unread: Unread) -> list[Note]:
+    notes = []
+    if unread.types:
+        listed = ", ".join(f"{n} {kind}" for kind, n in sorted(unread.types.items()))
+        notes.append(Note("warning", f"left out, as they are not lines one can cut: {listed}; explode them in CAD"))
+    if unread.hidden_layers:
+        listed = ", ".join(f"{n} on '{layer}'" for layer, n in sorted(unread.hidden_layers.items()))
+        notes.append(Note("warning", f"left out, as they are invisible or their layer is off or frozen: {listed}"))
+    return notes

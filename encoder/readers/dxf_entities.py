@@ -1,0 +1,167 @@
+"""DXF entities as curves: arcs stay arcs, splines and ellipses become arcs again, Z is dropped.
+
+Only what can be cut is read. Writing, dimensions and fillings are passed over; whatever else cannot be read is
+counted, so that its absence can be said aloud.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from ezdxf.entities.arc import Arc
+from ezdxf.entities.circle import Circle
+from ezdxf.entities.dxfgfx import DXFGraphic
+from ezdxf.entities.ellipse import Ellipse
+from ezdxf.entities.insert import Insert
+from ezdxf.entities.line import Line
+from ezdxf.entities.lwpolyline import LWPolyline
+from ezdxf.entities.polyline import Polyline
+from ezdxf.entities.spline import Spline
+from ezdxf.math import OCS, BSpline, ConstructionEllipse, Vec3
+from ezdxf.path import Path, make_path
+
+from ..errors import InputError
+from ..geometry.curve import Curve
+from .arcs import FLATTEN_MM, fitted
+from .limits import LIMIT_MM, checked_curve
+
+ANNOTATION = frozenset(
+    (
+        *("TEXT", "MTEXT", "RTEXT", "ATTRIB", "ATTDEF", "SHAPE", "TOLERANCE", "ACAD_TABLE"),
+        *("DIMENSION", "ARC_DIMENSION", "LARGE_RADIAL_DIMENSION", "LEADER", "MLEADER", "MULTILEADER"),
+        *("HATCH", "MPOLYGON", "SOLID", "TRACE", "WIPEOUT", "IMAGE", "OLE2FRAME", "PDFUNDERLAY"),
+        *("POINT", "RAY", "XLINE", "VIEWPORT"),
+    )
+)
+DEEPEST_BLOCK = 32
+MOST_ENTITIES = 2_000_000
+ROUND = 1e-6
+"""An ellipse whose axes differ by less than this share is a circle."""
+
+
+@dataclass(slots=True)
+class Unread:
+    """What was passed over on the way: entity types and layers, with how many of each."""
+
+    types: Counter[str] = field(default_factory=Counter)
+    hidden_layers: Counter[str] = field(default_factory=Counter)
+    entities: int = 0
+
+
+def entities(
+    drawn: Iterable[DXFGraphic], hidden: frozenset[str], unread: Unread, block_layer: str = "", depth: int = 0
+) -> Iterator[tuple[DXFGraphic, str]]:
+    """Every entity to read with its layer, blocks taken apart (scaled, mirrored and nested ones too).
+
+    An entity on layer 0 of a block lies on the layer of its insertion. `hidden` names the layers that are off or
+    frozen, in lower case.
+    """
+    if depth > DEEPEST_BLOCK:
+        raise InputError(f"blocks are nested over {DEEPEST_BLOCK} deep: a block seems to contain itself")
+    for entity in drawn:
+        unread.entities += 1
+        if unread.entities > MOST_ENTITIES:
+            raise InputError(f"the drawing unfolds to over {MOST_ENTITIES:,} entities; explode and clean it in CAD")
+        kind, layer = entity.dxftype(), str(entity.dxf.get("layer", "0"))
+        if depth and layer == "0":
+            layer = block_layer
+        if kind in ANNOTATION:
+            continue
+        if layer.lower() in hidden or entity.dxf.get("invisible", 0):
+            unread.hidden_layers[layer] += 1
+        elif isinstance(entity, Insert):
+            for insert in entity.multi_insert() if entity.mcount > 1 else (entity,):
+                yield from entities(insert.virtual_entities(), hidden, unread, layer, depth + 1)
+        else:
+            yield entity, layer
+
+
+def curve(entity: DXFGraphic, scale: float) -> Curve | None:
+    """The entity as a curve in mm, or None for one that cannot be cut.
+
+    Parameters
+    ----------
+    entity
+        A DXF entity, in world coordinates or its own (an extrusion of -Z mirrors it).
+    scale
+        Millimetres per drawing unit.
+    """
+    match entity:
+        case Line():
+            start, end = entity.dxf.start, entity.dxf.end
+            return checked_curve([(start.x, start.y), (end.x, end.y)], False, scale)
+        case Ellipse():
+            return _ellipse(entity.construction_tool(), scale)
+        case Spline():
+            spline = entity.construction_tool()
+            return _flattened(spline, spline.control_points, scale)
+        case Polyline() if entity.is_3d_polyline:
+            return _polyline(OCS(), [(*v.dxf.location, 0.0) for v in entity.vertices], entity.is_closed, 1.0, scale)
+        case Arc() | Circle() | LWPolyline():
+            pass
+        case Polyline() if entity.is_2d_polyline:
+            pass
+        case _:
+            return None
+    tilt = Vec3(entity.dxf.extrusion).normalize().z
+    if abs(abs(tilt) - 1) > ROUND:  # drawn on a tilted plane, seen from above
+        path = make_path(entity)
+        return _flattened(path, path.control_vertices(), scale)
+    match entity:
+        case Arc():
+            a0, a1 = math.radians(entity.dxf.start_angle), math.radians(entity.dxf.end_angle)
+            return _arc(entity, a0, (a1 - a0) % math.tau or math.tau, tilt, scale)
+        case Circle():
+            return _arc(entity, 0.0, math.tau, tilt, scale)
+        case LWPolyline():
+            points = [(x, y, 0.0, b) for x, y, b in entity.get_points("xyb")]
+            return _polyline(entity.ocs(), points, entity.closed, tilt, scale)
+        case _:  # the control points (16) of a smoothed POLYLINE are no part of the line
+            vertices = [v.dxf for v in entity.vertices if not v.dxf.get("flags", 0) & 16]
+            points = [(*v.location, float(v.get("bulge", 0.0))) for v in vertices]
+            return _polyline(entity.ocs(), points, entity.is_closed, tilt, scale)
+
+
+def _arc(circle: Circle, start_rad: float, sweep_rad: float, tilt: float, scale: float) -> Curve:
+    ocs, centre, radius = circle.ocs(), Vec3(circle.dxf.center), circle.dxf.radius
+    angles = (start_rad, start_rad + sweep_rad / 2, start_rad + sweep_rad)
+    return _bent([ocs.to_wcs(centre + Vec3.from_angle(a, radius)) for a in angles], sweep_rad, tilt, scale)
+
+
+def _bent(rim: Sequence[Vec3], sweep_rad: float, tilt: float, scale: float) -> Curve:
+    """An arc by its start, middle and end, halved if over a half-circle; a full turn is a closed curve."""
+    shares = 1 if sweep_rad <= math.pi else 2
+    bulge = math.copysign(math.tan(sweep_rad / (4 * shares)), tilt)
+    rows = [(p.x, p.y, bulge) for p in (rim[0], rim[1], rim[2])]
+    closed = sweep_rad >= math.tau - 1e-9
+    return checked_curve(rows[:2] if closed else rows[:: 3 - shares], closed, scale)
+
+
+def _polyline(ocs: OCS, points: Sequence[tuple[float, ...]], closed: bool, tilt: float, scale: float) -> Curve | None:
+    """A curve of (x, y, z, bulge); a bulge turns the other way on a plane seen from behind."""
+    if len(points) < 2:
+        return None
+    world = [ocs.to_wcs(Vec3(p[:3])) for p in points]
+    rows = [(w.x, w.y, math.copysign(1.0, tilt) * p[3]) for w, p in zip(world, points, strict=True)]
+    return checked_curve(rows, closed, scale)
+
+
+def _ellipse(ellipse: ConstructionEllipse, scale: float) -> Curve | None:
+    """A circle or arc where the axes are equal, else fitted arcs."""
+    tilt, sweep = ellipse.extrusion.z, ellipse.param_span
+    if abs(ellipse.ratio - 1) < ROUND and abs(abs(tilt) - 1) < ROUND:
+        params = [ellipse.start_param + sweep * f for f in (0.0, 0.5, 1.0)]
+        return _bent(list(ellipse.vertices(params)), sweep, tilt, scale)
+    return _flattened(ellipse, [ellipse.center, ellipse.center + ellipse.major_axis], scale)
+
+
+def _flattened(drawn: BSpline | ConstructionEllipse | Path, control: Iterable[Vec3], scale: float) -> Curve | None:
+    """Fitted arcs through a curve that DXF draws and no machine can; `control` points bound its extent."""
+    for p in control:  # flattening a curve of astronomic size would never end
+        if not max(abs(p.x), abs(p.y), abs(p.z)) * scale <= LIMIT_MM:
+            raise InputError(f"({p.x:g}, {p.y:g}) lies more than a kilometre from the origin; check the units")
+    return fitted(np.array([(p.x, p.y) for p in drawn.flattening(FLATTEN_MM / scale, 8)]) * scale)

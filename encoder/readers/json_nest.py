@@ -1,0 +1,111 @@
+"""kerfwise-nest/1: a nest as JSON."""
+
+from __future__ import annotations
+
+import difflib
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..errors import InputError
+from ..geometry.curve import Curve
+from ..nest import Contour, Kind, Nest, Note, Part, Sheet
+from .json_place import line_and_column
+from .json_schema import check_schema
+from .limits import checked_curve
+from .options import ReadOptions
+from .units import MM_PER, doubt
+
+PART_KEYS = ("id", "outer", "holes", "marks")
+
+
+def read_json(data: bytes, options: ReadOptions) -> Nest:
+    """The nest in a kerfwise-nest/1 file, not yet validated.
+
+    Raises
+    ------
+    InputError
+        When it is not JSON, not of this format, or a number in it cannot be a coordinate.
+    """
+    text, document = _parsed(data)
+    check_schema(document, text)
+    units = options.units or document.get("units", "mm")
+    scale = MM_PER[units]
+    _check_ids(document["parts"], text)
+    parts = tuple(_part(given, scale) for given in document["parts"])
+    sheet = _sheet(document["sheet"], scale)
+    x0, y0, x1, y1 = sheet.bounds
+    doubtful = doubt(x1 - x0, y1 - y0, units)
+    return Nest(
+        sheet, parts, notes=(*_typing_slips(document["parts"]), *([Note("warning", doubtful)] if doubtful else []))
+    )
+
+
+def _parsed(data: bytes) -> tuple[str, Any]:
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"not JSON: byte {error.start + 1} is not UTF-8 text") from None
+    try:
+        return text, json.loads(text, parse_constant=str)  # NaN becomes a text, which the schema refuses in place
+    except json.JSONDecodeError as error:
+        raise InputError(f"not JSON: {error.msg}", line=error.lineno, column=error.colno) from None
+    except (ValueError, RecursionError) as error:  # a number of thousands of digits; brackets thousands deep
+        raise InputError(f"not a nest: {error}") from None
+
+
+def _check_ids(parts: Sequence[Mapping[str, Any]], text: str) -> None:
+    seen: dict[str, int] = {}
+    for k, part in enumerate(parts):
+        first = seen.setdefault(part["id"], k)
+        if first != k:
+            line, column = line_and_column(text, ["parts", k, "id"])
+            raise InputError(
+                f"part number {k + 1} has the id '{part['id']}' of part number {first + 1}; give each part its own",
+                line=line,
+                column=column,
+            )
+
+
+def _sheet(given: Mapping[str, Any], scale: float) -> Sheet:
+    if "width" in given:
+        return Sheet.rectangle(given["width"] * scale, given["height"] * scale)
+    return Sheet(
+        _curve("the sheet's outline", given["outline"], True, scale),
+        tuple(_curve(f"the sheet's hole {k}", h, True, scale) for k, h in enumerate(given.get("holes", ()), 1)),
+    )
+
+
+def _part(given: Mapping[str, Any], scale: float) -> Part:
+    name = given["id"]
+
+    def contour(kind: Kind, rows: Sequence[Sequence[float]], number: str = "") -> Contour:
+        closed = kind != "mark" or (len(rows) > 2 and rows[0][:2] == rows[-1][:2])
+        contour_id = f"{name}.{kind}{number}"
+        return Contour(contour_id, name, kind, _curve(contour_id, rows, closed, scale))
+
+    return Part(
+        name,
+        contour("outer", given["outer"]),
+        tuple(contour("hole", rows, str(k)) for k, rows in enumerate(given.get("holes", ()), 1)),
+        tuple(contour("mark", rows, str(k)) for k, rows in enumerate(given.get("marks", ()), 1)),
+        {key: value for key, value in given.items() if key not in PART_KEYS},
+    )
+
+
+def _curve(name: str, rows: Sequence[Sequence[float]], closed: bool, scale: float) -> Curve:
+    try:
+        return checked_curve(rows, closed, scale)
+    except InputError as error:
+        raise InputError(f"{name}: {error.message}") from None
+
+
+def _typing_slips(parts: Sequence[Mapping[str, Any]]) -> list[Note]:
+    """An attribute named almost like a key of the format ('hole') is most likely a slip that loses a contour."""
+    notes = []
+    for part in parts:
+        for key in part:
+            near = difflib.get_close_matches(key, PART_KEYS, n=1, cutoff=0.75)
+            if near and key not in PART_KEYS:
+                notes.append(Note("warning", f"part '{part['id']}' has a key '{key}': is '{near[0]}' meant?"))
+    return notes

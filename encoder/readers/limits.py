@@ -1,0 +1,45 @@
+"""Coordinates that cannot be of a sheet are refused before any geometry is done with them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from ..errors import InputError
+from ..geometry.curve import Curve, FloatArray
+
+LIMIT_MM = 1e6
+"""No coordinate and no arc reaches further than a kilometre from the origin."""
+
+
+def checked_curve(rows: Iterable[Sequence[float]] | FloatArray, closed: bool, scale: float = 1.0) -> Curve:
+    """A curve of x, y (times `scale`) and bulge, with repeated vertices left out.
+
+    Raises
+    ------
+    InputError
+        When a number is not finite or lies beyond `LIMIT_MM`.
+
+    Examples
+    --------
+    >>> checked_curve([(0, 0), (0, 0), (1, 0), (1, 1), (0, 0)], closed=True, scale=10).as_rows()
+    [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0]]
+    """
+    drawn = rows if isinstance(rows, np.ndarray) else Curve.of(rows).vertices
+    if not np.isfinite(drawn).all():
+        raise InputError("a coordinate is not a finite number")
+    with np.errstate(over="ignore", invalid="ignore"):
+        points, bulge = drawn[:, :2] * scale, np.abs(drawn[:, 2])
+        far = np.abs(points).max(axis=1, initial=0.0)
+        steps = np.diff(points, axis=0, append=points[:1])
+        chord = np.hypot(steps[:, 0], steps[:, 1])
+        wide = (bulge > 1) & (chord * (1 + bulge * bulge) > 4 * bulge * LIMIT_MM)
+    if (far > LIMIT_MM).any():
+        x, y = points[far.argmax()].tolist()
+        raise InputError(f"({x:g}, {y:g}) mm lies more than a kilometre from the origin; check the units")
+    if wide.any():
+        raise InputError(f"an arc of bulge {drawn[wide.argmax(), 2]:g} is wider than a kilometre")
+    keep = chord > 1e-9
+    keep[-1] |= not closed or not keep.any()
+    return Curve(np.column_stack([points, drawn[:, 2]])[keep], closed)

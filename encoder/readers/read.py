@@ -1,0 +1,86 @@
+"""One door for every nest file."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import replace
+from pathlib import Path
+
+from ..errors import InputError
+from ..nest import Nest
+from ..validate import validated
+from .mend import mended
+from .options import ReadOptions
+
+SUFFIXES = (".dxf", ".json", ".svg")
+
+
+def read_nest(path: str | Path, options: ReadOptions = ReadOptions()) -> Nest:  # noqa: B008 - frozen
+    """Read and check a nest: a sheet with the parts placed on it.
+
+    Parameters
+    ----------
+    path
+        A `.json` (kerfwise-nest/1), `.dxf` or `.svg` file; the suffix decides.
+    options
+        Units, layers, tolerances, and whether to repair.
+
+    Returns
+    -------
+    A nest in mm, y up, every contour of it sound; its notes say what was doubtful and what was mended.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read, or what it holds cannot be cut; the one error lists all that is wrong.
+
+    Examples
+    --------
+    >>> nest = read_nest("examples/nests/e1x_6.dxf")  # doctest: +SKIP
+    >>> len(nest.parts), len(nest.contours)  # doctest: +SKIP
+    (8, 16)
+    """
+    file = Path(path)
+    suffix = file.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise InputError(f"cannot tell the format of '{file.name}': expected {', '.join(SUFFIXES)}", file=file)
+    data = _bytes(file)
+    try:
+        nest = _nest(file, suffix, data, options)
+        checked = validated(mended(nest) if options.repair else nest)
+    except InputError as error:
+        raise InputError(
+            error.message, file=file, line=error.line, column=error.column, details=error.details
+        ) from error.__cause__
+    return replace(checked, file=file.name, sha256=hashlib.sha256(data).hexdigest())
+
+
+def _bytes(file: Path) -> bytes:
+    try:
+        data = file.read_bytes()
+    except FileNotFoundError:
+        raise InputError("there is no such file", file=file) from None
+    except IsADirectoryError:
+        raise InputError("this is a folder; expected a nest file", file=file) from None
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the name
+        raise InputError(f"the file cannot be opened: {error}", file=file) from None
+    if not data.strip():
+        raise InputError("the file is empty", file=file)
+    return data
+
+
+def _nest(file: Path, suffix: str, data: bytes, options: ReadOptions) -> Nest:
+    """Each format's libraries are imported only when such a file is read."""
+    if suffix == ".json":
+        from .json_nest import read_json
+
+        return read_json(data, options)
+    from .drawing_nest import nest_of
+
+    if suffix == ".dxf":
+        from .dxf import read_dxf
+
+        return nest_of(read_dxf(file, data, options), options)
+    from .svg import read_svg
+
+    return nest_of(read_svg(data, options), options)

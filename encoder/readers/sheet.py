@@ -1,0 +1,85 @@
+"""The sheet of a drawing: drawn on a layer of its own, given by size, the page, or the parts' bounding box."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+
+from ..errors import InputError
+from ..geometry.curve import Curve
+from ..nest import Note, Sheet
+from .depth import surrounding
+from .drawing import Piece
+from .options import ReadOptions
+
+
+def choose_sheet(
+    drawn: Sequence[Piece], parts: Sequence[Piece], page: Sheet | None, options: ReadOptions
+) -> tuple[Sheet, list[Note]]:
+    """The sheet, and what is to be said about the choice.
+
+    Parameters
+    ----------
+    drawn
+        The rings on the sheet's layer.
+    parts
+        The rings of the parts.
+    page
+        The drawing area, for a format that has one.
+
+    Raises
+    ------
+    InputError
+        When several sheets are drawn.
+    """
+    if drawn:
+        notes = []
+        if options.sheet_size_mm is not None:
+            notes.append(Note("warning", f"sheet_size_mm is not used: the sheet is drawn, {drawn[0].place}"))
+        return _drawn_sheet(drawn), notes
+    x0, y0, x1, y1 = shapely.total_bounds(np.array([p.polygon for p in parts], dtype=object)).tolist()
+    if options.sheet_size_mm is not None:
+        return _given_sheet(options.sheet_size_mm, (x0, y0, x1, y1), options.margin_mm)
+    if page is not None and page.polygon.buffer(options.join_tolerance_mm).covers(shapely.box(x0, y0, x1, y1)):
+        width, height = page.bounds[2], page.bounds[3]
+        return page, [Note("warning", f"no layer is the sheet's: the page, {width:g} × {height:g} mm, is taken for it")]
+    m = options.margin_mm
+    sheet = _rectangle(x0 - m, y0 - m, x1 - x0 + 2 * m, y1 - y0 + 2 * m)
+    text = (
+        f"no layer is the sheet's (sheet_layer='{options.sheet_layer}'): the parts' bounding box and {m:g} mm around "
+        f"it, {x1 - x0 + 2 * m:g} × {y1 - y0 + 2 * m:g} mm, is taken for it; pass sheet_layer or sheet_size_mm"
+    )
+    return sheet, [Note("warning", text)]
+
+
+def _drawn_sheet(drawn: Sequence[Piece]) -> Sheet:
+    depth, _ = surrounding([p.polygon for p in drawn])
+    outlines = [p for p, d in zip(drawn, depth, strict=True) if d == 0]
+    if len(outlines) > 1:
+        raise InputError(
+            f"{len(outlines)} sheets are drawn; one nest at a time can be read. Keep one, or pass a sheet_layer "
+            "that only the sheet's layer matches",
+            details=tuple(p.place for p in outlines[:10]),
+        )
+    return Sheet(outlines[0].curve, tuple(p.curve for p, d in zip(drawn, depth, strict=True) if d == 1))
+
+
+def _given_sheet(
+    size_mm: tuple[float, float], bounds: tuple[float, float, float, float], margin_mm: float
+) -> tuple[Sheet, list[Note]]:
+    """At the origin if the parts are there, else around them."""
+    width, height = size_mm
+    x0, y0, x1, y1 = bounds
+    if shapely.box(0, 0, width, height).covers(shapely.box(*bounds)) or x1 - x0 > width or y1 - y0 > height:
+        return Sheet.rectangle(width, height), []
+    x, y = (
+        start - min(margin_mm, (size - (end - start)) / 2) for start, end, size in ((x0, x1, width), (y0, y1, height))
+    )
+    text = f"the parts do not lie in (0, 0)…({width:g}, {height:g}): the sheet is laid around them, from ({x:g}, {y:g})"
+    return _rectangle(x, y, width, height), [Note("warning", text)]
+
+
+def _rectangle(x: float, y: float, width: float, height: float) -> Sheet:
+    return Sheet(Curve.of([(x, y), (x + width, y), (x + width, y + height), (x, y + height)]))

@@ -1,0 +1,82 @@
+"""The same line drawn twice would be cut twice: it is dropped once, and that is said."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import shapely
+from scipy.spatial import cKDTree
+
+from ..geometry.curve import Curve
+from ..nest import Contour, Note, Part
+from .tolerances import COINCIDE_MM
+
+
+def coincident(curves: Sequence[Curve]) -> list[tuple[int, int]]:
+    """Pairs i < j of curves that run along the same line, whichever way round and wherever they start.
+
+    Examples
+    --------
+    >>> square = [(0, 0), (9, 0), (9, 9), (0, 9)]
+    >>> coincident([Curve.of(square), Curve.of(square[::-1]), Curve.of(square).moved(1, 0)])
+    [(0, 1)]
+    """
+    if len(curves) < 2:
+        return []
+    lines = np.array([c.line() for c in curves], dtype=object)
+    # curves that coincide have the same bounding box, give or take the chords of their arcs
+    boxes = cKDTree(shapely.bounds(lines))
+    pairs = boxes.query_pairs(2 * COINCIDE_MM, p=np.inf, output_type="ndarray").reshape(-1, 2)
+    pairs.sort(axis=1)
+    same = shapely.hausdorff_distance(lines[pairs[:, 0]], lines[pairs[:, 1]]) <= COINCIDE_MM
+    return sorted((i, j) for i, j in pairs[same].tolist())
+
+
+def drop_duplicates(parts: Sequence[Part]) -> tuple[tuple[Part, ...], list[Note]]:
+    """The parts without contours drawn twice, and a note for each one dropped.
+
+    Dropped are a hole or mark that repeats another of its part, a part that repeats another with all its holes,
+    and a hole that is the same line as the outside of a part lying in another hole: what is left of such a hole
+    is that part's outer contour. Other coincidences are left to the checks: two different parts in one place
+    overlap, and a part that fills a hole touches it.
+
+    Every other contour keeps its id.
+    """
+    rings = [c for p in parts for c in (p.outer, *p.holes)]
+    marks = [c for p in parts for c in p.marks]
+    part_of = {p.id: p for p in parts}
+    pairs = [(rings[i], rings[j]) for i, j in coincident([c.curve for c in rings])]
+    pairs += [(marks[i], marks[j]) for i, j in coincident([c.curve for c in marks]) if marks[i].part == marks[j].part]
+    same = {frozenset((a.id, b.id)) for a, b in pairs}
+    dropped: dict[str, Note] = {}
+    for first, second in pairs:
+        keep, drop = (second, first) if (first.kind, second.kind) == ("hole", "outer") else (first, second)
+        if keep.id in dropped or drop.id in dropped:
+            continue
+        if keep.kind == drop.kind == "outer":
+            gone, kept = part_of[drop.part], part_of[keep.part]
+            if all(any(frozenset((c.id, d.id)) in same for d in kept) for c in gone):
+                text = f"part {gone.id} is the same as part {kept.id}, in the same place; it is cut once, as {kept.id}"
+                dropped |= {c.id: Note("warning", text, (drop.id, keep.id)) for c in gone}
+        elif (keep.part, keep.kind) == (drop.part, drop.kind) or _fills_what_is_left(keep, drop, part_of[drop.part]):
+            text = f"{drop.id} is the same line as {keep.id}; it is cut once, as {keep.id}"
+            dropped[drop.id] = Note("warning", text, (drop.id, keep.id))
+    left = tuple(_without(p, dropped) for p in parts if p.outer.id not in dropped)
+    return left, list(dict.fromkeys(dropped.values()))
+
+
+def _fills_what_is_left(outer: Contour, hole: Contour, host: Part) -> bool:
+    """True when a hole is the outline of another part, and that part lies in another hole of the same host."""
+    if outer.kind != "outer" or hole.kind != "hole" or outer.part == hole.part:
+        return False
+    others = [h.polygon for h in host.holes if h.id != hole.id and h.polygon.is_valid]
+    return any(p.area > hole.polygon.area and p.covers(shapely.point_on_surface(outer.line)) for p in others)
+
+
+def _without(part: Part, dropped: dict[str, Note]) -> Part:
+    if not any(c.id in dropped for c in part):
+        return part
+    holes = tuple(h for h in part.holes if h.id not in dropped)
+    return replace(part, holes=holes, marks=tuple(m for m in part.marks if m.id not in dropped))

@@ -1,0 +1,72 @@
+"""Each contour by itself: closed rings must enclose something, and cross nothing of their own."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+
+from ..geometry.curve import Curve
+from ..nest import Contour, Sheet
+from .tolerances import TOUCH_MM
+
+
+def flat(curve: Curve) -> bool:
+    """True for a ring that encloses no area: nowhere wider than a touch."""
+    return len(curve.segments) < 2 or abs(curve.signed_area_mm2) <= TOUCH_MM * curve.length_mm / 2
+
+
+def speck(curve: Curve) -> bool:
+    """True for a curve that is as good as a point."""
+    return not curve.segments or curve.length_mm <= TOUCH_MM
+
+
+def contour_problems(contours: Sequence[Contour]) -> dict[str, str]:
+    """Contour id → what is wrong with it, for every mark without length and every ring that is no proper one."""
+    problems = {
+        c.id: f"{c.id} has no length, {place(c.curve)}: remove it, or try --repair, which drops it"
+        for c in contours
+        if c.kind == "mark" and speck(c.curve)
+    }
+    rings = [c for c in contours if c.kind != "mark"]
+    problems |= {
+        c.id: f"{c.id} encloses no area, {place(c.curve)}: remove it, or try --repair, which drops it"
+        for c in rings
+        if flat(c.curve)
+    }
+    sound = [c for c in rings if c.id not in problems]
+    for k in np.flatnonzero(~shapely.is_valid(np.array([c.polygon for c in sound], dtype=object))).tolist():
+        problems[sound[k].id] = f"{sound[k].id} {_crossing(sound[k].polygon)}: correct it in CAD, or try --repair"
+    return {c.id: problems[c.id] for c in contours if c.id in problems}
+
+
+def sheet_ring_problems(sheet: Sheet) -> list[str]:
+    """A line for each ring of the sheet itself that is no proper one, and for a hole that is not in it."""
+    named = [("the sheet's outline", sheet.outline)]
+    named += [(f"the sheet's hole {k}", hole) for k, hole in enumerate(sheet.holes, 1)]
+    problems = []
+    for name, curve in named:
+        if flat(curve):
+            problems.append(f"{name} encloses no area, {place(curve)}: draw the sheet anew")
+        elif not curve.polygon().is_valid:
+            problems.append(f"{name} {_crossing(curve.polygon())}: draw the sheet anew")
+    if not problems and not sheet.polygon.is_valid:
+        problems.append(f"the sheet's holes overlap or reach out of it ({shapely.is_valid_reason(sheet.polygon)})")
+    return problems
+
+
+def place(curve: Curve) -> str:
+    """Where a curve starts, for messages."""
+    x, y = curve.vertices[0, :2].tolist()
+    return f"at ({x:.3f}, {y:.3f})"
+
+
+def _crossing(polygon: shapely.Polygon) -> str:
+    """Shapely's reason, as "Ring Self-intersection[12.5 3]", in the words of the trade."""
+    reason = shapely.is_valid_reason(polygon)
+    touches = reason.startswith("Ring")
+    found = re.search(r"\[(\S+) (\S+)\]", reason)
+    where = f" at ({float(found[1]):.3f}, {float(found[2]):.3f})" if found else ""
+    return f"{'touches' if touches else 'crosses'} itself{where}"
