@@ -1,0 +1,8 @@
+"""The independent check of plans and programs."""
+
+from .check import check_cuts, check_program
+from .report import report
+from .result import CheckResult, Excused, Judgement
+from .totals import Claims
+
+__all__ = ["CheckResult", "Claims", "Excused", "Judgement", "check_cuts", "check_program", "report"]

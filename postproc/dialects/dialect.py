@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import string
 from dataclasses import dataclass
 from importlib import resources
@@ -13,8 +12,11 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 import yaml
 
 from ...encoder.errors import InputError
+from ...rules.suggest import unknown
+from ...rules.yaml_positions import Problems, compose, entries, plain, shape
 
-SHORTEST_LINE = 60
+HOLES = {"feed": "mm_min", "dwell": "seconds", "comment": "text"}
+LEAST = {"decimals": 2, "max_line": 80}
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,67 +114,58 @@ def load_dialect(name: str) -> Dialect:
             raise InputError("not a dialect: the file is not UTF-8 text", file=name) from None
         return parse_dialect(text, name)
     if name not in dialect_names():
-        raise InputError(f"unknown dialect '{name}'{_nearest(name, dialect_names())}; a plant's own ends in .yaml")
+        raise InputError(f"{unknown('dialect', name, dialect_names())}; the file of a plant's own ends in .yaml")
     text = resources.files(__package__).joinpath(f"{name}.yaml").read_text(encoding="utf-8")
     return parse_dialect(text, f"{name}.yaml")
 
 
 def parse_dialect(text: str, file: str) -> Dialect:
     """Read a dialect from YAML text; `file` is the name for messages (see `load_dialect`)."""
-    try:
-        node = yaml.compose(text, Loader=yaml.SafeLoader)
-        data = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        mark = error.problem_mark if isinstance(error, yaml.MarkedYAMLError) else None
-        reason = error.problem if isinstance(error, yaml.MarkedYAMLError) else "special characters are not allowed"
-        raise InputError(f"not YAML: {reason}", file=file, line=mark.line + 1 if mark else None) from None
-    if not isinstance(node, yaml.MappingNode):
+    root = compose(text, file)
+    if not isinstance(root, yaml.MappingNode):
         raise InputError("not a dialect: expected keys such as torch_on and line", file=file)
-    lines = {key.value: key.start_mark.line + 1 for key, _ in node.value}
+    problems = Problems(file)
     hints = get_type_hints(Dialect)
-    for key in data:
+    values: dict[str, Any] = {}
+    for key, key_node, node in entries(root, problems, "dialect"):
         if key not in hints:
-            raise InputError(f"unknown key '{key}'{_nearest(str(key), tuple(hints))}", file=file, line=lines[str(key)])
-    if missing := [key for key in hints if key not in data]:
-        raise InputError(f"the dialect lacks {', '.join(missing)}", file=file)
-    values = {}
-    for key, hint in hints.items():
+            problems.add(key_node, unknown("key", key, hints))
+            continue
         try:
-            values[key] = _value(data[key], hint)
+            values[key] = _value(key, plain(node), hints[key])
         except ValueError as error:
-            raise InputError(f"{key}: expected {error}, got {data[key]!r}", file=file, line=lines[key]) from None
-    for key, hole in (("feed", "mm_min"), ("dwell", "seconds"), ("comment", "text")):
-        if [field for _, field, _, _ in string.Formatter().parse(values[key]) if field is not None] != [hole]:
-            raise InputError(f"{key}: expected one {{{hole}}}, got {values[key]!r}", file=file, line=lines[key])
-    if values["max_line"] < SHORTEST_LINE:
-        raise InputError(
-            f"max_line: expected at least {SHORTEST_LINE}, got {values['max_line']}", file=file, line=lines["max_line"]
-        )
+            problems.add(node, f"{key}: expected {error}, got {shape(node)}")
+    problems.raise_any()
+    if missing := [key for key in hints if key not in values]:
+        raise InputError(f"the dialect lacks {', '.join(missing)}", file=file)
     return Dialect(**values)
 
 
-def _value(value: object, hint: Any) -> Any:
+def _value(key: str, value: object, hint: Any) -> Any:
     """`value` as the field's type; ValueError says what was expected."""
     if get_origin(hint) is Literal:
         if value not in get_args(hint):
             raise ValueError(" or ".join(get_args(hint)))
-        return value
-    if get_origin(hint) is tuple:
+    elif get_origin(hint) is tuple:
         if not isinstance(value, list) or not all(isinstance(v, str) for v in value):
             raise ValueError("a list of blocks")
         return tuple(value)
-    if hint in (str, int):
-        if not isinstance(value, hint) or isinstance(value, bool) or value == "":
-            raise ValueError("text" if hint is str else "a whole number")
-        return value
-    keys = {f.name for f in dataclasses.fields(LineNumbers)}
-    if value is None:
-        return None
-    if not isinstance(value, dict) or set(value) != keys or not all(type(v) is int and v > 0 for v in value.values()):
-        raise ValueError("{start: 10, step: 10} or null")
-    return LineNumbers(**value)
-
-
-def _nearest(word: str, names: tuple[str, ...]) -> str:
-    close = difflib.get_close_matches(word, names, 1, 0.4)
-    return f"; did you mean '{close[0]}'?" if close else f"; expected one of {', '.join(names)}"
+    elif hint is str:
+        if not isinstance(value, str) or not value:
+            raise ValueError("text")
+        if key in HOLES and [f for _, f, _, _ in string.Formatter().parse(value) if f is not None] != [HOLES[key]]:
+            raise ValueError(f"one {{{HOLES[key]}}}")
+    elif hint is int:
+        least = LEAST.get(key, 0)
+        if type(value) is not int or value < least:
+            raise ValueError(f"a whole number of at least {least}")
+    elif value is not None:
+        names = {f.name for f in dataclasses.fields(LineNumbers)}
+        if (
+            not isinstance(value, dict)
+            or set(value) != names
+            or not all(type(v) is int and v > 0 for v in value.values())
+        ):
+            raise ValueError("{start: 10, step: 10} or null")
+        return LineNumbers(**value)
+    return value

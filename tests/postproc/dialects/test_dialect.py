@@ -25,7 +25,7 @@ def test_qtplasmac_as_documented() -> None:
 
 
 def test_unknown_name_is_answered_with_the_nearest() -> None:
-    with pytest.raises(InputError, match="unknown dialect 'linuxcnc-plasmac'; did you mean 'linuxcnc-qtplasmac'"):
+    with pytest.raises(InputError, match="unknown dialect 'linuxcnc-plasmac': did you mean 'linuxcnc-qtplasmac'"):
         load_dialect("linuxcnc-plasmac")
 
 
@@ -44,14 +44,14 @@ def test_a_plant_brings_its_own(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("torch_on: M3", "torchon: M3", r"shop.yaml:15: unknown key 'torchon'; did you mean 'torch_on'"),
+        ("torch_on: M3", "torchon: M3", r"shop.yaml:15:1: unknown key 'torchon': did you mean 'torch_on'"),
         ("dwell: G4 P{seconds}\n", "", "lacks dwell$"),
-        ("decimals: 4", "decimals: four", r":29: decimals: expected a whole number, got 'four'"),
-        ("decimals: 4", "decimals: yes", "expected a whole number, got True"),
+        ("decimals: 4", "decimals: four", r":29:11: decimals: expected a whole number of at least 2, got 'four'"),
+        ("decimals: 4", "decimals: yes", "expected a whole number of at least 2, got 'yes'"),
         ("pierce_dwell: program", "pierce_dwell: never", "pierce_dwell: expected machine or program, got 'never'"),
         ("{start: 10, step: 10}", "{start: 10}", r"line_numbers: expected \{start: 10, step: 10\} or null"),
         ("feed: F{mm_min}", "feed: F{inch_min}", r"feed: expected one \{mm_min\}"),
-        ("max_line: 255", "max_line: 20", "max_line: expected at least 60, got 20"),
+        ("max_line: 255", "max_line: 20", "max_line: expected a whole number of at least 80, got '20'"),
         ("  - G21", "  - [", "not YAML"),
     ],
 )

@@ -1,0 +1,82 @@
+"""The independent check: geometry, the program and the profile; no facts, no statements, no model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...encoder.cut import CutSequence
+from ...encoder.nest import Nest
+from ...rules.profile import Profile
+from ...rules.rule import Violation
+from .coverage import coverage, once_each
+from .judge import judge
+from .metal import gouges, off_sheet
+from .nc_reader import NcProgram, read_nc
+from .program_rules import judgement
+from .rebuild import rebuild
+from .result import CheckResult, Judgement
+from .runs_from_cuts import runs_from_cuts
+from .torch_run import TorchRun
+from .totals import Claims, claims_kept, totals
+
+
+def check_cuts(nest: Nest, cuts: CutSequence, profile: Profile, claims: Claims | None = None) -> CheckResult:
+    """Judge a plan's cuts, and what the plan says of them, where that is given.
+
+    The torch's paths are made anew from the nest, the kerf and the leads.
+    """
+    runs, faults = runs_from_cuts(nest, cuts, profile.material.kerf_mm)
+    judged, warnings = _judge_paths(nest, cuts, runs, faults, profile)
+    rules = judge(nest, once_each(nest, cuts), profile)
+    if claims is not None:
+        broken, told = claims_kept(claims, rules)
+        judged += [judgement("totals", totals(nest, cuts, runs, claims)), judgement("claims", broken)]
+        warnings += told
+    return CheckResult((*judged, *rules), tuple(warnings))
+
+
+def check_program(nest: Nest, nc_text: str, profile: Profile, file: str = "") -> CheckResult:
+    """Judge an NC program: what it burns is read with a reader of its own and matched with the nest.
+
+    Raises
+    ------
+    InputError
+        With the line, for a program that is malformed or says something the reader does not understand.
+    """
+    program = read_nc(nc_text, profile.machine.travel_mm_s, file)
+    built = rebuild(nest, program, profile.material.kerf_mm, profile.machine.home)
+    judged, warnings = _judge_paths(nest, built.cuts, built.runs, built.violations, profile)
+    judged.append(judgement("torch-off-travel", _hot(program)))
+    rules = judge(nest, once_each(nest, built.cuts), profile)
+    return CheckResult((*judged, *rules), (*built.warnings, *warnings))
+
+
+def _judge_paths(
+    nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], faults: Sequence[Violation], profile: Profile
+) -> tuple[list[Judgement], list[str]]:
+    found = gouges(nest, runs, profile.material.kerf_mm)
+    leads = profile.leads
+    margin_mm = profile.material.kerf_mm + (leads.lead_in_mm if leads.edge_start else 0.0)
+    judged = [
+        judgement(
+            "every-contour-once", [*coverage(nest, cuts), *(f for f in faults if f.rule == "every-contour-once")]
+        ),
+        judgement("contour-geometry", _of("contour-geometry", faults)),
+        judgement("kerf-side", _of("kerf-side", faults)),
+        judgement("on-sheet", off_sheet(nest, runs, margin_mm)),
+        judgement("no-gouging", found.violations),
+    ]
+    return judged, list(found.warnings)
+
+
+def _of(rule: str, faults: Sequence[Violation]) -> list[Violation]:
+    return [fault for fault in faults if fault.rule == rule]
+
+
+def _hot(program: NcProgram) -> list[Violation]:
+    rapids = [
+        (hot.line, f"line {hot.line}: the torch is on during a rapid of {hot.length_mm:.1f} mm")
+        for hot in program.hot_rapids
+    ]
+    faults = [(line, f"line {line}: {text}") for line, text in program.faults]
+    return [Violation("torch-off-travel", (), text) for _, text in sorted(rapids + faults)]

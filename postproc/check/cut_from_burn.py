@@ -1,0 +1,96 @@
+"""One burn that matches a contour, as a cut, with what is wrong with its geometry."""
+
+from __future__ import annotations
+
+import math
+
+import shapely
+
+from ...encoder.cut import Cut, Direction
+from ...encoder.geometry.curve import Curve
+from ...encoder.geometry.segment import Point
+from ...encoder.nest import Contour
+from ...rules.rule import Violation
+from .matching import Match
+from .nc_reader import Burn
+from .program_rules import tolerance_mm
+from .splitting import Pieces, split
+from .torch_run import TorchRun, line_of
+
+Found = tuple[Cut, TorchRun, list[Violation]]
+
+
+def cut_from_burn(
+    burn: Burn, path: shapely.LineString, contour: Contour, match: Match, kerf_mm: float, zone: int, position: int
+) -> Found:
+    """The cut that a burn makes of the contour it matches, its path taken apart, and what is wrong with it."""
+    marks = burn.tool != 0
+    pieces = split(burn.path, match.ring.length) if contour.kind != "mark" else None
+    pieces = pieces or _whole(burn.path)
+    loop = line_of(pieces.loop) or path
+    join = _xy(pieces.loop, 0)
+    along_mm, _ = contour.curve.project(join)
+    entry = join if contour.kind == "mark" else contour.curve.point_at(along_mm)
+    lead_in = pieces.lead_in if pieces.lead_in.segments else None
+    lead_out = None if contour.kind == "mark" else pieces.lead_out
+    cut = Cut(
+        contour.id, entry, _direction(contour, pieces.loop), _xy(burn.path, 0), lead_in, lead_out, zone,
+        burn.start_s, burn.end_s,
+    )  # fmt: skip
+    where = f"line {burn.line}"
+    run = TorchRun(position, where, contour, line_of(lead_in), loop, line_of(lead_out), marks)
+    wrong = list(_wrong(contour, match, pieces, loop, kerf_mm, marks))
+    return cut, run, [Violation(rule, (contour.id,), f"{where}: {text}", (position,)) for rule, text in wrong]
+
+
+def _wrong(
+    contour: Contour, match: Match, pieces: Pieces, loop: shapely.LineString, kerf_mm: float, marks: bool
+) -> list[tuple[str, str]]:
+    found = []
+    allowed = tolerance_mm(kerf_mm)
+    name = contour.id
+    if marks and contour.kind != "mark":
+        found.append(("every-contour-once", f"{name} is only marked, not cut"))
+    if not marks and contour.kind == "mark":
+        found.append(("every-contour-once", f"{name} is a mark, but the torch cuts through it"))
+    if match.side == "wrong":
+        side = "inside" if contour.kind == "outer" else "outside"
+        found.append(("kerf-side", f"the torch runs {side} {name}, so that the kerf is on the part's side"))
+    elif match.side == "on":
+        found.append(("kerf-side", f"the torch runs on {name} itself: the kerf of {kerf_mm:g} mm is not allowed for"))
+    if pieces.gap_mm > allowed and contour.curve.closed:
+        found.append(("contour-geometry", f"{name} is not closed: {pieces.gap_mm:.3f} mm are left"))
+    off_mm = max(match.deviation_mm, _farthest(loop, match.ring))
+    if off_mm > allowed:
+        found.append(("contour-geometry", f"the torch is up to {off_mm:.3f} mm off where {name} asks for it"))
+    elif contour.kind != "mark" and abs(loop.length - match.ring.length) > 0.01 * match.ring.length + 1.0:
+        found.append(
+            ("contour-geometry", f"{name} is followed more than once: {loop.length:.1f} mm of {match.ring.length:.1f}")
+        )
+    return found
+
+
+def _farthest(line: shapely.LineString, ring: shapely.LineString) -> float:
+    return float(shapely.distance(ring, shapely.points(shapely.get_coordinates(line))).max())
+
+
+def _direction(contour: Contour, loop: Curve) -> Direction:
+    """As seen with y up; along an open mark "ccw", against it "cw"."""
+    if contour.curve.closed:
+        return "ccw" if loop.is_ccw else "cw"
+    first, last = _xy(contour.curve, 0), _xy(contour.curve, -1)
+    start, end = _xy(loop, 0), _xy(loop, -1)
+    along = math.dist(start, first) + math.dist(end, last)
+    against = math.dist(start, last) + math.dist(end, first)
+    return "ccw" if along <= against else "cw"
+
+
+def _xy(curve: Curve, k: int) -> Point:
+    x, y = curve.vertices[k, :2].tolist()
+    return x, y
+
+
+def _whole(path: Curve) -> Pieces:
+    """A path that does not come apart, as a round without leads."""
+    start, end = Curve(path.vertices[:1], closed=False), Curve(path.vertices[-1:], closed=False)
+    return Pieces(start, path, end, math.dist(_xy(path, 0), _xy(path, -1)))

@@ -1,0 +1,24 @@
+"""The profile's rules, each judged on the cuts by its own geometry."""
+
+from __future__ import annotations
+
+from ...encoder.cut import CutSequence
+from ...encoder.nest import Nest
+from ...rules.profile import Profile
+from ...rules.registry import RULES
+from .result import Judgement
+
+
+def judge(nest: Nest, cuts: CutSequence, profile: Profile) -> list[Judgement]:
+    """A judgement on every rule that the profile does not switch off, hard ones first."""
+    settings = profile.settings()
+    return [
+        Judgement(
+            name,
+            setting.strength,
+            RULES[name].sentence,
+            tuple(RULES[name].violations(nest, cuts, setting.options)),
+            unjudged=RULES[name].unjudged(nest, cuts, setting.options),
+        )
+        for name, setting in sorted(settings.items(), key=lambda item: (item[1].strength != "hard", item[0]))
+    ]

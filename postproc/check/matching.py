@@ -1,0 +1,91 @@
+"""Which contour of the nest a torch-on path cuts, found by geometry."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from ...encoder.nest import Nest
+from .program_rules import tolerance_mm
+from .rings import Side, torch_rings
+
+NEAR_MM = 2.0
+"""A path further than this from every contour's ring cuts something that is not in the nest."""
+_SAMPLES = 24
+_RIGHT: tuple[Side, ...] = ("right",)
+_OTHER: tuple[Side, ...] = ("wrong", "on")
+Bounds = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Match:
+    """The contour a path cuts (its index in the nest), the ring it follows there, and how far off the ring is, mm."""
+
+    contour: int
+    side: Side
+    ring: shapely.LineString
+    deviation_mm: float
+
+
+class Matcher:
+    """The rings of one nest, to match paths against."""
+
+    def __init__(self, nest: Nest, kerf_mm: float) -> None:
+        self.nest, self.kerf_mm = nest, kerf_mm
+        self.rings = torch_rings(nest.contours, kerf_mm)
+        self._lines = np.array([r if r is not None else shapely.LineString() for r in self.rings], dtype=object)
+        self._tree = shapely.STRtree(self._lines)
+
+    def match(
+        self, lines: Sequence[shapely.LineString], marks: Sequence[bool], named: Sequence[int | None]
+    ) -> list[Match | None]:
+        """One match a path, None where no contour's ring lies along it.
+
+        `marks` says that the path was made by another tool than the torch, `named` the contour that a comment before
+        it names: that decides only between rings that the path follows equally well.
+        """
+        votes: list[Counter[int]] = [Counter() for _ in lines]
+        points = [
+            shapely.line_interpolate_point(line, np.arange(_SAMPLES) / _SAMPLES, normalized=True) for line in lines
+        ]
+        reach_mm = self.kerf_mm + NEAR_MM
+        if points:
+            samples, contours = self._tree.query(np.concatenate(points), predicate="dwithin", distance=reach_mm)
+            for sample, contour in zip(samples.tolist(), contours.tolist(), strict=True):
+                votes[sample // _SAMPLES][contour] += 1
+        return [self._best(*row) for row in zip(lines, marks, named, votes, strict=True)]
+
+    def _best(self, line: shapely.LineString, marks: bool, named: int | None, votes: Counter[int]) -> Match | None:
+        contours = self.nest.contours
+        ranked = sorted(votes, key=lambda c: (c != named, -votes[c], c))
+        suited = [c for c in ranked if (contours[c].kind == "mark") == marks]
+        shapely.prepare(line)
+        tried: list[Match] = []
+        for group, sides in ((suited, _RIGHT), (suited, _OTHER), (ranked, _RIGHT + _OTHER)):
+            for found in (self._against(line, contour, side) for contour in group for side in sides):
+                if found is None:
+                    continue
+                if found.deviation_mm <= tolerance_mm(self.kerf_mm):
+                    return found
+                tried.append(found)
+        best = min(tried, key=lambda m: m.deviation_mm, default=None)
+        return best if best is not None and best.deviation_mm <= NEAR_MM else None
+
+    def _against(self, line: shapely.LineString, contour: int, side: Side) -> Match | None:
+        """How far a ring strays from the path at most: a path that goes all the way round covers its ring."""
+        ring = self.rings[contour]
+        if side != "right":
+            ring = torch_rings([self.nest.contours[contour]], self.kerf_mm, side)[0]
+        if ring is None or not _within(ring.bounds, line.bounds):
+            return None
+        distances = shapely.distance(line, shapely.points(shapely.get_coordinates(ring)))
+        return Match(contour, side, ring, float(distances.max()))
+
+
+def _within(inner: Bounds, outer: Bounds) -> bool:
+    low = inner[0] > outer[0] - NEAR_MM and inner[1] > outer[1] - NEAR_MM
+    return low and inner[2] < outer[2] + NEAR_MM and inner[3] < outer[3] + NEAR_MM

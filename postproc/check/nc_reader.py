@@ -1,0 +1,260 @@
+"""A small reader of RS274 programs of its own: what the torch does, line by line, as paths in mm.
+
+It takes nothing from the writer: modal motion G0 to G3, G20 and G21, G90 and G91, arcs by I and J or by R, M3 and M5
+with the tool number $, G4. What it does not understand it refuses, with the line.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from ...encoder.errors import InputError
+from ...encoder.geometry.curve import Curve
+from ...encoder.geometry.segment import Point, Segment
+from .nc_arcs import arc_by_centre, arc_by_radius
+from .nc_words import Block, read_blocks
+
+_MOTION = {0.0, 1.0, 2.0, 3.0, 80.0}
+_SILENT_G = {17.0, 40.0, 49.0, 54.0, 61.0, 61.1, 64.0, 92.1, 94.0, 97.0}
+_SILENT_M = {0.0, 1.0, 7.0, 8.0, 9.0, 48.0, 49.0, 50.0, 51.0, 52.0, 53.0, 66.0, 67.0, 68.0, 190.0}
+_REFUSED_G = {
+    18.0: "arcs outside the XY plane are not checked",
+    19.0: "arcs outside the XY plane are not checked",
+    41.0: "the control would shift the path by its own kerf, which the program does not show",
+    42.0: "the control would shift the path by its own kerf, which the program does not show",
+    41.1: "the control would shift the path by its own kerf, which the program does not show",
+    42.1: "the control would shift the path by its own kerf, which the program does not show",
+}
+_TORCH_BITS = {62.0, 63.0, 64.0, 65.0}
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Burn:
+    """One stretch with a tool on, rapids left out: torch $0, others mark.
+
+    `line` is where it begins, `line_end` where it ends; `comment` the last comment before it. Times in s from the
+    program's start.
+    """
+
+    tool: int
+    line: int
+    line_end: int
+    path: Curve
+    start_s: float
+    end_s: float
+    comment: str
+
+
+@dataclass(frozen=True, slots=True)
+class HotRapid:
+    """A rapid with a tool on."""
+
+    line: int
+    length_mm: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class NcProgram:
+    """What a program does. `idle_mm` is all travel with no tool on; `faults` are (line, sentence)."""
+
+    burns: tuple[Burn, ...]
+    hot_rapids: tuple[HotRapid, ...]
+    faults: tuple[tuple[int, str], ...]
+    comments: tuple[str, ...]
+    idle_mm: float
+    end: Point
+
+
+def read_nc(text: str, travel_mm_s: float = 100.0, file: str = "") -> NcProgram:
+    """Read a program; `travel_mm_s` is the speed of its rapids, for the times.
+
+    Raises
+    ------
+    InputError
+        With the line, for what is malformed or not understood, and for a program without an end.
+
+    Examples
+    --------
+    >>> program = read_nc("G21 G90\\nG0 X5 Y5\\nM3 $0 S1\\nG1 X15 F600\\nM5 $0\\nM2\\n")
+    >>> [(burn.tool, burn.line, burn.path.length_mm) for burn in program.burns]
+    [(0, 3, 10.0)]
+    """
+    machine = _Machine(travel_mm_s)
+    line = 0
+    try:
+        for block in read_blocks(text):
+            line = block.line
+            machine.run(block)
+            if machine.ended:
+                break
+    except InputError as error:
+        raise InputError(error.message, file=file or None, line=error.line or line) from None
+    if not machine.ended:
+        raise InputError("the program has no end: expected M2 or M30", file=file or None, line=line or None)
+    machine.close(line)
+    if machine.on:
+        machine.faults.append((line, "the program ends with the torch on"))
+    return NcProgram(
+        tuple(machine.burns),
+        tuple(machine.hot_rapids),
+        tuple(machine.faults),
+        tuple(machine.comments),
+        machine.idle_mm,
+        machine.at,
+    )
+
+
+@dataclass(slots=True)
+class _Open:
+    """A burn that has not ended yet."""
+
+    tool: int
+    line: int
+    start_s: float
+    rows: list[tuple[float, float, float]]
+    comment: str
+
+
+@dataclass(slots=True)
+class _Machine:
+    """Modal state, in the order RS274 executes a block: feed, torch, dwell, units, distance mode, motion, end."""
+
+    travel_mm_s: float
+    at: Point = (0.0, 0.0)
+    unit_mm: float = 1.0
+    absolute: bool = True
+    centre_absolute: bool = False
+    motion: float | None = None
+    feed_mm_s: float = 0.0
+    on: list[int] = field(default_factory=list)
+    clock_s: float = 0.0
+    idle_mm: float = 0.0
+    ended: bool = False
+    comment: str = ""
+    open: _Open | None = None
+    burns: list[Burn] = field(default_factory=list)
+    hot_rapids: list[HotRapid] = field(default_factory=list)
+    faults: list[tuple[int, str]] = field(default_factory=list)
+    comments: list[str] = field(default_factory=list)
+
+    def run(self, block: Block) -> None:
+        for text in block.comments:
+            self.comment = text
+            self.comments.append(text)
+        words = block.words
+        if "F" in words:
+            self.feed_mm_s = words["F"] * self.unit_mm / 60
+        for code in block.m:
+            self._tool(code, block)
+        if 4.0 in block.g:
+            self._dwell(block)
+        motions = [g for g in block.g if g in _MOTION]
+        if len(motions) > 1:
+            raise InputError("two motion words in one block", line=block.line)
+        for code in block.g:
+            self._mode(code, block)
+        if motions:
+            self.motion = None if motions[0] == 80.0 else motions[0]
+        if any(letter in words for letter in "XYIJR") and 4.0 not in block.g:
+            self._move(block)
+        if 2.0 in block.m or 30.0 in block.m:
+            self.ended = True
+
+    def _tool(self, code: float, block: Block) -> None:
+        tool = int(block.words.get("$", 0))
+        if code == 3.0:
+            if self.on:
+                self.faults.append((block.line, f"tool ${tool} is started while ${self.on[0]} is on"))
+            if tool not in self.on:
+                self.on.append(tool)
+            if self.open is None:
+                self._begin(tool, block.line)
+        elif code == 5.0:
+            self.on = [] if tool == -1 else [t for t in self.on if t != tool]
+            if self.open is not None and self.open.tool not in self.on:
+                self.close(block.line)
+        elif code in _TORCH_BITS:
+            raise InputError(
+                f"M{code:g} can stop the torch while the path goes on; this is not checked", line=block.line
+            )
+        elif code not in _SILENT_M and code not in (2.0, 30.0):
+            raise InputError(f"M{code:g} is not understood", line=block.line)
+
+    def _dwell(self, block: Block) -> None:
+        if "P" not in block.words or block.words["P"] < 0:
+            raise InputError("G4 without its time: expected P and seconds", line=block.line)
+        self.clock_s += block.words["P"]
+
+    def _mode(self, code: float, block: Block) -> None:
+        if code in _REFUSED_G:
+            raise InputError(f"G{code:g}: {_REFUSED_G[code]}", line=block.line)
+        if code in (20.0, 21.0):
+            self.unit_mm = 25.4 if code == 20.0 else 1.0
+        elif code in (90.0, 91.0):
+            self.absolute = code == 90.0
+        elif code in (90.1, 91.1):
+            self.centre_absolute = code == 90.1
+        elif code not in _SILENT_G and code not in _MOTION and code != 4.0:
+            raise InputError(f"G{code:g} is not understood", line=block.line)
+
+    def _move(self, block: Block) -> None:
+        if self.motion is None:
+            raise InputError("X, Y, I, J or R without a motion word (G0, G1, G2 or G3)", line=block.line)
+        unit, words = self.unit_mm, block.words
+        base = (0.0, 0.0) if self.absolute else self.at
+        x = base[0] + words["X"] * unit if "X" in words else self.at[0]
+        y = base[1] + words["Y"] * unit if "Y" in words else self.at[1]
+        if self.motion == 0.0:
+            self._rapid((x, y), block)
+            return
+        if self.feed_mm_s <= 0:
+            raise InputError(f"G{self.motion:g} with no feed: expected an F word before", line=block.line)
+        for segment in (Segment(self.at, (x, y)),) if self.motion == 1.0 else self._arc((x, y), block):
+            if segment.length_mm > 0:
+                self._feed(segment)
+        self.at = (x, y)
+
+    def _rapid(self, end: Point, block: Block) -> None:
+        length = math.dist(self.at, end)
+        self.clock_s += length / self.travel_mm_s
+        tool = self.open.tool if self.open is not None else None
+        if tool is not None and length > 0:
+            self.hot_rapids.append(HotRapid(block.line, length))
+            self.close(block.line)
+        self.at = end
+        if tool is None:
+            self.idle_mm += length
+        elif self.open is None:
+            self._begin(tool, block.line)
+
+    def _feed(self, segment: Segment) -> None:
+        self.clock_s += segment.length_mm / self.feed_mm_s
+        if self.open is None:
+            self.idle_mm += segment.length_mm
+        else:
+            self.open.rows.append((*segment.start, segment.bulge))
+
+    def _begin(self, tool: int, line: int) -> None:
+        self.open = _Open(tool, line, self.clock_s, [], self.comment)
+
+    def close(self, line: int) -> None:
+        """End the burn that is going on, if any; one that did not move is a hole and is kept."""
+        if self.open is not None:
+            path = Curve.of([*self.open.rows, (*self.at, 0.0)], closed=False)
+            o = self.open
+            self.burns.append(Burn(o.tool, o.line, line, path, o.start_s, self.clock_s, o.comment))
+            self.open = None
+
+    def _arc(self, end: Point, block: Block) -> tuple[Segment, ...]:
+        ccw = self.motion == 3.0
+        words, unit = block.words, self.unit_mm
+        if words.get("P", 1.0) != 1.0:
+            raise InputError("an arc of several turns is not checked", line=block.line)
+        if "R" in words:
+            return arc_by_radius(self.at, end, words["R"] * unit, ccw, block.line)
+        if "I" not in words and "J" not in words:
+            raise InputError("an arc without I, J or R", line=block.line)
+        base = (0.0, 0.0) if self.centre_absolute else self.at
+        centre = (base[0] + words.get("I", 0.0) * unit, base[1] + words.get("J", 0.0) * unit)
+        return arc_by_centre(self.at, end, centre, ccw, block.line)

@@ -1,0 +1,38 @@
+"""What every program must keep, whatever the profile says; each id with its sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ...rules.rule import Violation
+from .result import Judgement
+
+SENTENCES = {
+    "every-contour-once": "Every contour of the nest is cut exactly once, and nothing else is.",
+    "contour-geometry": "The torch follows each contour, kerf allowed for, within 0.05 mm, and its leads join there.",
+    "kerf-side": "The kerf lies outside outer contours and inside holes.",
+    "torch-off-travel": "The torch is off on every rapid.",
+    "on-sheet": "The torch burns only over the sheet, but for the run-up of an edge start.",
+    "no-gouging": "The kerf enters no part.",
+    "totals": "The totals, lengths and times that the plan states are those of its cuts.",
+    "claims": "Each hard rule holds in the plan where the plan says so.",
+}
+
+TOLERANCE_MM = 0.05
+"""How far a torch path may be from where it belongs; less where the kerf is so thin that sides would be confused."""
+
+
+def tolerance_mm(kerf_mm: float) -> float:
+    """The tolerance at this kerf: 0.05 mm, a quarter of a kerf under 0.2 mm, but never less than 0.01 mm.
+
+    Examples
+    --------
+    >>> tolerance_mm(1.5), tolerance_mm(0.1), tolerance_mm(0.0)
+    (0.05, 0.025, 0.05)
+    """
+    return min(TOLERANCE_MM, max(kerf_mm / 4, 0.01)) if kerf_mm > 0 else TOLERANCE_MM
+
+
+def judgement(rule_id: str, violations: Iterable[Violation], unjudged: str | None = None) -> Judgement:
+    """The judgement on one of these rules; all are hard."""
+    return Judgement(rule_id, "hard", SENTENCES[rule_id], tuple(violations), unjudged=unjudged)

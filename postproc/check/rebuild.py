@@ -1,0 +1,82 @@
+"""From what a program burns back to cuts of the nest's contours."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import shapely
+
+from ...encoder.cut import Cut, CutSequence, Side
+from ...encoder.geometry.segment import Point
+from ...encoder.nest import Nest
+from ...rules.rule import Violation
+from .cut_from_burn import cut_from_burn
+from .matching import Matcher
+from .nc_reader import Burn, NcProgram
+from .torch_run import TorchRun, line_of
+
+_CUT = re.compile(r"(?:CUT|MARK) \d+ (?P<contour>.+?) ZONE (?P<zone>\d+)\b", re.IGNORECASE)
+_SIDE = re.compile(r"START SIDE (LEFT|RIGHT|BOTTOM|TOP)", re.IGNORECASE)
+_SIDES: Mapping[str, Side] = {"LEFT": "left", "RIGHT": "right", "BOTTOM": "bottom", "TOP": "top"}
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Rebuilt:
+    """The cuts of a program that match contours, all its torch-on paths, and what is wrong with them."""
+
+    cuts: CutSequence
+    runs: tuple[TorchRun, ...]
+    violations: tuple[Violation, ...]
+    warnings: tuple[str, ...]
+
+
+def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point) -> Rebuilt:
+    """Match every torch-on path of a program with a contour of the nest.
+
+    Zones and the start side come from comments such as `CUT 12 P3.hole1 ZONE 2` and `START SIDE LEFT`, where there are
+    any; which contour is cut, its entry, direction and leads come from geometry alone.
+    """
+    burns = program.burns
+    paths = [line_of(burn.path) or _dot(burn) for burn in burns]
+    told = [_CUT.search(burn.comment) for burn in burns]
+    ids = {_folded(c.id): k for k, c in enumerate(nest.contours)}
+    named = [ids.get(_folded(words["contour"])) if words else None for words in told]
+    matches = Matcher(nest, kerf_mm).match(paths, [burn.tool != 0 for burn in burns], named)
+    cuts: list[Cut] = []
+    runs: list[TorchRun] = []
+    violations: list[Violation] = []
+    warnings: list[str] = []
+    for burn, path, words, name, match in zip(burns, paths, told, named, matches, strict=True):
+        if match is None:
+            runs.append(TorchRun(0, f"line {burn.line}", None, None, path, None, burn.tool != 0))
+            violations.append(_stray(burn, path))
+            continue
+        contour = nest.contours[match.contour]
+        if name is not None and name != match.contour:
+            warnings.append(f"line {burn.line}: the comment names {nest.contours[name].id}, but {contour.id} is cut")
+        zone = int(words["zone"]) if words else 0
+        cut, run, wrong = cut_from_burn(burn, path, contour, match, kerf_mm, zone, len(cuts) + 1)
+        cuts.append(cut)
+        runs.append(run)
+        violations += wrong
+    side = next((_SIDES[found[1].upper()] for found in map(_SIDE.search, program.comments) if found), None)
+    return Rebuilt(CutSequence(tuple(cuts), side, home), tuple(runs), tuple(violations), tuple(warnings))
+
+
+def _dot(burn: Burn) -> shapely.LineString:
+    """A burn that does not move, as a line of no length."""
+    x, y = burn.path.vertices[-1, :2].tolist()
+    return shapely.LineString([(x, y), (x, y)])
+
+
+def _stray(burn: Burn, path: shapely.LineString) -> Violation:
+    x0, y0, x1, y1 = path.bounds
+    place = f"X {x0:.1f} to {x1:.1f}, Y {y0:.1f} to {y1:.1f}"
+    return Violation("every-contour-once", (), f"line {burn.line}: burns along no contour of the nest, at {place}")
+
+
+def _folded(name: str) -> str:
+    """A contour's id as it survives in a comment, whatever the writer replaces."""
+    return re.sub(r"[^A-Za-z0-9.]+", "_", name).upper()

@@ -1,0 +1,37 @@
+"""A check's result as text: every rule with its verdict, and a sentence for every violation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from .result import CheckResult, Judgement
+
+MOST = 20
+
+
+def report(result: CheckResult, most: int = MOST) -> str:
+    """Every rule a line, what breaks it below, at most `most` sentences a rule; the last line says how it ends."""
+    width = max((len(j.id) for j in result.rules), default=0)
+    lines = [line for judgement in result.rules for line in _lines(judgement, width, most)]
+    lines += [f"warning: {text}" for text in result.warnings[:most]]
+    if len(result.warnings) > most:
+        lines.append(f"... and {len(result.warnings) - most} more warnings")
+    broken = result.broken()
+    lines.append(
+        "ok: every hard rule holds" if result.ok else f"FAILED: {len(broken)} hard rules broken: {', '.join(broken)}"
+    )
+    return "\n".join(lines)
+
+
+def _lines(judgement: Judgement, width: int, most: int) -> Iterator[str]:
+    yield f"{judgement.verdict:<10} {judgement.strength:<4} {judgement.id:<{width}}  {judgement.sentence}"
+    if judgement.unjudged is not None:
+        yield f"    {judgement.unjudged}"
+    for violation in judgement.violations[:most]:
+        yield f"    {violation.text}"
+    if len(judgement.violations) > most:
+        yield f"    ... and {len(judgement.violations) - most} more"
+    for excused in judgement.excused[:most]:
+        yield f"    excused: {excused.violation.text} ({excused.why})"
+    if len(judgement.excused) > most:
+        yield f"    ... and {len(judgement.excused) - most} more excused"

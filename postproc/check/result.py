@@ -1,0 +1,65 @@
+"""What a check finds: a judgement on every rule, and whether any hard one is broken."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ...rules.rule import Strength, Violation
+
+Verdict = Literal["holds", "broken", "excused", "not judged"]
+
+
+@dataclass(frozen=True, slots=True)
+class Excused:
+    """A violation that may stand, and why."""
+
+    violation: Violation
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """One rule against one plan or program. `unjudged` says why nothing can be said, where that is so."""
+
+    id: str
+    strength: Strength
+    sentence: str
+    violations: tuple[Violation, ...] = ()
+    excused: tuple[Excused, ...] = ()
+    unjudged: str | None = None
+
+    @property
+    def holds(self) -> bool:
+        """Whether nothing breaks the rule but what is excused."""
+        return not self.violations
+
+    @property
+    def verdict(self) -> Verdict:
+        """The judgement in a word or two."""
+        if self.violations:
+            return "broken"
+        if self.unjudged is not None:
+            return "not judged"
+        return "excused" if self.excused else "holds"
+
+
+@dataclass(frozen=True, slots=True)
+class CheckResult:
+    """The judgements, those on the program itself first, then the profile's rules; warnings fail nothing."""
+
+    rules: tuple[Judgement, ...]
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def ok(self) -> bool:
+        """Whether every hard rule holds."""
+        return all(j.holds for j in self.rules if j.strength == "hard")
+
+    def rule(self, rule_id: str) -> Judgement:
+        """The judgement on one rule (KeyError if there is none)."""
+        return {j.id: j for j in self.rules}[rule_id]
+
+    def broken(self) -> tuple[str, ...]:
+        """Ids of the hard rules that are broken."""
+        return tuple(j.id for j in self.rules if j.strength == "hard" and not j.holds)

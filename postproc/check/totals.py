@@ -1,0 +1,98 @@
+"""What a plan says of itself, against what its cuts come to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import shapely
+
+from ...encoder.cut import CutSequence
+from ...encoder.nest import Nest
+from ...rules.rule import Violation
+from .program_rules import TOLERANCE_MM
+from .result import Judgement
+from .torch_run import TorchRun
+
+_IDLE_MM, _LENGTH_MM, _LENGTH_SHARE, _TIME_S = 0.1, 0.1, 0.001, 0.01
+
+
+@dataclass(frozen=True, slots=True)
+class Claims:
+    """What a plan states: totals, the torch-on length of each cut, and which rules hold (none where it is silent)."""
+
+    cut_mm: float
+    idle_mm: float
+    pierces: int
+    time_s: float
+    lengths_mm: tuple[float, ...]
+    rules: Mapping[str, bool] = field(default_factory=dict)
+
+
+def idle_mm(cuts: CutSequence) -> float:
+    """Idle travel: home, every pierce and end in order, and home again, mm."""
+    ends = [cuts.home, *(cut.end for cut in cuts)]
+    starts = [*(cut.pierce for cut in cuts), cuts.home]
+    return math.fsum(map(math.dist, ends, starts))
+
+
+def totals(nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], claims: Claims) -> list[Violation]:
+    """Totals, lengths and times that do not fit the cuts."""
+    found: list[Violation] = []
+
+    def wrong(text: str, position: int | None = None) -> None:
+        contours = () if position is None else (cuts[position - 1].contour,)
+        found.append(Violation("totals", contours, text, () if position is None else (position,)))
+
+    idle = idle_mm(cuts)
+    if abs(idle - claims.idle_mm) > _IDLE_MM:
+        wrong(f"the idle travel is {idle:.3f} mm, the plan says {claims.idle_mm:.3f} mm")
+    allowed = 0.0
+    for run in runs:
+        slack = _LENGTH_MM + _LENGTH_SHARE * run.length_mm
+        allowed += slack
+        said = claims.lengths_mm[run.position - 1]
+        if abs(run.length_mm - said) > slack:
+            wrong(f"{run.where}: {run.name} is {run.length_mm:.3f} mm long, the plan says {said:.3f} mm", run.position)
+    cut = math.fsum(run.length_mm for run in runs)
+    if abs(cut - claims.cut_mm) > max(allowed, _LENGTH_MM):
+        wrong(f"the torch is on for {cut:.3f} mm, the plan says {claims.cut_mm:.3f} mm")
+    fewest, most = _pierces(nest, cuts)
+    if not fewest <= claims.pierces <= most:
+        wrong(f"there are {fewest} pierces, the plan says {claims.pierces}")
+    before = 0.0
+    for position, one in enumerate(cuts, 1):
+        if one.start_s < before - _TIME_S or one.end_s < one.start_s:
+            wrong(f"cut {position} of {one.contour} begins before the one before it has ended, or ends first", position)
+        before = max(before, one.end_s)
+    if claims.time_s < before - _TIME_S:
+        wrong(f"the last cut ends at {before:.1f} s, the plan says that all takes {claims.time_s:.1f} s")
+    return found
+
+
+def _pierces(nest: Nest, cuts: CutSequence) -> tuple[int, int]:
+    """Cuts that pierce the sheet; an edge start right at the edge may count or not."""
+    torch = [c.pierce for c in cuts if c.contour in nest.index and nest.contour(c.contour).kind != "mark"]
+    points = shapely.points(torch) if torch else []
+    sheet = shapely.make_valid(nest.sheet.polygon)
+    counts = [int(shapely.contains(shapely.buffer(sheet, by), points).sum()) for by in (-TOLERANCE_MM, TOLERANCE_MM)]
+    return counts[0], counts[1]
+
+
+def claims_kept(claims: Claims, judged: Sequence[Judgement]) -> tuple[list[Violation], list[str]]:
+    """Rules that the plan says hold and that do not, or the other way round: violations if hard, warnings if soft."""
+    violations: list[Violation] = []
+    warnings: list[str] = []
+    for judgement in judged if claims.rules else ():
+        said = claims.rules.get(judgement.id)
+        if said == judgement.holds or judgement.unjudged is not None:
+            continue
+        state = "holds" if judgement.holds else "is broken"
+        says = "nothing of it" if said is None else "that it holds" if said else "that it is broken"
+        text = f"rule {judgement.id} {state}, the plan says {says}"
+        if judgement.strength == "hard":
+            violations.append(Violation("claims", (), text))
+        else:
+            warnings.append(text)
+    return violations, warnings
