@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .facts import Floats, Ints
-from .outlines import Outlines
+from .outlines import ROUNDING_MM, Outlines
 from .ranges import laid_out
 from .sums import summed_by
 
@@ -46,7 +46,8 @@ def cells_of(outlines: Outlines) -> Cells:
     contour_from = np.cumsum(per_contour_mm) - per_contour_mm
     middle = np.repeat(contour_from, count) + (number + 0.5) * np.repeat(per_contour_mm / count, count)
 
-    chord = np.searchsorted(chord_from, middle, side="right") - 1
+    # A middle on a corner looks along the normal of the chord that begins there.
+    chord = np.searchsorted(chord_from, middle + ROUNDING_MM, side="right") - 1
     share = (middle - chord_from[chord]) / chord_mm[chord]
     tangent = step[chord] / chord_mm[chord, None]
     contour = np.repeat(outers, count)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .facts import SIDES, Floats, Ints
-from .outlines import Outlines
+from .outlines import ROUNDING_MM, Outlines
 from .sides import AWAY, AXIS, Bounds
 
 
@@ -26,7 +26,7 @@ def heat(outlines: Outlines, sheet_mm: Bounds) -> tuple[Floats, Ints]:
         axis, away = AXIS[side], AWAY[side]
         middle = away * (sheet_mm[axis] + sheet_mm[axis + 2]) / 2
         cut_mm.append(float(length_mm @ _share_below(away * start[:, axis], away * end[:, axis], middle)))
-        parts.append(int(np.count_nonzero(away * outlines.centroid[small, axis] < middle)))
+        parts.append(int(np.count_nonzero(away * outlines.centroid[small, axis] < middle - ROUNDING_MM)))
     return np.array(cut_mm), np.array(parts, dtype=np.int64)
 
 

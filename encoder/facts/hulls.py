@@ -9,12 +9,12 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from .facts import Bools, Ints
-from .outlines import Outlines
+from .facts import Ints
+from .outlines import ROUNDING_MM, Outlines
 
 FLAT_MM = 0.05
 """A contour none of whose points lies deeper inside its hull is convex: drawings carry such rounding."""
-ON_HULL_MM = 1e-6
+SAME_AREA = 1e-9
 
 
 def in_hull(outlines: Outlines, parent: Ints) -> Ints:
@@ -23,23 +23,22 @@ def in_hull(outlines: Outlines, parent: Ints) -> Ints:
     A centroid on the hull counts as inside.
     """
     outers = outlines.outers
-    hulls = shapely.convex_hull(outlines.line[outers])
-    hollow = np.flatnonzero(_is_hollow(outlines, outers, hulls))
+    hollow = _hollow(outlines, outers)
     centroids = shapely.STRtree(shapely.points(outlines.centroid[outers]))
-    which, j = centroids.query(hulls[hollow], predicate="dwithin", distance=ON_HULL_MM)
-    i, j = outers[hollow[which]], outers[j]
+    hulls = shapely.convex_hull(outlines.line[hollow])
+    which, j = centroids.query(hulls, predicate="dwithin", distance=ROUNDING_MM)
+    i, j = hollow[which], outers[j]
     kept = (parent[i] == parent[j]) & (i != j)
     i, j = i[kept], j[kept]
     return np.column_stack([j, i])[np.lexsort((i, j))]
 
 
-def _is_hollow(outlines: Outlines, outers: Ints, hulls: object) -> Bools:
-    """Which of the outer contours have a point deeper than FLAT_MM inside their hull."""
-    row = np.full(outlines.n, -1)
-    row[outers] = np.arange(len(outers))
-    points_of = row[outlines.chord_contour]
-    held = points_of >= 0
-    points_of = points_of[held]
-    rims = shapely.boundary(hulls)
-    depth = shapely.distance(shapely.points(outlines.chord_start[held]), rims[points_of])
-    return np.bincount(points_of, weights=depth > FLAT_MM, minlength=len(outers)) > 0
+def _hollow(outlines: Outlines, outers: Ints) -> Ints:
+    """Those of the outer contours that are not convex: a point of theirs lies deeper than FLAT_MM inside the hull."""
+    hull_area_mm2 = shapely.area(shapely.convex_hull(outlines.line[outers]))
+    maybe = outers[hull_area_mm2 > outlines.area_mm2[outers] * (1 + SAME_AREA)]
+    asked = np.isin(outlines.chord_contour, maybe)
+    of = np.searchsorted(maybe, outlines.chord_contour[asked])
+    rims = shapely.boundary(shapely.convex_hull(outlines.line[maybe]))
+    depth_mm = shapely.distance(shapely.points(outlines.chord_start[asked]), rims[of])
+    return np.unique(maybe[of[depth_mm > FLAT_MM]])

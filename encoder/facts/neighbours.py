@@ -18,7 +18,7 @@ import shapely
 from ..nest import Sheet
 from .cells import Cells
 from .facts import SIDES, Facing, FactOptions, Floats, Ints
-from .outlines import Outlines
+from .outlines import ROUNDING_MM, Outlines
 from .rays import NOTHING, Obstacles, first_hits
 from .sums import summed_by, summed_by_pair
 
@@ -43,9 +43,11 @@ class Surroundings:
 
 def outlook_of(outlines: Outlines, parent: Ints, sheet: Sheet, cells: Cells, options: FactOptions) -> Outlook:
     """Follow the normals of all cells."""
-    faces, away_mm = first_hits(cells, _obstacles(outlines, parent, sheet), max(options.web_mm, options.edge_band_mm))
+    faces, away_mm = first_hits(
+        cells, _obstacles(outlines, parent, sheet), max(options.web_mm, options.edge_band_mm) + ROUNDING_MM
+    )
     limit_mm = np.where(faces >= outlines.n, options.edge_band_mm, options.web_mm)
-    beyond = (away_mm > limit_mm) | (faces == cells.contour)
+    beyond = (away_mm > limit_mm + ROUNDING_MM) | (faces == cells.contour)
     return Outlook(cells, np.where(beyond, NOTHING, faces), outlines.n)
 
 

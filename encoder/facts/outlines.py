@@ -14,6 +14,8 @@ from .facts import Bools, Floats, Ints
 from .sums import summed_by
 
 Geometries = NDArray[Any]
+ROUNDING_MM = 1e-6
+"""Lengths that differ by less are equal: no fact may hang on the last bit of a coordinate."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

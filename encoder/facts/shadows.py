@@ -2,7 +2,8 @@
 
 Let d be the direction away from the start side. The shadow of contour i is every point from which a ray in
 direction d meets i: the space between the start side and i. Contour j lies ahead of i when the centroid of j is in
-the shadow of i. Both are outer contours in the same place: straight on the sheet, or in the same hole.
+the shadow of i; a ray that only grazes i meets it. Both are outer contours in the same place: straight on the sheet,
+or in the same hole.
 """
 
 from __future__ import annotations
@@ -12,11 +13,8 @@ import shapely
 
 from ..cut import Side
 from .facts import Ints
-from .outlines import Outlines
+from .outlines import ROUNDING_MM, Outlines
 from .sides import AWAY, AXIS
-
-GRAZE_MM = 1e-6
-"""A ray that passes this close meets the contour: on the boundary the rule holds, whatever the rounding."""
 
 
 def level_ahead(outlines: Outlines, parent: Ints, start_side: Side) -> Ints:
@@ -36,7 +34,7 @@ def level_ahead(outlines: Outlines, parent: Ints, start_side: Side) -> Ints:
 
     boxes = shapely.STRtree(shapely.box(near, low, far, high))
     end = np.full(len(outers), far.max(initial=0.0))
-    j, i = boxes.query(shapely.box(along, across - GRAZE_MM, end, across + GRAZE_MM))
+    j, i = boxes.query(shapely.box(along, across - ROUNDING_MM, end, across + ROUNDING_MM))
     at = parent[outers]
     same_place = (at[j] == at[i]) & (j != i)
     j, i = j[same_place], i[same_place]
@@ -47,6 +45,6 @@ def level_ahead(outlines: Outlines, parent: Ints, start_side: Side) -> Ints:
     ray_to = ray_from.copy()
     ray_to[:, axis] = away * far[i[beside]] + away
     rays = shapely.linestrings(np.stack([ray_from, ray_to], axis=1))
-    meets[beside] = shapely.dwithin(rays, outlines.line[outers[i[beside]]], GRAZE_MM)
+    meets[beside] = shapely.dwithin(rays, outlines.line[outers[i[beside]]], ROUNDING_MM)
     j, i = outers[j[meets]], outers[i[meets]]
     return np.column_stack([j, i])[np.lexsort((i, j))]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ..cut import Side
 from .facts import SIDES, Because, Bools, FactOptions, Floats, Ints
+from .outlines import ROUNDING_MM
 from .sides import OPPOSITE, Bounds, narrow_sides
 
 SAME_HEAT = 1e-9
@@ -31,7 +32,7 @@ def start_side(
     one, other = narrow_sides(sheet_mm)
     a, b = SIDES.index(one), SIDES.index(other)
 
-    near = (edge_gap_mm[is_long] <= options.edge_band_mm).sum(axis=0)
+    near = (edge_gap_mm[is_long] <= options.edge_band_mm + ROUNDING_MM).sum(axis=0)
     if near[a] != near[b]:
         return (one if near[a] > near[b] else other), "long-parts"
     if offcut_large[a] != offcut_large[b]:

@@ -54,7 +54,7 @@ HEADER = """\
 %   head_length[c]            the first stretch of its path round the contour, of which
 %   head_edge[c], head_solid[c]    face the edge and solid metal, and the rest, for each p in 1..n_head,
 %   head_cand[p], head_contour[p], head_facing[p]    faces that contour for that length
-%   tail_length[c] … tail_facing[p]    the same of the last stretch
+%   tail_length, tail_edge, tail_solid, n_tail, tail_cand, tail_contour, tail_facing    the same of the last stretch
 """
 
 

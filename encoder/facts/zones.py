@@ -18,7 +18,7 @@ from ..errors import InputError
 from ..nest import Nest
 from .containment import outermost_of
 from .facts import FactOptions, Floats, Ints
-from .outlines import Outlines
+from .outlines import ROUNDING_MM, Outlines
 from .ranges import laid_out
 from .sides import AWAY, AXIS
 
@@ -91,41 +91,44 @@ def _strips(blocks: Blocks, start_side: Side, options: FactOptions) -> Ints:
     count = len(blocks.contours)
     across: tuple[Side, Side] = ("bottom", "top") if AXIS[start_side] == 0 else ("left", "right")
     sides: tuple[Side, ...] = (start_side, *across)  # the side opposite the start stays to the end
-    order = {s: np.argsort(AWAY[s] * blocks.centroid[:, AXIS[s]], kind="stable") for s in sides}
+    # Rounded, so that parts on one line keep their order in the nest.
+    depth = {s: AWAY[s] * np.round(blocks.centroid[:, AXIS[s]] / ROUNDING_MM) for s in sides}
+    order = {s: np.argsort(depth[s], kind="stable") for s in sides}
     before, first = _predecessors(blocks.pairs, count)
     zone, number = np.zeros(count, dtype=np.int64), 0
     while len(order[start_side]):
-        strips = {s: _nearest(order[s], blocks.contours, options.zone_contours) for s in sides}
-        chosen = strips[start_side]
+        strips = {s: _strip(order[s], depth[s], blocks.contours, options.zone_contours) for s in sides}
+        admissible = [start_side]
         if number and _side_ratio(blocks.bounds_mm[order[start_side]]) <= options.square_ratio:
-            squarest = np.inf
-            for side in sides:
-                strip = strips[side]
-                if side != start_side and _must_wait(strip, zone, before, first):
-                    continue
-                rest = order[side][len(strip) :]
-                if (ratio := _side_ratio(blocks.bounds_mm[rest])) < squarest - 1e-9:
-                    chosen, squarest = strip, ratio
+            admissible += [s for s in across if not _must_wait(strips[s], zone, before, first)]
+        ratio_left = {s: _side_ratio(blocks.bounds_mm[order[s][len(strips[s]) :]]) for s in admissible}
         number += 1
-        zone[chosen] = number
+        zone[strips[min(ratio_left, key=ratio_left.__getitem__)]] = number
         order = {s: blocks_left[zone[blocks_left] == 0] for s, blocks_left in order.items()}
     return zone
 
 
-def _nearest(order: Ints, contours: Ints, about: int) -> Ints:
-    """The first blocks in order whose contours come closest to `about`; all when too few would be left over."""
+def _strip(order: Ints, place: Floats, contours: Ints, about: int) -> Ints:
+    """The first blocks in order with about as many contours as asked; all of them when too few would be left over.
+
+    Of the strips that miss the number by a quarter at most, the one that ends at the widest gap between centroids
+    is taken, so that a row or column of parts stays whole; where none does, the one that comes closest.
+    """
     if contours[order].sum() < 1.5 * about:
         return order
-    running = np.cumsum(contours[order[: about + 1]])
-    return order[: int(np.argmin(np.abs(running - about))) + 1]
+    first = order[: 2 * about]
+    missed = np.abs(np.cumsum(contours[first]) - about)
+    gap = np.diff(place[order[: len(first) + 1]], append=np.inf)[: len(first)]
+    gap[missed > about / 4] = 0.0
+    return order[: int(np.lexsort((missed, -gap))[0]) + 1]
 
 
 def _side_ratio(bounds_mm: Floats) -> float:
-    """Long side by short side of the rectangle around these bounds; 1 when nothing is left."""
+    """Long side by short side of the rectangle around these bounds, 1 for none; rounded, so that equal is equal."""
     if not len(bounds_mm):
         return 1.0
     size = bounds_mm[:, 2:].max(axis=0) - bounds_mm[:, :2].min(axis=0)
-    return float(size.max() / size.min())
+    return round(float(size.max() / size.min()), 9)
 
 
 def _predecessors(pairs: Ints, count: int) -> tuple[Ints, Ints]:
