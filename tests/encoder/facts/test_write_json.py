@@ -1,0 +1,104 @@
+from __future__ import annotations
+
+import json
+from importlib.resources import files
+from typing import Any
+
+import jsonschema
+import pytest
+from hypothesis import given, settings
+
+from kerfwise.encoder.candidates.candidate import Candidate
+from kerfwise.encoder.facts import FactOptions, Facts, compute_facts, facts_json
+from kerfwise.encoder.nest import Nest
+from kerfwise.tests.encoder.facts.random_nests import nests
+from kerfwise.tests.nests import nest, part, rect
+
+SCHEMA = json.loads(files("kerfwise.encoder.facts").joinpath("facts.schema.json").read_text(encoding="utf-8"))
+CANDIDATE = Candidate(0, 80.0, (90.0, 10.0), "ccw", (95.0, 5.0), None, None, (90.0, 10.0), 325.5)
+
+
+def small() -> Facts:
+    """Two squares side by side, the left one in the corner, and one candidate of it."""
+    given_nest = nest(400, 400, part("A", rect(10, 10, 80, 80)), part("B", rect(100, 10, 80, 80)))
+    return compute_facts(given_nest, FactOptions(zone_pairs=(("A.outer", "B.outer"),)), (CANDIDATE,))
+
+
+def document() -> dict[str, Any]:
+    data: dict[str, Any] = json.loads(facts_json(small()))
+    return data
+
+
+def test_a_contour_row() -> None:
+    assert document()["contours"][1] == {
+        "id": "B.outer",
+        "part": "B",
+        "kind": "outer",
+        "parent": None,
+        "zone": 1,
+        "long": False,
+        "length_mm": 320.0,
+        "contains": [],
+        "level_ahead": ["A.outer"],
+        "in_hull": [],
+        "neighbours": [{"contour": "A.outer", "length_mm": 80.0, "gap_mm": 10.0}],
+        "edge_gap_mm": {"left": 100.0, "right": 220.0, "bottom": 10.0, "top": 310.0},
+        "edge_length_mm": {"left": 0.0, "right": 0.0, "bottom": 80.0, "top": 0.0},
+        "solid_mm": 160.0,
+    }
+
+
+def test_a_candidate_row() -> None:
+    assert document()["candidates"] == [
+        {
+            "candidate": 0,
+            "contour": "A.outer",
+            "entry": [90.0, 10.0],
+            "entry_mm": 80.0,
+            "direction": "ccw",
+            "pierce": [95.0, 5.0],
+            "end": [90.0, 10.0],
+            "cut_mm": 325.5,
+            "edge_start": False,
+            "head": {
+                "total_mm": 80.0,
+                "edge_mm": 0.0,
+                "solid_mm": 0.0,
+                "neighbours": [{"contour": "B.outer", "length_mm": 80.0}],
+            },
+            "tail": {"total_mm": 80.0, "edge_mm": 80.0, "solid_mm": 0.0, "neighbours": []},
+        }
+    ]
+
+
+def test_the_sheet() -> None:
+    data = document()
+    assert (data["start_side"], data["start_side_because"]) == ("left", "offcut")
+    assert data["sides"]["right"] == {"offcut_mm": 220.0, "offcut_large": True, "heat_mm": 0.0, "heat_parts": 0}
+    assert data["options"]["zone_pairs"] == [["A.outer", "B.outer"]]
+
+
+def test_the_schema_is_sound_and_says_what_every_field_is() -> None:
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+    for name in ("contour", "candidate"):
+        for field, what in SCHEMA["$defs"][name]["properties"].items():
+            assert what.keys() & {"description", "$ref", "enum"} or field == "part"
+
+
+@given(nests())
+@settings(max_examples=15, deadline=None)
+def test_every_text_follows_the_schema(given_nest: Nest) -> None:
+    jsonschema.validate(json.loads(facts_json(compute_facts(given_nest, FactOptions()))), SCHEMA)
+
+
+@pytest.mark.parametrize("field", ["zone", "neighbours", "kind"])
+def test_the_schema_refuses_a_row_that_lacks_a_field(field: str) -> None:
+    data = document()
+    jsonschema.validate(data, SCHEMA)
+    del data["contours"][0][field]
+    with pytest.raises(jsonschema.ValidationError, match=field):
+        jsonschema.validate(data, SCHEMA)
+
+
+def test_the_same_facts_give_the_same_text() -> None:
+    assert facts_json(small()) == facts_json(small())
