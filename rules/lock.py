@@ -9,13 +9,12 @@ from typing import Any, Literal
 import yaml
 
 from ..encoder.cut import Direction
-from ..encoder.errors import InputError
 from ..encoder.geometry.segment import Point
 from ..encoder.nest import Nest
 from .kinds import Choice, Kind, Number, PointXY, Text
 from .option import option
 from .suggest import unknown
-from .yaml_positions import Place
+from .yaml_positions import Place, wrong_at
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,16 +92,9 @@ def check_locks(locks: tuple[Lock, ...], nest: Nest) -> None:
     for lock in locks:
         for given in (lock.contour, lock.before):
             if given is not None and given not in nest.index:
-                raise _wrong(lock, unknown("contour", given, nest.index))
+                raise wrong_at(lock.place, f"lock: {unknown('contour', given, nest.index)}")
         if lock.part is not None and lock.part not in nest.part_of:
-            raise _wrong(lock, unknown("part", lock.part, nest.part_of))
+            raise wrong_at(lock.place, f"lock: {unknown('part', lock.part, nest.part_of)}")
         n = len(nest.contours)
         if isinstance(lock.position, int) and lock.position > n:
-            raise _wrong(lock, f"position {lock.position}: the nest has {n} contours only")
-
-
-def _wrong(lock: Lock, message: str) -> InputError:
-    place = lock.place
-    if place is None:
-        return InputError(f"lock: {message}")
-    return InputError(f"lock: {message}", file=place.file, line=place.line, column=place.column)
+            raise wrong_at(lock.place, f"lock: position {lock.position}, but the nest has {n} contours only")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import yaml
 
@@ -19,8 +19,11 @@ from .sections import SECTIONS, OwnRule, RuleSetting
 from .suggest import unknown
 from .yaml_positions import Problems, compose, entries, items, plain
 
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
 Given = dict[str, Any]
-T = TypeVar("T")
+T = TypeVar("T", bound="DataclassInstance")
 KEYS = ("name", "based_on", *SECTIONS, "rules", "own_rules", "locks")
 
 
@@ -107,7 +110,7 @@ def read_fields(
             given[options[key].name] = options[key].kind.read(value)
         except Unfit as error:
             problems.add(value, f"{what}.{key}: {error}")
-    return dataclasses.replace(base, **given)  # type: ignore[type-var]
+    return dataclasses.replace(base, **given)
 
 
 def read_rules(node: yaml.Node, base: Mapping[str, RuleSetting], problems: Problems) -> dict[str, RuleSetting]:

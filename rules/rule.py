@@ -58,6 +58,14 @@ class Rule(ABC, Generic[OptionsT]):
     def violations(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> list[Violation]:
         """Where a sequence of cuts breaks the rule, found from geometry alone, never from facts or statements."""
 
+    def pairs(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> list[Ids]:
+        """Contour ids (before, after) that the rule orders, found from geometry (and what the cuts state) alone."""
+        return []
+
+    def together(self, nest: Nest, options: OptionsT) -> list[tuple[str, ...]]:
+        """Sets of contour ids that the rule keeps free of other contours between them."""
+        return []
+
     def unjudged(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> str | None:
         """Why the rule cannot be judged on these cuts, where that is so (an NC program tells less than a plan)."""
         return None
@@ -68,11 +76,10 @@ class Rule(ABC, Generic[OptionsT]):
 
 
 class OrderRule(Rule[OptionsT]):
-    """A rule that only says which contour is cut before which."""
+    """A rule that says which contour is cut before which, and no more."""
 
     @abstractmethod
-    def pairs(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> list[Ids]:
-        """Contour ids (before, after) that the rule orders, found from geometry alone."""
+    def pairs(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> list[Ids]: ...
 
     @abstractmethod
     def reason(self, before: str, after: str, start_side: Side | None) -> str:

@@ -7,12 +7,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ..encoder.errors import RulesConflict
+from ..encoder.errors import InputError, RulesConflict
 from .cycles import Link, components, contracted, path
 from .feedback import Unbreakable, lightest_cut
 from .lock import check_locks
 from .registry import RULES
 from .statements import About, Contiguous, IdleTravel, Precede, Statement
+from .yaml_positions import wrong_at
 
 if TYPE_CHECKING:
     from ..encoder.facts.facts import Facts
@@ -51,7 +52,8 @@ def state_rules(facts: Facts, profile: Profile) -> Stated:
     Raises
     ------
     InputError
-        If a lock names something that the nest does not have.
+        If a lock names something that the nest does not have, or the profile asks for what nothing can state yet:
+        rules of its own, or a price on heat.
     RulesConflict
         If orders that may not be dropped contradict each other; the reasons are their sentences.
 
@@ -66,6 +68,7 @@ def state_rules(facts: Facts, profile: Profile) -> Stated:
     >>> stated.statements[0].about.sentence
     'P1.hole1 is cut before P1.outer: it lies inside it, and cutting P1.outer frees the metal it is in'
     """
+    _refuse_unknown(profile)
     check_locks(profile.locks, facts.nest)
     statements: list[Statement] = []
     for name, setting in profile.settings().items():
@@ -73,6 +76,15 @@ def state_rules(facts: Facts, profile: Profile) -> Stated:
         statements += stated if setting.weight is None else (replace(s, weight=setting.weight) for s in stated)
     statements += _objective(profile)
     return resolve(statements, facts.n, {name: rule.gives_way for name, rule in RULES.items()})
+
+
+def _refuse_unknown(profile: Profile) -> None:
+    """Say aloud what would otherwise be left out of the plan in silence."""
+    if profile.own_rules:
+        message = "own_rules: this version states the rules of its catalogue only; take own_rules out"
+        raise wrong_at(profile.own_rules[0].place, message)
+    if profile.objective.heat:
+        raise InputError("objective.heat: this version puts no price on heat; set it to 0", file=profile.file or None)
 
 
 def _objective(profile: Profile) -> list[Statement]:

@@ -23,6 +23,13 @@ class Place:
         return f"{self.file}:{self.line}:{self.column}"
 
 
+def wrong_at(place: Place | None, message: str) -> InputError:
+    """The error for a mistake that stands at a place, where that is known."""
+    if place is None:
+        return InputError(message)
+    return InputError(message, file=place.file, line=place.line, column=place.column)
+
+
 @dataclass(slots=True)
 class Problems:
     """The mistakes found so far in one file; `raise_any` reports them all in one `InputError`."""

@@ -5,17 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from ...encoder.cut import CutSequence
-from ...encoder.errors import InputError
 from ...encoder.geometry.segment import Point
 from ...encoder.nest import Contour, Nest
 from ..kinds import LENGTH
 from ..lock import Lock, check_locks
 from ..option import option
-from ..rule import Rule, Violation
+from ..rule import Ids, Rule, Violation
 from ..statements import AtLeast, Before, Forbid, Precede, Statement
+from ..yaml_positions import wrong_at
 
 if TYPE_CHECKING:
     from ...encoder.facts.facts import Facts
@@ -93,6 +93,18 @@ class Locks(Rule[LocksOptions]):
             if lock.direction is not None and candidate.direction != lock.direction:
                 yield Forbid(number, self.about((name,), f"{name} is cut {lock.direction}: {lock.because}"))
 
+    def pairs(self, nest: Nest, cuts: CutSequence, options: LocksOptions) -> list[Ids]:
+        found: list[Ids] = []
+        for lock in options.locks:
+            others = [c.id for c in nest.contours if c.id != lock.contour]
+            if lock.contour is not None and lock.before is not None:
+                found.append((lock.contour, lock.before))
+            if lock.contour is not None and lock.position == "first":
+                found += [(lock.contour, other) for other in others]
+            if lock.contour is not None and lock.position == "last":
+                found += [(other, lock.contour) for other in others]
+        return found
+
     def violations(self, nest: Nest, cuts: CutSequence, options: LocksOptions) -> list[Violation]:
         check_locks(options.locks, nest)
         at = cuts.positions()
@@ -119,13 +131,17 @@ def _broken(nest: Nest, cuts: CutSequence, lock: Lock, tolerance_mm: float) -> I
     cut = cuts[k - 1]
     if lock.before is not None and at.get(lock.before, k) < k:
         yield (name, lock.before), f"{name} (cut {k}) must be cut before {lock.before} (cut {at[lock.before]})"
-    wanted = {"first": 1, "last": len(cuts), None: k}.get(lock.position, lock.position)  # type: ignore[arg-type]
-    if wanted != k:
+    if lock.position is not None and k != _place(lock.position, len(cuts)):
         yield (name,), f"{name} is cut {k} in order, not {lock.position}"
     if lock.entry is not None and not _is_at(cut.entry, lock.entry, nest.contour(name), tolerance_mm):
         yield (name,), f"{name} (cut {k}) is entered at {_spoken(cut.entry)}, not at {_spoken(lock.entry)}"
     if lock.direction is not None and cut.direction != lock.direction:
         yield (name,), f"{name} (cut {k}) is cut {cut.direction}, not {lock.direction}"
+
+
+def _place(position: int | Literal["first", "last"], n: int) -> int:
+    """A position as a number."""
+    return 1 if position == "first" else n if position == "last" else position
 
 
 def _is_at(entry: Point, locked: Point, contour: Contour, tolerance_mm: float) -> bool:
@@ -142,10 +158,5 @@ def _check_zone(facts: Facts, lock: Lock) -> None:
     part = facts.nest.part_of[lock.part or ""]
     zone = int(facts.zone[facts.nest.index[part.outer.id]])
     if zone != lock.zone:
-        message = f"lock: part {part.id} cannot be in zone {lock.zone}, only in zone {zone} of 1…{facts.zone.max()}"
-        where = lock.place
-        raise (
-            InputError(message)
-            if where is None
-            else InputError(message, file=where.file, line=where.line, column=where.column)
-        )
+        zones = f"only in zone {zone} of 1…{facts.zone.max()}"
+        raise wrong_at(lock.place, f"lock: part {part.id} cannot be in zone {lock.zone}, {zones}")

@@ -11,7 +11,7 @@ from ...encoder.cut import CutSequence
 from ...encoder.nest import Contour, Nest, Part
 from ..kinds import Choice
 from ..option import option
-from ..rule import Rule, Violation
+from ..rule import Ids, Rule, Violation
 from ..statements import Contiguous, Precede
 
 if TYPE_CHECKING:
@@ -70,6 +70,12 @@ class PartContiguous(Rule[PartContiguousOptions]):
                 reason = f"{part.outer.id} is the last cut of {part.id}"
                 about = self.about((contour.id, part.outer.id), f"{contour.id} is cut before {part.outer.id}: {reason}")
                 yield Precede(index[contour.id], index[part.outer.id], about)
+
+    def pairs(self, nest: Nest, cuts: CutSequence, options: PartContiguousOptions) -> list[Ids]:
+        return [(c.id, part.outer.id) for part in nest.parts for c in _run(part, options)[:-1]]
+
+    def together(self, nest: Nest, options: PartContiguousOptions) -> list[tuple[str, ...]]:
+        return [tuple(c.id for c in _run(part, options)) for part in nest.parts]
 
     def violations(self, nest: Nest, cuts: CutSequence, options: PartContiguousOptions) -> list[Violation]:
         at = cuts.positions()

@@ -13,7 +13,7 @@ from ...encoder.nest import Nest
 from ..kinds import Number
 from ..option import option
 from ..placement import host_holes
-from ..rule import Rule, Violation
+from ..rule import Ids, Rule, Violation
 from ..statements import Precede
 
 if TYPE_CHECKING:
@@ -74,6 +74,14 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
                     first, then = contours[before].id, contours[after].id
                     sentence = f"{first} is cut before {then}: zone {zone} comes before zone {following}"
                     yield Precede(before, after, self.about((first, then), sentence))
+
+    def pairs(self, nest: Nest, cuts: CutSequence, options: ZoneOrderOptions) -> list[Ids]:
+        members: dict[int, list[str]] = defaultdict(list)
+        for cut in cuts:
+            if cut.zone and nest.contour(cut.contour).kind != "mark":
+                members[cut.zone].append(cut.contour)
+        zones = pairwise(sorted(members))
+        return [(a, b) for zone, following in zones for a in members[zone] for b in members[following]]
 
     def unjudged(self, nest: Nest, cuts: CutSequence, options: ZoneOrderOptions) -> str | None:
         return None if any(cut.zone for cut in cuts) or not cuts else "the zones of the cuts are not stated"
