@@ -9,6 +9,7 @@ import shapely
 
 from ..nest import Contour, Note, Part
 from ..validate import coincident
+from ..validate.rings import enclosed
 from .depth import surrounding
 from .drawing import Piece
 
@@ -23,7 +24,7 @@ def assemble(rings: Sequence[Piece], marks: Sequence[Piece]) -> tuple[tuple[Part
     for first, again in coincident([r.curve for r in rings]):
         repeats.setdefault(again, repeats.get(first, first))
     kept = [k for k in range(len(rings)) if k not in repeats]
-    depth, parent = surrounding([rings[k].polygon for k in kept])
+    depth, parent = surrounding([rings[k].area for k in kept])
     outers = [n for n, d in enumerate(depth.tolist()) if d % 2 == 0]
     holes: dict[int, list[int]] = {n: [] for n in outers}
     for n in np.flatnonzero(depth % 2).tolist():
@@ -50,8 +51,7 @@ def assemble(rings: Sequence[Piece], marks: Sequence[Piece]) -> tuple[tuple[Part
 def _with_marks(parts: Sequence[Part], marks: Sequence[Piece]) -> tuple[tuple[Part, ...], list[Note]]:
     if not marks:
         return tuple(parts), []
-    metal = np.array([p.polygon for p in parts], dtype=object)
-    metal = np.where(shapely.is_valid(metal), metal, shapely.make_valid(metal))
+    metal = np.array([_metal(p) for p in parts], dtype=object)
     lines = np.array([m.curve.line() for m in marks], dtype=object)
     k, on = shapely.STRtree(metal).query(lines, predicate="intersects")
     shared = shapely.length(shapely.intersection(lines[k], metal[on]))
@@ -66,3 +66,8 @@ def _with_marks(parts: Sequence[Part], marks: Sequence[Piece]) -> tuple[tuple[Pa
         Note("warning", f"the mark {m.place} is on no part: left out") for n, m in enumerate(marks) if n not in owner
     ]
     return tuple(Part(p.id, p.outer, p.holes, tuple(own)) for p, own in zip(parts, made, strict=True)), lost
+
+
+def _metal(part: Part) -> shapely.Geometry:
+    """The part's area even where its rings are not sound, as nobody has checked them yet."""
+    return enclosed(part.outer.curve).difference(shapely.union_all([enclosed(h.curve) for h in part.holes]))

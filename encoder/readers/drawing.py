@@ -9,6 +9,7 @@ import shapely
 
 from ..geometry.curve import Curve
 from ..nest import Note, Sheet
+from ..validate.rings import enclosed
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,10 +21,9 @@ class Piece:
     order: int
 
     @cached_property
-    def polygon(self) -> shapely.Polygon:
+    def area(self) -> shapely.Geometry:
         """The area inside a closed piece, made valid where the ring crosses itself."""
-        polygon = self.curve.polygon()
-        return polygon if polygon.is_valid else shapely.make_valid(polygon)
+        return enclosed(self.curve)
 
     @property
     def place(self) -> str:

@@ -11,10 +11,12 @@ from .join import Joined, join
 from .open_ends import ends, open_end_problems
 from .options import ReadOptions
 from .sheet import choose_sheet
-from .units import doubt
+from .units import doubts
 
 REPAIR_FACTOR = 10
 """With `repair`, gaps up to this many times the join tolerance are closed."""
+
+MOST_NOTES = 100
 
 
 def nest_of(drawing: Drawing, options: ReadOptions) -> Nest:
@@ -33,19 +35,17 @@ def nest_of(drawing: Drawing, options: ReadOptions) -> Nest:
     bridge_mm = REPAIR_FACTOR * options.join_tolerance_mm if options.repair else 0.0
     cut, stock = (join(pieces, options.join_tolerance_mm, bridge_mm) for pieces in (cut_pieces, sheet_pieces))
     marks = join(mark_pieces, options.join_tolerance_mm)
-    notes = [*drawing.notes, *_join_notes(cut, options), *_join_notes(stock, options)]
+    notes = [*drawing.notes, *(note for joined in (stock, cut, marks) for note in _join_notes(joined, options))]
     open_chains = [*stock.chains, *cut.chains]
     if open_chains and options.repair and cut.rings:
-        notes += [Note("repaired", f"the open line {ends(c)} is left out") for c in open_chains]
+        notes += [Note("repaired", f"the open line {ends(c)} is left out: it does not close") for c in open_chains]
     elif open_chains:
         raise wrong("lines do not close to contours", open_end_problems(open_chains, options))
     if not cut.rings:
         raise InputError("nothing to cut: the drawing holds no closed contour")
     parts, part_notes = assemble(cut.rings, [*marks.rings, *marks.chains])
     sheet, sheet_notes = choose_sheet(stock.rings, cut.rings, drawing.page, options)
-    x0, y0, x1, y1 = sheet.bounds
-    doubtful = doubt(x1 - x0, y1 - y0, drawing.units)
-    notes += [*part_notes, *sheet_notes, *([Note("warning", doubtful)] if doubtful else [])]
+    notes += [*part_notes, *sheet_notes, *doubts(sheet, drawing.units)]
     return Nest(sheet, parts, notes=tuple(notes))
 
 
@@ -68,4 +68,6 @@ def _join_notes(joined: Joined, options: ReadOptions) -> list[Note]:
     ]
     notes += [Note(severity, f"the line {ends(p)} is drawn twice; it is cut once") for p in joined.repeats]
     notes += [Note(severity, f"the line {p.place} has no length: left out") for p in joined.specks]
+    if len(notes) > MOST_NOTES:
+        notes[MOST_NOTES:] = [Note(severity, f"… and {len(notes) - MOST_NOTES} more lines mended or left out")]
     return notes

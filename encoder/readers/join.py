@@ -15,6 +15,7 @@ from ..geometry.segment import Point
 from .branches import faces, twins
 from .drawing import Piece
 from .nodes import SNAP_MM, IntArray, meeting_points
+from .overdrawn import trimmed
 from .trace import Trail, trace
 
 
@@ -30,7 +31,7 @@ class Gap:
 class Joined:
     """Rings and open chains, each in the order of the file.
 
-    `repeats` are chains drawn over lines of the rings, `specks` pieces of no length, `gaps` what was closed.
+    `repeats` are lines drawn over others, `specks` pieces of no length, `gaps` the distances closed.
     """
 
     rings: tuple[Piece, ...]
@@ -70,11 +71,18 @@ def join(pieces: Sequence[Piece], tolerance_mm: float, bridge_mm: float = 0.0) -
                 piece, wide = _linked(trail, loose, tolerance_mm)
                 (rings if trail.closed else chains).append(piece)
                 gaps.extend(wide)
-    rings.sort(key=lambda p: p.order)
     covered = _drawn_over(chains, rings, tolerance_mm)
-    open_chains = tuple(sorted((c for c, over in zip(chains, covered, strict=True) if not over), key=lambda p: p.order))
-    repeats = tuple(c for c, over in zip(chains, covered, strict=True) if over)
-    return Joined(tuple(rings), open_chains, repeats, specks, tuple(sorted(gaps, key=lambda g: g.at)))
+    repeats = [c for c, over in zip(chains, covered, strict=True) if over]
+    open_chains, shared = trimmed([c for c, over in zip(chains, covered, strict=True) if not over], tolerance_mm)
+    if shared:
+        again = join(open_chains, tolerance_mm, bridge_mm)
+        rings, open_chains = [*rings, *again.rings], list(again.chains)
+        repeats, gaps = [*repeats, *shared, *again.repeats], [*gaps, *again.gaps]
+    return Joined(_in_order(rings), _in_order(open_chains), _in_order(repeats), specks, tuple(gaps))
+
+
+def _in_order(pieces: Iterable[Piece]) -> tuple[Piece, ...]:
+    return tuple(sorted(pieces, key=lambda p: p.order))
 
 
 def _groups(nodes: IntArray) -> list[list[int]]:

@@ -10,11 +10,11 @@ from typing import Any
 from ..errors import InputError
 from ..geometry.curve import Curve
 from ..nest import Contour, Kind, Nest, Note, Part, Sheet
-from .json_place import line_and_column
+from .json_place import places
 from .json_schema import check_schema
 from .limits import checked_curve
 from .options import ReadOptions
-from .units import MM_PER, doubt
+from .units import MM_PER, doubts
 
 PART_KEYS = ("id", "outer", "holes", "marks")
 
@@ -34,11 +34,7 @@ def read_json(data: bytes, options: ReadOptions) -> Nest:
     _check_ids(document["parts"], text)
     parts = tuple(_part(given, scale) for given in document["parts"])
     sheet = _sheet(document["sheet"], scale)
-    x0, y0, x1, y1 = sheet.bounds
-    doubtful = doubt(x1 - x0, y1 - y0, units)
-    return Nest(
-        sheet, parts, notes=(*_typing_slips(document["parts"]), *([Note("warning", doubtful)] if doubtful else []))
-    )
+    return Nest(sheet, parts, notes=(*_typing_slips(document["parts"]), *doubts(sheet, units)))
 
 
 def _parsed(data: bytes) -> tuple[str, Any]:
@@ -59,7 +55,7 @@ def _check_ids(parts: Sequence[Mapping[str, Any]], text: str) -> None:
     for k, part in enumerate(parts):
         first = seen.setdefault(part["id"], k)
         if first != k:
-            line, column = line_and_column(text, ["parts", k, "id"])
+            [(line, column)] = places(text, [["parts", k, "id"]])
             raise InputError(
                 f"part number {k + 1} has the id '{part['id']}' of part number {first + 1}; give each part its own",
                 line=line,
@@ -104,8 +100,8 @@ def _typing_slips(parts: Sequence[Mapping[str, Any]]) -> list[Note]:
     """An attribute named almost like a key of the format ('hole') is most likely a slip that loses a contour."""
     notes = []
     for part in parts:
-        for key in part:
+        for key in (k for k in part if k not in PART_KEYS):
             near = difflib.get_close_matches(key, PART_KEYS, n=1, cutoff=0.75)
-            if near and key not in PART_KEYS:
+            if near:
                 notes.append(Note("warning", f"part '{part['id']}' has a key '{key}': is '{near[0]}' meant?"))
     return notes

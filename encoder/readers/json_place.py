@@ -9,27 +9,32 @@ import yaml
 Path = Sequence[str | int]
 
 
-def line_and_column(text: str, path: Path) -> tuple[int | None, int | None]:
-    """Line and column, counted from 1, of the value that a path of keys and indices leads to.
+def places(text: str, paths: Sequence[Path]) -> list[tuple[int | None, int | None]]:
+    """Line and column, counted from 1, of the values that paths of keys and indices lead to.
 
     JSON is YAML, and a YAML parser keeps the positions. (None, None) where the text is one it does not follow.
 
     Examples
     --------
-    >>> line_and_column('{"parts": [\\n  {"id": "A"},\\n  {"id": 7}]}', ["parts", 1, "id"])
-    (3, 10)
+    >>> places('{"parts": [\\n  {"id": "A"},\\n  {"id": 7}]}', [["parts", 1, "id"]])
+    [(3, 10)]
     """
     try:
-        node = yaml.compose(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+        root = yaml.compose(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
     except (yaml.YAMLError, RecursionError):
+        root = None
+    return [_place(root, path) for path in paths]
+
+
+def _place(node: yaml.Node | None, path: Path) -> tuple[int | None, int | None]:
+    if node is None:
         return None, None
     for step in path:
-        children = node.value if isinstance(node, yaml.CollectionNode) else []
         if isinstance(node, yaml.MappingNode):
-            node = next((value for key, value in children if key.value == step), node)
-        elif isinstance(step, int) and step < len(children):
-            node = children[step]
-    return (node.start_mark.line + 1, node.start_mark.column + 1) if node is not None else (None, None)
+            node = next((value for key, value in node.value if key.value == step), node)
+        elif isinstance(node, yaml.SequenceNode) and isinstance(step, int) and step < len(node.value):
+            node = node.value[step]
+    return node.start_mark.line + 1, node.start_mark.column + 1
 
 
 def spoken(path: Path, part_ids: Sequence[object]) -> str:

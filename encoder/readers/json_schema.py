@@ -6,16 +6,16 @@ import json
 from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
+from itertools import islice
 
 from jsonschema import Draft202012Validator, ValidationError
 
 from ..errors import InputError
-from .json_place import line_and_column, spoken
+from .json_place import places, spoken
 from .limits import LIMIT_MM
 
 MOST_ERRORS = 20
 NAMES = {"object": "an object", "array": "a list", "string": "a text", "number": "a number"}
-SOUND_PART: dict[str, object] = {"id": "P", "outer": [[0, 0], [1, 1]]}
 
 
 @cache
@@ -28,32 +28,40 @@ def validator() -> Draft202012Validator:
 def check_schema(document: object, text: str) -> None:
     """Hold a parsed file against the schema.
 
-    A part whose rings are rows of plain numbers is known to pass: the schema sees a small one in its place, as it
-    would take a minute over the vertices of a large nest.
+    A part whose rings are rows of plain numbers is known to pass and is not shown to the schema, which would take
+    minutes over the vertices of a large nest.
 
     Raises
     ------
     InputError
         With a line for each mismatch (the first twenty), naming part, contour, vertex and line.
     """
-    shown, ids = document, []
+    shown, ids, numbers = document, [], []
     if isinstance(document, dict) and isinstance(document.get("parts"), list):
-        shown = {**document, "parts": [SOUND_PART if _plain(p) else p for p in document["parts"]]}
-        ids = [p.get("id") if isinstance(p, dict) else None for p in document["parts"]]
-    errors = sorted(validator().iter_errors(shown), key=lambda e: [str(step) for step in e.absolute_path])
-    if not errors:
-        return
-    lines, first = [], line_and_column(text, list(errors[0].absolute_path))
-    for error in errors[:MOST_ERRORS]:
+        parts = document["parts"]
+        ids = [p.get("id") if isinstance(p, dict) else None for p in parts]
+        numbers = [k for k, p in enumerate(parts) if not _plain(p)]
+        shown = {**document, "parts": [parts[k] for k in numbers] or parts[:1]}
+    found: list[tuple[list[str | int], str]] = []
+    for error in islice(validator().iter_errors(shown), MOST_ERRORS):
         path = list(error.absolute_path)
-        line, _ = line_and_column(text, path) if len(errors) > 1 else (None, None)
-        where = spoken(path, ids) + (f" (line {line})" if line else "")
-        lines.append(f"{where}: {_said(error)}")
-    if len(errors) > MOST_ERRORS:
-        lines.append(f"… and {len(errors) - MOST_ERRORS} more")
-    if len(lines) == 1:
-        raise InputError(f"not a kerfwise-nest/1 file: {lines[0]}", line=first[0], column=first[1])
-    raise InputError("not a kerfwise-nest/1 file", line=first[0], column=first[1], details=tuple(lines))
+        if len(path) > 1 and path[0] == "parts":
+            path[1] = numbers[int(path[1])]
+        found.append((path, _said(error)))
+    if found:
+        raise _refusal(found, text, ids)
+
+
+def _refusal(found: list[tuple[list[str | int], str]], text: str, ids: list[object]) -> InputError:
+    """One error for all the mismatches, in the order of the file where that is known."""
+    at = places(text, [path for path, _ in found])
+    order = sorted(range(len(found)), key=lambda k: (at[k][0] or 0, at[k][1] or 0))
+    (line, column), first = at[order[0]], found[order[0]]
+    if len(found) == 1:
+        return InputError(f"not a kerfwise-nest/1 file: {spoken(first[0], ids)}: {first[1]}", line=line, column=column)
+    lines = [f" (line {at[k][0]})" if at[k][0] else "" for k in order]
+    said = [f"{spoken(found[k][0], ids)}{where}: {found[k][1]}" for k, where in zip(order, lines, strict=True)]
+    return InputError("not a kerfwise-nest/1 file", line=line, column=column, details=tuple(said))
 
 
 def _plain(part: object) -> bool:
@@ -90,10 +98,9 @@ def _said(error: ValidationError) -> str:
             return f"{given} given, expected {NAMES[str(bound)]}"
         case "minItems" | "minLength" if not error.instance:
             return "nothing in it"
-        case "minItems" | "maxItems":
-            return (
-                f"{given} given, expected {'at least' if error.validator == 'minItems' else 'at most'} {bound} of them"
-            )
+        case "minItems" | "maxItems" if isinstance(error.instance, list):
+            words = {"minItems": "at least", "maxItems": "at most"}
+            return f"{len(error.instance)} given, expected {words[error.validator]} {bound}"
         case "minimum" | "maximum" | "exclusiveMinimum":
             words = {"minimum": "at least", "maximum": "at most", "exclusiveMinimum": "over"}
             return f"{given} given, expected {words[error.validator]} {bound}"

@@ -30,7 +30,7 @@ def checked_curve(rows: Iterable[Sequence[float]] | FloatArray, closed: bool, sc
     if not np.isfinite(drawn).all():
         raise InputError("a coordinate is not a finite number")
     with np.errstate(over="ignore", invalid="ignore"):
-        points, bulge = drawn[:, :2] * scale, np.abs(drawn[:, 2])
+        points, bulge = np.round(drawn[:, :2] * scale, 9) + 0.0, np.abs(drawn[:, 2])
         far = np.abs(points).max(axis=1, initial=0.0)
         steps = np.diff(points, axis=0, append=points[:1])
         chord = np.hypot(steps[:, 0], steps[:, 1])

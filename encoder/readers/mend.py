@@ -39,9 +39,9 @@ def _mended_part(part: Part, notes: list[Note]) -> Part | None:
 
 
 def _mended_ring(contour: Contour, notes: list[Note]) -> Contour:
-    polygon = contour.polygon
-    if polygon.is_valid:
+    if flat(contour.curve) or contour.polygon.is_valid:
         return contour
+    polygon = contour.polygon
     pieces = [g for g in shapely.get_parts(shapely.make_valid(polygon)) if g.geom_type == "Polygon"]
     whole = sum(g.area for g in pieces)
     largest = max(pieces, key=lambda g: g.area, default=shapely.Polygon())

@@ -12,9 +12,11 @@ from .options import ReadOptions
 
 
 def ends(chain: Piece) -> str:
-    """Where a line starts and ends, and its layer."""
+    """How long a line is, where it starts and ends, and its layer."""
     (x0, y0), (x1, y1) = chain.curve.vertices[[0, -1], :2].tolist()
-    return f"from ({x0:.3f}, {y0:.3f}) to ({x1:.3f}, {y1:.3f}) on layer '{chain.layer}'"
+    return (
+        f"of {chain.curve.length_mm:.3f} mm from ({x0:.3f}, {y0:.3f}) to ({x1:.3f}, {y1:.3f}) on layer '{chain.layer}'"
+    )
 
 
 def open_end_problems(chains: Sequence[Piece], options: ReadOptions) -> list[str]:

@@ -36,11 +36,19 @@ def read_nest(path: str | Path, options: ReadOptions = ReadOptions()) -> Nest:  
 
     Examples
     --------
-    >>> nest = read_nest("examples/nests/e1x_6.dxf")  # doctest: +SKIP
-    >>> len(nest.parts), len(nest.contours)  # doctest: +SKIP
-    (8, 16)
+    >>> import tempfile
+    >>> text = '{"format": "kerfwise-nest/1", "sheet": {"width": 100, "height": 50}, "parts": ['
+    >>> text += '{"id": "A", "outer": [[5, 5], [45, 5], [45, 45], [5, 45]]}]}'
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder, "small.json")
+    ...     _ = file.write_text(text)
+    ...     nest = read_nest(file)
+    >>> nest.file, [c.id for c in nest.contours], nest.contour("A.outer").polygon.area
+    ('small.json', ['A.outer'], 1600.0)
     """
     file = Path(path)
+    if file.is_dir():
+        raise InputError("this is a folder; expected a nest file", file=file)
     suffix = file.suffix.lower()
     if suffix not in SUFFIXES:
         raise InputError(f"cannot tell the format of '{file.name}': expected {', '.join(SUFFIXES)}", file=file)
@@ -60,8 +68,6 @@ def _bytes(file: Path) -> bytes:
         data = file.read_bytes()
     except FileNotFoundError:
         raise InputError("there is no such file", file=file) from None
-    except IsADirectoryError:
-        raise InputError("this is a folder; expected a nest file", file=file) from None
     except (OSError, ValueError) as error:  # ValueError: a NUL in the name
         raise InputError(f"the file cannot be opened: {error}", file=file) from None
     if not data.strip():

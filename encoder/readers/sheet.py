@@ -10,6 +10,7 @@ import shapely
 from ..errors import InputError
 from ..geometry.curve import Curve
 from ..nest import Note, Sheet
+from ..validate import coincident
 from .depth import surrounding
 from .drawing import Piece
 from .options import ReadOptions
@@ -34,28 +35,42 @@ def choose_sheet(
     InputError
         When several sheets are drawn.
     """
+    notes: list[Note] = []
     if drawn:
-        notes = []
         if options.sheet_size_mm is not None:
             notes.append(Note("warning", f"sheet_size_mm is not used: the sheet is drawn, {drawn[0].place}"))
         return _drawn_sheet(drawn), notes
-    x0, y0, x1, y1 = shapely.total_bounds(np.array([p.polygon for p in parts], dtype=object)).tolist()
+    x0, y0, x1, y1 = shapely.total_bounds(np.array([p.curve.line() for p in parts], dtype=object)).tolist()
+    notes += _frame(parts, (x0, y0, x1, y1))
     if options.sheet_size_mm is not None:
-        return _given_sheet(options.sheet_size_mm, (x0, y0, x1, y1), options.margin_mm)
+        sheet, said = _given_sheet(options.sheet_size_mm, (x0, y0, x1, y1), options.margin_mm)
+        return sheet, notes + said
     if page is not None and page.polygon.buffer(options.join_tolerance_mm).covers(shapely.box(x0, y0, x1, y1)):
         width, height = page.bounds[2], page.bounds[3]
-        return page, [Note("warning", f"no layer is the sheet's: the page, {width:g} × {height:g} mm, is taken for it")]
+        text = f"no layer is the sheet's: the page, {width:g} × {height:g} mm, is taken for it"
+        return page, [*notes, Note("warning", text)]
     m = options.margin_mm
     sheet = _rectangle(x0 - m, y0 - m, x1 - x0 + 2 * m, y1 - y0 + 2 * m)
     text = (
         f"no layer is the sheet's (sheet_layer='{options.sheet_layer}'): the parts' bounding box and {m:g} mm around "
         f"it, {x1 - x0 + 2 * m:g} × {y1 - y0 + 2 * m:g} mm, is taken for it; pass sheet_layer or sheet_size_mm"
     )
-    return sheet, [Note("warning", text)]
+    return sheet, [*notes, Note("warning", text)]
+
+
+def _frame(parts: Sequence[Piece], bounds: tuple[float, float, float, float]) -> list[Note]:
+    """A doubt where one rectangle holds everything else: it may well be the sheet."""
+    largest = max((p.area for p in parts), key=lambda g: g.area)
+    if len(parts) < 2 or not shapely.box(*bounds).equals_exact(largest.normalize(), 1e-6, normalize=True):
+        return []
+    text = "every contour lies in one rectangle; if that is the sheet, put it on a layer that sheet_layer matches"
+    return [Note("warning", text)]
 
 
 def _drawn_sheet(drawn: Sequence[Piece]) -> Sheet:
-    depth, _ = surrounding([p.polygon for p in drawn])
+    again = {k for _, k in coincident([p.curve for p in drawn])}
+    drawn = [p for k, p in enumerate(drawn) if k not in again]
+    depth, _ = surrounding([p.area for p in drawn])
     outlines = [p for p, d in zip(drawn, depth, strict=True) if d == 0]
     if len(outlines) > 1:
         raise InputError(

@@ -30,7 +30,7 @@ def curves(shape: Any, scale: float, height_mm: float) -> list[Curve]:
     """
     up = svgelements.Matrix(scale, 0, 0, -scale, 0, height_mm)
     found = []
-    for subpath in (abs(svgelements.Path(shape)) * up).as_subpaths():
+    for subpath in abs(svgelements.Path(shape) * up).as_subpaths():
         rows: list[FloatArray] = []
         end, shut = None, False
         for segment in svgelements.Path(subpath):

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from ..nest import Note, Sheet
+
 MM_PER = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
 
 DRAWN_MM = {**MM_PER, "px": 25.4 / 96}
@@ -14,31 +18,30 @@ SMALLEST_SHEET_MM, LARGEST_SHEET_MM = 20.0, 50_000.0
 """The longer side of any sheet one would cut lies between these."""
 
 
-def doubt(width_mm: float, height_mm: float, units: str) -> str | None:
-    """A sentence about a sheet size no plant would cut, or None where it is plausible.
+def doubts(sheet: Sheet, units: str) -> list[Note]:
+    """A note on a sheet of a size that no plant would cut; nothing where it is plausible.
 
     Parameters
     ----------
-    width_mm, height_mm
-        The sheet's extent as read.
+    sheet
+        The sheet as read.
     units
-        The unit the file was read in.
+        What the file was read in.
 
     Examples
     --------
-    >>> doubt(6000, 1500, "mm") is None
-    True
-    >>> doubt(6, 1.5, "mm")
-    'the sheet is 6 × 1.5 mm, too small to be one: the file was read in mm; if that is wrong, pass units=m, in or ft'
+    >>> doubts(Sheet.rectangle(6000, 1500), "mm")
+    []
+    >>> doubts(Sheet.rectangle(6, 1.5), "mm")[0].text
+    'the sheet is 6 × 1.5 mm, too small to be one: if mm is the wrong unit, pass units=cm, m, in or ft'
     """
-    extent = max(width_mm, height_mm)
+    width, height = np.ptp(sheet.outline.flatten(), axis=0).tolist()
+    extent = max(width, height)
     if SMALLEST_SHEET_MM <= extent <= LARGEST_SHEET_MM:
-        return None
+        return []
     drawn = extent / DRAWN_MM[units]
     fits = [u for u, mm in MM_PER.items() if u != units and SMALLEST_SHEET_MM <= drawn * mm <= LARGEST_SHEET_MM]
     named = " or ".join(filter(None, [", ".join(fits[:-1]), fits[-1]])) if fits else "the right one"
     size = "too small" if extent < SMALLEST_SHEET_MM else "too large"
-    return (
-        f"the sheet is {width_mm:g} × {height_mm:g} mm, {size} to be one: the file was read in {units}; "
-        f"if that is wrong, pass units={named}"
-    )
+    text = f"the sheet is {width:g} × {height:g} mm, {size} to be one: if {units} is the wrong unit, pass units={named}"
+    return [Note("warning", text)]

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
-from scipy.spatial import cKDTree
 
 from ..geometry.curve import Curve
 from ..nest import Contour, Note, Part
@@ -23,15 +22,16 @@ def coincident(curves: Sequence[Curve]) -> list[tuple[int, int]]:
     >>> coincident([Curve.of(square), Curve.of(square[::-1]), Curve.of(square).moved(1, 0)])
     [(0, 1)]
     """
-    if len(curves) < 2:
-        return []
-    lines = np.array([c.line() for c in curves], dtype=object)
+    some = np.array([k for k, c in enumerate(curves) if c.segments], dtype=np.int64)
+    lines = np.array([curves[k].line() for k in some.tolist()], dtype=object)
     # curves that coincide have the same bounding box, give or take the chords of their arcs
-    boxes = cKDTree(shapely.bounds(lines))
-    pairs = boxes.query_pairs(2 * COINCIDE_MM, p=np.inf, output_type="ndarray").reshape(-1, 2)
-    pairs.sort(axis=1)
-    same = shapely.hausdorff_distance(lines[pairs[:, 0]], lines[pairs[:, 1]]) <= COINCIDE_MM
-    return sorted((i, j) for i, j in pairs[same].tolist())
+    boxes = shapely.bounds(lines)
+    corners = shapely.points(boxes[:, :2])
+    i, j = shapely.STRtree(corners).query(corners, predicate="dwithin", distance=2 * COINCIDE_MM)
+    alike = (i < j) & (np.abs(boxes[i] - boxes[j]).max(axis=1) <= 2 * COINCIDE_MM)
+    i, j = i[alike], j[alike]
+    same = shapely.hausdorff_distance(lines[i], lines[j]) <= COINCIDE_MM
+    return sorted(zip(some[i[same]].tolist(), some[j[same]].tolist(), strict=True))
 
 
 def drop_duplicates(parts: Sequence[Part]) -> tuple[tuple[Part, ...], list[Note]]:

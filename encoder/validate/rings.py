@@ -14,8 +14,27 @@ from .tolerances import TOUCH_MM
 
 
 def flat(curve: Curve) -> bool:
-    """True for a ring that encloses no area: nowhere wider than a touch."""
-    return len(curve.segments) < 2 or abs(curve.signed_area_mm2) <= TOUCH_MM * curve.length_mm / 2
+    """True for a ring that encloses no area: on average no wider than a touch.
+
+    Examples
+    --------
+    >>> flat(Curve.of([(0, 0), (50, 0)])), flat(Curve.of([(0, 0), (9, 9), (9, 0), (0, 9)]))
+    (True, False)
+    """
+    least_mm2 = TOUCH_MM * curve.length_mm / 2
+    if len(curve.segments) < 2:
+        return True
+    # the loops of a figure eight cancel out in the signed area
+    return abs(curve.signed_area_mm2) <= least_mm2 and enclosed(curve).area <= least_mm2
+
+
+def enclosed(curve: Curve) -> shapely.Geometry:
+    """The area inside a closed curve, made valid where the curve crosses itself; empty for a mere line."""
+    points = curve.flatten()
+    if len(points) < 3:
+        return shapely.Polygon()
+    polygon = shapely.Polygon(points)
+    return polygon if polygon.is_valid else shapely.make_valid(polygon)
 
 
 def speck(curve: Curve) -> bool:

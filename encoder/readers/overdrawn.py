@@ -1,0 +1,48 @@
+"""Two lines that lie partly on each other: the stretch they share is drawn twice, and hides where they meet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+
+from ..geometry.curve import Curve
+from .drawing import Piece
+from .nodes import SNAP_MM
+
+
+def trimmed(chains: Sequence[Piece], tolerance_mm: float) -> tuple[list[Piece], list[Piece]]:
+    """The chains without the stretches where the last lines of two ends overlap, and those stretches.
+
+    Two ends overlap if each lies on the straight line that leads to the other; the later one is cut back to the
+    earlier.
+
+    Examples
+    --------
+    >>> lines = [Piece(Curve.of(rows, closed=False), "0", 0) for rows in ([(0, 0), (6, 0)], [(4, 0), (9, 0)])]
+    >>> left, shared = trimmed(lines, 0.1)
+    >>> [p.curve.as_rows() for p in left]
+    [[[0.0, 0.0], [6.0, 0.0]], [[6.0, 0.0], [9.0, 0.0]]]
+    """
+    last = [s for c in chains for s in (c.curve.segments[0], c.curve.segments[-1])]
+    if len(last) < 2:
+        return list(chains), []
+    ends = np.array([p for c in chains for p in c.curve.vertices[[0, -1], :2]])
+    tree = shapely.STRtree([shapely.LineString([s.start, s.end]) for s in last])
+    end, line = tree.query(shapely.points(ends), predicate="dwithin", distance=tolerance_mm)
+    lies_on = set(zip(end.tolist(), line.tolist(), strict=True))
+    rows = [c.curve.vertices.copy() for c in chains]
+    shared: list[Piece] = []
+    taken: set[int] = set()
+    for a, b in sorted(lies_on):
+        one_line = a // 2 == b // 2 and len(chains[a // 2].curve.segments) < 3
+        if a >= b or (b, a) not in lies_on or one_line or {a, b} & taken or last[a].is_arc or last[b].is_arc:
+            continue
+        if np.hypot(*(ends[a] - ends[b])) <= SNAP_MM:
+            continue
+        taken |= {a, b}
+        shared.append(Piece(Curve.of([ends[a], ends[b]], closed=False), chains[b // 2].layer, chains[b // 2].order))
+        rows[b // 2][-(b % 2), :2] = ends[a]
+    left = [Piece(Curve(r, closed=False), c.layer, c.order) for r, c in zip(rows, chains, strict=True)]
+    return left, shared
