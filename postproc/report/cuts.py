@@ -1,0 +1,151 @@
+"""The layers that show the work: contours, directions, leads, pierces, idle travel and numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from ...encoder.cut import Cut
+from ...encoder.geometry.segment import Point
+from ...encoder.nest import Contour, Nest
+from . import colours
+from .room import Place
+from .scene import Dot, Item, Layer, Shape, Style, Text
+from .view import View
+
+_ARROW_EVERY = 260.0  # page units along a contour
+
+
+def contour_layer(nest: Nest, view: View, order: Mapping[str, int], alert: frozenset[str] = frozenset()) -> Layer:
+    """Every contour as a line; those in `alert` thick and red, on top."""
+    plain = sorted(
+        (c for c in nest.contours if c.id not in alert), key=lambda c: ("outer", "hole", "mark").index(c.kind)
+    )
+    items = [_outline(c, view, order, Style(stroke=_ink(c), width=_pen(c, view))) for c in plain]
+    loud = Style(stroke=colours.ALERT, width=3 * view.line_width)
+    items += [_outline(c, view, order, loud) for c in nest.contours if c.id in alert]
+    return Layer("contours", tuple(items))
+
+
+def _ink(contour: Contour) -> str:
+    return {"outer": colours.OUTER, "hole": colours.HOLE, "mark": colours.MARK}[contour.kind]
+
+
+def _pen(contour: Contour, view: View) -> float:
+    return view.line_width * (0.7 if contour.kind == "mark" else 1.0)
+
+
+def _outline(contour: Contour, view: View, order: Mapping[str, int], style: Style) -> Shape:
+    path = view.path(contour.curve)
+    return Shape((path,), style, closed=contour.curve.closed, cut=order.get(contour.id, 0))
+
+
+def direction_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> Layer:
+    """Arrow heads on the contours: one soon after the entry, more on long contours."""
+    items: list[Item] = []
+    for k, cut in enumerate(cuts, 1):
+        contour = nest.contour(cut.contour)
+        curve = contour.curve
+        if curve.closed:
+            curve = curve.towards(cut.direction)
+        elif cut.direction == "cw":
+            curve = curve.reversed()
+        start_mm = curve.project(cut.entry)[0] if curve.closed else 0.0
+        length = curve.length_mm * view.scale
+        size = min(view.arrow_size, 0.14 * length)
+        count = min(max(round(length / _ARROW_EVERY), 1), 8)
+        first = min(2.5 * size, 0.2 * length)
+        heads = []
+        for j in range(count):
+            s_mm = start_mm + (first + j * length / count) * view.mm
+            heads.append(_head(view.point(curve.point_at(s_mm)), curve.tangent_at(s_mm), size))
+        items.append(Shape(tuple(heads), Style(fill=_ink(contour)), cut=k))
+    return Layer("directions", tuple(items))
+
+
+def _head(middle: Point, tangent: Point, size: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    """An arrow head about a page point; the tangent has y up, as in the nest."""
+    (x, y), (dx, dy) = middle, (tangent[0], -tangent[1])
+    along, across = np.array([dx, dy]) * size, np.array([-dy, dx]) * size * 0.38
+    tail = np.array([x, y]) - along / 2
+    return np.array([tail + along, tail + across, tail + along * 0.25, tail - across])
+
+
+def lead_layer(view: View, cuts: Sequence[Cut]) -> Layer:
+    """Lead-ins, and lead-outs drawn thinner."""
+    items = []
+    for k, cut in enumerate(cuts, 1):
+        for lead, width in ((cut.lead_in, 1.1), (cut.lead_out, 0.7)):
+            if lead is not None and len(lead.segments) > 0:
+                style = Style(stroke=colours.PIERCE, width=width * view.line_width)
+                items.append(Shape((view.path(lead),), style, closed=False, cut=k))
+    return Layer("leads", tuple(items))
+
+
+def pierce_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> Layer:
+    """A dot where the torch pierces; blue and smaller where a mark begins."""
+    items = []
+    for k, cut in enumerate(cuts, 1):
+        x, y = view.point(cut.pierce)
+        if nest.contour(cut.contour).kind == "mark":
+            items.append(Dot(x, y, 0.7 * view.dot_radius, Style(fill=colours.MARK), k))
+        else:
+            items.append(Dot(x, y, view.dot_radius, Style(fill=colours.PIERCE), k))
+    return Layer("pierces", tuple(items))
+
+
+def travel_layer(view: View, cuts: Sequence[Cut], home: Point, shares: Sequence[float]) -> Layer:
+    """Idle travel as dashed arrows, coloured by `shares`: when each begins, 0 … 1; the last leads home."""
+    stops = [(home, cuts[0].pierce), *((a.end, b.pierce) for a, b in pairwise(cuts))]
+    stops.append((cuts[-1].end, home))
+    width = max(view.line_width, 0.7)
+    items: list[Item] = []
+    heads: list[Item] = []
+    for k, ((start, end), share) in enumerate(zip(stops, shares, strict=True), 1):
+        a, b = view.point(start), view.point(end)
+        length = math.dist(a, b)
+        if length < 0.5:
+            continue
+        colour = colours.time_colour(share)
+        cut = min(k, len(cuts))
+        dash = (3.5 * width, 2.5 * width)
+        items.append(Shape((np.array([a, b]),), Style(stroke=colour, width=width, dash=dash), closed=False, cut=cut))
+        size = min(1.1 * view.arrow_size, 0.45 * length)
+        tangent = ((b[0] - a[0]) / length, (a[1] - b[1]) / length)
+        middle = (a[0] + 0.55 * (b[0] - a[0]), a[1] + 0.55 * (b[1] - a[1]))
+        heads.append(Shape((_head(middle, tangent, size),), Style(fill=colour), cut=cut))
+    return Layer("travel", tuple(items + heads))
+
+
+def home_layer(view: View, home: Point) -> Layer:
+    """The machine's home: a ring with a cross."""
+    x, y = view.point(home)
+    r = 5.0
+    pen = Style(stroke=colours.INK, width=1.2)
+    cross = (np.array([(x - 1.7 * r, y), (x + 1.7 * r, y)]), np.array([(x, y - 1.7 * r), (x, y + 1.7 * r)]))
+    return Layer("home", (Dot(x, y, r, Style(fill="#ffffff", stroke=colours.INK, width=1.2)), Shape(cross, pen, False)))
+
+
+def number_layer(nest: Nest, view: View, places: Mapping[str, Place], order: Mapping[str, int]) -> Layer:
+    """The labels of the contours at their places: bold for outer contours, in the ink of the contour."""
+    items = []
+    for contour_id, place in places.items():
+        contour = nest.contour(contour_id)
+        x, y = view.point((place.x, place.y))
+        items.append(
+            Text(
+                x,
+                y,
+                place.text,
+                place.size_mm * view.scale,
+                colours.INK if contour.kind == "outer" else _ink(contour),
+                bold=place.bold,
+                halo=colours.PAGE,
+                turned=place.turned,
+                cut=order.get(contour_id, 0),
+            )
+        )
+    return Layer("numbers", tuple(items))

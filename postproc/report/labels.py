@@ -1,0 +1,142 @@
+"""Where the number (or the name) of every contour stands: inside the metal or the hole that it belongs to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import product
+
+import shapely
+
+from ...encoder.geometry.curve import Curve
+from ...encoder.geometry.segment import Point
+from ...encoder.nest import Contour, Nest, Part
+from .room import Place, find_room
+
+_ENOUGH = 0.8  # share of the wanted size with which no better place is looked for
+_SHARES = (1.0, 0.75, 0.5)  # of the wanted size, tried for a part in turn
+_FINE = 0.02  # of the wanted size: how far an outline may be simplified; the air around a text is more
+_BESIDE = 2.5  # a hole's number outside it stands within so many font sizes
+
+
+@dataclass(frozen=True, slots=True)
+class Label:
+    """What to write for a contour, the point it should be near, if any, and the leads it should keep clear of."""
+
+    text: str
+    near: Point | None = None
+    obstacles: tuple[Curve, ...] = ()
+
+
+def place_labels(
+    nest: Nest,
+    labels: Mapping[str, Label],
+    wanted_mm: float,
+    window: shapely.Polygon | None = None,
+) -> dict[str, Place]:
+    """The place of every label by contour id; contours outside the window have none.
+
+    An outer contour's label lies in the part's metal; a hole's lies in the hole, clear of parts nested there and of
+    its lead, or in the metal beside the hole where that is roomier; a mark's lies in the metal beside the mark.
+    No two overlap. Font sizes are `wanted_mm` where there is room. Where one label of a part would come out much
+    smaller, all of them are made a little smaller if that helps it.
+    """
+    filled = _nested_metal(nest, [h for p in nest.parts for h in p.holes if h.id in labels])
+    places: dict[str, Place] = {}
+    for part in nest.parts:
+        metal = _free_metal(part, wanted_mm, window)
+        best: dict[str, Place] = {}
+        for share, outer_first in product(_SHARES, (False, True)):
+            tried = _place_part(part, metal, labels, share * wanted_mm, filled, window, outer_first)
+            if not best or _smallest(tried) > _smallest(best):
+                best = tried
+            if _smallest(best) >= _ENOUGH * share * wanted_mm:
+                break  # later tries, all of them smaller, cannot be much better
+        places |= best
+    return places
+
+
+def _smallest(places: Mapping[str, Place]) -> float:
+    return min((p.size_mm for p in places.values()), default=math.inf)
+
+
+def _free_metal(part: Part, wanted_mm: float, window: shapely.Polygon | None) -> shapely.Geometry:
+    """The part's metal in the window, clear of its marks where these leave anything."""
+    metal = _seen(part.polygon, wanted_mm, window)
+    if not part.marks:
+        return metal
+    clear = metal.difference(shapely.union_all([m.line for m in part.marks]).buffer(0.15 * wanted_mm))
+    return metal if clear.is_empty else clear
+
+
+def _place_part(
+    part: Part,
+    metal: shapely.Geometry,
+    labels: Mapping[str, Label],
+    wanted_mm: float,
+    filled: Mapping[str, shapely.Geometry],
+    window: shapely.Polygon | None,
+    outer_first: bool,
+) -> dict[str, Place]:
+    """The labels of one part, each in what the ones before it leave of the metal (or anywhere, if they leave none)."""
+    whole = metal
+    contours = (part.outer, *part.holes, *part.marks) if outer_first else (*part.holes, part.outer, *part.marks)
+    places: dict[str, Place] = {}
+    for contour in contours:
+        if contour.id not in labels:
+            continue
+        label = labels[contour.id]
+        if contour.kind == "outer":
+            place = find_room(whole if metal.is_empty else metal, label.text, wanted_mm, _point(label), bold=True)
+        elif contour.kind == "mark":
+            place = find_room(whole if metal.is_empty else metal, label.text, wanted_mm, contour.line)
+        else:
+            area = _seen(contour.polygon, wanted_mm, window)
+            if contour.id in filled:
+                area = area.difference(filled[contour.id])
+            place = _in_hole(area, label, wanted_mm)
+            if place is None or place.size_mm < _ENOUGH * wanted_mm:
+                beside = _beside(metal, contour, label, wanted_mm)
+                if beside is not None and (place is None or beside.size_mm > place.size_mm):
+                    place = beside
+        if place is not None:
+            places[contour.id] = place
+            metal = metal.difference(place.box().buffer(0.12 * place.size_mm, join_style="mitre"))
+    return places
+
+
+def _point(label: Label) -> shapely.Point | None:
+    return None if label.near is None else shapely.Point(label.near)
+
+
+def _in_hole(area: shapely.Geometry, label: Label, wanted_mm: float) -> Place | None:
+    leads = [curve.line(0.5).buffer(0.2 * wanted_mm, quad_segs=2) for curve in label.obstacles]
+    clear = area.difference(shapely.union_all(leads)) if leads else area
+    return find_room(area if clear.is_empty else clear, label.text, wanted_mm, _point(label))
+
+
+def _beside(metal: shapely.Geometry, hole: Contour, label: Label, wanted_mm: float) -> Place | None:
+    band = metal.intersection(hole.polygon.buffer(_BESIDE * wanted_mm, quad_segs=4))
+    return find_room(band, label.text, wanted_mm, _point(label) or hole.line)
+
+
+def _seen(area: shapely.Geometry, wanted_mm: float, window: shapely.Polygon | None) -> shapely.Geometry:
+    """What lies in the window, with no more points than a label can tell: curves of a thousand chords are slow."""
+    simple = shapely.make_valid(shapely.simplify(shapely.make_valid(area), _FINE * wanted_mm))
+    return simple if window is None else simple.intersection(window)
+
+
+def _nested_metal(nest: Nest, holes: list[Contour]) -> dict[str, shapely.Geometry]:
+    """The outlines of the parts that lie in each hole, by hole id; empty holes are left out."""
+    if not holes:
+        return {}
+    outlines = shapely.make_valid([p.outer.polygon for p in nest.parts])
+    rims = shapely.make_valid([h.polygon for h in holes])
+    # One point decides, as a part may touch the rim; it may be a point of the host too, which is the larger.
+    hole, part = shapely.STRtree(shapely.point_on_surface(outlines)).query(rims, predicate="contains")
+    smaller = shapely.area(outlines)[part] < shapely.area(rims)[hole]
+    inside: dict[str, list[shapely.Geometry]] = {}
+    for h, p in zip(hole[smaller].tolist(), part[smaller].tolist(), strict=True):
+        inside.setdefault(holes[h].id, []).append(outlines[p])
+    return {hole_id: shapely.union_all(found) for hole_id, found in inside.items()}

@@ -1,0 +1,97 @@
+"""The layers that show the stock: sheet, parts, zones and marks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from ...encoder.nest import Nest, Part
+from . import colours
+from .room import find_room
+from .scene import Layer, Shape, Style, Text
+from .view import View
+
+_ZONE_GAP_MM = 40.0  # parts of two zones closer than this want different tints
+_ZONE_PARTS = 12  # of a zone, its largest, among which its name finds room
+
+
+@dataclass(frozen=True, slots=True)
+class ZoneMap:
+    """The zone of each part (0 for none) and the tint number of each zone."""
+
+    of_part: Mapping[str, int]
+    tint: Mapping[int, int]
+
+    def colour(self, part: str) -> str:
+        """The fill of a part."""
+        zone = self.of_part.get(part, 0)
+        return colours.zone_tint(self.tint[zone]) if zone else colours.PART
+
+
+def zone_map(nest: Nest, of_part: Mapping[str, int]) -> ZoneMap:
+    """Give zones tints so that zones that touch differ: the first tint, in a cycle, that no neighbour has."""
+    outlines = np.array([p.outer.polygon for p in nest.parts], dtype=object)
+    tree = shapely.STRtree(outlines)
+    first, second = tree.query(outlines, predicate="dwithin", distance=_ZONE_GAP_MM)
+    zone = np.array([of_part.get(p.id, 0) for p in nest.parts], dtype=int)
+    touching = np.unique(np.column_stack([zone[first], zone[second]]), axis=0)
+    neighbours: dict[int, set[int]] = {z: {z - 1} for z in sorted(set(zone.tolist()))}
+    for a, b in touching.tolist():
+        neighbours[a].add(b)
+    tint: dict[int, int] = {}
+    for z in neighbours:
+        taken = {tint[other] for other in neighbours[z] if other in tint}
+        order = [(z - 1 + k) % colours.zone_tints() for k in range(colours.zone_tints())]
+        tint[z] = next((c for c in order if c not in taken), order[0])
+    return ZoneMap(of_part, tint)
+
+
+def sheet_layer(nest: Nest, view: View) -> Layer:
+    """The sheet's outline and its own holes."""
+    fill = Style(fill=colours.SHEET, stroke=colours.FAINT, width=1.2)
+    hole = Style(fill=colours.PAGE, stroke=colours.FAINT, width=1.0)
+    items = [Shape((view.path(nest.sheet.outline),), fill)]
+    items += [Shape((view.path(curve),), hole) for curve in nest.sheet.holes]
+    return Layer("sheet", tuple(items))
+
+
+def part_layer(
+    nest: Nest, view: View, zones: ZoneMap, order: Mapping[str, int], faded: frozenset[str] = frozenset()
+) -> Layer:
+    """The parts' metal, filled; `order` numbers the cuts by contour id. Hosts lie below what is nested in them."""
+    by_size = sorted(nest.parts, key=lambda p: -p.outer.polygon.area)
+    return Layer("parts", tuple(_metal(p, view, zones, order, p.id in faded) for p in by_size))
+
+
+def _metal(part: Part, view: View, zones: ZoneMap, order: Mapping[str, int], faded: bool) -> Shape:
+    lines = (
+        view.path(part.outer.curve.towards("ccw")),
+        *(view.path(hole.curve.towards("cw")) for hole in part.holes),
+    )
+    cuts = sorted((order[c.id], c.id) for c in part if c.id in order)
+    title = "\n".join([part.id, *(f"{k}  {contour}" for k, contour in cuts)])
+    fill = colours.mix(colours.SHEET, zones.colour(part.id), 0.4) if faded else zones.colour(part.id)
+    return Shape(lines, Style(fill=fill), cut=order.get(part.outer.id, 0), title=title)
+
+
+def zone_layer(nest: Nest, view: View, zones: ZoneMap, taken: Sequence[shapely.Polygon]) -> Layer:
+    """The name of every zone in its widest metal, clear of the boxes that are taken, mm."""
+    members: dict[int, list[Part]] = {}
+    for part in nest.parts:
+        if zone := zones.of_part.get(part.id, 0):
+            members.setdefault(zone, []).append(part)
+    boxes = shapely.STRtree(taken)
+    texts = []
+    for zone in sorted(members):
+        widest = sorted(members[zone], key=lambda p: -p.polygon.area)[:_ZONE_PARTS]
+        metal = shapely.union_all(shapely.make_valid([p.polygon for p in widest]))
+        metal = metal.difference(shapely.union_all(boxes.geometries[boxes.query(metal, predicate="intersects")]))
+        place = find_room(metal, f"Z{zone}", 2.2 * view.number_size * view.mm, bold=True)
+        if place is not None:
+            x, y = view.point((place.x, place.y))
+            ink = colours.shade(colours.zone_tint(zones.tint[zone]), 0.3)
+            texts.append(Text(x, y, place.text, place.size_mm * view.scale, ink, bold=True, turned=place.turned))
+    return Layer("zones", tuple(texts))

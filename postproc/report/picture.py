@@ -1,0 +1,158 @@
+"""A nest, and a plan if there is one, as a scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from ...encoder.cut import Cut
+from ...encoder.errors import InputError
+from ...encoder.geometry.segment import Point
+from ...encoder.nest import Nest
+from ...models.plan import Plan
+from .cuts import (
+    contour_layer,
+    direction_layer,
+    home_layer,
+    lead_layer,
+    number_layer,
+    pierce_layer,
+    travel_layer,
+)
+from .furniture import Clock, footer_layer, header_layer, nest_name
+from .labels import Label, place_labels
+from .metal import part_layer, sheet_layer, zone_layer, zone_map
+from .scene import Layer, Scene, Text
+from .view import View, Window
+
+_READABLE = 12.0  # pixels that a number should be high in a PNG
+_MAX_PIXELS = 4000.0
+_SPOT_PROPORTION = (1.6, 2.6)  # least and greatest width for a height of 1
+
+
+@dataclass(frozen=True, slots=True)
+class Spot:
+    """The contours that a picture is about, and a sentence on why."""
+
+    contours: frozenset[str]
+    caption: str = ""
+
+
+def make_scene(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), spot: Spot | None = None) -> Scene:
+    """The picture of a nest: of the whole sheet, or zoomed to a spot.
+
+    Raises
+    ------
+    InputError
+        If the plan cuts, or the spot names, a contour that the nest does not have.
+    """
+    cuts = tuple(p.cut for p in plan.cuts) if plan else ()
+    _check_known(nest, [c.contour for c in cuts] + (sorted(spot.contours) if spot else []))
+    order = {cut.contour: k for k, cut in enumerate(cuts, 1)}
+    view, window = _frame(nest, cuts, home, spot)
+    zones = zone_map(nest, {nest.contour(c.contour).part: c.zone for c in cuts})
+    named = spot.contours if spot else frozenset()
+    parts = {nest.contour(c).part for c in named}
+    faded = frozenset(p.id for p in nest.parts if p.id not in parts) if spot else frozenset()
+
+    size_mm = view.number_size * view.mm
+    places = place_labels(nest, _labels(nest, cuts, named, size_mm), size_mm, window)
+    layers = [sheet_layer(nest, view), part_layer(nest, view, zones, order, faded)]
+    if spot is None:
+        layers.append(zone_layer(nest, view, zones, [p.box() for p in places.values()]))
+    layers.append(contour_layer(nest, view, order, named))
+    clock = None
+    if cuts:
+        clock, shares = _clock(cuts)
+        layers += [
+            travel_layer(view, cuts, home, shares),
+            direction_layer(nest, view, cuts),
+            lead_layer(view, cuts),
+            pierce_layer(nest, view, cuts),
+            home_layer(view, home),
+        ]
+    kinds = frozenset({"pierce", "home", *(nest.contour(c.contour).kind for c in cuts)})
+    numbers = number_layer(nest, view, places, order)
+    caption = spot.caption if spot else ""
+    layers += [numbers, header_layer(nest, plan, view, caption), footer_layer(view, clock, kinds)]
+    return Scene(view.width, view.height, tuple(layers), nest_name(nest, plan), _enlargement(numbers, view))
+
+
+def _check_known(nest: Nest, contours: list[str]) -> None:
+    unknown = [c for c in contours if c not in nest.index]
+    if unknown:
+        raise InputError(
+            f"no contour {unknown[0]!r} in the nest ({len(unknown)} unknown in all): is it the nest of this plan?",
+            file=nest.file or None,
+        )
+
+
+def _frame(nest: Nest, cuts: tuple[Cut, ...], home: Point, spot: Spot | None) -> tuple[View, shapely.Polygon | None]:
+    if spot is None:
+        x0, y0, x1, y1 = nest.sheet.bounds
+        if cuts:
+            x0, y0, x1, y1 = min(x0, home[0]), min(y0, home[1]), max(x1, home[0]), max(y1, home[1])
+        return View.of((x0, y0, x1, y1), len(nest.contours), _used_mm2(nest)), None
+    window = _around(nest, spot)
+    seen = shapely.box(*window)
+    inside = shapely.intersects(np.array([c.line for c in nest.contours]), seen)
+    return View.of(window, int(inside.sum()), seen.area), seen
+
+
+def _around(nest: Nest, spot: Spot) -> Window:
+    """The contours in question with air around them, in a window of pleasant proportions."""
+    x0, y0, x1, y1 = shapely.GeometryCollection([nest.contour(c).line for c in sorted(spot.contours)]).bounds
+    air = 0.25 * max(x1 - x0, y1 - y0)
+    left, bottom, right, top = nest.sheet.bounds
+    x0, x1 = max(x0 - air, left - 0.2 * air), min(x1 + air, right + 0.2 * air)
+    y0, y1 = max(y0 - air, bottom - 0.2 * air), min(y1 + air, top + 0.2 * air)
+    wide, high = x1 - x0, y1 - y0
+    x_air, y_air = max(_SPOT_PROPORTION[0] * high - wide, 0) / 2, max(wide / _SPOT_PROPORTION[1] - high, 0) / 2
+    return x0 - x_air, y0 - y_air, x1 + x_air, y1 + y_air
+
+
+def _used_mm2(nest: Nest) -> float:
+    """Area of the rectangle around all parts; of the sheet if there are none."""
+    outlines = shapely.GeometryCollection([p.outer.line for p in nest.parts])
+    return float(shapely.envelope(outlines).area) if nest.parts else float(nest.sheet.polygon.area)
+
+
+def _labels(nest: Nest, cuts: tuple[Cut, ...], named: frozenset[str], size_mm: float) -> dict[str, Label]:
+    """Order numbers with a plan; without one the names of the parts, or of the contours in question."""
+    if cuts:
+        return {cut.contour: _number(nest, k, cut, named, size_mm) for k, cut in enumerate(cuts, 1)}
+    if named:
+        return {c: Label(c) for c in sorted(named)}
+    return {p.outer.id: Label(p.id) for p in nest.parts}
+
+
+def _number(nest: Nest, order: int, cut: Cut, named: frozenset[str], size_mm: float) -> Label:
+    text = f"{order}  {cut.contour}" if cut.contour in named else str(order)
+    leads = tuple(lead for lead in (cut.lead_in, cut.lead_out) if lead is not None)
+    return Label(text, _beside_entry(nest, cut, size_mm), leads)
+
+
+def _beside_entry(nest: Nest, cut: Cut, size_mm: float) -> Point:
+    """A little after the entry in cutting direction, so that the number does not stand on the torch's way in."""
+    curve = nest.contour(cut.contour).curve
+    if not curve.closed:
+        return cut.entry
+    dx, dy = curve.towards(cut.direction).tangent_at(curve.towards(cut.direction).project(cut.entry)[0])
+    return cut.entry[0] + 1.2 * size_mm * dx, cut.entry[1] + 1.2 * size_mm * dy
+
+
+def _clock(cuts: tuple[Cut, ...]) -> tuple[Clock, list[float]]:
+    """The clock, and the moment (0 … 1) at which each idle travel begins, the way home last."""
+    total_s = cuts[-1].end_s
+    if total_s > 0:
+        return Clock(total_s, True), [0.0, *(c.end_s / total_s for c in cuts)]
+    return Clock(len(cuts), False), [k / len(cuts) for k in range(len(cuts) + 1)]
+
+
+def _enlargement(numbers: Layer, view: View) -> float:
+    """Pixels a page unit for a PNG in which most numbers can be read."""
+    sizes = [item.size for item in numbers.items if isinstance(item, Text)]
+    wanted = _READABLE / float(np.quantile(sizes, 0.25)) if sizes else 1.0
+    return min(max(wanted, 1.25), _MAX_PIXELS / max(view.width, view.height))

@@ -1,0 +1,94 @@
+"""Pictures of a nest and its plan: their bytes, or files of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from ...encoder.errors import InputError
+from ...encoder.geometry.segment import Point
+from ...encoder.nest import Nest
+from ...models.plan import Plan
+from ..files import write_files
+from .page import html_text
+from .picture import Spot, make_scene
+from .png import png_bytes
+from .scene import Scene
+from .svg import svg_text
+
+_DRAWN: dict[str, Callable[[Scene, Plan | None], bytes]] = {
+    ".svg": lambda scene, plan: svg_text(scene).encode(),
+    ".png": lambda scene, plan: png_bytes(scene),
+    ".html": lambda scene, plan: html_text(scene, plan).encode(),
+}
+
+
+def draw(nest: Nest, plan: Plan | None, suffix: str, home: Point = (0.0, 0.0), spot: Spot | None = None) -> bytes:
+    """The picture of a nest, with its plan if there is one, as the content of a file.
+
+    Parameters
+    ----------
+    nest
+        What is drawn.
+    plan
+        Its plan: order numbers, zones, pierces, leads, directions and idle travel. Without one the parts have their
+        names.
+    suffix
+        ".svg", ".png", or ".html" for a page that plays the cuts in order.
+    home
+        Where the torch starts and ends, mm.
+    spot
+        Contours to draw large, in red, with what is around them; the whole sheet is drawn without.
+
+    Raises
+    ------
+    InputError
+        If the suffix is another, or the plan or the spot is not of this nest.
+    """
+    if suffix.lower() not in _DRAWN:
+        known = ", ".join(_DRAWN)
+        raise InputError(f"cannot draw a picture of type {suffix!r}: the file name must end in one of {known}")
+    return _DRAWN[suffix.lower()](make_scene(nest, plan, home, spot), plan)
+
+
+def plot(nest: Nest, plan: Plan | None, path: str | Path, home: Point = (0.0, 0.0)) -> None:
+    """Draw a nest, with its plan if there is one, to a file of the type that its suffix says; see `draw`.
+
+    The file is written whole or not at all.
+
+    Raises
+    ------
+    InputError
+        As for `draw`, and if the file cannot be written.
+    """
+    write_files({Path(path): draw(nest, plan, Path(path).suffix, home)})
+
+
+def plot_spot(
+    nest: Nest,
+    contours: Iterable[str],
+    path: str | Path,
+    plan: Plan | None = None,
+    caption: str = "",
+    home: Point = (0.0, 0.0),
+) -> None:
+    """Draw the surroundings of the named contours, large, with these in red: where rules are in conflict, say.
+
+    Parameters
+    ----------
+    nest, plan, path, home
+        As for `plot`.
+    contours
+        Contour ids, at least one.
+    caption
+        A sentence for the title line.
+
+    Raises
+    ------
+    InputError
+        As for `plot`, and if no contour is named or the nest has none of that name.
+    """
+    named = frozenset(contours)
+    if not named:
+        raise InputError("no contours to show: name at least one contour id")
+    write_files({Path(path): draw(nest, plan, Path(path).suffix, home, Spot(named, caption))})

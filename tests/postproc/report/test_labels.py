@@ -1,0 +1,116 @@
+"""Numbers stand inside the metal or the hole that they belong to, and not on each other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Nest
+from kerfwise.postproc.report.labels import Label, place_labels
+from kerfwise.postproc.report.room import Place
+from kerfwise.tests.nests import circle, nest, part, rect
+
+
+def numbered(plate: Nest) -> dict[str, Label]:
+    return {c.id: Label(str(k), c.curve.point_at(0.0)) for k, c in enumerate(plate.contours, 1)}
+
+
+def frame_with_guest() -> Nest:
+    return nest(
+        400,
+        300,
+        part("frame", rect(10, 10, 200, 200), [rect(40, 40, 140, 140)]),
+        part("guest", rect(45, 45, 130, 130), [circle(110, 110, 30)]),
+    )
+
+
+def test_an_outer_number_is_in_the_metal_and_a_hole_number_in_the_hole() -> None:
+    plate = nest(300, 300, part("A", rect(0, 0, 200, 200), [circle(100, 100, 60)]))
+    places = place_labels(plate, numbered(plate), wanted_mm=10)
+    assert plate.parts[0].polygon.contains(places["A.outer"].box())
+    assert plate.contour("A.hole1").polygon.contains(places["A.hole1"].box())
+    assert places["A.outer"].size_mm == places["A.hole1"].size_mm == 10
+
+
+def test_numbers_stand_by_the_entry() -> None:
+    plate = nest(1000, 1000, part("A", rect(0, 0, 900, 900)))
+    place = place_labels(plate, {"A.outer": Label("1", (900, 450))}, wanted_mm=10)["A.outer"]
+    assert place.x > 880
+    assert abs(place.y - 450) < 1
+
+
+def test_a_hole_number_keeps_clear_of_its_lead() -> None:
+    plate = nest(300, 300, part("A", rect(0, 0, 200, 200), [circle(100, 100, 40)]))
+    lead = Curve.of([(100, 100), (60, 100)], closed=False)
+    place = place_labels(plate, {"A.hole1": Label("7", (60, 100), (lead,))}, wanted_mm=10)["A.hole1"]
+    assert not place.box().intersects(lead.line())
+
+
+def test_a_number_that_has_no_room_in_its_small_hole_stands_beside_it() -> None:
+    plate = nest(300, 300, part("A", rect(0, 0, 200, 200), [circle(100, 100, 3)]))
+    place = place_labels(plate, numbered(plate), wanted_mm=10)["A.hole1"]
+    assert plate.parts[0].polygon.contains(place.box())
+    assert place.size_mm == 10
+    assert place.box().distance(plate.contour("A.hole1").polygon) < 5
+
+
+def test_a_hole_number_is_not_on_the_part_nested_there() -> None:
+    plate = frame_with_guest()
+    places = place_labels(plate, numbered(plate), wanted_mm=12)
+    assert not places["frame.hole1"].box().intersects(plate.part_of["guest"].outer.polygon)
+
+
+def test_a_mark_number_is_beside_the_mark() -> None:
+    plate = nest(300, 300, part("A", rect(0, 0, 200, 200), marks=[[(50, 100), (150, 100)]]))
+    place = place_labels(plate, numbered(plate), wanted_mm=10)["A.mark1"]
+    assert plate.parts[0].polygon.contains(place.box())
+    gap_mm = place.box().distance(plate.contour("A.mark1").line)
+    assert 0 < gap_mm < 10
+
+
+def test_crowded_labels_of_one_part_all_become_smaller() -> None:
+    plate = nest(300, 300, part("A", rect(0, 0, 40, 14), [circle(8, 7, 2), circle(32, 7, 2)]))
+    sizes = [p.size_mm for p in place_labels(plate, numbered(plate), wanted_mm=12).values()]
+    assert len(sizes) == 3
+    assert min(sizes) > 3
+
+
+def test_only_what_lies_in_the_window_is_labelled() -> None:
+    plate = nest(900, 300, part("A", rect(0, 0, 200, 200)), part("B", rect(500, 0, 200, 200)))
+    window = shapely.box(0, 0, 150, 300)
+    places = place_labels(plate, numbered(plate), 10, window)
+    assert list(places) == ["A.outer"]
+    assert window.contains(places["A.outer"].box())
+
+
+def overlaps(places: Mapping[str, Place]) -> list[tuple[str, str]]:
+    boxes: Sequence[tuple[str, shapely.Polygon]] = [(k, p.box()) for k, p in places.items()]
+    return [(a, b) for n, (a, box) in enumerate(boxes) for b, other in boxes[:n] if box.intersection(other).area > 1e-9]
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    wide=st.floats(20, 300),
+    high=st.floats(20, 300),
+    radii=st.lists(st.floats(0.5, 9), max_size=3),
+    wanted_mm=st.floats(2, 40),
+)
+def test_every_label_is_inside_and_none_overlap(wide: float, high: float, radii: list[float], wanted_mm: float) -> None:
+    holes = [circle(wide * (k + 0.5) / len(radii), high / 2, min(r, wide / 8)) for k, r in enumerate(radii)]
+    plate = nest(
+        900,
+        900,
+        part("A", rect(0, 0, wide, high), holes, [[(wide * 0.1, high * 0.05), (wide * 0.9, high * 0.06)]]),
+        part("B", [(400, 0), (400 + wide, 0), (400, high)]),
+    )
+    places = place_labels(plate, numbered(plate), wanted_mm)
+    assert set(places) == set(plate.index)
+    for contour in plate.contours:
+        box = places[contour.id].box()
+        metal = plate.part_of[contour.part].polygon
+        assert metal.covers(box) or (contour.kind == "hole" and contour.polygon.covers(box))
+    assert overlaps(places) == []

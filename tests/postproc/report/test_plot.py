@@ -1,0 +1,119 @@
+"""Files: every type, whole or not at all, and clear words where it cannot be."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import matplotlib.image
+import pytest
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+from kerfwise.postproc.report import draw, plot, plot_spot
+from kerfwise.tests.nests import circle, nest, part, rect
+from kerfwise.tests.postproc.report.plausible import plausible_plan
+
+
+@pytest.fixture
+def plate() -> Nest:
+    return nest(
+        600,
+        300,
+        part("A", rect(20, 20, 200, 200), [circle(120, 120, 60)], [[(30, 30), (90, 30)]]),
+        part("B", rect(300, 20, 100, 250)),
+    )
+
+
+def crowded(parts: int) -> Nest:
+    across = 40
+    cells = [(12 * (k % across), 12 * (k // across)) for k in range(parts)]
+    return nest(
+        480, 12 * (parts // across + 1), *(part(f"P{k}", rect(x + 1, y + 1, 10, 10)) for k, (x, y) in enumerate(cells))
+    )
+
+
+def test_a_png_opens_and_has_a_sensible_size(plate: Nest, tmp_path: Path) -> None:
+    plot(plate, plausible_plan(plate), tmp_path / "plan.PNG")
+    pixels = matplotlib.image.imread(tmp_path / "plan.PNG")
+    height, width = pixels.shape[:2]
+    assert 1200 <= width <= 4000
+    assert 0.5 < height / width < 0.75
+    assert pixels.std() > 0.05
+
+
+def test_a_png_grows_with_the_number_of_contours(plate: Nest) -> None:
+    few, many = (draw(n, plausible_plan(n), ".png") for n in (plate, crowded(400)))
+    widths = [int.from_bytes(data[16:20], "big") for data in (few, many)]
+    assert widths[0] < widths[1] <= 4000
+
+
+def test_the_same_plan_gives_the_same_png(plate: Nest) -> None:
+    assert draw(plate, plausible_plan(plate), ".png") == draw(plate, plausible_plan(plate), ".png")
+    assert draw(plate, plausible_plan(plate), ".png") != draw(plate, None, ".png")
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".png", ".html"])
+def test_every_type_can_be_drawn_without_a_plan(plate: Nest, tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"nest{suffix}"
+    plot(plate, None, path)
+    assert path.stat().st_size > 1000
+    assert [p.name for p in tmp_path.iterdir()] == [path.name]
+
+
+def test_the_page_has_the_drawing_and_the_story_of_every_cut(plate: Nest, tmp_path: Path) -> None:
+    plan = plausible_plan(plate)
+    plot(plate, plan, tmp_path / "plan.html")
+    page = (tmp_path / "plan.html").read_text(encoding="utf-8")
+    told = re.search(r"^const cuts = (.*);$", page, re.MULTILINE)
+    assert told is not None
+    assert [row["contour"] for row in json.loads(told[1])] == [p.cut.contour for p in plan.cuts]
+    assert draw(plate, plan, ".svg").decode() in page
+    assert "http" not in page.replace("http://www.w3.org/2000/svg", "")
+
+
+def test_a_name_cannot_break_out_of_the_page() -> None:
+    plate = nest(300, 300, part("</script><b>@drawing", rect(0, 0, 200, 200)))
+    page = draw(plate, plausible_plan(plate), ".html").decode()
+    assert page.count("</script>") == 1
+    assert page.count("<svg") == 1
+
+
+@pytest.mark.parametrize("name", ["plan.pdf", "plan", "plan.svgz"])
+def test_another_suffix_is_refused_with_those_there_are(plate: Nest, tmp_path: Path, name: str) -> None:
+    with pytest.raises(InputError, match=r"\.svg, \.png, \.html"):
+        plot(plate, None, tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_is_not_there_is_said(plate: Nest, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"cannot write.*No such file"):
+        plot(plate, None, tmp_path / "nowhere" / "plan.svg")
+
+
+def test_on_failure_the_old_picture_stays(plate: Nest, tmp_path: Path) -> None:
+    path = tmp_path / "plan.svg"
+    plot(plate, None, path)
+    before = path.read_bytes()
+    other = nest(600, 300, part("Z", rect(20, 20, 200, 200)))
+    with pytest.raises(InputError, match=r"no contour 'Z\.outer'"):
+        plot(plate, plausible_plan(other), path)
+    assert path.read_bytes() == before
+    assert [p.name for p in tmp_path.iterdir()] == ["plan.svg"]
+
+
+def test_a_spot_is_written_too(plate: Nest, tmp_path: Path) -> None:
+    plot_spot(plate, ["A.hole1"], tmp_path / "spot.png", plausible_plan(plate), "here")
+    assert matplotlib.image.imread(tmp_path / "spot.png").shape[1] >= 1200
+    with pytest.raises(InputError, match=r"no contour 'A\.hole9'"):
+        plot_spot(plate, ["A.hole9"], tmp_path / "spot.svg")
+    with pytest.raises(InputError, match="name at least one"):
+        plot_spot(plate, [], tmp_path / "spot.svg")
+
+
+def test_a_thousand_contours_are_all_numbered() -> None:
+    plate = crowded(1000)
+    svg = draw(plate, plausible_plan(plate), ".svg").decode()
+    numbers = svg[svg.index('<g id="numbers">') : svg.index('<g id="header">')]
+    assert sorted(map(int, re.findall(r">(\d+)</text>", numbers))) == list(range(1, 1001))
