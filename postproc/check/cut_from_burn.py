@@ -32,13 +32,12 @@ def cut_from_burn(
     along_mm, _ = contour.curve.project(join)
     entry = join if contour.kind == "mark" else contour.curve.point_at(along_mm)
     lead_in = pieces.lead_in if pieces.lead_in.segments else None
-    lead_out = None if contour.kind == "mark" else pieces.lead_out
     cut = Cut(
-        contour.id, entry, _direction(contour, pieces.loop), _xy(burn.path, 0), lead_in, lead_out, zone,
+        contour.id, entry, _direction(contour, pieces.loop), _xy(burn.path, 0), lead_in, pieces.lead_out, zone,
         burn.start_s, burn.end_s,
     )  # fmt: skip
     where = f"line {burn.line}"
-    run = TorchRun(position, where, contour, line_of(lead_in), loop, line_of(lead_out), marks)
+    run = TorchRun(position, where, contour, line_of(lead_in), loop, line_of(pieces.lead_out), marks)
     wrong = list(_wrong(contour, match, pieces, loop, kerf_mm, marks))
     return cut, run, [Violation(rule, (contour.id,), f"{where}: {text}", (position,)) for rule, text in wrong]
 
@@ -62,11 +61,10 @@ def _wrong(
         found.append(("contour-geometry", f"{name} is not closed: {pieces.gap_mm:.3f} mm are left"))
     off_mm = max(match.deviation_mm, _farthest(loop, match.ring))
     if off_mm > allowed:
-        found.append(("contour-geometry", f"the torch is up to {off_mm:.3f} mm off where {name} asks for it"))
-    elif contour.kind != "mark" and abs(loop.length - match.ring.length) > 0.01 * match.ring.length + 1.0:
-        found.append(
-            ("contour-geometry", f"{name} is followed more than once: {loop.length:.1f} mm of {match.ring.length:.1f}")
-        )
+        found.append(("contour-geometry", f"the torch is up to {off_mm:.2f} mm off where {name} asks for it"))
+    again = split(pieces.lead_out, match.ring.length) if contour.kind != "mark" else None
+    if again is not None and again.gap_mm <= allowed:
+        found.append(("contour-geometry", f"the torch goes round {name} more than once"))
     return found
 
 

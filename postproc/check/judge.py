@@ -6,13 +6,14 @@ from ...encoder.cut import CutSequence
 from ...encoder.nest import Nest
 from ...rules.profile import Profile
 from ...rules.registry import RULES
+from .excuses import excuse
 from .result import Judgement
 
 
 def judge(nest: Nest, cuts: CutSequence, profile: Profile) -> list[Judgement]:
     """A judgement on every rule that the profile does not switch off, hard ones first."""
     settings = profile.settings()
-    return [
+    judged = [
         Judgement(
             name,
             setting.strength,
@@ -22,3 +23,4 @@ def judge(nest: Nest, cuts: CutSequence, profile: Profile) -> list[Judgement]:
         )
         for name, setting in sorted(settings.items(), key=lambda item: (item[1].strength != "hard", item[0]))
     ]
+    return excuse(nest, cuts, profile, judged)

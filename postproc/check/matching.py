@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import shapely
@@ -73,7 +74,17 @@ class Matcher:
                     return found
                 tried.append(found)
         best = min(tried, key=lambda m: m.deviation_mm, default=None)
-        return best if best is not None and best.deviation_mm <= NEAR_MM else None
+        if best is not None and best.deviation_mm <= NEAR_MM:
+            return best
+        return next((m for m in map(partial(self._part_of, line), suited) if m is not None), None)
+
+    def _part_of(self, line: shapely.LineString, contour: int) -> Match | None:
+        """The match with a ring that most of the path follows, though it does not go all the way round."""
+        ring = self.rings[contour]
+        points = shapely.line_interpolate_point(line, np.arange(_SAMPLES) / _SAMPLES, normalized=True)
+        if ring is None or np.mean(shapely.distance(ring, points) <= tolerance_mm(self.kerf_mm)) < 0.5:
+            return None
+        return Match(contour, "right", ring, float(shapely.hausdorff_distance(ring, line)))
 
     def _against(self, line: shapely.LineString, contour: int, side: Side) -> Match | None:
         """How far a ring strays from the path at most: a path that goes all the way round covers its ring."""

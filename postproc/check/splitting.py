@@ -9,7 +9,7 @@ import numpy as np
 from ...encoder.geometry.curve import Curve
 from ...encoder.geometry.segment import Segment
 
-_SLACK_MM, _SLACK_SHARE = 1.0, 0.02
+_LEAST, _MOST = 0.5, 1.5
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -25,9 +25,9 @@ class Pieces:
 def split(path: Curve, round_mm: float) -> Pieces | None:
     """Take an open path apart into what leads in, one round of about `round_mm`, and what is left.
 
-    A block ends where the torch joins its contour, so that both ends of the round are vertices: of all pairs a round
-    apart along the path the one that lies closest together, the first of those equally close. None if no two vertices
-    are about a round apart.
+    A block ends where the torch joins its contour, so that both ends of the round are vertices: of all pairs that are
+    half a round to one and a half apart along the path, the one that lies closest together (to a thousandth), then
+    the one whose way round is nearest to `round_mm`, then the first. None if there is no such pair.
 
     Examples
     --------
@@ -41,21 +41,20 @@ def split(path: Curve, round_mm: float) -> Pieces | None:
         Segment((a[0], a[1]), (b[0], b[1]), a[2]).length_mm for a, b in zip(v.tolist(), v[1:].tolist(), strict=False)
     ]
     at_mm = np.concatenate([[0.0], np.cumsum(lengths)])
-    slack = max(_SLACK_MM, _SLACK_SHARE * round_mm)
-    first = np.searchsorted(at_mm, at_mm + round_mm - slack)
-    last = np.searchsorted(at_mm, at_mm + round_mm + slack, side="right")
-    best: tuple[float, int, int] | None = None
+    first = np.searchsorted(at_mm, at_mm + _LEAST * round_mm)
+    last = np.searchsorted(at_mm, at_mm + _MOST * round_mm, side="right")
+    best: tuple[float, float, int, int] | None = None
     for k, (low, high) in enumerate(zip(first.tolist(), last.tolist(), strict=True)):
-        low = max(low, k + 1)
-        if low >= high:
+        if low == high:
             continue
-        gaps = np.hypot(*(v[low:high, :2] - v[k, :2]).T)
-        m = int(np.argmin(gaps))
-        if best is None or gaps[m] < best[0] - 1e-3:
-            best = (float(gaps[m]), k, low + m)
+        gaps = np.hypot(*(v[low:high, :2] - v[k, :2]).T).round(3)
+        off = np.abs(at_mm[low:high] - at_mm[k] - round_mm).round(3)
+        m = int(np.lexsort((off, gaps))[0])
+        found = (float(gaps[m]), float(off[m]), k, low + m)
+        best = found if best is None else min(best, found)
     if best is None:
         return None
-    gap_mm, k, m = best
+    gap_mm, _, k, m = best
     return Pieces(_open(v[: k + 1]), _open(v[k : m + 1]), _open(v[m:]), gap_mm)
 
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 
 import shapely
 
-from ...encoder.cut import CutSequence
+from ...encoder.cut import Cut, CutSequence
+from ...encoder.geometry.segment import Point
 from ...encoder.nest import Nest
 from ...rules.rule import Violation
 from .program_rules import TOLERANCE_MM
@@ -30,9 +31,9 @@ class Claims:
     rules: Mapping[str, bool] = field(default_factory=dict)
 
 
-def idle_mm(cuts: CutSequence) -> float:
+def idle_mm(nest: Nest, cuts: CutSequence) -> float:
     """Idle travel: home, every pierce and end in order, and home again, mm."""
-    ends = [cuts.home, *(cut.end for cut in cuts)]
+    ends = [cuts.home, *(_end(nest, cut) for cut in cuts)]
     starts = [*(cut.pierce for cut in cuts), cuts.home]
     return math.fsum(map(math.dist, ends, starts))
 
@@ -45,7 +46,7 @@ def totals(nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], claims: Clai
         contours = () if position is None else (cuts[position - 1].contour,)
         found.append(Violation("totals", contours, text, () if position is None else (position,)))
 
-    idle = idle_mm(cuts)
+    idle = idle_mm(nest, cuts)
     if abs(idle - claims.idle_mm) > _IDLE_MM:
         wrong(f"the idle travel is {idle:.3f} mm, the plan says {claims.idle_mm:.3f} mm")
     allowed = 0.0
@@ -69,6 +70,20 @@ def totals(nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], claims: Clai
     if claims.time_s < before - _TIME_S:
         wrong(f"the last cut ends at {before:.1f} s, the plan says that all takes {claims.time_s:.1f} s")
     return found
+
+
+def _end(nest: Nest, cut: Cut) -> Point:
+    """Where the torch goes off: at the end of the lead-out, of an open mark, or of the round, which is its start."""
+    if cut.lead_out is not None:
+        return cut.end
+    contour = nest.contours[nest.index[cut.contour]] if cut.contour in nest.index else None
+    if contour is not None and not contour.curve.closed:
+        x, y = contour.curve.vertices[-1 if cut.direction == "ccw" else 0, :2].tolist()
+        return x, y
+    if cut.lead_in is not None:
+        x, y = cut.lead_in.vertices[-1, :2].tolist()
+        return x, y
+    return cut.entry
 
 
 def _pierces(nest: Nest, cuts: CutSequence) -> tuple[int, int]:

@@ -51,8 +51,9 @@ def cut_of(
     """A cut that joins `along` (0…1) of the way round, by a straight lead, and leaves by a short slanting one."""
     curve = contour.curve
     if contour.kind == "mark":
-        x, y = curve.vertices[0 if direction == "ccw" else -1, :2].tolist()
-        return Cut(contour.id, (x, y), direction, (x, y), zone=zone)
+        line = curve if direction == "ccw" else curve.reversed()
+        x, y = line.point_at(0.0)
+        return Cut(contour.id, (x, y), direction, (x, y), None, Curve(line.vertices[-1:], closed=False), zone)
     s_mm = along * curve.length_mm
     (x, y), (tx, ty) = curve.point_at(s_mm), curve.tangent_at(s_mm)
     waste = 1.0 if (contour.kind == "outer") == curve.is_ccw else -1.0

@@ -1,0 +1,122 @@
+"""A good program damaged in its text fails, and the rule that is broken is named."""
+
+import re
+from collections.abc import Callable
+
+from kerfwise.postproc.check import CheckResult, report
+from kerfwise.postproc.checking import check_program
+from kerfwise.postproc.program import write_program
+from kerfwise.tests.postproc.plans import cut_of, good_cuts, plan_of, plate, profile
+
+PLATE, PROFILE = plate(), profile()
+PROGRAM = write_program(plan_of(PLATE, good_cuts(PLATE), PROFILE), PLATE, PROFILE)
+
+
+def check(program: str) -> CheckResult:
+    assert program != PROGRAM
+    return check_program(PLATE, program, PROFILE)
+
+
+def in_cut(name: str, change: Callable[[list[str]], list[str]]) -> str:
+    """The program with the blocks of one cut changed, from its comment to the torch off."""
+    before, comment, rest = re.split(rf"(?m)(^\((?:CUT|MARK) \d+ {re.escape(name)} .*\n)", PROGRAM)
+    blocks, off, after = re.split(r"(?m)(^N\d+ M5 .*\n)", rest, maxsplit=1)
+    return before + comment + "".join(line + "\n" for line in change([*blocks.splitlines(), off.strip()])) + after
+
+
+def x_moved(mm: float) -> Callable[[str], str]:
+    return lambda line: re.sub(r"X(\S+)", lambda m: f"X{float(m[1]) + mm:.4f}", line)
+
+
+def test_torch_left_on_during_a_rapid() -> None:
+    result = check(in_cut("A.outer", lambda lines: lines[:-1]))
+    assert result.broken() == ("torch-off-travel",)
+    assert "line 46: the torch is on during a rapid of 186.8 mm" in report(result)
+    assert "tool $0 is started while $0 is on" in report(result)
+
+
+def test_torch_left_on_at_the_end() -> None:
+    result = check(re.sub(r"N\d+ M5 \$0\n\(HOME\)\n.*\n.*\nN\d+ M5 \$-1\n", "", PROGRAM))
+    assert result.broken() == ("torch-off-travel",)
+    assert "the program ends with the torch on" in report(result)
+
+
+def test_path_shifted_by_a_tenth() -> None:
+    result = check(in_cut("E.outer", lambda lines: [x_moved(0.1)(line) for line in lines]))
+    assert result.broken() == ("contour-geometry", "no-gouging")
+    assert "the torch is up to 0.10 mm off where E.outer asks for it" in report(result)
+    assert check(in_cut("E.outer", lambda lines: [x_moved(0.03)(line) for line in lines])).ok
+
+
+def test_one_corner_shifted_by_a_tenth() -> None:
+    result = check(in_cut("B.hole1", lambda lines: [*lines[:5], x_moved(-0.1)(lines[5]), *lines[6:]]))
+    assert result.broken() == ("contour-geometry",)
+
+
+def test_a_spike_in_the_path() -> None:
+    result = check(in_cut("E.outer", lambda lines: [*lines[:5], "G1 X500 Y70", lines[4], *lines[5:]]))
+    assert result.broken() == ("contour-geometry",)
+    assert "the torch is up to 9.25 mm off where E.outer asks for it" in report(result)
+
+
+def test_round_not_finished_and_round_twice() -> None:
+    result = check(in_cut("B.hole1", lambda lines: [*lines[:7], *lines[9:]]))
+    assert "contour-geometry" in result.broken()
+    assert "B.hole1 is not closed: " in report(result)
+    result = check(in_cut("B.hole1", lambda lines: [*lines[:9], *lines[4:9], *lines[9:]]))
+    assert result.broken() == ("contour-geometry",)
+    assert "the torch goes round B.hole1 more than once" in report(result)
+
+
+def test_kerf_on_the_wrong_side() -> None:
+    def outside(lines: list[str]) -> list[str]:
+        return ["G0 X235 Y100", lines[1], "G1 X237.75 Y100 F2500", "G3 I-12.75", lines[-1]]
+
+    result = check(in_cut("C.hole1", outside))
+    assert "kerf-side" in result.broken()
+    assert "the torch runs outside C.hole1, so that the kerf is on the part's side" in report(result)
+
+
+def test_kerf_not_allowed_for() -> None:
+    thin = profile(material=type(PROFILE.material)(kerf_mm=0.0))
+    cuts = [cut_of(PLATE.contour(c.contour), 0.3, c.direction, c.zone, 0.0) for c in good_cuts(PLATE)]
+    program = write_program(plan_of(PLATE, cuts, thin), PLATE, thin)
+    assert check_program(PLATE, program, thin).ok
+    result = check(program)
+    assert "kerf-side" in result.broken()
+    assert len(result.rule("kerf-side").violations) == 8
+    assert "the torch runs on A.outer itself: the kerf of 1.5 mm is not allowed for" in report(result)
+
+
+def test_something_cut_that_is_not_in_the_nest() -> None:
+    extra = "G0 X560 Y100\nM3 $0 S1\nG1 X580 Y100\nX580 Y120\nM5 $0\n(HOME)"
+    result = check(PROGRAM.replace("(HOME)", extra))
+    assert result.broken() == ("every-contour-once",)
+    assert "burns along no contour of the nest, at X 560.0 to 580.0, Y 100.0 to 120.0" in report(result)
+
+
+def test_a_pierce_without_a_path() -> None:
+    assert check(PROGRAM.replace("(HOME)", "G0 X560 Y100\nM3 $0 S1\nM5 $0\n(HOME)")).broken() == ("every-contour-once",)
+
+
+def test_a_mark_cut_through_and_a_contour_only_marked() -> None:
+    swap = {"M3 $1": "M3 $0", "M5 $1": "M5 $0"}
+    cut_through = in_cut("A.mark1", lambda lines: [re.sub("M[35] .1", lambda m: swap[m[0]], line) for line in lines])
+    result = check(cut_through)
+    assert "A.mark1 is a mark, but the torch cuts through it" in report(result)
+    only_marked = in_cut("C.hole1", lambda lines: [line.replace("$0", "$1") for line in lines])
+    result = check(only_marked)
+    assert result.broken() == ("every-contour-once",)
+    assert "C.hole1 is only marked, not cut" in report(result)
+
+
+def test_zones_and_start_side_come_from_comments() -> None:
+    assert check(PROGRAM.replace("D.outer ZONE 2", "D.outer ZONE 9")).broken() == ("zone-order",)
+    assert set(check(PROGRAM.replace("SIDE LEFT", "SIDE RIGHT")).broken()) == {"start-side", "level-ahead"}
+
+
+def test_a_comment_that_names_another_contour_is_a_warning() -> None:
+    result = check(PROGRAM.replace("CUT 9 E.outer", "CUT 9 D.outer"))
+    assert result.ok
+    assert len(result.warnings) == 1
+    assert "the comment names D.outer, but E.outer is cut" in result.warnings[0]
