@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import shapely
 
 from ...encoder.cut import CutSequence, Side
-from ...encoder.nest import Nest
+from ...encoder.nest import Contour, Nest
 from ..option import NoOptions
 from ..placement import same_place
 from ..rule import Ids, OrderRule
@@ -59,11 +59,17 @@ class HullBefore(OrderRule[NoOptions]):
             return []
         outlines = [part.outer.line for part in nest.parts]
         hulls = shapely.convex_hull(outlines)
-        hollow = shapely.hausdorff_distance(outlines, shapely.boundary(hulls)) > FLAT_MM
         centroids = shapely.centroid([part.outer.polygon for part in nest.parts])
         inside, hull = shapely.STRtree(hulls).query(centroids, "dwithin", distance=ON_HULL_MM)
-        held = hollow[hull]
-        return [(a.outer.id, b.outer.id) for a, b in same_place(nest, inside[held], hull[held])]
+        pairs = same_place(nest, inside, hull)
+        hollow = {part.id for part in {b.id: b for _, b in pairs}.values() if _is_hollow(part.outer)}
+        return [(a.outer.id, b.outer.id) for a, b in pairs if b.id in hollow]
 
     def reason(self, before: str, after: str, start_side: Side | None) -> str:
         return f"it sits in the concavity of {after}, and would be left on an island once {after} is out"
+
+
+def _is_hollow(outer: Contour) -> bool:
+    """Whether a point of the contour lies deeper inside its hull than drawing noise does."""
+    rim = shapely.boundary(shapely.convex_hull(outer.line))
+    return bool((shapely.distance(shapely.points(outer.curve.flatten()), rim) > FLAT_MM).any())
