@@ -105,12 +105,13 @@ def path_blocks(path: Curve, feed_mm_s: float, dialect: Dialect) -> list[str]:
 
 def _pieces(segment: Segment) -> Iterator[Segment]:
     """The segment as lines and arcs that every control makes the same way."""
-    if not segment.is_arc:
-        yield segment
+    rise_mm = segment.chord_mm * abs(segment.bulge) / 2
+    if rise_mm < CHORD_MM:
+        yield Segment(segment.start, segment.end)
     elif abs(segment.bulge) > 1.0 + 1e-6:
         yield from _pieces(segment.between(0.0, 0.5))
         yield from _pieces(segment.between(0.5, 1.0))
-    elif abs(segment.sweep_rad) < FLAT_RAD or segment.chord_mm * abs(segment.bulge) / 2 < CHORD_MM:
+    elif abs(segment.sweep_rad) < FLAT_RAD:
         at = segment.start
         for x, y in segment.flatten(CHORD_MM).tolist():
             yield Segment(at, (x, y))

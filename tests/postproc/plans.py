@@ -81,9 +81,9 @@ ORDER: Sequence[tuple[str, float, Direction, int]] = (
 )
 
 
-def good_cuts(plate: Nest) -> list[Cut]:
+def good_cuts(plate: Nest, kerf_mm: float = KERF_MM) -> list[Cut]:
     """Cuts of the plate that keep every rule."""
-    return [cut_of(plate.contour(name), along, way, zone) for name, along, way, zone in ORDER]
+    return [cut_of(plate.contour(name), along, way, zone, kerf_mm) for name, along, way, zone in ORDER]
 
 
 def plan_of(nest: Nest, cuts: Sequence[Cut], profile: Profile) -> Plan:
