@@ -50,12 +50,14 @@ class PiercePlaces:
                 yield (k,), (contour.id,), f"{contour.id} (cut {k}) is pierced outside itself, at {_spot(cut)}"
             elif contour.kind == "outer" and contour.id in inside:
                 yield (k,), (contour.id,), f"{contour.id} (cut {k}) is pierced inside itself, at {_spot(cut)}"
-            for part in self.nest.parts:
-                if part.id == contour.part or part.outer.id not in inside:
-                    continue
-                if not any(hole.id in inside for hole in part.holes):
-                    text = f"{contour.id} (cut {k}) is pierced on part {part.id}, at {_spot(cut)}"
-                    yield (k,), (contour.id, part.outer.id), text
+            for outline in sorted(inside - {self.nest.part_of[contour.part].outer.id}):
+                owner = self.nest.part_of[self.nest.contour(outline).part]
+                if outline == owner.outer.id and not any(hole.id in inside for hole in owner.holes):
+                    yield (
+                        (k,),
+                        (contour.id, outline),
+                        f"{contour.id} (cut {k}) is pierced on part {owner.id}, at {_spot(cut)}",
+                    )
 
     def too_near(self, clearance_mm: float) -> Iterator[Finding]:
         """Pierces nearer to a contour than the clearance; those off the sheet (edge starts) are none."""
@@ -66,14 +68,13 @@ class PiercePlaces:
             (at, _, contour), near = self.cuts[rows[row]], self.through[k]
             gap = shapely.distance(self.points[rows[row]], near.line)
             text = f"{contour.id} (cut {at}) is pierced {gap:.2f} mm from {near.id}, less than {clearance_mm:g} mm"
-            yield (at,), (contour.id, near.id), text
+            yield (at,), tuple(dict.fromkeys((contour.id, near.id))), text
 
     def over_dropped_waste(self) -> Iterator[Finding]:
         """Pierces in the waste of a hole that has been cut before."""
-        kinds = {c.id: c.kind for c in self.through}
         for (k, _, contour), inside in zip(self.cuts, self.enclosing, strict=True):
             for hole in sorted(inside - {contour.id}):
-                if kinds[hole] == "hole" and self.at.get(hole, k) < k:
+                if self.nest.contour(hole).kind == "hole" and self.at.get(hole, k) < k:
                     text = (
                         f"{contour.id} (cut {k}) is pierced in the waste of {hole}, which has dropped since cut "
                         f"{self.at[hole]}"
@@ -88,7 +89,8 @@ class PiercePlaces:
             for name, curve in (("lead-in", cut.lead_in), ("lead-out", cut.lead_out))
             if curve is not None and curve.length_mm > 0
         ]
-        for row, j in _pairs(self.lines.query([line for *_, line in leads], "dwithin", distance=0.0)):
+        drawn = np.array([line for *_, line in leads], dtype=object)
+        for row, j in _pairs(self.lines.query(drawn, "intersects")):
             (k, contour, name, line), met = leads[row], self.through[j]
             if met is contour and not _strays(line, contour):
                 continue

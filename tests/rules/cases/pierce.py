@@ -1,0 +1,143 @@
+from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.catalogue.pierce import PierceOptions
+from kerfwise.rules.rule import Violation
+from kerfwise.tests.nests import circle, nest, part, rect
+from kerfwise.tests.rules.case import Case, CaseKind
+
+PLATE = nest(
+    400, 300, part("A", rect(50, 50, 100, 100), [circle(100, 100, 20)]), part("B", rect(160, 50, 100, 100))
+)  # fmt: skip
+HOST = nest(400, 300, part("H", rect(50, 50, 200, 200), [rect(70, 70, 160, 160)]), part("G", rect(100, 100, 40, 40)))
+EDGE = nest(400, 300, part("A", rect(50, 0.5, 100, 100)))
+MARKED = nest(400, 300, part("A", rect(50, 50, 100, 100), marks=[[(60, 60), (90, 60)]]))
+
+# Joining points lie half a kerf of 1.5 mm off the contour, in the waste.
+A_FROM_BELOW = ("A.outer", (100, 50), (100, 44), (100, 49.25))
+A_HOLE = ("A.hole1", (120, 100), (112, 100), (119.25, 100))
+B_FROM_BELOW = ("B.outer", (210, 50), (210, 44), (210, 49.25))
+H_HOLE = ("H.hole1", (100, 70), (100, 75), (100, 70.75))
+H_OUTER = ("H.outer", (100, 50), (100, 44), (100, 49.25))
+G_OUTER = ("G.outer", (120, 100), (120, 94), (120, 99.25))
+
+
+def sequence(*cuts: tuple[str, Point, Point, Point] | Cut) -> CutSequence:
+    """Cuts of (contour, entry, pierce, joining point), with a straight lead-in."""
+    made = []
+    for given in cuts:
+        if isinstance(given, Cut):
+            made.append(given)
+        else:
+            contour, entry, pierce, joined = given
+            made.append(Cut(contour, entry, "cw", pierce, Curve.of([pierce, joined], closed=False)))
+    return CutSequence(tuple(made))
+
+
+def broken(at: tuple[int, ...], contours: tuple[str, ...], text: str) -> Violation:
+    return Violation("pierce", contours, text, at)
+
+
+def case(name: str, kind: CaseKind, where: Nest, cuts: CutSequence, *violations: Violation) -> Case:
+    return Case(name, kind, where, cuts, violations, PierceOptions(clearance_mm=1.5))
+
+
+CASES = (
+    case("in waste and clear", "passes", PLATE, sequence(A_HOLE, A_FROM_BELOW, B_FROM_BELOW)),
+    case("a guest before the hole it is pierced in", "passes", HOST, sequence(G_OUTER, H_HOLE, H_OUTER)),
+    case(
+        "a guest after the hole it is pierced in",
+        "fails",
+        HOST,
+        sequence(H_HOLE, G_OUTER, H_OUTER),
+        broken(
+            (1, 2),
+            ("G.outer", "H.hole1"),
+            "G.outer (cut 2) is pierced in the waste of H.hole1, which has dropped since cut 1",
+        ),
+    ),
+    case(
+        "pierced on the part itself",
+        "fails",
+        PLATE,
+        sequence(("A.outer", (100, 50), (100, 60), (100, 50.75))),
+        broken((1,), ("A.outer",), "A.outer (cut 1) is pierced inside itself, at (100.00, 60.00)"),
+    ),
+    case(
+        "pierced on another part, and the lead crosses its outline",
+        "fails",
+        PLATE,
+        sequence(("A.outer", (150, 100), (165, 100), (150.75, 100))),
+        broken((1,), ("A.outer", "B.outer"), "A.outer (cut 1) is pierced on part B, at (165.00, 100.00)"),
+        broken((1,), ("A.outer", "B.outer"), "the lead-in of A.outer (cut 1) crosses B.outer"),
+    ),
+    case(
+        "a hole pierced in the part around it",
+        "fails",
+        PLATE,
+        sequence(("A.hole1", (120, 100), (130, 100), (119.25, 100))),
+        broken((1,), ("A.hole1",), "A.hole1 (cut 1) is pierced outside itself, at (130.00, 100.00)"),
+        broken((1,), ("A.hole1",), "the lead-in of A.hole1 (cut 1) crosses its own contour"),
+    ),
+    case(
+        "a lead across a corner of its own part",
+        "fails",
+        PLATE,
+        sequence(("A.outer", (100, 50), (40, 60), (100, 49.25))),
+        broken((1,), ("A.outer",), "the lead-in of A.outer (cut 1) crosses its own contour"),
+    ),
+    case(
+        "a lead-out into the neighbour",
+        "fails",
+        PLATE,
+        sequence(
+            Cut(
+                "A.outer",
+                (150, 100),
+                "cw",
+                (155, 100),
+                Curve.of([(155, 100), (150.75, 100)], closed=False),
+                Curve.of([(150.75, 100), (161, 110)], closed=False),
+            )
+        ),
+        broken((1,), ("A.outer", "B.outer"), "the lead-out of A.outer (cut 1) crosses B.outer"),
+    ),
+    case("as near as the clearance", "boundary", PLATE, sequence(("A.outer", (100, 50), (100, 48.5), (100, 49.25)))),
+    case(
+        "nearer than the clearance",
+        "boundary",
+        PLATE,
+        sequence(("A.outer", (100, 50), (100, 48.6), (100, 49.25))),
+        broken((1,), ("A.outer",), "A.outer (cut 1) is pierced 1.40 mm from A.outer, less than 1.5 mm"),
+    ),
+    case(
+        "the clearance holds towards the neighbour too",
+        "boundary",
+        PLATE,
+        sequence(("A.outer", (150, 100), (159, 100), (150.75, 100))),
+        broken((1,), ("A.outer", "B.outer"), "A.outer (cut 1) is pierced 1.00 mm from B.outer, less than 1.5 mm"),
+    ),
+    case(
+        "off the edge of the sheet nothing is pierced",
+        "boundary",
+        EDGE,
+        sequence(("A.outer", (100, 0.5), (100, -0.5), (100, -0.25))),
+    ),
+    case(
+        "overcut along the own contour, without kerf",
+        "boundary",
+        PLATE,
+        sequence(
+            Cut(
+                "A.hole1",
+                (120, 100),
+                "ccw",
+                (110, 100),
+                Curve.of([(110, 100), (120, 100)], closed=False),
+                PLATE.contour("A.hole1").curve.towards("ccw").between(20 * 3.14159265358979, 5),
+            )
+        ),
+    ),
+    case("a mark is not pierced", "boundary", MARKED, sequence(Cut("A.mark1", (60, 60), "ccw", (60, 60)))),
+)

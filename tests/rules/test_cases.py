@@ -1,0 +1,80 @@
+"""Every rule has cases, and every case gives the violations it says, to the letter."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+from dataclasses import replace
+
+import pytest
+
+from kerfwise.rules.registry import RULES
+from kerfwise.rules.rule import HEADINGS
+from kerfwise.tests.rules.case import Case
+
+
+def cases_of(rule: str) -> tuple[Case, ...]:
+    module = importlib.import_module(f"kerfwise.tests.rules.cases.{rule.replace('-', '_')}")
+    cases: tuple[Case, ...] = module.CASES
+    return cases
+
+
+ALL = [pytest.param(rule, case, id=f"{rule}: {case.name}") for rule in RULES for case in cases_of(rule)]
+
+
+@pytest.mark.parametrize(("rule", "case"), ALL)
+def test_violations(rule: str, case: Case) -> None:
+    options = case.options or RULES[rule].Options()
+    assert tuple(RULES[rule].violations(case.nest, case.cuts, options)) == case.violations
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_rule_has_a_case_of_each_kind(rule: str) -> None:
+    cases = cases_of(rule)
+    assert {case.kind for case in cases} == {"passes", "fails", "boundary"}
+    assert all(case.violations for case in cases if case.kind == "fails")
+    assert not any(case.violations for case in cases if case.kind == "passes")
+    assert len({case.name for case in cases}) == len(cases)
+
+
+def test_comparison_can_fail() -> None:
+    case = next(case for case in cases_of("hull-before") if case.kind == "fails")
+    found = tuple(RULES["hull-before"].violations(case.nest, case.cuts, RULES["hull-before"].Options()))
+    assert found != (replace(case.violations[0], text="another text"),)
+    assert found != (replace(case.violations[0], cuts=(2, 1)),)
+    assert found != ()
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_docstring_has_its_headings(rule: str) -> None:
+    page = inspect.getdoc(type(RULES[rule])) or ""
+    assert page.splitlines()[0] == RULES[rule].sentence
+    assert tuple(line.removeprefix("## ") for line in page.splitlines() if line.startswith("## ")) == HEADINGS
+    sections = page.split("## ")[1:]
+    assert all(len(section.splitlines()) > 2 for section in sections), "a heading without text"
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_empty_sequence_breaks_nothing(rule: str) -> None:
+    case = cases_of(rule)[0]
+    nothing = replace(case.cuts, cuts=())
+    options = RULES[rule].Options()
+    broken = RULES[rule].violations(case.nest, nothing, options)
+    assert [v.rule for v in broken if rule != "start-side"] == []
+
+
+UNJUDGED = {
+    "level-ahead": "the side that cutting starts from is not stated",
+    "start-side": "the side that cutting starts from is not stated",
+    "zone-order": "the zones of the cuts are not stated",
+}
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_what_cannot_be_judged_is_said(rule: str) -> None:
+    case = cases_of(rule)[0]
+    blind = replace(case.cuts, cuts=tuple(replace(cut, zone=0) for cut in case.cuts), start_side=None)
+    seeing = replace(case.cuts, cuts=tuple(replace(cut, zone=1) for cut in case.cuts), start_side="left")
+    options = RULES[rule].Options()
+    assert RULES[rule].unjudged(case.nest, blind, options) == UNJUDGED.get(rule)
+    assert RULES[rule].unjudged(case.nest, seeing, options) is None
