@@ -1,0 +1,39 @@
+"""Where the torch's centre runs around a contour: half the kerf into the waste."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from .errors import InputError
+from .geometry.curve import Curve
+from .geometry.offset import offset_curve
+from .nest import Contour
+
+
+@lru_cache(maxsize=1 << 15)
+def compensated(contour: Contour, kerf_mm: float) -> Curve:
+    """The closed path of the torch's centre: half the kerf outside an outer contour, inside a hole; a mark is itself.
+
+    Runs the same way round as the contour is drawn. Answers are kept, since candidates, plans and programs all ask.
+
+    Raises
+    ------
+    InputError
+        If the kerf leaves nothing of the contour to cut, or does not reach into all of it.
+
+    Examples
+    --------
+    >>> hole = Contour("P.hole1", "P", "hole", Curve.of([(0, 0), (9, 0), (9, 9), (0, 9)]))
+    >>> compensated(hole, 2.0).as_rows()
+    [[1.0, 1.0], [8.0, 1.0], [8.0, 8.0], [1.0, 8.0]]
+    """
+    if contour.kind == "mark" or kerf_mm == 0:
+        return contour.curve
+    try:
+        return offset_curve(contour.curve, kerf_mm / 2 if contour.kind == "outer" else -kerf_mm / 2)
+    except ValueError as error:
+        x, y = contour.curve.vertices[0, :2].tolist()
+        raise InputError(
+            f"{contour.id} at ({x:.1f}, {y:.1f}) cannot be cut with a kerf of {kerf_mm:g} mm: {error}; "
+            "use a narrower kerf or change the drawing"
+        ) from None
