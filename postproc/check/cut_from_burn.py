@@ -69,6 +69,7 @@ def _wrong(
 
 
 def _farthest(line: shapely.LineString, ring: shapely.LineString) -> float:
+    shapely.prepare(ring)
     return float(shapely.distance(ring, shapely.points(shapely.get_coordinates(line))).max())
 
 

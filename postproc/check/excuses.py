@@ -1,18 +1,21 @@
 """Order rules that contradict each other: which broken orders a plan could not have kept.
 
 Level-ahead and hull-before can ask for cycles (two hooks that interlock), so that some of their orders must be broken.
-An order "a before b" is excused only if the orders that the plan does keep lead from b to a: then keeping it as well
-would have broken another. An order that could have been kept beside all those kept is not excused.
+An order "a before b" is excused only if the orders that the plan does keep, of rules that give way no sooner, lead from
+b to a: then keeping it as well would have broken another of them. Which of several orders equally firm is given up is
+not judged, nor which rule gives way in a tangle of more orders than the planner resolves exactly.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 from ...encoder.cut import CutSequence
 from ...encoder.nest import Nest
 from ...rules.cycles import components, contracted, path
+from ...rules.feedback import EXACT_LINKS
 from ...rules.profile import Profile
 from ...rules.registry import RULES
 from ...rules.rule import Ids, OrderRule
@@ -55,8 +58,10 @@ def _contradictions(nest: Nest, cuts: CutSequence, profile: Profile, holding: se
     for component in components(links):
         kept = [k for k in component if asked[pairs[k]] == "zone-order" or at[pairs[k][0]] < at[pairs[k][1]]]
         for k in sorted(set(component) - set(kept)):
+            softest = RULES[asked[pairs[k]]].gives_way if len(component) <= EXACT_LINKS else math.inf
+            firm = [m for m in kept if RULES[asked[pairs[m]]].gives_way <= softest]
             before, after = links[k]
-            against = path(links, kept, after, before)
+            against = path(links, firm, after, before)
             if against:
                 orders = ", ".join(f"{' before '.join(pairs[m])} ({asked[pairs[m]]})" for m in against)
                 found[pairs[k]] = f"the order rules contradict each other here: {orders}"

@@ -44,9 +44,9 @@ def test_a_plant_brings_its_own(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("torch_on: M3", "torchon: M3", r"shop.yaml:15:1: unknown key 'torchon': did you mean 'torch_on'"),
+        ("torch_on: M3", "torchon: M3", r"shop.yaml:16:1: unknown key 'torchon': did you mean 'torch_on'"),
         ("dwell: G4 P{seconds}\n", "", "lacks dwell$"),
-        ("decimals: 4", "decimals: four", r":29:11: decimals: expected a whole number of at least 2, got 'four'"),
+        ("decimals: 4", "decimals: four", r":30:11: decimals: expected a whole number of at least 2, got 'four'"),
         ("decimals: 4", "decimals: yes", "expected a whole number of at least 2, got 'yes'"),
         ("pierce_dwell: program", "pierce_dwell: never", "pierce_dwell: expected machine or program, got 'never'"),
         ("{start: 10, step: 10}", "{start: 10}", r"line_numbers: expected \{start: 10, step: 10\} or null"),
