@@ -25,7 +25,7 @@ class FactOptions:
 
     `start_side` fixes the side ("auto" decides it). `zone_respects` names the order facts that no zone may
     contradict; `zone_pairs` adds pairs of contour ids (before, after), as locks do; `zone_fixed` puts a part
-    (by id) in a zone whatever the geometry says.
+    (by id) in a zone whatever the geometry says; what must go before it is brought forward with it.
     """
 
     web_mm: float = 25.0
@@ -48,10 +48,11 @@ class FactOptions:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Facing:
-    """What stretches of boundary look at: parallel arrays, one row a (row, neighbour) pair.
+    """What stretches of boundary look at: parallel arrays, one row a (row, neighbour) pair, sorted by both.
 
-    `row` is a contour (in `Facts.neighbours`) or a candidate (in `head`, `tail`); `neighbour` a contour index;
-    `length_mm` the boundary length that faces it; `gap_mm` the smallest gap (nan where not measured).
+    `row` is a contour (in `Facts.neighbours`) or a candidate (in `head`, `tail`); `neighbour` the index of an outer
+    contour, for a part in a hole also that of its host; `length_mm` the boundary length that faces it; `gap_mm` the
+    smallest gap (nan where not measured). Only outer contours have neighbours.
     """
 
     row: Ints

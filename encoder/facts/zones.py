@@ -56,8 +56,9 @@ def zones_of(
         return np.empty(0, dtype=np.int64)
     tops, of = np.unique(outermost_of(parent), return_inverse=True)
     locked = np.array([[_contour(nest, a), _contour(nest, b)] for a, b in options.zone_pairs], dtype=np.int64)
-    pairs = of[np.concatenate([respected, locked.reshape(-1, 2)])]
-    pairs = np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0)
+    before, after = of[np.concatenate([respected, locked.reshape(-1, 2)])].T
+    keys = np.unique((before * len(tops) + after)[before != after])
+    pairs = np.column_stack(np.divmod(keys, len(tops)))
     blocks = Blocks(of, np.bincount(of), outlines.centroid[tops], outlines.bounds_mm[tops], pairs)
     strips = _raised(_strips(blocks, start_side, options), pairs)
     return _closed_up(_with_fixed(_closed_up(strips), pairs, _fixed(nest, of, options)))[of]

@@ -38,9 +38,13 @@ def test_each_start_side(side: Side, expected: set[tuple[str, str]]) -> None:
     assert ahead(nest(200, 200, *parts), side) == expected
 
 
-@pytest.mark.parametrize(("y", "holds"), [(24.9, True), (25, True), (25.1, False)], ids=["inside", "on the rim", "out"])
-def test_the_centroid_decides_and_the_rim_of_the_shadow_belongs_to_it(y: float, holds: bool) -> None:
-    parts = part("A", rect(0, 0, 50, 50)), part("B", rect(100, y, 50, 200))
+@pytest.mark.parametrize(
+    ("y", "height", "holds"),
+    [(124.9, 100, True), (125, 100, True), (125.1, 100, False), (25.1, 100, True), (25, 100, True), (24.9, 100, False)],
+)
+def test_the_centroid_decides_and_the_rim_of_the_shadow_belongs_to_it(y: float, height: float, holds: bool) -> None:
+    # The centroid of A is at y = 125; B reaches from just below it upwards, then from just above it downwards.
+    parts = part("A", rect(0, 100, 50, 50)), part("B", rect(100, y, 50, height))
     assert (("A", "B") in ahead(nest(200, 300, *parts), "left")) == holds
 
 
