@@ -71,7 +71,7 @@ def offset_curve(curve: Curve, distance_mm: float) -> Curve:
 
 def _beside_convex(sources: Sources) -> Curve | None:
     """The offset of a convex curve, where only neighbours meet; None where some source vanishes."""
-    if (sources.radius_mm[sources.bulge != 0] < SLIVER_MM).any():
+    if (sources.radius_mm[sources.drawn.bulge != 0] < SLIVER_MM).any():
         return None
     corners = set(np.flatnonzero(sources.rounded).tolist())
     order = [x for k in range(len(sources)) for x in ((2 * k, 2 * k + 1) if k in corners else (2 * k,))]

@@ -34,7 +34,7 @@ class Nearest:
     def among(sources: Sources, curve: Curve) -> Nearest:
         """An index over the segments of `curve`, whose sources are given."""
         chords = [s.flatten(CHORD_MM) if s.is_arc else np.array([s.end]) for s in curve.segments]
-        outline = np.concatenate([sources.start[:1], *chords])[:-1]
+        outline = np.concatenate([sources.drawn.start[:1], *chords])[:-1]
         segment = np.repeat(np.arange(len(chords)), [len(c) for c in chords])
         first = np.diff(segment, prepend=-1) > 0
         chord = np.stack([outline, np.roll(outline, -1, axis=0)], axis=1)
@@ -64,7 +64,7 @@ class Nearest:
         corner = np.where(before, (k - 1) % n, k)
         labels = np.where(before | after, 2 * corner + 1, 2 * k)
         gone = ((before | after) & ~self.rounded[corner]) | (
-            ~(before | after) & (self.sources.bulge[k] != 0) & (self.sources.radius_mm[k] < 1e-6)
+            ~(before | after) & (self.sources.drawn.bulge[k] != 0) & (self.sources.radius_mm[k] < 1e-6)
         )
         labels[gone] = NOTHING
         return labels

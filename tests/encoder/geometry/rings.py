@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -40,11 +41,16 @@ def turned(vertices: np.ndarray[tuple[int, int], np.dtype[np.float64]], over: bo
 
 
 def is_simple(curve: Curve) -> bool:
-    """Whether a ring bounds an area without touching itself, as far as fine chords tell."""
+    """Whether a ring bounds an area without touching itself; nor may it turn back where chords would not tell."""
+    segments = curve.segments
+    turned_back = any(
+        np.dot(a.tangent_at(1.0), b.tangent_at(0.0)) < -0.99 for a, b in pairwise([*segments, segments[0]])
+    )
     return (
-        curve.polygon(0.0005).is_valid
+        min(s.length_mm for s in segments) > 1e-3
+        and not turned_back
         and abs(curve.signed_area_mm2) > 20
-        and min(s.length_mm for s in curve.segments) > 1e-3
+        and curve.polygon(0.0005).is_valid
     )
 
 

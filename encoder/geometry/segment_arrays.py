@@ -1,0 +1,120 @@
+"""All segments of a curve as arrays, for questions about many points of it at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .curve import Curve, FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class SegmentArrays:
+    """The n segments of a curve that has some. Arrays (n, 2) unless said otherwise.
+
+    `tangent_in` and `tangent_out` are the unit tangents at a segment's start and end; `bulge` (n,); `centre` and
+    `radius_mm` (n,) those of arcs, meaningless for lines; `starts_mm` (n + 1,) path lengths as in `Curve`.
+    """
+
+    start: FloatArray
+    end: FloatArray
+    bulge: FloatArray
+    tangent_in: FloatArray
+    tangent_out: FloatArray
+    centre: FloatArray
+    radius_mm: FloatArray
+    starts_mm: FloatArray
+
+    @staticmethod
+    def of(curve: Curve) -> SegmentArrays:
+        """The segments of `curve`."""
+        start = np.array([s.start for s in curve.segments])
+        end = np.array([s.end for s in curve.segments])
+        bulge = np.array([s.bulge for s in curve.segments])
+        chord = end - start
+        length = np.hypot(chord[:, 0], chord[:, 1])[:, None]
+        # The tangent at an end of an arc is its chord turned by half the sweep, 2 atan(bulge).
+        along, across = chord / length, _left(chord) / length
+        cos, sin = ((1 - bulge**2) / (1 + bulge**2))[:, None], (2 * bulge / (1 + bulge**2))[:, None]
+        b = np.where(bulge != 0, bulge, 1.0)
+        centre = (start + end) / 2 + across * length * ((1 - b * b) / (4 * b))[:, None]
+        radius_mm = length[:, 0] * (1 + b * b) / (4 * np.abs(b))
+        tangent_in, tangent_out = along * cos - across * sin, along * cos + across * sin
+        return SegmentArrays(start, end, bulge, tangent_in, tangent_out, centre, radius_mm, curve.starts_mm)
+
+    def __len__(self) -> int:
+        return len(self.start)
+
+    @cached_property
+    def turn_rad(self) -> FloatArray:
+        """Array (n,): the angle that a closed curve turns through at the end of each segment, positive to the left."""
+        after = np.roll(self.tangent_in, -1, axis=0)
+        return np.asarray(np.arctan2(_cross(self.tangent_out, after), (self.tangent_out * after).sum(axis=1)))
+
+    def frames(self, at_mm: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Points of a closed curve at path lengths (m,), and the unit tangents before and after them; arrays (m, 2).
+
+        The tangents differ at corners only.
+
+        Examples
+        --------
+        >>> square = SegmentArrays.of(Curve.of([(0, 0), (10, 0), (10, 10), (0, 10)]))
+        >>> [a.tolist() for a in square.frames(np.array([10.0]))]
+        [[[10.0, 0.0]], [[1.0, 0.0]], [[0.0, 1.0]]]
+        """
+        at_mm = at_mm % self.starts_mm[-1]
+        k = np.clip(np.searchsorted(self.starts_mm, at_mm + 1e-9, side="right") - 1, 0, len(self) - 1)
+        fraction = (at_mm - self.starts_mm[k]) / (self.starts_mm[k + 1] - self.starts_mm[k])
+        f, bulge = np.clip(fraction, 0, 1)[:, None], self.bulge[k]
+        points = self.start[k] + f * (self.end[k] - self.start[k])
+        tangents = self.tangent_in[k]
+        angle = (4 * np.arctan(bulge))[:, None] * f
+        cos, sin = np.cos(angle), np.sin(angle)
+        spoke = self.start[k] - self.centre[k]
+        arc = bulge != 0
+        points[arc] = (self.centre[k] + spoke * cos + _left(spoke) * sin)[arc]
+        tangents[arc] = (tangents * cos + _left(tangents) * sin)[arc]
+        at_start = at_mm - self.starts_mm[k] < 1e-9
+        return points, np.where(at_start[:, None], self.tangent_out[k - 1], tangents), tangents
+
+    def project(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Path lengths of the nearest points of the curve to `points` (m, 2), and the distances to them, mm.
+
+        Examples
+        --------
+        >>> circle = SegmentArrays.of(Curve.of([(-10, 0, 1), (10, 0, 1)]))
+        >>> [a.round(3).tolist() for a in circle.project(np.array([[0.0, -12.0]]))]
+        [[15.708], [2.0]]
+        """
+        along = self.end - self.start
+        rel = points[:, None] - self.start
+        fraction = np.clip((rel * along).sum(axis=2) / (along * along).sum(axis=1), 0, 1)
+        arcs = np.flatnonzero(self.bulge)
+        if len(arcs):
+            spoke, ray = self.start[arcs] - self.centre[arcs], points[:, None] - self.centre[arcs]
+            turn_rad = np.arctan2(_cross(spoke, ray), (spoke * ray).sum(axis=2))
+            sweep_rad = 4 * np.arctan(self.bulge[arcs])
+            on_arc = (np.sign(sweep_rad) * turn_rad) % (2 * np.pi) / np.abs(sweep_rad)
+            to_end = ray - (self.end - self.centre)[arcs]
+            nearer_start = ((ray - spoke) ** 2).sum(axis=2) <= (to_end**2).sum(axis=2)
+            fraction[:, arcs] = np.where(on_arc <= 1, on_arc, np.where(nearer_start, 0.0, 1.0))
+        feet = self.start + fraction[:, :, None] * along
+        if len(arcs):
+            angle = (sweep_rad * fraction[:, arcs])[:, :, None]
+            feet[:, arcs] = self.centre[arcs] + spoke * np.cos(angle) + _left(spoke) * np.sin(angle)
+        squares = ((feet - points[:, None]) ** 2).sum(axis=2)
+        k = squares.argmin(axis=1)
+        rows = np.arange(len(points))
+        length_mm = self.starts_mm[k + 1] - self.starts_mm[k]
+        return self.starts_mm[k] + fraction[rows, k] * length_mm, np.sqrt(squares[rows, k])
+
+
+def _left(v: FloatArray) -> FloatArray:
+    """Vectors turned a quarter to the left."""
+    return np.stack([-v[..., 1], v[..., 0]], axis=-1)
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
