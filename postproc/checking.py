@@ -38,7 +38,8 @@ def judge(nest: Nest, plan: Plan, program: str, profile: Profile) -> CheckResult
         other = of_program.pop(judgement.id, None)
         more = () if other is None else other.violations
         rules.append(replace(judgement, violations=judgement.violations or more))
-    return CheckResult((*of_program.values(), *rules), tuple(dict.fromkeys(planned.warnings + written.warnings)))
+    warnings = tuple(dict.fromkeys(planned.warnings + written.warnings))
+    return CheckResult((*of_program.values(), *rules), warnings, written.measured)
 
 
 def report_of(result: CheckResult) -> tuple[RuleReport, ...]:

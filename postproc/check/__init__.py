@@ -2,7 +2,7 @@
 
 from .check import check_cuts, check_program
 from .report import report
-from .result import CheckResult, Excused, Judgement
+from .result import CheckResult, Excused, Judgement, Measured
 from .totals import Claims
 
-__all__ = ["CheckResult", "Claims", "Excused", "Judgement", "check_cuts", "check_program", "report"]
+__all__ = ["CheckResult", "Claims", "Excused", "Judgement", "Measured", "check_cuts", "check_program", "report"]

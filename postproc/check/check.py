@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from ...encoder.cut import CutSequence
@@ -14,10 +15,10 @@ from .metal import gouges, off_sheet
 from .nc_reader import NcProgram, read_nc
 from .program_rules import judgement
 from .rebuild import rebuild
-from .result import CheckResult, Judgement
+from .result import CheckResult, Judgement, Measured
 from .runs_from_cuts import runs_from_cuts
 from .torch_run import TorchRun
-from .totals import Claims, claims_kept, totals
+from .totals import Claims, claims_kept, idle_mm, totals
 
 
 def check_cuts(nest: Nest, cuts: CutSequence, profile: Profile, claims: Claims | None = None) -> CheckResult:
@@ -32,7 +33,7 @@ def check_cuts(nest: Nest, cuts: CutSequence, profile: Profile, claims: Claims |
         broken, told = claims_kept(claims, rules)
         judged += [judgement("totals", totals(nest, cuts, runs, claims)), judgement("claims", broken)]
         warnings += told
-    return CheckResult((*judged, *rules), tuple(warnings))
+    return CheckResult((*judged, *rules), tuple(warnings), _measured(runs, idle_mm(nest, cuts)))
 
 
 def check_program(nest: Nest, nc_text: str, profile: Profile, file: str = "") -> CheckResult:
@@ -48,7 +49,7 @@ def check_program(nest: Nest, nc_text: str, profile: Profile, file: str = "") ->
     judged, warnings = _judge_paths(nest, built.cuts, built.runs, built.violations, profile)
     judged.append(judgement("torch-off-travel", _hot(program)))
     rules = judge(nest, once_each(nest, built.cuts), profile)
-    return CheckResult((*judged, *rules), (*built.warnings, *warnings))
+    return CheckResult((*judged, *rules), (*built.warnings, *warnings), _measured(built.runs, program.idle_mm))
 
 
 def _judge_paths(
@@ -67,6 +68,10 @@ def _judge_paths(
         judgement("no-gouging", found.violations),
     ]
     return judged, list(found.warnings)
+
+
+def _measured(runs: Sequence[TorchRun], idle_mm: float) -> Measured:
+    return Measured(len(runs), math.fsum(run.length_mm for run in runs), idle_mm)
 
 
 def _of(rule: str, faults: Sequence[Violation]) -> list[Violation]:

@@ -33,13 +33,11 @@ _TORCH_BITS = {62.0, 63.0, 64.0, 65.0}
 class Burn:
     """One stretch with a tool on, rapids left out: torch $0, others mark.
 
-    `line` is where it begins, `line_end` where it ends; `comment` the last comment before it. Times in s from the
-    program's start.
+    `line` is where it begins, `comment` the last comment before it. Times in s from the program's start.
     """
 
     tool: int
     line: int
-    line_end: int
     path: Curve
     start_s: float
     end_s: float
@@ -63,7 +61,6 @@ class NcProgram:
     faults: tuple[tuple[int, str], ...]
     comments: tuple[str, ...]
     idle_mm: float
-    end: Point
 
 
 def read_nc(text: str, travel_mm_s: float = 100.0, file: str = "") -> NcProgram:
@@ -92,7 +89,7 @@ def read_nc(text: str, travel_mm_s: float = 100.0, file: str = "") -> NcProgram:
         raise InputError(error.message, file=file or None, line=error.line or line) from None
     if not machine.ended:
         raise InputError("the program has no end: expected M2 or M30", file=file or None, line=line or None)
-    machine.close(line)
+    machine.close()
     if machine.on:
         machine.faults.append((line, "the program ends with the torch on"))
     return NcProgram(
@@ -101,7 +98,6 @@ def read_nc(text: str, travel_mm_s: float = 100.0, file: str = "") -> NcProgram:
         tuple(machine.faults),
         tuple(machine.comments),
         machine.idle_mm,
-        machine.at,
     )
 
 
@@ -173,7 +169,7 @@ class _Machine:
         elif code == 5.0:
             self.on = [] if tool == -1 else [t for t in self.on if t != tool]
             if self.open is not None and self.open.tool not in self.on:
-                self.close(block.line)
+                self.close()
         elif code in _TORCH_BITS:
             raise InputError(
                 f"M{code:g} can stop the torch while the path goes on; this is not checked", line=block.line
@@ -221,7 +217,7 @@ class _Machine:
         tool = self.open.tool if self.open is not None else None
         if tool is not None and length > 0:
             self.hot_rapids.append(HotRapid(block.line, length))
-            self.close(block.line)
+            self.close()
         self.at = end
         if tool is None:
             self.idle_mm += length
@@ -238,12 +234,12 @@ class _Machine:
     def _begin(self, tool: int, line: int) -> None:
         self.open = _Open(tool, line, self.clock_s, [], self.comment)
 
-    def close(self, line: int) -> None:
+    def close(self) -> None:
         """End the burn that is going on, if any; one that did not move is a hole and is kept."""
         if self.open is not None:
             path = Curve.of([*self.open.rows, (*self.at, 0.0)], closed=False)
             o = self.open
-            self.burns.append(Burn(o.tool, o.line, line, path, o.start_s, self.clock_s, o.comment))
+            self.burns.append(Burn(o.tool, o.line, path, o.start_s, self.clock_s, o.comment))
             self.open = None
 
     def _arc(self, end: Point, block: Block) -> tuple[Segment, ...]:

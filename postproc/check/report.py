@@ -16,6 +16,8 @@ def report(result: CheckResult, most: int = MOST) -> str:
     lines += [f"warning: {text}" for text in result.warnings[:most]]
     if len(result.warnings) > most:
         lines.append(f"... and {len(result.warnings) - most} more warnings")
+    measured = result.measured
+    lines.append(f"measured: {measured.paths} paths, {measured.on_mm:.1f} mm torch on, {measured.idle_mm:.1f} mm idle")
     broken = result.broken()
     lines.append(
         "ok: every hard rule holds" if result.ok else f"FAILED: {len(broken)} hard rules broken: {', '.join(broken)}"

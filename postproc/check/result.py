@@ -45,11 +45,21 @@ class Judgement:
 
 
 @dataclass(frozen=True, slots=True)
+class Measured:
+    """The check's own count: paths with the torch (or the marking tool) on, their length, and idle travel, mm."""
+
+    paths: int
+    on_mm: float
+    idle_mm: float
+
+
+@dataclass(frozen=True, slots=True)
 class CheckResult:
     """The judgements, those on the program itself first, then the profile's rules; warnings fail nothing."""
 
     rules: tuple[Judgement, ...]
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str, ...]
+    measured: Measured
 
     @property
     def ok(self) -> bool:

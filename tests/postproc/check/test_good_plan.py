@@ -66,7 +66,11 @@ def test_a_program_without_comments_is_known_by_its_geometry() -> None:
 def test_the_report_lists_every_rule_and_ends_with_the_verdict() -> None:
     text = report(check_plan(PLATE, PLAN, PROFILE))
     assert all(name in text for name in PROFILE.settings())
-    assert text.endswith("ok: every hard rule holds")
+    idle_mm = PLAN.totals.idle_mm
+    assert text.endswith(
+        f"9 paths, {PLAN.totals.cut_mm:.1f} mm torch on, {idle_mm:.1f} mm idle\nok: every hard rule holds"
+    )
+    assert f"mm torch on, {idle_mm:.1f} mm idle" in report(check_program(PLATE, PROGRAM, PROFILE))
 
 
 def test_verdicts_go_back_to_the_plan_and_are_then_held_against_it() -> None:

@@ -18,7 +18,7 @@ def test_a_square_with_times() -> None:
         "%\nN10 G21 G90\nG0 X30 Y40\n(CUT 1)\nM3 $0 S1\nG4 P0.5\nG1 X130 F600\nM5 $0\nG0 X0 Y0\n%\nG1 X\n", 50
     )
     (burn,) = program.burns
-    assert (burn.tool, burn.line, burn.line_end, burn.comment) == (0, 5, 8, "CUT 1")
+    assert (burn.tool, burn.line, burn.comment) == (0, 5, "CUT 1")
     assert (burn.start_s, burn.end_s) == (1.0, 11.5)
     assert burn.path.as_rows() == [[30, 40], [130, 40]]
     assert program.idle_mm == pytest.approx(50 + math.hypot(130, 40))

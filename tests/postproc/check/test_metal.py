@@ -1,0 +1,63 @@
+"""Gouges and paths off the sheet."""
+
+from dataclasses import replace
+
+import pytest
+
+from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Nest
+from kerfwise.postproc.check import CheckResult, check_cuts
+from kerfwise.tests.nests import circle, nest, part, rect
+from kerfwise.tests.postproc.plans import cut_of, profile
+
+
+def one(sheet: Nest, name: str, pierce: tuple[float, float], **changes: object) -> CheckResult:
+    """The check of the first part of a nest, joined at a tenth of its outline from this pierce."""
+    cut: Cut = cut_of(sheet.contour(name), 0.1, "cw")
+    assert cut.lead_in is not None
+    lead_in = Curve.of([pierce, cut.lead_in.vertices[-1, :2].tolist()], closed=False)
+    return check_cuts(sheet, CutSequence((replace(cut, pierce=pierce, lead_in=lead_in),), "left"), profile(**changes))
+
+
+def test_a_lead_along_a_neighbour_takes_metal_of_it() -> None:
+    sheet = nest(200, 200, part("A", rect(20, 20, 60, 60)), part("B", rect(30, 5, 100, 10)))
+    assert one(sheet, "A.outer", (44, 16.5)).rule("no-gouging").holds
+    result = one(sheet, "A.outer", (44, 15.5))
+    (violation,) = result.rule("no-gouging").violations
+    assert violation.contours == ("A.outer", "B.outer")
+    assert violation.text == "cut 1: a lead of A.outer enters the metal of B, 0.250 mm deep"
+
+
+def test_beside_a_part_closer_than_the_kerf_only_the_round_may_take_metal() -> None:
+    sheet = nest(200, 200, part("A", rect(20, 20, 60, 60)), part("B", rect(30, 5, 100, 14.2)))
+    result = one(sheet, "A.outer", (44, 18.9))
+    assert result.rule("no-gouging").holds
+    assert result.warnings[0].startswith("A and B are 0.800 mm apart, less than the kerf")
+    assert not one(sheet, "A.outer", (44, 12)).rule("no-gouging").holds
+
+
+def test_a_part_that_was_cut_out_before_still_counts() -> None:
+    sheet = nest(300, 200, part("A", rect(20, 20, 60, 60)), part("B", circle(200, 100, 40), [circle(200, 100, 20)]))
+    cuts = [cut_of(sheet.contour(n), 0.1, w) for n, w in (("A.outer", "cw"), ("B.hole1", "ccw"), ("B.outer", "cw"))]
+    assert check_cuts(sheet, CutSequence(tuple(cuts), "left"), profile()).rule("no-gouging").holds
+    lead = Curve.of([(50, 50), *cuts[1].lead_in.vertices[-1:, :2].tolist()], closed=False)  # type: ignore[union-attr]
+    astray = replace(cuts[1], pierce=(50, 50), lead_in=lead)
+    broken = check_cuts(sheet, CutSequence((cuts[0], astray, cuts[2]), "left"), profile()).rule("no-gouging")
+    assert {v.contours for v in broken.violations} == {("B.hole1", "A.outer"), ("B.hole1", "B.outer")}
+
+
+@pytest.mark.parametrize(("x", "edge_start", "holds"), [(-5.0, True, True), (-9.0, True, False), (-5.0, False, False)])
+def test_only_an_edge_start_leaves_the_sheet(x: float, edge_start: bool, holds: bool) -> None:
+    sheet = nest(200, 200, part("A", rect(3, 20, 60, 60)))
+    leads = replace(profile().leads, edge_start=edge_start)
+    assert one(sheet, "A.outer", (x, 15), leads=leads).rule("on-sheet").holds is holds
+
+
+def test_no_kerf_no_gouge() -> None:
+    sheet = nest(200, 200, part("A", rect(20, 20, 60, 60)), part("B", rect(80, 20, 60, 60)))
+    thin = replace(profile().material, kerf_mm=0.0)
+    cuts = tuple(cut_of(sheet.contour(f"{n}.outer"), 0.1, "cw", kerf_mm=0.0) for n in "AB")
+    result = check_cuts(sheet, CutSequence(cuts, "left"), profile(material=thin))
+    assert result.rule("no-gouging").holds
+    assert result.warnings == ()
