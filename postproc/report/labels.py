@@ -16,7 +16,7 @@ from .room import Place, find_room
 
 _ENOUGH = 0.8  # share of the wanted size with which no better place is looked for
 _SHARES = (1.0, 0.75, 0.5)  # of the wanted size, tried for a part in turn
-_FINE = 0.02  # of the wanted size: how far an outline may be simplified; the air around a text is more
+_FINE = 0.02  # of the wanted size: how far an outline may be simplified
 _BESIDE = 2.5  # a hole's number outside it stands within so many font sizes
 
 
@@ -123,8 +123,11 @@ def _beside(metal: shapely.Geometry, hole: Contour, label: Label, wanted_mm: flo
 
 def _seen(area: shapely.Geometry, wanted_mm: float, window: shapely.Polygon | None) -> shapely.Geometry:
     """What lies in the window, with no more points than a label can tell: curves of a thousand chords are slow."""
-    simple = shapely.make_valid(shapely.simplify(shapely.make_valid(area), _FINE * wanted_mm))
-    return simple if window is None else simple.intersection(window)
+    exact = shapely.make_valid(area)
+    # A simplified outline may stray outwards, so it is drawn in by as much: labels stay inside the exact one.
+    simple = shapely.make_valid(exact.simplify(_FINE * wanted_mm)).buffer(-_FINE * wanted_mm, join_style="mitre")
+    seen = exact if simple.is_empty else simple
+    return seen if window is None else seen.intersection(window)
 
 
 def _nested_metal(nest: Nest, holes: list[Contour]) -> dict[str, shapely.Geometry]:

@@ -90,19 +90,26 @@ def _room_one_way(
     width, height = text_width(text, 1.0, bold), CAP_HEIGHT
     stretch = np.array([width / height, 1.0] if turned else [1.0, width / height])
     stretched = shapely.transform(area, lambda points: points * stretch)
-    radius_per_mm = _AIR * width / math.sqrt(2)
-    radius = radius_per_mm * wanted_mm
-    centres = shapely.Polygon() if near is None else stretched.buffer(-radius, quad_segs=4)
-    if centres.is_empty:
-        widest = shapely.maximum_inscribed_circle(stretched, tolerance=0.05 * radius)
-        radius = min(radius, _SLACK * widest.length)
-        centres = stretched.buffer(-_SLACK * widest.length, quad_segs=4)
-        if centres.is_empty:
-            centres = shapely.Point(widest.coords[0])
     target = shapely.transform(area.centroid if near is None else near, lambda points: points * stretch)
-    x, y = (shapely.get_coordinates(shapely.shortest_line(centres, target))[0] / stretch).tolist()
-    place = Place(text, x, y, min(radius / radius_per_mm, wanted_mm), bold, turned)
-    return _grown(place, area, wanted_mm)
+    radius_per_mm = _AIR * width / math.sqrt(2)
+
+    def at(centre: shapely.Geometry, radius: float) -> Place:
+        x, y = (shapely.get_coordinates(centre)[0] / stretch).tolist()
+        return Place(text, x, y, min(radius / radius_per_mm, wanted_mm), bold, turned)
+
+    def nearest(radius: float) -> Place | None:
+        centres = stretched.buffer(-radius, quad_segs=4)
+        if centres.is_empty:
+            return None
+        place = at(shapely.shortest_line(centres, target), radius)
+        # Shrinking by more than the size of its curves can leave specks that lie nowhere near the middle.
+        return place if area.contains(place.box()) else None
+
+    if near is not None and (place := nearest(radius_per_mm * wanted_mm)):
+        return place
+    widest = shapely.maximum_inscribed_circle(stretched, tolerance=0.05 * radius_per_mm * wanted_mm)
+    radius = _SLACK * widest.length
+    return _grown(nearest(radius) or at(widest, radius), area, wanted_mm)
 
 
 def _grown(place: Place, area: shapely.Geometry, wanted_mm: float) -> Place:
