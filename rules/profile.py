@@ -178,6 +178,6 @@ def _content(name: str, folder: Path) -> tuple[str, bytes]:
     try:
         return str(path), path.read_bytes()
     except OSError as error:
-        if path.suffix or len(path.parts) > 1:
+        if path.suffix or len(Path(name).parts) > 1:
             raise InputError(f"cannot read the profile: {error.strerror}", file=path) from None
         raise InputError(unknown("profile", name, shipped)) from None

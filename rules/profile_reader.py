@@ -52,8 +52,7 @@ def read_given(text: str, file: str, start: Given, load_base: Callable[[str], Gi
     if "locks" in found:
         given["locks"] = read_locks(found["locks"], problems)
     if "own_rules" in found:
-        own = items(found["own_rules"], problems, "own_rules")
-        given["own_rules"] = tuple(OwnRule(plain(node), problems.place(node)) for node in own)
+        given["own_rules"] = read_own_rules(found["own_rules"], problems)
     if root is not None:
         check_together(given, root, problems)
     problems.raise_any()
@@ -154,8 +153,20 @@ def read_locks(node: yaml.Node, problems: Problems) -> tuple[Lock, ...]:
     locks = []
     for number, entry in enumerate(items(node, problems, "locks"), 1):
         what = f"locks[{number}]"
+        so_far = len(problems.found)
         lock = read_fields(entries(entry, problems, what), Lock(place=problems.place(entry)), problems, what)
-        if isinstance(entry, yaml.MappingNode) and (wrong := lock.wrong()):
+        if len(problems.found) == so_far and (wrong := lock.wrong()):
             problems.add(entry, f"{what}: {wrong}")
         locks.append(lock)
     return tuple(locks)
+
+
+def read_own_rules(node: yaml.Node, problems: Problems) -> tuple[OwnRule, ...]:
+    """The plant's own rules as plain data, each with its place."""
+    rules = []
+    for entry in items(node, problems, "own_rules"):
+        try:
+            rules.append(OwnRule(plain(entry), problems.place(entry)))
+        except InputError as error:
+            problems.add(entry, f"own_rules: {error.message}")
+    return tuple(rules)

@@ -17,7 +17,8 @@ def nearest(given: str, valid: Iterable[str]) -> str | None:
     True
     """
     by_plain = {_plain(name): name for name in sorted(valid, reverse=True)}
-    matches = difflib.get_close_matches(_plain(given), by_plain, n=1, cutoff=0.6)
+    begun = [plain for plain in sorted(by_plain) if len(given) > 2 and plain.startswith(_plain(given))]
+    matches = begun or difflib.get_close_matches(_plain(given), by_plain, n=1, cutoff=0.6)
     return by_plain[matches[0]] if matches else None
 
 

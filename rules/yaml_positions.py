@@ -127,6 +127,11 @@ def shape(node: yaml.Node) -> str:
 def plain(node: yaml.Node) -> Any:
     """The ordinary Python value of a node.
 
+    Raises
+    ------
+    InputError
+        If the node has a tag or a key that plain data cannot have.
+
     Examples
     --------
     >>> plain(compose("[1, two, {three: 3.0}]", "plant.yaml"))
@@ -135,5 +140,8 @@ def plain(node: yaml.Node) -> Any:
     loader = yaml.SafeLoader("")
     try:
         return loader.construct_document(node)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or node.start_mark
+        raise InputError(f"expected plain data: {error.problem}", line=mark.line + 1, column=mark.column + 1) from None
     finally:
         loader.dispose()

@@ -1,0 +1,35 @@
+"""Rules are judged without the facts that models are built on."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+from kerfwise.rules import catalogue, pierce_places, placement
+from kerfwise.rules.registry import catalogue_modules
+
+
+def imported(node: ast.AST) -> list[str]:
+    """Modules imported anywhere below, but for those under `if TYPE_CHECKING`."""
+    if isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
+        return []
+    if isinstance(node, ast.ImportFrom):
+        return [node.module or ""]
+    if isinstance(node, ast.Import):
+        return [alias.name for alias in node.names]
+    return [name for child in ast.iter_child_nodes(node) for name in imported(child)]
+
+
+FILES = [m.__file__ for m in (*catalogue_modules(), catalogue, placement, pierce_places)]
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda f: Path(str(f)).stem)
+def test_no_facts(file: str) -> None:
+    tree = ast.parse(Path(file).read_text(encoding="utf-8"))
+    assert [name for name in imported(tree) if "facts" in name or "candidates" in name] == []
+
+
+def test_the_look_for_imports_can_find_one() -> None:
+    assert imported(ast.parse("def f():\n    from ..encoder.facts import Facts")) == ["encoder.facts"]

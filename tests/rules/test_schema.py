@@ -1,0 +1,78 @@
+"""The published schema says what the reader of profiles does."""
+
+from __future__ import annotations
+
+import json
+from importlib import resources
+from typing import Any
+
+import jsonschema
+import pytest
+import yaml
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.rules.profile import Profile, load_profile, shipped_profiles
+from kerfwise.rules.schema import profile_schema
+
+VALIDATOR = jsonschema.Draft202012Validator(profile_schema())
+
+
+class Yaml12(yaml.SafeLoader):
+    """YAML as editors read it: `off` is a word, not false."""
+
+
+Yaml12.yaml_implicit_resolvers = {
+    first: [(tag, pattern) for tag, pattern in found if tag != "tag:yaml.org,2002:bool" or first in "tTfF"]
+    for first, found in yaml.SafeLoader.yaml_implicit_resolvers.items()
+}
+
+
+def data(text: str) -> Any:
+    return yaml.load(text, Loader=Yaml12)  # a SafeLoader
+
+
+def test_published_schema_is_up_to_date() -> None:
+    published = resources.files("kerfwise.rules") / "profile.schema.json"
+    made = json.dumps(profile_schema(), indent=1, ensure_ascii=False) + "\n"
+    assert published.read_text(encoding="utf-8") == made, "run python -m kerfwise.rules.schema"
+
+
+def test_schema_is_a_schema() -> None:
+    jsonschema.Draft202012Validator.check_schema(profile_schema())
+
+
+@pytest.mark.parametrize("name", shipped_profiles())
+def test_shipped_profiles_and_what_show_prints_are_valid(name: str) -> None:
+    VALIDATOR.validate(data(shipped_profiles()[name].read_text(encoding="utf-8")))
+    VALIDATOR.validate(data(load_profile(name).show()))
+
+
+def test_bare_profile_is_valid() -> None:
+    VALIDATOR.validate(data(Profile("plant").show()))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "machin: {}",
+        "machine: {cut_feed: quick}",
+        "machine: {cut_feed: 0}",
+        "material: {kerf: -1}",
+        "leads: {entries: 1.5}",
+        "leads: {lead: curl}",
+        "rules: {level-ahed: off}",
+        "rules: {level-ahead: strong}",
+        "rules: {locks: off}",
+        "rules: {marks-first: {strength: soft}}",
+        "rules: {zone-order: {zone_contours: 0}}",
+        "locks: [{contour: A, part: B, zone: 1}]",
+        "locks: [{before: A}]",
+        "locks: {contour: A}",
+    ],
+)
+def test_schema_and_reader_refuse_the_same(text: str, tmp_path: Any) -> None:
+    assert not VALIDATOR.is_valid(data(text))
+    path = tmp_path / "plant.yaml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError):
+        load_profile(path)
