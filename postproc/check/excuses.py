@@ -9,8 +9,7 @@ not judged, nor which rule gives way in a tangle of more orders than the planner
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from itertools import pairwise
+from collections.abc import Sequence
 
 from ...encoder.cut import CutSequence
 from ...encoder.nest import Nest
@@ -18,7 +17,7 @@ from ...rules.cycles import components, contracted, path
 from ...rules.feedback import EXACT_LINKS
 from ...rules.profile import Profile
 from ...rules.registry import RULES
-from ...rules.rule import Ids, OrderRule
+from ...rules.rule import Ids
 from .result import Excused, Judgement
 
 
@@ -48,15 +47,20 @@ def _excused(judgement: Judgement, why: dict[Ids, str]) -> Judgement:
 def _contradictions(nest: Nest, cuts: CutSequence, profile: Profile, holding: set[str]) -> dict[Ids, str]:
     """Every broken order that the kept ones contradict, with the kept orders that do so."""
     at = cuts.positions()
-    asked = _asked(nest, cuts, profile, holding)
+    hard = {name: setting.options for name, setting in profile.settings().items() if setting.strength == "hard"}
+    asked: dict[Ids, str] = {}
+    for name in sorted(hard, key=lambda name: RULES[name].gives_way):
+        for a, b in RULES[name].pairs(nest, cuts, hard[name]):
+            if a in at and b in at:
+                asked.setdefault((a, b), name)
+    runs = [run for name in sorted(hard.keys() & holding) for run in RULES[name].together(nest, hard[name])]
+    number = {name: k for k, name in enumerate(at)}
+    together = [[number[name] for name in run if name in at] for run in runs]
     pairs = list(asked)
-    number = {name: k for k, name in enumerate(dict.fromkeys(name for pair in pairs for name in pair))}
-    runs = _runs(nest) if "part-contiguous" in holding else []
-    together = [[number[name] for name in run if name in number] for run in runs]
     links = contracted(len(number), [(number[a], number[b]) for a, b in pairs], together)
     found: dict[Ids, str] = {}
     for component in components(links):
-        kept = [k for k in component if asked[pairs[k]] == "zone-order" or at[pairs[k][0]] < at[pairs[k][1]]]
+        kept = [k for k in component if at[pairs[k][0]] < at[pairs[k][1]]]
         for k in sorted(set(component) - set(kept)):
             softest = RULES[asked[pairs[k]]].gives_way if len(component) <= EXACT_LINKS else math.inf
             firm = [m for m in kept if RULES[asked[pairs[m]]].gives_way <= softest]
@@ -66,36 +70,3 @@ def _contradictions(nest: Nest, cuts: CutSequence, profile: Profile, holding: se
                 orders = ", ".join(f"{' before '.join(pairs[m])} ({asked[pairs[m]]})" for m in against)
                 found[pairs[k]] = f"the order rules contradict each other here: {orders}"
     return found
-
-
-def _asked(nest: Nest, cuts: CutSequence, profile: Profile, holding: set[str]) -> dict[Ids, str]:
-    """Every order that a hard rule asks of contours that are cut, with the firmest rule that asks for it."""
-    asked: dict[Ids, str] = {}
-    settings = profile.settings()
-    if "zone-order" in holding:
-        asked = dict.fromkeys(_zone_chain(cuts), "zone-order")
-    asked |= {(lock.contour, lock.before): "locks" for lock in profile.locks if lock.contour and lock.before}
-    for name in sorted(settings, key=lambda name: RULES[name].gives_way):
-        rule = RULES[name]
-        if settings[name].strength == "hard" and isinstance(rule, OrderRule):
-            for pair in rule.pairs(nest, cuts, settings[name].options):
-                asked.setdefault(pair, name)
-    known = cuts.positions().keys() | {pair[1] for pair in _zone_chain(cuts)}
-    return {pair: name for pair, name in asked.items() if known.issuperset(pair)}
-
-
-def _zone_chain(cuts: CutSequence) -> Iterator[Ids]:
-    """The order of zones in few pairs: each contour before the end of its zone, which is before all of the next."""
-    zones = sorted({cut.zone for cut in cuts})
-    for zone, following in pairwise(zones):
-        end = f"the end of zone {zone}"
-        for cut in cuts:
-            if cut.zone == zone:
-                yield cut.contour, end
-            elif cut.zone == following:
-                yield end, cut.contour
-
-
-def _runs(nest: Nest) -> list[list[str]]:
-    """Contours that are cut without a break, by rule part-contiguous."""
-    return [[contour.id for contour in (*part.holes, part.outer)] for part in nest.parts if part.holes]
