@@ -121,7 +121,8 @@ class Segment:
         if not self.is_arc:
             return np.array([self.end])
         r = self.radius_mm
-        step = math.pi / 2 if r <= tolerance_mm else min(2 * math.acos(1 - tolerance_mm / r), math.pi / 2)
+        # 1 - cos(step / 2) = tolerance / r, written so that the widest arc keeps its digits
+        step = math.pi / 2 if r <= tolerance_mm else min(4 * math.asin(math.sqrt(tolerance_mm / (2 * r))), math.pi / 2)
         n = max(1, math.ceil(abs(self.sweep_rad) / step - 1e-9))
         (cx, cy), a0 = self.centre, self._angle_at(0.0)
         a = a0 + self.sweep_rad * np.arange(1, n + 1) / n

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 
 from ezdxf import recover
@@ -18,6 +19,9 @@ from .options import ReadOptions
 from .units import DXF_UNITS, MM_PER
 
 DXF_ERRORS: tuple[type[Exception], ...] = (*FOREIGN_ERRORS, DXFError)
+
+# its remarks on handles and such are nothing that a planner can act on; without a handler they go to the terminal
+logging.getLogger("ezdxf").addHandler(logging.NullHandler())
 
 
 def read_dxf(path: Path, data: bytes, options: ReadOptions) -> Drawing:

@@ -97,7 +97,8 @@ def _groups(nodes: IntArray) -> list[list[int]]:
 
 def _trails(group: list[int], loose: Sequence[Piece], nodes: IntArray, tolerance_mm: float) -> list[Trail]:
     """The rings and chains of one group, by the order of the file or, if that leaves lines over, by its faces."""
-    if np.bincount(np.unique(nodes[group], return_inverse=True)[1].ravel()).max() <= 2:
+    ends_at = np.bincount(np.unique(nodes[group], return_inverse=True)[1].ravel())
+    if ends_at.max() <= 2 and len(group) != 2:  # two pieces may be one line drawn twice
         return trace(group, nodes, {k: k for k in group})
     twin = twins(group, [p.curve for p in loose], nodes, tolerance_mm)
     drawn = trace(group, nodes, twin)

@@ -12,9 +12,12 @@ from ..geometry.curve import Curve, FloatArray
 LIMIT_MM = 1e6
 """No coordinate and no arc reaches further than a kilometre from the origin."""
 
+FLAT_MM = 1e-4
+"""An arc that leaves its chord by less is a line: its centre would lie further off than numbers reach."""
+
 
 def checked_curve(rows: Iterable[Sequence[float]] | FloatArray, closed: bool, scale: float = 1.0) -> Curve:
-    """A curve of x, y (times `scale`) and bulge, with repeated vertices left out.
+    """A curve of x, y (times `scale`) and bulge, without repeated vertices and arcs as flat as a line.
 
     Raises
     ------
@@ -42,4 +45,5 @@ def checked_curve(rows: Iterable[Sequence[float]] | FloatArray, closed: bool, sc
         raise InputError(f"an arc of bulge {drawn[wide.argmax(), 2]:g} is wider than a kilometre")
     keep = chord > 1e-9
     keep[-1] |= not closed or not keep.any()
-    return Curve(np.column_stack([points, drawn[:, 2]])[keep], closed)
+    arc = bulge * chord / 2 > FLAT_MM
+    return Curve(np.column_stack([points, np.where(arc, drawn[:, 2], 0.0)])[keep], closed)

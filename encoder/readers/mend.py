@@ -10,7 +10,7 @@ import shapely
 from ..geometry.curve import Curve
 from ..nest import Contour, Nest, Note, Part
 from ..validate.rings import flat, place, speck
-from .arcs import fitted
+from .arcs import FLATTEN_MM, fitted
 
 DOMINANT = 0.95
 """A ring that crosses itself is mended if one of the rings it falls into has this share of the whole area."""
@@ -41,7 +41,7 @@ def _mended_part(part: Part, notes: list[Note]) -> Part | None:
 def _mended_ring(contour: Contour, notes: list[Note]) -> Contour:
     if flat(contour.curve) or contour.polygon.is_valid:
         return contour
-    polygon = contour.polygon
+    polygon = contour.curve.polygon(FLATTEN_MM)
     pieces = [g for g in shapely.get_parts(shapely.make_valid(polygon)) if g.geom_type == "Polygon"]
     whole = sum(g.area for g in pieces)
     largest = max(pieces, key=lambda g: g.area, default=shapely.Polygon())

@@ -41,7 +41,8 @@ def trimmed(chains: Sequence[Piece], tolerance_mm: float) -> tuple[list[Piece], 
             continue
         if np.hypot(*(ends[a] - ends[b])) <= SNAP_MM:
             continue
-        taken |= {a, b}
+        for n in (a, b):  # the one line of a chain is both its first and its last
+            taken |= {n, n ^ 1} if len(chains[n // 2].curve.segments) == 1 else {n}
         shared.append(Piece(Curve.of([ends[a], ends[b]], closed=False), chains[b // 2].layer, chains[b // 2].order))
         rows[b // 2][-(b % 2), :2] = ends[a]
     left = [Piece(Curve(r, closed=False), c.layer, c.order) for r, c in zip(rows, chains, strict=True)]

@@ -40,7 +40,9 @@ def choose_sheet(
         if options.sheet_size_mm is not None:
             notes.append(Note("warning", f"sheet_size_mm is not used: the sheet is drawn, {drawn[0].place}"))
         return _drawn_sheet(drawn), notes
-    x0, y0, x1, y1 = shapely.total_bounds(np.array([p.curve.line() for p in parts], dtype=object)).tolist()
+    # chords cut the round side of an arc short, by less than what is rounded here
+    lines = np.array([p.curve.line(1e-3) for p in parts], dtype=object)
+    x0, y0, x1, y1 = shapely.total_bounds(lines).round(2).tolist()
     notes += _frame(parts, (x0, y0, x1, y1))
     if options.sheet_size_mm is not None:
         sheet, said = _given_sheet(options.sheet_size_mm, (x0, y0, x1, y1), options.margin_mm)

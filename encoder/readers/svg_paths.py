@@ -18,19 +18,18 @@ ROUND = 1e-6
 """An elliptical arc whose radii differ by less than this share is circular."""
 
 
-def curves(shape: Any, scale: float, height_mm: float) -> list[Curve]:
-    """The subpaths of a shape in mm, y up from the bottom of a page of `height_mm`.
+def curves(shape: Any, to_mm: Any) -> list[Curve]:
+    """The subpaths of a shape in mm, y up.
 
     Parameters
     ----------
     shape
-        Any svgelements.Shape, in pixels.
-    scale
-        Millimetres per pixel.
+        Any svgelements.Shape.
+    to_mm
+        The svgelements.Matrix from its coordinates to mm.
     """
-    up = svgelements.Matrix(scale, 0, 0, -scale, 0, height_mm)
     found = []
-    for subpath in abs(svgelements.Path(shape) * up).as_subpaths():
+    for subpath in abs(svgelements.Path(shape) * to_mm).as_subpaths():
         rows: list[FloatArray] = []
         end, shut = None, False
         for segment in svgelements.Path(subpath):

@@ -41,7 +41,7 @@ def doubts(sheet: Sheet, units: str) -> list[Note]:
         return []
     drawn = extent / DRAWN_MM[units]
     fits = [u for u, mm in MM_PER.items() if u != units and SMALLEST_SHEET_MM <= drawn * mm <= LARGEST_SHEET_MM]
-    named = " or ".join(filter(None, [", ".join(fits[:-1]), fits[-1]])) if fits else "the right one"
+    named = f"units={' or '.join(filter(None, [', '.join(fits[:-1]), fits[-1]]))}" if fits else "the right units"
     size = "too small" if extent < SMALLEST_SHEET_MM else "too large"
-    text = f"the sheet is {width:g} × {height:g} mm, {size} to be one: if {units} is the wrong unit, pass units={named}"
+    text = f"the sheet is {width:g} × {height:g} mm, {size} to be one: if {units} is the wrong unit, pass {named}"
     return [Note("warning", text)]

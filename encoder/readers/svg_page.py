@@ -1,0 +1,67 @@
+"""The page of an SVG file: what a user unit is in mm, and where the sheet's lower left corner would be."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import svgelements
+
+from ..errors import InputError
+from ..nest import Sheet
+from .options import ReadOptions
+from .units import DRAWN_MM, MM_PER
+
+MM_PER_LENGTH = {"mm": 1.0, "cm": 10.0, "q": 0.25, "in": 25.4, "pt": 25.4 / 72, "pc": 25.4 / 6, "px": 25.4 / 96}
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """How to get from svgelements' pixels (y down) to mm (y up); `sheet` is None where the file gives no size.
+
+    `units` names what the drawing was taken to be in.
+    """
+
+    to_mm: Any
+    units: str
+    sheet: Sheet | None
+
+
+def page_of(svg: Any, options: ReadOptions) -> Page:
+    """The page of a parsed file.
+
+    A user unit is what `options.units` says; else the page's width and height over those of its viewBox; else a
+    pixel of 1/96 inch. svgelements' own conversion is undone first: it rounds the inch and guesses a missing side.
+
+    Raises
+    ------
+    InputError
+        When the page has no size, or stretches the drawing in one direction.
+    """
+    sides = [_length(svg.values.get(name)) for name in ("width", "height")]
+    box = svg.viewbox
+    x0, y0, width, height = (box.x, box.y, box.width, box.height) if box else (0.0, 0.0, None, None)
+    if box and not (width > 0 and height > 0):
+        raise InputError(f"the viewBox is {width} × {height}: expected a width and a height over 0")
+    scales = [mm / user for (mm, _), user in zip(sides, (width, height), strict=True) if mm and user]
+    stretched = len(scales) == 2 and abs(scales[0] - scales[1]) > 1e-6 * scales[0]
+    if stretched and "none" in str(svg.values.get("preserveAspectRatio")):
+        raise InputError("the page stretches the drawing in one direction; give it a viewBox of its own shape")
+    units = "mm" if any(unit for _, unit in sides) else "px"
+    scale = min(scales, default=DRAWN_MM["px"])
+    if options.units is not None:
+        scale, units = MM_PER[options.units], options.units
+    size = (width * scale, height * scale) if box else tuple(mm or 0.0 for mm, _ in sides)
+    sheet = Sheet.rectangle(*size) if min(size) > 0 else None
+    to_user = ~svgelements.Matrix(svg.viewbox_transform or "")
+    upright = svgelements.Matrix(scale, 0, 0, -scale, -x0 * scale, y0 * scale + (size[1] if sheet else 0.0))
+    return Page(to_user * upright, units, sheet)
+
+
+def _length(given: object) -> tuple[float | None, str]:
+    """A side of the page in mm and its unit; None where it is not given, or only as a share of the window."""
+    found = re.fullmatch(r"\s*\+?([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z]*)\s*", str(given))
+    if not found or (found[2] and found[2].lower() not in MM_PER_LENGTH):
+        return None, ""
+    return float(found[1]) * MM_PER_LENGTH[found[2].lower() or "px"], found[2]

@@ -1,0 +1,70 @@
+import pytest
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Sheet
+from kerfwise.encoder.readers import ReadOptions
+from kerfwise.encoder.readers.sheet import choose_sheet
+from kerfwise.tests.encoder.readers.drawings import pieces, square, texts
+
+PARTS = pieces(square(50, 60, 20), square(80, 60, 20), closed=True)
+
+
+def test_a_drawn_sheet_with_a_hole() -> None:
+    drawn = pieces(square(0, 0, 200), square(150, 150, 20), closed=True)
+    sheet, notes = choose_sheet(drawn, PARTS, None, ReadOptions())
+    assert sheet.bounds == (0, 0, 200, 200)
+    assert sheet.polygon.area == 40_000 - 400
+    assert notes == []
+
+
+def test_a_sheet_drawn_twice_is_one() -> None:
+    drawn = pieces(square(0, 0, 200), square(0, 0, 200)[::-1], closed=True)
+    assert choose_sheet(drawn, PARTS, None, ReadOptions())[0].bounds == (0, 0, 200, 200)
+
+
+def test_two_sheets_are_refused() -> None:
+    drawn = pieces(square(0, 0, 200), square(300, 0, 200), closed=True)
+    with pytest.raises(InputError, match="2 sheets are drawn") as error:
+        choose_sheet(drawn, PARTS, None, ReadOptions())
+    assert error.value.details == ("at (0.000, 0.000) on layer '0'", "at (300.000, 0.000) on layer '0'")
+
+
+def test_a_drawn_sheet_comes_before_a_given_size_and_says_so() -> None:
+    drawn = pieces(square(0, 0, 200), closed=True)
+    sheet, notes = choose_sheet(drawn, PARTS, None, ReadOptions(sheet_size_mm=(500, 500)))
+    assert sheet.bounds == (0, 0, 200, 200)
+    assert texts(notes) == ["sheet_size_mm is not used: the sheet is drawn, at (0.000, 0.000) on layer '0'"]
+
+
+def test_a_given_size_lies_at_the_origin_where_the_parts_are() -> None:
+    sheet, notes = choose_sheet([], PARTS, None, ReadOptions(sheet_size_mm=(100, 80)))
+    assert (sheet.bounds, notes) == ((0, 0, 100, 80), [])
+
+
+def test_a_given_size_is_laid_around_parts_that_lie_elsewhere() -> None:
+    sheet, notes = choose_sheet([], PARTS, None, ReadOptions(sheet_size_mm=(90, 24)))
+    assert sheet.bounds == (40, 58, 130, 82)
+    assert texts(notes) == ["the parts do not lie in (0, 0)…(90, 24): the sheet is laid around them, from (40, 58)"]
+
+
+def test_a_size_too_small_for_the_parts_stays_at_the_origin() -> None:
+    assert choose_sheet([], PARTS, None, ReadOptions(sheet_size_mm=(40, 24)))[0].bounds == (0, 0, 40, 24)
+
+
+def test_the_page_is_the_sheet_if_it_holds_the_parts() -> None:
+    sheet, [note] = choose_sheet([], PARTS, Sheet.rectangle(210, 297), ReadOptions())
+    assert sheet.bounds == (0, 0, 210, 297)
+    assert "the page, 210 × 297 mm, is taken for it" in note.text
+    assert choose_sheet([], PARTS, Sheet.rectangle(90, 297), ReadOptions())[0].bounds == (40, 50, 110, 90)
+
+
+def test_the_bounding_box_is_the_last_resort() -> None:
+    sheet, [note] = choose_sheet([], PARTS, None, ReadOptions(margin_mm=5))
+    assert sheet.bounds == (45, 55, 105, 85)
+    assert "bounding box and 5 mm around it, 60 × 30 mm" in note.text
+
+
+def test_one_rectangle_around_everything_may_be_the_sheet() -> None:
+    framed = pieces(square(0, 0, 200), square(50, 60, 20), closed=True)
+    _, notes = choose_sheet([], framed, None, ReadOptions())
+    assert "every contour lies in one rectangle" in notes[0].text
