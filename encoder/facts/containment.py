@@ -24,7 +24,9 @@ def parents_of(outlines: Outlines) -> Ints:
     inside = shapely.STRtree(shapely.point_on_surface(outlines.polygon[outers]))
     which_hole, which_outer = inside.query(outlines.polygon[holes], predicate="intersects")
     hole, outer = holes[which_hole], outers[which_outer]
-    fits = outlines.area_mm2[hole] > outlines.area_mm2[outer]
+    # The hole's own outer contour is asked too: areas then grow from parent to parent, and nothing goes in circles.
+    room_mm2 = np.minimum(outlines.area_mm2[hole], outlines.area_mm2[outlines.own_outer[hole]])
+    fits = room_mm2 > outlines.area_mm2[outer]
     hole, outer = hole[fits], outer[fits]
     by_area = np.argsort(-outlines.area_mm2[hole], kind="stable")
     parent[outer[by_area]] = hole[by_area]  # the last one written, the smallest hole, stays

@@ -51,3 +51,12 @@ def test_a_hole_contains_no_part_of_a_wider_host_that_shares_its_middle() -> Non
     """A small ring in the hole of a large one: a point of the large one may lie in the small hole."""
     ring = part("B", circle(150, 150, 60), [circle(150, 150, 40)])
     assert parents(nest(400, 400, FRAME, ring))["A.outer"] is None
+
+
+def test_holes_larger_than_their_parts_do_not_lead_in_circles() -> None:
+    """No reader lets such a nest pass; it must not hang all the same."""
+    wrong = (
+        part("A", rect(0, 0, 100, 100), [rect(-50, -50, 300, 300)]),
+        part("B", rect(0, 0, 99, 99), [rect(-50, -50, 300, 300)]),
+    )
+    assert set(parents(nest(400, 400, *wrong)).values()) == {"A.outer", "B.outer", "A.hole1", None}
