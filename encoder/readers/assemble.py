@@ -9,7 +9,7 @@ import shapely
 
 from ..nest import Contour, Note, Part
 from ..validate import coincident
-from ..validate.rings import enclosed
+from ..validate.metal import metal_of
 from .depth import surrounding
 from .drawing import Piece
 
@@ -51,7 +51,7 @@ def assemble(rings: Sequence[Piece], marks: Sequence[Piece]) -> tuple[tuple[Part
 def _with_marks(parts: Sequence[Part], marks: Sequence[Piece]) -> tuple[tuple[Part, ...], list[Note]]:
     if not marks:
         return tuple(parts), []
-    metal = np.array([_metal(p) for p in parts], dtype=object)
+    metal = metal_of(parts)
     lines = np.array([m.curve.line() for m in marks], dtype=object)
     k, on = shapely.STRtree(metal).query(lines, predicate="intersects")
     shared = shapely.length(shapely.intersection(lines[k], metal[on]))
@@ -66,8 +66,3 @@ def _with_marks(parts: Sequence[Part], marks: Sequence[Piece]) -> tuple[tuple[Pa
         Note("warning", f"the mark {m.place} is on no part: left out") for n, m in enumerate(marks) if n not in owner
     ]
     return tuple(Part(p.id, p.outer, p.holes, tuple(own)) for p, own in zip(parts, made, strict=True)), lost
-
-
-def _metal(part: Part) -> shapely.Geometry:
-    """The part's area even where its rings are not sound, as nobody has checked them yet."""
-    return enclosed(part.outer.curve).difference(shapely.union_all([enclosed(h.curve) for h in part.holes]))

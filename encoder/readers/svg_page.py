@@ -41,7 +41,7 @@ def page_of(svg: Any, options: ReadOptions) -> Page:
     """
     sides = [_length(svg.values.get(name)) for name in ("width", "height")]
     box = svg.viewbox
-    x0, y0, width, height = (box.x, box.y, box.width, box.height) if box else (0.0, 0.0, None, None)
+    x0, y0, width, height = (box.x, box.y, box.width, box.height) if box else (0.0, 0.0, 0.0, 0.0)
     if box and not (width > 0 and height > 0):
         raise InputError(f"the viewBox is {width} × {height}: expected a width and a height over 0")
     scales = [mm / user for (mm, _), user in zip(sides, (width, height), strict=True) if mm and user]

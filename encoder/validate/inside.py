@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 
 from ..nest import Contour, Note, Part
+from .metal import metal_of
 from .tolerances import TOUCH_MM
 
 
@@ -57,7 +58,7 @@ def mark_notes(parts: Sequence[Part]) -> list[Note]:
     """A note for each mark that runs off the metal of its part."""
     marked = [(p, m) for p in parts for m in p.marks]
     lines = np.array([m.line for _, m in marked], dtype=object)
-    metal = shapely.buffer(np.array([p.polygon for p, _ in marked], dtype=object), TOUCH_MM, quad_segs=2)
+    metal = shapely.buffer(metal_of([p for p, _ in marked]), TOUCH_MM, quad_segs=2)
     off = np.flatnonzero(~shapely.covered_by(lines, metal)).tolist()
     return [Note("warning", f"{marked[k][1].id} runs off its part", (marked[k][1].id,)) for k in off]
 

@@ -9,6 +9,7 @@ import shapely
 
 from ..nest import Note, Part, Sheet
 from .inside import around, thick
+from .metal import metal_of
 from .tolerances import TOUCH_MM
 
 MOST_NOTES = 100
@@ -22,8 +23,7 @@ def overlap_problems(parts: Sequence[Part]) -> tuple[list[str], list[Note]]:
     parts
         Parts whose rings are proper each.
     """
-    metal = np.array([p.polygon for p in parts], dtype=object)
-    metal = np.where(shapely.is_valid(metal), metal, shapely.make_valid(metal))
+    metal = metal_of(parts)
     i, j = shapely.STRtree(metal).query(metal, predicate="dwithin", distance=TOUCH_MM)
     i, j = i[i < j], j[i < j]
     problems, touching = [], []
@@ -56,8 +56,7 @@ def sheet_problems(parts: Sequence[Part], sheet: Sheet) -> list[str]:
     """Parts that do not lie on the metal of the sheet; along its edge is on it."""
     stock = sheet.polygon
     shapely.prepare(stock)
-    metal = np.array([p.polygon for p in parts], dtype=object)
-    metal = np.where(shapely.is_valid(metal), metal, shapely.make_valid(metal))
+    metal = metal_of(parts)
     off = np.flatnonzero(~shapely.covered_by(metal, stock))
     problems = []
     for k, area in zip(off.tolist(), shapely.difference(metal[off], stock), strict=True):
