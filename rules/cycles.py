@@ -15,9 +15,6 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from .registry import RULES
-from .rule import Ids
-
 Link = tuple[int, int]
 Ints = NDArray[np.int64]
 
@@ -78,30 +75,6 @@ def _traced(links: Sequence[Link], came_by: Mapping[int, int], start: int, goal:
     while links[trail[-1]][0] != start:
         trail.append(came_by[links[trail[-1]][0]])
     return trail[::-1]
-
-
-def excusable(pairs_by_rule: Mapping[str, Iterable[Ids]], together: Iterable[Sequence[str]] = ()) -> set[Ids]:
-    """The pairs of contour ids (before, after) that a plan may break, since the rules contradict each other there.
-
-    A pair is excusable when it lies on a cycle of all the pairs, and every rule that asks for it is one that gives
-    way. `pairs_by_rule` has the pairs of every hard rule; `together` the contours that are cut without a break.
-
-    Examples
-    --------
-    >>> sorted(excusable({"level-ahead": [("A", "B"), ("A", "C")], "hull-before": [("B", "A")]}))
-    [('A', 'B'), ('B', 'A')]
-    """
-    binding: dict[Ids, bool] = {}
-    for rule, asked in pairs_by_rule.items():
-        for pair in asked:
-            binding[pair] = binding.get(pair, False) or not RULES[rule].gives_way
-    groups = [tuple(members) for members in together]
-    number = {name: k for k, name in enumerate(dict.fromkeys(i for ids in (*binding, *groups) for i in ids))}
-    links = contracted(
-        len(number), [(number[a], number[b]) for a, b in binding], [[number[i] for i in members] for members in groups]
-    )
-    pairs = list(binding)
-    return {pairs[k] for component in components(links) for k in component if not binding[pairs[k]]}
 
 
 def _labels(size: int, links: Sequence[Link], connection: str) -> Ints:

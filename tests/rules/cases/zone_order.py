@@ -47,6 +47,26 @@ CASES = (
         ),
     ),
     Case(
+        "out of order and in different zones",
+        "fails",
+        HOST,
+        in_order(HOST, "H.hole1 G.outer H.outer", zones={"G": 1, "H": 2}),
+        (
+            Violation(
+                "zone-order",
+                ("G.outer", "H.hole1"),
+                "G.outer of zone 1 (cut 2) is cut after H.hole1 of zone 2 (cut 1)",
+                (1, 2),
+            ),
+            Violation(
+                "zone-order",
+                ("G.outer", "H.hole1"),
+                "G.outer is in zone 1 (cut 2), but H.hole1 around it is in zone 2 (cut 1)",
+                (2, 1),
+            ),
+        ),
+    ),
+    Case(
         "a part without a zone among parts with one",
         "fails",
         ROW,
