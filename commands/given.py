@@ -10,9 +10,8 @@ import click
 
 from ..encoder.errors import InputError
 from ..encoder.nest import Nest
-from ..rules.profile import Profile, load_profile
+from ..rules.profile import DEFAULT, Profile, load_profile
 
-DEFAULT_PROFILE = "plasma-carbon-steel"
 Verb = Callable[..., Any]
 
 
@@ -30,7 +29,7 @@ def given_options(verb: Verb) -> Verb:
         click.option("--repair", is_flag=True, help="Mend what can be mended in the drawing, and say what was done."),
         click.option("--sheet", metavar="WxH", help="Sheet size in mm, where the drawing has no outline for it."),
         click.option("--units", metavar="UNIT", help="Unit of the drawing: mm, cm, m, in or ft."),
-        click.option("-p", "--profile", default=DEFAULT_PROFILE, show_default=True, help="Name or path of a profile."),
+        click.option("-p", "--profile", default=DEFAULT, show_default=True, help="Name or path of a profile."),
         click.argument("nest", metavar="NEST"),
     ):
         verb = add(verb)

@@ -18,5 +18,5 @@ def command(plan: str | None, output: str, **given: Any) -> None:
     from ..models.plan import read_plan
     from ..postproc.report import plot
 
-    nest = read_given(**given).nest
-    plot(nest, read_plan(plan) if plan else None, output)
+    asked = read_given(**given)
+    plot(asked.nest, read_plan(plan) if plan else None, output, asked.profile.machine.home)

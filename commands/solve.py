@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from .given import Given, given_options, read_given
+
+if TYPE_CHECKING:
+    from ..models.solution import SolveOptions
 
 
 @click.command()
@@ -45,8 +47,9 @@ def command(
     return _solve(given, limits, output, plan_path, picture)
 
 
-def _solve(given: Given, limits: Any, output: str | None, plan_path: str | None, picture: str | None) -> int:
-    from ..models import make_plan, solve
+def _solve(given: Given, limits: SolveOptions, output: str | None, plan_path: str | None, picture: str | None) -> int:
+    from ..models.make_plan import make_plan
+    from ..models.solve import solve
     from ..postproc.checking import judge, report_of
     from ..postproc.files import write_files
     from ..postproc.program import write_program
@@ -54,6 +57,7 @@ def _solve(given: Given, limits: Any, output: str | None, plan_path: str | None,
     from ..rules.state import state_rules
     from .facts_of import facts_of
     from .progress import listening
+    from .summary import summary
 
     facts = facts_of(given)
     stated = state_rules(facts, given.profile)
@@ -73,7 +77,7 @@ def _solve(given: Given, limits: Any, output: str | None, plan_path: str | None,
     if plan_path:
         files[Path(plan_path)] = plan.to_json()
     if picture:
-        files[Path(picture)] = draw(given.nest, plan, Path(picture).suffix)
+        files[Path(picture)] = draw(given.nest, plan, Path(picture).suffix, limits.home_mm)
     write_files(files)
     click.echo("written: " + ", ".join(map(str, files)))
     return 130 if ear.interrupted else 0

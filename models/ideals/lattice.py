@@ -6,9 +6,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numba import get_num_threads, set_num_threads
 
 from .kernels import successors, sweep
 from .local import Floats, Ints, Local, Masks
+
+THREADS = get_num_threads()
+WORTH_SHARING = 3e6
+"""Additions below which a layer is done sooner by one thread than by several that must first be woken."""
 
 
 class TooLarge(Exception):
@@ -75,8 +80,10 @@ def sweep_layers(
         ideals, at = np.unique(grown, return_index=True)
         state = np.concatenate([[0], np.cumsum(size[cut])])
         width = np.diff(last.state[last.ideal_entry])
-        budget.take(float((width[source] * size[cut]).sum()), int(state[-1]) + 4 * len(cut))
+        additions = float((width[source] * size[cut]).sum())
+        budget.take(additions, int(state[-1]) + 4 * len(cut))
         values = np.empty(int(state[-1]))
+        set_num_threads(1 if additions < WORTH_SHARING else THREADS)
         sweep(
             cut, source, state, last.ideals, last.ideal_entry, last.contour, last.state, last.values, row_of, travel,
             local.first, local.site_cost, local.cond_of, local.cond_site, local.cond_from, local.cond_member,

@@ -1,0 +1,26 @@
+"""What solve prints: the plan in four lines, then every rule with its verdict."""
+
+from __future__ import annotations
+
+from ..models.plan import Plan
+from ..postproc.check import CheckResult, report
+
+
+def summary(plan: Plan, verdict: CheckResult) -> str:
+    """The plan's totals, what is proven of it, and the verdict of the independent check on every rule."""
+    totals, solve = plan.totals, plan.solve
+    minutes, seconds = divmod(round(totals.time_s), 60)
+    proof = "no bound is proven"
+    if solve.status == "optimal":
+        proof = f"proven optimal (by {solve.proved_by})"
+    elif solve.bound is not None and solve.gap is not None:
+        proof = f"at most {solve.gap:.2%} above the best possible (bound {solve.bound / 1000:.3f} m)"
+    lines = [
+        f"{len(plan.cuts)} contours, {totals.pierces} pierces, cut {totals.cut_mm / 1000:.3f} m, "
+        f"idle {totals.idle_mm / 1000:.3f} m, {minutes} min {seconds:02d} s",
+        f"objective {solve.objective / 1000:.3f} m, found by {solve.found_by}, {proof}",
+        f"start side {plan.start_side} (because: {plan.start_side_because}), "
+        f"{max((p.cut.zone for p in plan.cuts), default=0)} zones",
+    ]
+    lines += [f"left out: {' before '.join(d.contours)} ({d.rule}), {d.why}" for d in plan.dropped]
+    return "\n".join([*lines, report(verdict)])
