@@ -6,6 +6,8 @@ import dataclasses
 import math
 from collections.abc import Sequence
 
+import shapely
+
 from kerfwise.encoder.cut import Cut, Direction
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.offset import offset_curve
@@ -104,7 +106,8 @@ def plan_of(nest: Nest, cuts: Sequence[Cut], profile: Profile) -> Plan:
         timed = dataclasses.replace(cut, start_s=start_s, end_s=now_s)
         planned.append(PlannedCut(timed, contour.part, contour.kind, length))
     back = math.dist(at, machine.home)
-    pierces = sum(p.kind != "mark" for p in planned)
+    stock = nest.sheet.polygon
+    pierces = sum(p.kind != "mark" and stock.contains(shapely.Point(p.cut.pierce)) for p in planned)
     cut_mm = sum(p.length_mm for p in planned)
     return Plan(
         {"file": nest.file, "sha256": nest.sha256},

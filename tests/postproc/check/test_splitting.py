@@ -40,3 +40,9 @@ def test_a_round_that_does_not_close_has_a_gap() -> None:
 
 def test_far_too_short_a_path() -> None:
     assert split(Curve.of([(0, 0), (10, 0)], closed=False), 40) is None
+
+
+def test_the_round_is_the_pair_that_closes_not_the_one_of_the_right_length() -> None:
+    side = [(k / 2, 0.0) for k in range(20)]
+    path = [(-3.0, 0.0), *side, (10, 0), (10, 10), (0, 10), (0, 0), *side[1:5]]
+    assert lengths(path, 40.5) == (3, 40, 2, 0)
