@@ -10,6 +10,7 @@ grows in both directions; no way of listing them all can grow slower.
 from __future__ import annotations
 
 import argparse
+import json
 import time
 from collections.abc import Callable
 from typing import Any
@@ -20,8 +21,9 @@ from rich.table import Table
 
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.facts import FactOptions, compute
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.readers import ReadOptions
+from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 
 SIZES = (100, 300, 1000, 3000, 10000)
@@ -40,17 +42,9 @@ FAMILIES = {
 """Family → the functions of `compute_facts` that it is made by."""
 
 
-def nest_of(sheet: dict[str, Any]) -> Nest:
+def made_nest(seed: int, contours: int) -> Nest:
     """A made sheet as a nest, without the checks of a reader: it is known to be sound."""
-    parts = [
-        Part(
-            p["id"],
-            Contour(f"{p['id']}.outer", p["id"], "outer", Curve.of(p["outer"])),
-            tuple(Contour(f"{p['id']}.hole{k}", p["id"], "hole", Curve.of(h)) for k, h in enumerate(p["holes"], 1)),
-        )
-        for p in sheet["parts"]
-    ]
-    return Nest(Sheet.rectangle(sheet["sheet"]["width"], sheet["sheet"]["height"]), tuple(parts))
+    return read_json(json.dumps(make_sheet(seed, contours)).encode(), ReadOptions())
 
 
 def plain_candidates(nest: Nest, each: int) -> tuple[Candidate, ...]:
@@ -107,10 +101,10 @@ def main() -> None:
     arguments.add_argument("--candidates", type=int, default=16, help="of each contour; 0 for none")
     given = arguments.parse_args()
 
-    seconds_by_family(nest_of(make_sheet(given.seed, 20)), ())  # libraries load and warm up before the clock counts
+    seconds_by_family(made_nest(given.seed, 20), ())  # libraries load and warm up before the clock counts
     sizes, runs = [], []
     for contours in given.contours:
-        nest = nest_of(make_sheet(given.seed, contours))
+        nest = made_nest(given.seed, contours)
         sizes.append(len(nest.contours))
         runs.append(seconds_by_family(nest, plain_candidates(nest, given.candidates)))
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from operator import itemgetter
 
 import numpy as np
 
@@ -57,8 +58,7 @@ def zones_of(
     tops, of = np.unique(outermost_of(parent), return_inverse=True)
     locked = np.array([[_contour(nest, a), _contour(nest, b)] for a, b in options.zone_pairs], dtype=np.int64)
     before, after = of[np.concatenate([respected, locked.reshape(-1, 2)])].T
-    keys = np.unique((before * len(tops) + after)[before != after])
-    pairs = np.column_stack(np.divmod(keys, len(tops)))
+    pairs = np.column_stack([before, after])[before != after]
     blocks = Blocks(of, np.bincount(of), outlines.centroid[tops], outlines.bounds_mm[tops], pairs)
     strips = _raised(_strips(blocks, start_side, options), pairs)
     return _closed_up(_with_fixed(_closed_up(strips), pairs, _fixed(nest, of, options)))[of]
@@ -97,15 +97,16 @@ def _strips(blocks: Blocks, start_side: Side, options: FactOptions) -> Ints:
     order = {s: np.argsort(depth[s], kind="stable") for s in sides}
     before, first = _predecessors(blocks.pairs, count)
     zone, number = np.zeros(count, dtype=np.int64), 0
-    while len(order[start_side]):
-        strips = {s: _strip(order[s], depth[s], blocks.contours, options.zone_contours) for s in sides}
-        admissible = [start_side]
-        if number and _side_ratio(blocks.bounds_mm[order[start_side]]) <= options.square_ratio:
-            admissible += [s for s in across if not _must_wait(strips[s], zone, before, first)]
-        ratio_left = {s: _side_ratio(blocks.bounds_mm[order[s][len(strips[s]) :]]) for s in admissible}
+    while len(remaining := order[start_side][zone[order[start_side]] == 0]):
+        square = number > 0 and _side_ratio(blocks.bounds_mm[remaining]) <= options.square_ratio
+        choices = []
+        for side in sides if square else sides[:1]:
+            remaining = order[side][zone[order[side]] == 0]
+            strip = _strip(remaining, depth[side], blocks.contours, options.zone_contours)
+            if side == start_side or not _must_wait(strip, zone, before, first):
+                choices.append((_side_ratio(blocks.bounds_mm[remaining[len(strip) :]]), strip))
         number += 1
-        zone[strips[min(ratio_left, key=ratio_left.__getitem__)]] = number
-        order = {s: blocks_left[zone[blocks_left] == 0] for s, blocks_left in order.items()}
+        zone[min(choices, key=itemgetter(0))[1]] = number
     return zone
 
 

@@ -6,7 +6,6 @@ import pytest
 
 from kerfwise.benchmarks import facts as benchmark
 from kerfwise.encoder.facts import FactOptions, compute, compute_facts
-from kerfwise.examples.gen_sheet import make_sheet
 
 
 def test_prints_a_row_for_every_family(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -24,7 +23,7 @@ def test_the_exponent_is_fitted_to_large_sizes_only() -> None:
 
 
 def test_measuring_leaves_compute_facts_as_it_was() -> None:
-    nest = benchmark.nest_of(make_sheet(1, 20))
+    nest = benchmark.made_nest(1, 20)
     before = {name: getattr(compute, name) for names in benchmark.FAMILIES.values() for name in names}
     spent = benchmark.seconds_by_family(nest, benchmark.plain_candidates(nest, 2))
     assert {name: getattr(compute, name) for name in before} == before

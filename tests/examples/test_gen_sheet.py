@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 import shapely
 
-from kerfwise.benchmarks.facts import nest_of
 from kerfwise.encoder.facts import FactOptions, compute_facts
+from kerfwise.encoder.readers import read_nest
 from kerfwise.examples import gen_sheet
 from kerfwise.examples.gen_sheet import contour_count, make_sheet, sheet_size_mm
 
@@ -30,8 +30,11 @@ def test_the_same_seed_makes_the_same_sheet() -> None:
     assert make_sheet(3, 80) == make_sheet(3, 80) != make_sheet(4, 80)
 
 
-def test_parts_lie_on_the_sheet_and_not_on_each_other() -> None:
-    made = nest_of(make_sheet(5, 150))
+def test_parts_lie_on_the_sheet_and_not_on_each_other(tmp_path: Path) -> None:
+    file = tmp_path / "sheet.json"
+    file.write_text(json.dumps(make_sheet(5, 150)), encoding="utf-8")
+    made = read_nest(file)
+    assert not made.notes
     metal = shapely.union_all([p.polygon for p in made.parts])
     assert metal.area == pytest.approx(sum(p.polygon.area for p in made.parts))
     assert made.sheet.polygon.contains(metal)
