@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from ..encoder.errors import InputError, RulesConflict
 from .cycles import Link, components, contracted, path
 from .feedback import Unbreakable, lightest_cut
-from .lock import check_locks
 from .registry import RULES
 from .statements import About, Contiguous, IdleTravel, Precede, Statement
 from .yaml_positions import wrong_at
@@ -69,7 +68,6 @@ def state_rules(facts: Facts, profile: Profile) -> Stated:
     'P1.hole1 is cut before P1.outer: it lies inside it, and cutting P1.outer frees the metal it is in'
     """
     _refuse_unknown(profile)
-    check_locks(profile.locks, facts.nest)
     statements: list[Statement] = []
     for name, setting in profile.settings().items():
         stated = RULES[name].statements(facts, setting.options)

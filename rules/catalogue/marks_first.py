@@ -74,7 +74,7 @@ class MarksFirst(Rule[MarksFirstOptions]):
         # One run of all marks, with one of them before every cut, says that every mark is, in far fewer statements.
         ids = [facts.nest.contours[k].id for k in marks]
         if len(marks) > 1:
-            yield Contiguous(tuple(marks), self.about(ids, f"the marks {', '.join(ids)} are made in one run: {WHY}"))
+            yield Contiguous(tuple(marks), self.about(ids, f"{ids[0]} and all other marks are made in one run: {WHY}"))
         for k, cut in enumerate(facts.nest.contours):
             if cut.kind != "mark":
                 sentence = f"{cut.id} is cut after {ids[0]} and all other marks: {WHY}"

@@ -62,9 +62,10 @@ class PartContiguous(Rule[PartContiguousOptions]):
             if len(run) < 2:
                 continue
             ids = [c.id for c in run]
+            listed = ", ".join(ids) if len(ids) <= 6 else f"{ids[0]} … {ids[-1]}"
             yield Contiguous(
                 tuple(index[name] for name in ids),
-                self.about(ids, f"{part.id} is cut in one go: {', '.join(ids)} follow each other"),
+                self.about(ids, f"{part.id} is cut in one go: {listed} follow each other"),
             )
             for contour in run[:-1]:
                 reason = f"{part.outer.id} is the last cut of {part.id}"

@@ -114,7 +114,8 @@ def expected_side(nest: Nest, options: StartSideOptions) -> tuple[Side, str]:
 
     near = (gaps[:, _are_long(outers, options.long_ratio)] <= options.edge_band_mm).sum(axis=1)
     if near[0] != near[1]:
-        return sides[int(near.argmax())], f"{near.max()} long parts lie at the {sides[int(near.argmax())]} side"
+        side = sides[int(near.argmax())]
+        return side, f"more long parts lie at the {side} side"
     large = gaps.min(axis=1) > options.offcut_share * (end - start)
     if large[0] != large[1]:
         return sides[int(large.argmin())], f"there is a large offcut on the {sides[int(large.argmax())]}"
