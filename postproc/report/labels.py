@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import product
 
 import shapely
 
@@ -15,7 +14,6 @@ from ...encoder.nest import Contour, Nest, Part
 from .room import Place, find_room
 
 _ENOUGH = 0.8  # share of the wanted size with which no better place is looked for
-_SHARES = (1.0, 0.75, 0.5)  # of the wanted size, tried for a part in turn
 _FINE = 0.02  # of the wanted size: how far an outline may be simplified
 _BESIDE = 2.5  # a hole's number outside it stands within so many font sizes
 
@@ -39,21 +37,18 @@ def place_labels(
 
     An outer contour's label lies in the part's metal; a hole's lies in the hole, clear of parts nested there and of
     its lead, or in the metal beside the hole where that is roomier; a mark's lies in the metal beside the mark.
-    No two overlap. Font sizes are `wanted_mm` where there is room. Where one label of a part would come out much
-    smaller, all of them are made a little smaller if that helps it.
+    No two overlap. Font sizes are `wanted_mm` where there is room; in a crowded part the holes' labels are placed
+    before the outer contour's or after it, whichever leaves the smallest of them larger.
     """
     filled = _nested_metal(nest, [h for p in nest.parts for h in p.holes if h.id in labels])
     places: dict[str, Place] = {}
     for part in nest.parts:
         metal = _free_metal(part, wanted_mm, window)
-        best: dict[str, Place] = {}
-        for share, outer_first in product(_SHARES, (False, True)):
-            tried = _place_part(part, metal, labels, share * wanted_mm, filled, window, outer_first)
-            if not best or _smallest(tried) > _smallest(best):
-                best = tried
-            if _smallest(best) >= _ENOUGH * share * wanted_mm:
-                break  # later tries, all of them smaller, cannot be much better
-        places |= best
+        tried = _place_part(part, metal, labels, wanted_mm, filled, window, outer_first=False)
+        if _smallest(tried) < _ENOUGH * wanted_mm:
+            again = _place_part(part, metal, labels, wanted_mm, filled, window, outer_first=True)
+            tried = max(tried, again, key=_smallest)
+        places |= tried
     return places
 
 

@@ -85,10 +85,22 @@ def test_pierces_are_where_the_plan_says() -> None:
 def test_zones_that_touch_have_different_tints() -> None:
     parts = [part(f"P{k}", rect(100 * (k % 5), 100 * (k // 5), 90, 90)) for k in range(25)]
     made = nest(500, 500, *parts)
-    zones = zone_map(made, {f"P{k}": 1 + (7 * k) % 25 for k in range(25)})
+    zones = zone_map(made, {f"P{k}": 1 + (8 * k) % 25 for k in range(25)})
     for k in range(25):
         for other in ([k + 1] if k % 5 < 4 else []) + ([k + 5] if k < 20 else []):
             assert zones.colour(f"P{k}") != zones.colour(f"P{other}")
+
+
+def test_a_number_stands_by_the_entry_but_not_on_the_way_in() -> None:
+    made = plate()
+    plan = plausible_plan(made)
+    scene = make_scene(made, plan)
+    numbers = {t.text: t for t in scene.layer("numbers") if isinstance(t, Text)}
+    for k, planned in enumerate(plan.cuts, 1):
+        if planned.kind != "mark":
+            number = numbers[str(k)]
+            away = math.dist((number.x, number.y), view_of(made).point(planned.cut.entry))
+            assert 0.9 * number.size < away < 2.5 * number.size
 
 
 def test_the_header_tells_the_totals_and_how_good_the_plan_is() -> None:

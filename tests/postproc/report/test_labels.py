@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -12,7 +13,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.report.labels import Label, place_labels
 from kerfwise.postproc.report.room import Place
-from kerfwise.tests.nests import circle, nest, part, rect
+from kerfwise.tests.nests import Rows, circle, nest, part, rect
 
 
 def numbered(plate: Nest) -> dict[str, Label]:
@@ -72,11 +73,18 @@ def test_a_mark_number_is_beside_the_mark() -> None:
     assert 0 < gap_mm < 10
 
 
-def test_crowded_labels_of_one_part_all_become_smaller() -> None:
-    plate = nest(300, 300, part("A", rect(0, 0, 40, 14), [circle(8, 7, 2), circle(32, 7, 2)]))
-    sizes = [p.size_mm for p in place_labels(plate, numbered(plate), wanted_mm=12).values()]
-    assert len(sizes) == 3
-    assert min(sizes) > 3
+@pytest.mark.parametrize(
+    ("size", "hole", "text"),
+    [
+        ((50, 10), circle(4, 5, 2), "1000"),  # the long number first would take the metal beside the hole
+        ((20, 14), circle(4, 7, 4), "10"),  # the hole's number first would split the metal
+    ],
+)
+def test_a_crowded_part_is_filled_in_the_better_order(size: tuple[float, float], hole: Rows, text: str) -> None:
+    plate = nest(300, 300, part("A", rect(0, 0, *size), [hole]))
+    places = place_labels(plate, {"A.hole1": Label("2"), "A.outer": Label(text)}, wanted_mm=12)
+    assert len(places) == 2
+    assert min(p.size_mm for p in places.values()) > 6
 
 
 def test_only_what_lies_in_the_window_is_labelled() -> None:
