@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Sequence
 
@@ -27,7 +28,8 @@ def twins(group: Sequence[int], curves: Sequence[Curve], nodes: IntArray, tolera
 
 
 def _same_line(one: Curve, other: Curve, tolerance_mm: float) -> bool:
-    if abs(one.length_mm - other.length_mm) > 2 * tolerance_mm + 0.01 * one.length_mm:
+    middles = (c.point_at(c.length_mm / 2) for c in (one, other))
+    if math.dist(*middles) > tolerance_mm + 0.01 * one.length_mm:
         return False
     return bool(shapely.hausdorff_distance(one.line(), other.line(), densify=0.2) <= tolerance_mm)
 

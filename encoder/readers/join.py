@@ -66,8 +66,10 @@ def join(pieces: Sequence[Piece], tolerance_mm: float, bridge_mm: float = 0.0) -
         ends = np.concatenate([p.curve.vertices[[0, -1], :2] for p in loose])
         lengths = np.array([p.curve.length_mm for p in loose])
         nodes = meeting_points(ends, lengths, max(tolerance_mm, bridge_mm)).reshape(-1, 2)
+        curves = [p.curve for p in loose]
+        branching = (np.bincount(nodes.ravel())[nodes].max(axis=1) > 2).tolist()
         for group in _groups(nodes):
-            for trail in _trails(group, loose, nodes, tolerance_mm):
+            for trail in _trails(group, any(branching[k] for k in group), curves, nodes, tolerance_mm):
                 piece, wide = _linked(trail, loose, tolerance_mm)
                 (rings if trail.closed else chains).append(piece)
                 gaps.extend(wide)
@@ -95,21 +97,24 @@ def _groups(nodes: IntArray) -> list[list[int]]:
     return sorted((group.tolist() for group in split), key=lambda g: g[0])
 
 
-def _trails(group: list[int], loose: Sequence[Piece], nodes: IntArray, tolerance_mm: float) -> list[Trail]:
+def _trails(
+    group: list[int], branching: bool, curves: Sequence[Curve], nodes: IntArray, tolerance_mm: float
+) -> list[Trail]:
     """The rings and chains of one group, by the order of the file or, if that leaves lines over, by its faces."""
-    ends_at = np.bincount(np.unique(nodes[group], return_inverse=True)[1].ravel())
-    if ends_at.max() <= 2 and len(group) != 2:  # two pieces may be one line drawn twice
+    if not branching and len(group) != 2:  # two pieces may be one line drawn twice
         return trace(group, nodes, {k: k for k in group})
-    twin = twins(group, [p.curve for p in loose], nodes, tolerance_mm)
+    twin = twins(group, curves, nodes, tolerance_mm)
     drawn = trace(group, nodes, twin)
-    by_faces = faces(sorted(set(twin.values())), [p.curve for p in loose], nodes)
-    return min((drawn, by_faces), key=lambda trails: _left_over(trails, twin, loose))
+    if not _left_over(drawn, twin, curves):
+        return drawn
+    by_faces = faces(sorted(set(twin.values())), curves, nodes)
+    return min((drawn, by_faces), key=lambda trails: _left_over(trails, twin, curves))
 
 
-def _left_over(trails: Sequence[Trail], twin: dict[int, int], loose: Sequence[Piece]) -> float:
+def _left_over(trails: Sequence[Trail], twin: dict[int, int], curves: Sequence[Curve]) -> float:
     """Length of the lines that are in no ring, mm; those drawn twice count once."""
     used = {twin[k] for t in trails if t.closed for k, _ in t.steps}
-    return round(sum(loose[k].curve.length_mm for k in sorted(set(twin.values()) - used)), 6)
+    return round(sum(curves[k].length_mm for k in sorted(set(twin.values()) - used)), 6)
 
 
 def _linked(trail: Trail, loose: Sequence[Piece], tolerance_mm: float) -> tuple[Piece, list[Gap]]:

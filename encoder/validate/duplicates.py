@@ -72,7 +72,7 @@ def _fills_what_is_left(outer: Contour, hole: Contour, host: Part) -> bool:
     if outer.kind != "outer" or hole.kind != "hole" or outer.part == hole.part:
         return False
     others = [h.polygon for h in host.holes if h.id != hole.id and h.polygon.is_valid]
-    return any(p.area > hole.polygon.area and p.covers(shapely.point_on_surface(outer.line)) for p in others)
+    return any(p.covers(outer.line) for p in others)
 
 
 def _without(part: Part, dropped: dict[str, Note]) -> Part:
