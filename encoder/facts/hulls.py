@@ -20,7 +20,7 @@ SAME_AREA = 1e-9
 def in_hull(outlines: Outlines, parent: Ints) -> Ints:
     """Array (k, 2) of all pairs (j, i), outer contours in the same place, i not convex and j's centroid in i's hull.
 
-    A centroid on the hull counts as inside.
+    A centroid on the hull counts as inside; one inside i itself does not: i then lies in that part's concavity.
     """
     outers = outlines.outers
     hollow = _hollow(outlines, outers)
@@ -29,6 +29,7 @@ def in_hull(outlines: Outlines, parent: Ints) -> Ints:
     which, j = centroids.query(hulls, predicate="dwithin", distance=ROUNDING_MM)
     i, j = hollow[which], outers[j]
     kept = (parent[i] == parent[j]) & (i != j)
+    kept[kept] = ~shapely.contains(outlines.polygon[i[kept]], shapely.points(outlines.centroid[j[kept]]))
     i, j = i[kept], j[kept]
     return np.column_stack([j, i])[np.lexsort((i, j))]
 

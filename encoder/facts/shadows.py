@@ -2,7 +2,8 @@
 
 Let d be the direction away from the start side. The shadow of contour i is every point from which a ray in
 direction d meets i: the space between the start side and i. Contour j lies ahead of i when the centroid of j is in
-the shadow of i; a ray that only grazes i meets it. Both are outer contours in the same place: straight on the sheet,
+the shadow of i and outside i; a ray that only grazes i meets it (a centroid inside i, of a trough that i lies in,
+is in no space between i and a side). Both are outer contours in the same place: straight on the sheet,
 or in the same hole.
 """
 
@@ -46,5 +47,9 @@ def level_ahead(outlines: Outlines, parent: Ints, start_side: Side) -> Ints:
     ray_to[:, axis] = away * far[i[beside]] + away
     rays = shapely.linestrings(np.stack([ray_from, ray_to], axis=1))
     meets[beside] = shapely.dwithin(rays, outlines.line[outers[i[beside]]], ROUNDING_MM)
+    # a centroid inside the outline is in the mouth of a part, not between it and the start side
+    met = np.flatnonzero(meets)
+    middles = shapely.points(outlines.centroid[outers[j[met]]])
+    meets[met] = ~shapely.contains(outlines.polygon[outers[i[met]]], middles)
     j, i = outers[j[meets]], outers[i[meets]]
     return np.column_stack([j, i])[np.lexsort((i, j))]

@@ -28,7 +28,8 @@ class HullBefore(OrderRule[NoOptions]):
     ## What it does
 
     A part whose centroid lies in the convex hull of another part that is not convex, in the same place (straight on
-    the sheet, or in the same hole), is cut before it. A centroid on the hull is in it.
+    the sheet, or in the same hole), is cut before it. A centroid on the hull is in it; one in the other part's own
+    metal is not, as when a trough lies around that part.
 
     ## Why
 
@@ -61,7 +62,8 @@ class HullBefore(OrderRule[NoOptions]):
         hulls = shapely.convex_hull(outlines)
         centroids = shapely.centroid([part.outer.polygon for part in nest.parts])
         inside, hull = shapely.STRtree(hulls).query(centroids, "dwithin", distance=ON_HULL_MM)
-        pairs = same_place(nest, inside, hull)
+        within = shapely.contains([nest.parts[k].outer.polygon for k in hull], centroids[inside])
+        pairs = same_place(nest, inside[~within], hull[~within])
         hollow = {part.id for part in {b.id: b for _, b in pairs}.values() if _is_hollow(part.outer)}
         return [(a.outer.id, b.outer.id) for a, b in pairs if b.id in hollow]
 

@@ -28,9 +28,9 @@ class LevelAhead(OrderRule[NoOptions]):
     ## What it does
 
     Let d be the direction of cutting, away from the start side. The shadow of a part is every point from which a ray
-    in direction d meets its outer contour: the space between the start side and the part. A part whose centroid lies
-    in the shadow of another in the same place (straight on the sheet, or in the same hole) is cut before it. A ray
-    that grazes the contour meets it.
+    in direction d meets its outer contour: the space between the start side and the part, its own area left out. A
+    part whose centroid lies in the shadow of another in the same place (straight on the sheet, or in the same hole)
+    is cut before it. A ray that grazes the contour meets it.
 
     ## Why
 
@@ -68,7 +68,8 @@ class LevelAhead(OrderRule[NoOptions]):
         start = shapely.get_coordinates(shapely.centroid([part.outer.polygon for part in nest.parts]))
         rays = shapely.linestrings(np.stack([start, start + reach], axis=1))
         ahead, met = shapely.STRtree(outlines).query(rays, "dwithin", distance=GRAZE_MM)
-        return [(a.outer.id, b.outer.id) for a, b in same_place(nest, ahead, met)]
+        within = shapely.contains([nest.parts[k].outer.polygon for k in met], shapely.points(start[ahead]))
+        return [(a.outer.id, b.outer.id) for a, b in same_place(nest, ahead[~within], met[~within])]
 
     def reason(self, before: str, after: str, start_side: Side | None) -> str:
         return (

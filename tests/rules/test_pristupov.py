@@ -44,6 +44,7 @@ def test_figure_2b_leaves_no_island_in_a_hook() -> None:
     sheet = pristupov.figure_2b()
     rule = RULES["hull-before"]
     assert rule.pairs(sheet, CutSequence(()), rule.Options()) == [pristupov.FIGURE_2B_FIRST]
+    assert admitted(sheet) == [pristupov.FIGURE_2B_FIRST]
 
 
 def test_figure_3_after_contour_1_admits_2_and_3_only() -> None:
