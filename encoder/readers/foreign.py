@@ -21,5 +21,5 @@ FOREIGN_ERRORS: tuple[type[Exception], ...] = (
 )
 """Parsers of foreign formats trip over damaged input in their own code, with whatever error lies at hand.
 
-Catch these around the library's call alone, never around the project's own code.
+Catch these only where such a library is called or its objects are taken apart.
 """

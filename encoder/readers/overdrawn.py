@@ -25,9 +25,9 @@ def trimmed(chains: Sequence[Piece], tolerance_mm: float) -> tuple[list[Piece], 
     >>> [p.curve.as_rows() for p in left]
     [[[0.0, 0.0], [6.0, 0.0]], [[6.0, 0.0], [9.0, 0.0]]]
     """
+    if not chains:
+        return [], []
     last = [s for c in chains for s in (c.curve.segments[0], c.curve.segments[-1])]
-    if len(last) < 2:
-        return list(chains), []
     ends = np.array([p for c in chains for p in c.curve.vertices[[0, -1], :2]])
     tree = shapely.STRtree([shapely.LineString([s.start, s.end]) for s in last])
     end, line = tree.query(shapely.points(ends), predicate="dwithin", distance=tolerance_mm)
@@ -36,10 +36,10 @@ def trimmed(chains: Sequence[Piece], tolerance_mm: float) -> tuple[list[Piece], 
     shared: list[Piece] = []
     taken: set[int] = set()
     for a, b in sorted(lies_on):
-        one_line = a // 2 == b // 2 and len(chains[a // 2].curve.segments) < 3
-        if a >= b or (b, a) not in lies_on or one_line or {a, b} & taken or last[a].is_arc or last[b].is_arc:
-            continue
-        if np.hypot(*(ends[a] - ends[b])) <= SNAP_MM:
+        each_on_the_other = a < b and (b, a) in lies_on and not (last[a].is_arc or last[b].is_arc)
+        neighbours = a // 2 == b // 2 and len(chains[a // 2].curve.segments) < 3
+        apart = np.hypot(*(ends[a] - ends[b])) > SNAP_MM
+        if not each_on_the_other or neighbours or not apart or {a, b} & taken:
             continue
         for n in (a, b):  # the one line of a chain is both its first and its last
             taken |= {n, n ^ 1} if len(chains[n // 2].curve.segments) == 1 else {n}
