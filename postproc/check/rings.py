@@ -10,7 +10,7 @@ import shapely
 from ...encoder.nest import Contour
 
 Side = Literal["right", "wrong", "on"]
-_CHORD_MM = 0.002
+_CHORD_MM = 0.005
 
 
 def torch_rings(
@@ -19,7 +19,7 @@ def torch_rings(
     """The line the torch's centre follows around each contour; None where the kerf leaves nothing.
 
     "right" is half the kerf outside an outer contour and inside a hole, "wrong" the other way round, "on" the contour
-    itself. A mark is its own line. Chords lie within 0.003 mm of the true curve.
+    itself. A mark is its own line. Chords lie within 0.006 mm of the true curve.
 
     Examples
     --------
@@ -35,7 +35,7 @@ def torch_rings(
             rings.append(contour.curve.line(_CHORD_MM))
             continue
         area = shapely.make_valid(contour.curve.polygon(_CHORD_MM))
-        grown = shapely.buffer(area, half if contour.kind == "outer" else -half, quad_segs=24)
+        grown = shapely.buffer(area, half if contour.kind == "outer" else -half, quad_segs=16)
         pieces = [p for p in shapely.get_parts(grown) if p.area > 0]
         rings.append(max(pieces, key=lambda p: float(p.area)).exterior if pieces else None)
     return rings

@@ -9,7 +9,7 @@ import shapely
 from ...encoder.geometry.curve import Curve
 from ...encoder.nest import Contour
 
-_CHORD_MM = 0.002
+_CHORD_MM = 0.005
 
 
 @dataclass(frozen=True, eq=False, slots=True)
