@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import shapely
+
 
 @dataclass(frozen=True, slots=True)
 class Before:
@@ -98,6 +100,16 @@ class NoGood:
     weight: float | None = None
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Crossing:
+    """Idle travel over `area` (mm) costs, or is forbidden, once contour `over` is cut: its part may have tipped up."""
+
+    over: int
+    area: shapely.Polygon
+    about: About
+    weight: float | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class IdleTravel:
     """Idle travel counts, at `weight` a millimetre."""
@@ -106,5 +118,8 @@ class IdleTravel:
     weight: float = 1.0
 
 
-Statement = Precede | Forbid | AtLeast | Contiguous | Lag | NoGood | IdleTravel
+EXEMPTION_MM = 1e6
+"""Weight of a hard statement that may be excused: more than any plan travels, so excuses are fewest before all else."""
+
+Statement = Precede | Forbid | AtLeast | Contiguous | Lag | NoGood | Crossing | IdleTravel
 """Every `weight` of None makes a statement hard; a number makes breaking it cost that much, in mm of idle travel."""
