@@ -13,6 +13,7 @@ from ..encoder.geometry.segment import Point, Segment
 from .dialects import Dialect
 
 CHORD_MM = 0.001
+RISE_MM = 0.0025
 FLAT_RAD = 1e-3
 
 
@@ -82,7 +83,8 @@ def path_blocks(path: Curve, feed_mm_s: float, dialect: Dialect) -> list[str]:
     Points are rounded first and centres computed from the rounded points, so that the radius at an arc's end equals
     the radius at its start to about one unit of the last decimal: controls compare the two (LinuxCNC to 0.0283 mm,
     GRBL to 0.005 mm). Arcs beyond a half turn are split in two, because near a full turn that unit decides between
-    all and nothing; arcs that turn less than 0.001 rad or rise less than 0.001 mm become lines within 0.001 mm.
+    all and nothing. Arcs that turn less than 0.001 rad become chords within 0.001 mm, those that rise less than
+    0.0025 mm one line: LinuxCNC refuses a radius under 0.00127 mm.
     """
     d = dialect.decimals
     feed = " " + dialect.feed.format(mm_min=number(feed_mm_s * 60, 3))
@@ -106,7 +108,7 @@ def path_blocks(path: Curve, feed_mm_s: float, dialect: Dialect) -> list[str]:
 def _pieces(segment: Segment) -> Iterator[Segment]:
     """The segment as lines and arcs that every control makes the same way."""
     rise_mm = segment.chord_mm * abs(segment.bulge) / 2
-    if rise_mm < CHORD_MM:
+    if rise_mm < RISE_MM:
         yield Segment(segment.start, segment.end)
     elif abs(segment.bulge) > 1.0 + 1e-6:
         yield from _pieces(segment.between(0.0, 0.5))

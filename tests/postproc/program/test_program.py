@@ -114,6 +114,10 @@ def test_an_arc_of_almost_a_full_turn_is_cut_in_two() -> None:
     assert blocks == ["G3 X-50 Y0 I-50 J0 F600", "G3 X50 Y0 I50 J0"]
 
 
+def test_an_arc_of_a_thousandth_is_a_line() -> None:
+    assert path_blocks(Curve.of([(0, 0, 1), (0, -0.0025)], closed=False), 10.0, DIALECT) == ["G1 X0 Y-0.0025 F600"]
+
+
 def test_what_is_too_flat_or_too_short_for_an_arc_is_a_line_or_nothing() -> None:
     path = Curve.of([(0, 0, 1e-6), (10, 0, 0.5), (10.0008, 0), (10.00082, 0), (10.00082, 5)], closed=False)
     assert path_blocks(path, 10.0, DIALECT) == ["G1 X10 Y0 F600", "G1 X10.0008 Y0", "G1 X10.0008 Y5"]
