@@ -1,0 +1,119 @@
+"""All candidates of a nest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..compensation import compensated
+from ..errors import InputError
+from ..geometry.curve import Curve
+from ..nest import Nest
+from .approaches import Approaches
+from .candidate import Candidate, LeadOptions
+from .joints import Joints, Outline
+from .lead_out import lead_outs
+from .marks import mark_candidates
+from .no_room import no_room
+from .search import approaches_to
+from .surroundings import Surroundings
+
+
+def build_candidates(nest: Nest, options: LeadOptions) -> tuple[Candidate, ...]:
+    """The ways to cut each contour: entries well spread around it, each in every direction allowed.
+
+    A pierce lies in waste and keeps clear of every contour and of the sheet's edges (Petunin 2009, section 2); the kerf
+    of a lead touches no contour but its own. Near the edge of the sheet there are edge starts besides, which come in
+    from outside it and pierce nothing.
+
+    Returns
+    -------
+    Sorted by contour, then by entry along it; the same for the same nest and options.
+
+    Raises
+    ------
+    InputError
+        Naming every contour that the kerf leaves nothing of or that has no room for a lead, with what would free it.
+
+    Examples
+    --------
+    >>> from kerfwise.encoder.nest import Contour, Part, Sheet
+    >>> square = Contour("P.outer", "P", "outer", Curve.of([(50, 50), (90, 50), (90, 90), (50, 90)]))
+    >>> nest = Nest(Sheet.rectangle(200, 200), (Part("P", square),))
+    >>> found = build_candidates(nest, LeadOptions(entries=4))
+    >>> [(c.entry, c.direction) for c in found][:3]
+    [((50.0, 50.0), 'cw'), ((50.0, 50.0), 'ccw'), ((90.0, 50.0), 'cw')]
+    """
+    unknown = sorted(set(options.entry_points) - set(nest.index))
+    if unknown:
+        raise InputError(f"entry points are given for contours that are not in the nest: {', '.join(unknown)}")
+    outlines, faults = _outlines(nest, options.kerf_mm)
+    around = Surroundings.of(nest)
+    locked = _locked(outlines, nest, options)
+    found = approaches_to(outlines, locked, around, options)
+    faults |= no_room(found, locked, outlines, around, options)
+    if faults:
+        count = "a contour" if len(faults) == 1 else f"{len(faults)} contours"
+        details = tuple(faults[k] for k in sorted(faults))
+        raise InputError(
+            f"{count} of the nest cannot be cut as the options ask", file=nest.file or None, details=details
+        )
+    marks = [c for k, m in enumerate(nest.contours) if m.kind == "mark" for c in mark_candidates(k, m, options)]
+    torch = _candidates(found, outlines, around, options)
+    return tuple(sorted([*marks, *torch], key=lambda c: c.contour))
+
+
+def _outlines(nest: Nest, kerf_mm: float) -> tuple[dict[int, Outline], dict[int, str]]:
+    """The outlines of all contours that the torch cuts, and what is wrong with those that have none."""
+    outlines: dict[int, Outline] = {}
+    faults: dict[int, str] = {}
+    for k, contour in enumerate(nest.contours):
+        if contour.kind == "mark":
+            continue
+        try:
+            outlines[k] = Outline.of(k, contour, compensated(contour, kerf_mm), kerf_mm / 2)
+        except InputError as error:
+            faults[k] = error.message
+    return outlines, faults
+
+
+def _locked(outlines: Mapping[int, Outline], nest: Nest, options: LeadOptions) -> Joints:
+    """The joints at the entries that an operator asks for."""
+    found = []
+    for name, point in sorted(options.entry_points.items()):
+        outline = outlines.get(nest.index[name])
+        if outline is not None:
+            at_mm, _ = outline.drawn.project(np.array([point]))
+            found.append(outline.joints(at_mm)[0])
+    return Joints.joined(found)
+
+
+def _candidates(
+    found: Approaches, outlines: Mapping[int, Outline], around: Surroundings, options: LeadOptions
+) -> list[Candidate]:
+    joints, leads = found.ways.joints, found.leads
+    tails, tail_mm = lead_outs(found, outlines, around, options)
+    around_mm = np.array([outlines[k].path.length_mm for k in joints.contour.tolist()])
+    cut_mm = (leads.length_mm + around_mm + tail_mm).tolist()
+    rows = np.stack(
+        [np.column_stack([leads.pierce, leads.bulge]), np.column_stack([leads.join, leads.bulge * 0])], axis=1
+    )
+    candidates = []
+    for i, tail in enumerate(tails):
+        (px, py), (x, y), (ex, ey) = leads.pierce[i].tolist(), joints.entry[i].tolist(), tail.vertices[-1, :2].tolist()
+        candidates.append(
+            Candidate(
+                contour=int(joints.contour[i]),
+                entry_mm=float(joints.entry_mm[i]),
+                entry=(x, y),
+                direction="ccw" if found.ways.ccw[i] else "cw",
+                pierce=(px, py),
+                lead_in=Curve(rows[i], closed=False) if leads.length_mm[i] > 0 else None,
+                lead_out=tail,
+                end=(ex, ey),
+                cut_mm=cut_mm[i],
+                edge_start=bool(found.edge[i]),
+            )
+        )
+    return candidates

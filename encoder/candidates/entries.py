@@ -1,0 +1,67 @@
+"""Which points of a contour to offer as entries: corners first, then middles of edges, well apart."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry.curve import FloatArray
+from .joints import Outline
+
+CORNER_RAD = math.radians(30)
+"""A contour that turns by less has no corner there."""
+
+CORNER, MIDDLE, ANYWHERE = 0, 1, 2
+Ranks = NDArray[np.int64]
+
+
+def places(outline: Outline, count: int) -> tuple[FloatArray, Ranks]:
+    """Path lengths along the contour that could be entries, and the rank of each.
+
+    Corners that stick out into the waste, where a scar matters least, rank before the middles of straight edges, and
+    those before `4 * count` points spread evenly.
+    """
+    drawn = outline.drawn
+    around_mm = float(drawn.starts_mm[-1])
+    corners = np.flatnonzero(drawn.turn_rad * outline.right > CORNER_RAD)
+    length_mm = np.diff(drawn.starts_mm)
+    edges = np.flatnonzero((drawn.bulge == 0) & (length_mm > around_mm / (8 * count)))
+    groups = [
+        drawn.starts_mm[corners + 1] % around_mm,
+        drawn.starts_mm[edges] + length_mm[edges] / 2,
+        around_mm * (np.arange(4 * count) + 0.5) / (4 * count),
+    ]
+    return np.concatenate(groups), np.repeat([CORNER, MIDDLE, ANYWHERE], [len(g) for g in groups])
+
+
+def choose(at_mm: FloatArray, ranks: Ranks, around_mm: float, count: int, taken_mm: FloatArray) -> list[int]:
+    """Up to `count` of the places, best rank first and each as far as can be from those before it and those taken.
+
+    Places closer than a quarter of an even share of the way round to another are passed over.
+
+    Examples
+    --------
+    >>> choose(np.array([0.0, 1.0, 50.0, 60.0]), np.array([0, 0, 1, 2]), 100.0, 3, np.zeros(0))
+    [0, 2]
+    """
+    apart_mm = np.full(len(at_mm), np.inf)
+    for place_mm in taken_mm.tolist():
+        apart_mm = np.minimum(apart_mm, _distance_mm(at_mm, place_mm, around_mm))
+    chosen: list[int] = []
+    for rank in (CORNER, MIDDLE, ANYWHERE):
+        of_rank = ranks == rank
+        while of_rank.any() and len(chosen) < count:
+            k = int(np.argmax(np.where(of_rank, apart_mm, -1.0)))
+            if not of_rank[k] or apart_mm[k] <= around_mm / (4 * count):
+                break
+            chosen.append(k)
+            apart_mm = np.minimum(apart_mm, _distance_mm(at_mm, float(at_mm[k]), around_mm))
+    return chosen
+
+
+def _distance_mm(at_mm: FloatArray, place_mm: float, around_mm: float) -> FloatArray:
+    """Shorter way round from a place to others."""
+    ahead_mm = np.abs(at_mm - place_mm) % around_mm
+    return np.minimum(ahead_mm, around_mm - ahead_mm)

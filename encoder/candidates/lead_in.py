@@ -1,0 +1,83 @@
+"""Lead-ins: of all that would do, the one to take at each joint."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..geometry.curve import FloatArray
+from .approaches import Approaches, Ways
+from .candidate import LeadOptions
+from .lead_shapes import Leads, Shape, shaped
+from .surroundings import Surroundings
+
+EDGE_ANGLE_RAD = math.radians(60)
+"""An edge start runs straight to the edge of the sheet if that is no further than this from straight off the cut."""
+
+
+def least_clearance_mm(options: LeadOptions) -> float:
+    """How far a pierce keeps from contours and edges: as far as asked for, and more than half the kerf."""
+    return max(options.pierce_clearance_mm, options.kerf_mm / 2 + 0.01)
+
+
+def shapes(options: LeadOptions, patient: bool = False) -> list[Shape]:
+    """The leads to try, best first: as long as may be, then shorter, then turned.
+
+    The patient list is longer, and in it lines stand in where no arc finds room.
+    """
+    lengths = np.linspace(0, 1, 8 if patient else 6).tolist()
+    turns = (0, 20, -20, 40, -40, 65, -65) if patient else (0, 20, -20, 40, -40)
+    lines = [Shape("line", shortened, math.radians(turn)) for turn in turns for shortened in lengths]
+    if options.lead == "line":
+        return lines
+    arcs = [Shape("arc", shortened, math.radians(sweep)) for sweep in (90, 60, 45) for shortened in lengths]
+    return arcs + lines if patient else arcs
+
+
+def lead_ins(
+    ways: Ways, longest_mm: FloatArray, around: Surroundings, options: LeadOptions, patient: bool = False
+) -> Approaches:
+    """Those of the ways that have a lawful lead-in, with the first of its shapes that is one."""
+    clearance_mm = least_clearance_mm(options)
+    m = len(ways)
+    found = np.full(m, False)
+    if options.lead == "none":
+        at = ways.joints.join
+        leads = Leads(at, at, np.zeros(m), np.zeros(m))
+        found = around.clear_pierces(at, clearance_mm, not_own=ways.joints.contour)
+        return Approaches(ways.take(found), leads.take(found), np.full(int(found.sum()), False))
+    pierce, bulge, length_mm = np.zeros((m, 2)), np.zeros(m), np.zeros(m)
+    for shape in shapes(options, patient):
+        rows = np.flatnonzero(~found)
+        if len(rows) == 0:
+            break
+        left = ways.take(rows)
+        leads = shaped(shape, left.joints, left.along, longest_mm[rows], options.lead_in_min_mm)
+        clear = around.clear_pierces(leads.pierce, clearance_mm) & around.inside_edges(leads)
+        clear[clear] = around.clear_leads(leads.take(clear), left.joints.contour[clear], options.kerf_mm / 2)
+        done = rows[clear]
+        found[done] = True
+        pierce[done], bulge[done], length_mm[done] = leads.pierce[clear], leads.bulge[clear], leads.length_mm[clear]
+    kept = ways.take(found)
+    leads = Leads(pierce[found], kept.joints.join, bulge[found], length_mm[found])
+    return Approaches(kept, leads, np.full(len(kept), False))
+
+
+def edge_starts(ways: Ways, around: Surroundings, options: LeadOptions) -> Approaches:
+    """Straight leads from just outside the sheet, for those of the ways that are close to its edge."""
+    joints = ways.joints
+    to_edge = around.nearest_on_edge(joints.join) - joints.join
+    distance_mm = np.hypot(to_edge[:, 0], to_edge[:, 1])
+    inside = around.in_sheet(joints.join) & (distance_mm > 1e-6)
+    ray = np.where(inside[:, None], to_edge / np.maximum(distance_mm, 1e-6)[:, None], joints.out)
+    beyond_mm = max(options.kerf_mm, min(1.0, options.lead_in_mm))
+    length_mm = np.where(inside, distance_mm, 0.0) + beyond_mm
+    leads = Leads(joints.join + length_mm[:, None] * ray, joints.join, np.zeros(len(ways)), length_mm)
+    good = (
+        (distance_mm <= 2 * options.lead_in_mm)
+        & ((ray * joints.out).sum(axis=1) >= math.cos(EDGE_ANGLE_RAD))
+        & around.off_sheet(leads.pierce, beyond_mm / 2)
+    )
+    good[good] = around.clear_leads(leads.take(good), joints.contour[good], options.kerf_mm / 2)
+    return Approaches(ways.take(good), leads.take(good), np.full(int(good.sum()), True))

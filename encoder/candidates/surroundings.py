@@ -1,0 +1,125 @@
+"""What stands in the way of a lead: contours, parts and the edges of the sheet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from ..geometry.curve import FloatArray
+from ..nest import Contour, Nest
+from .joints import Ints
+from .lead_shapes import Leads
+
+CHORD_MM = 0.01
+"""Contours are judged by chords that lie this close to them."""
+
+NEAR_JOIN_MM = 0.5
+"""So close to where it joins, a lead is as near to its own contour as the cut itself."""
+
+_EXACT_MM = 1e-6
+
+Bools = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Surroundings:
+    """Every contour of a nest, also in chords (`contour` tells whose each is), the parts' metal and the sheet."""
+
+    contours: tuple[Contour, ...]
+    chords: shapely.STRtree
+    contour: Ints
+    metal: shapely.STRtree
+    sheet: shapely.Polygon
+    edges: shapely.Geometry
+
+    @staticmethod
+    def of(nest: Nest) -> Surroundings:
+        """The surroundings of all leads of a nest."""
+        points, of = shapely.get_coordinates([c.line for c in nest.contours], return_index=True)
+        follows = np.flatnonzero(of[1:] == of[:-1])
+        chords = shapely.linestrings(np.stack([points[follows], points[follows + 1]], axis=1))
+        metal = np.array([part.polygon for part in nest.parts], dtype=object)
+        touching = ~shapely.is_valid(metal)  # themselves, which is no fault here
+        metal[touching] = shapely.make_valid(metal[touching])
+        sheet = shapely.make_valid(nest.sheet.polygon)
+        shapely.prepare(sheet)
+        edges = sheet.boundary
+        shapely.prepare(edges)
+        return Surroundings(nest.contours, shapely.STRtree(chords), of[follows], shapely.STRtree(metal), sheet, edges)
+
+    def clear_leads(self, leads: Leads, contour: Ints, half_kerf_mm: float) -> Bools:
+        """Leads whose kerf touches no contour but their own, and that one only where they join it."""
+        reach_mm = max(half_kerf_mm, CHORD_MM)
+        lines = shapely.linestrings(leads.points())
+        row, chord = self.chords.query(lines, predicate="dwithin", distance=reach_mm + CHORD_MM)
+        own = self.contour[chord] == contour[row]
+        clear = np.full(len(contour), True)
+        clear[row[~own]] = False
+        own &= clear[row]
+        row, near = row[own], self.chords.geometries[chord[own]]
+        apart = shapely.linestrings(leads.points(NEAR_JOIN_MM))
+        cut_into = shapely.distance(lines[row], near) < half_kerf_mm - 2 * CHORD_MM
+        come_back = shapely.distance(apart[row], near) < reach_mm
+        clear[row[cut_into | come_back]] = False
+        return clear
+
+    def clear_pierces(self, points: FloatArray, clearance_mm: float, not_own: Ints | None = None) -> Bools:
+        """Points in the waste of the sheet that keep clear of every contour and edge.
+
+        With `not_own` (m,) each point may be near that contour.
+        """
+        at = shapely.points(points)
+        clear = np.asarray(self.in_sheet(points) & ~shapely.dwithin(self.edges, at, clearance_mm - _EXACT_MM))
+        clear &= self._in_waste(at)
+        row, chord = self.chords.query(at, predicate="dwithin", distance=clearance_mm + CHORD_MM)
+        if not_own is not None:
+            others = self.contour[chord] != not_own[row]
+            row, chord = row[others], chord[others]
+        near = shapely.distance(at[row], self.chords.geometries[chord]) < clearance_mm - CHORD_MM
+        clear[row[near]] = False
+        # What the chords leave in doubt is decided by the contours themselves.
+        doubt = clear[row]
+        for i, k in sorted(set(zip(row[doubt].tolist(), self.contour[chord[doubt]].tolist(), strict=True))):
+            if clear[i] and self.contours[k].curve.project(points[i])[1] < clearance_mm - _EXACT_MM:
+                clear[i] = False
+        return clear
+
+    def in_sheet(self, points: FloatArray) -> Bools:
+        """Points on the metal of the sheet."""
+        return np.asarray(shapely.contains_xy(self.sheet, points[:, 0], points[:, 1]))
+
+    def off_sheet(self, points: FloatArray, by_mm: float) -> Bools:
+        """Points beyond the edge of the sheet, and `by_mm` or more from it."""
+        return np.asarray(~self.in_sheet(points) & ~shapely.dwithin(self.edges, shapely.points(points), by_mm))
+
+    def nearest_on_edge(self, points: FloatArray) -> FloatArray:
+        """The points of the sheet's edges nearest to `points` (m, 2)."""
+        return np.asarray(shapely.get_coordinates(shapely.shortest_line(shapely.points(points), self.edges))[1::2])
+
+    def inside_edges(self, leads: Leads) -> Bools:
+        """Leads that do not cross an edge of the sheet."""
+        return np.asarray(~shapely.intersects(self.edges, shapely.linestrings(leads.points())))
+
+    def gaps_mm(self, points: FloatArray) -> FloatArray:
+        """Distance of points from the nearest chord or edge; 0 for those not in the waste of the sheet."""
+        at = shapely.points(points)
+        gap_mm = shapely.distance(at, self.chords.geometries[self.chords.nearest(at)])
+        gap_mm = np.minimum(gap_mm, shapely.distance(self.edges, at))
+        return np.where(self.in_sheet(points) & self._in_waste(at), gap_mm, 0.0)
+
+    def nearest(self, point: FloatArray) -> tuple[float, str]:
+        """How far a point is from what is nearest to it, and what that is."""
+        at = shapely.Point(point)
+        edge_mm = float(shapely.distance(self.edges, at))
+        chord_mm = float(shapely.distance(at, self.chords.geometries[self.chords.nearest(at)]))
+        close = self.contour[self.chords.query(at, predicate="dwithin", distance=chord_mm + 2 * CHORD_MM)]
+        gaps = [(self.contours[k].curve.project(point)[1], self.contours[k].id) for k in np.unique(close).tolist()]
+        return min([*gaps, (edge_mm, "the edge of the sheet")])
+
+    def _in_waste(self, at: NDArray[np.object_]) -> Bools:
+        waste = np.full(len(at), True)
+        waste[self.metal.query(at, predicate="intersects")[0]] = False
+        return waste
