@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import PurePath
 
+import numpy as np
 import shapely
 
+from ..encoder.cut import Cut
 from ..encoder.errors import InputError
+from ..encoder.geometry.curve import Curve
 from ..encoder.nest import Nest
 from ..models.plan import Plan, PlannedCut
 from ..rules.profile import Profile
@@ -22,7 +26,7 @@ def write_program(plan: Plan, nest: Nest, profile: Profile) -> str:
     """The program of `plan` in the dialect of the profile's machine.
 
     Kerf compensation is in the path (the program keeps G40); pierce points, order and directions are the plan's. The
-    same plan, nest and profile give the same bytes.
+    same plan, nest and profile give the same bytes, and so does the plan once written to a file and read back.
 
     Raises
     ------
@@ -80,7 +84,7 @@ def _cut(
     yield comment(
         dialect, f"{'MARK' if mark else 'CUT'} {order}", cut.contour, f"ZONE {cut.zone} {cut.direction.upper()}"
     )
-    path = torch_path(contour, cut, profile.material.kerf_mm)
+    path = torch_path(contour, _as_filed(cut), profile.material.kerf_mm)
     yield rapid_block(path.point_at(0.0), dialect)
     yield dialect.mark_on if mark else dialect.torch_on
     dwell_s = machine.mark_time_s if mark else machine.pierce_time_s
@@ -88,3 +92,13 @@ def _cut(
         yield dialect.dwell.format(seconds=number(dwell_s, 3))
     yield from path_blocks(path, machine.mark_feed_mm_s if mark else machine.cut_feed_mm_s, dialect)
     yield dialect.mark_off if mark else dialect.torch_off
+
+
+def _as_filed(cut: Cut) -> Cut:
+    """The cut as a plan file holds it: to 6 decimals."""
+
+    def rounded(lead: Curve | None) -> Curve | None:
+        return None if lead is None else Curve(np.round(lead.vertices, 6), lead.closed)
+
+    x, y = cut.pierce
+    return replace(cut, pierce=(round(x, 6), round(y, 6)), lead_in=rounded(cut.lead_in), lead_out=rounded(cut.lead_out))

@@ -6,10 +6,12 @@ from pathlib import Path
 
 import pytest
 
+from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
+from kerfwise.models.plan import read_plan
 from kerfwise.postproc.blocks import comment, path_blocks
 from kerfwise.postproc.dialects import load_dialect
 from kerfwise.postproc.program import write_program
@@ -56,6 +58,17 @@ def test_the_comparison_can_fail() -> None:
 
 def test_same_input_same_bytes() -> None:
     assert written((plate(), good_cuts(plate()))) == written((plate(), good_cuts(plate())))
+
+
+def test_a_plan_read_back_from_its_file_gives_the_same_bytes(tmp_path: Path) -> None:
+    sheet = plate()
+    found = build_candidates(sheet, PROFILE.lead_options())
+    ways = [next(c for c in found if c.contour == k) for k in range(len(sheet.contours))]
+    cuts = [Cut(sheet.contours[w.contour].id, w.entry, w.direction, w.pierce, w.lead_in, w.lead_out) for w in ways]
+    plan = plan_of(sheet, cuts, PROFILE)
+    (tmp_path / "plan.json").write_text(plan.to_json())
+    again = read_plan(tmp_path / "plan.json")
+    assert write_program(again, sheet, PROFILE) == write_program(plan, sheet, PROFILE)
 
 
 def test_lines_are_numbered_short_and_plain() -> None:
