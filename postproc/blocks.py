@@ -135,7 +135,7 @@ def seconds_text(seconds: float) -> str:
 
     Examples
     --------
-    >>> seconds_text(4384.2)
+    >>> seconds_text(4383.2)
     '1 H 13 MIN 04 S'
     """
     minutes, rest = divmod(math.ceil(seconds), 60)

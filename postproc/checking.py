@@ -52,5 +52,5 @@ def report_of(result: CheckResult) -> tuple[RuleReport, ...]:
             tuple((excused.violation.contours, excused.why) for excused in judgement.excused),
         )
         for judgement in result.rules
-        if judgement.id in RULES
+        if judgement.id in RULES and judgement.strength != "off"
     )

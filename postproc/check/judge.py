@@ -11,7 +11,7 @@ from .result import Judgement
 
 
 def judge(nest: Nest, cuts: CutSequence, profile: Profile) -> list[Judgement]:
-    """A judgement on every rule that the profile does not switch off, hard ones first."""
+    """A judgement on every rule, the hard ones first; those that the profile switches off are listed last, unjudged."""
     settings = profile.settings()
     judged = [
         Judgement(
@@ -23,4 +23,5 @@ def judge(nest: Nest, cuts: CutSequence, profile: Profile) -> list[Judgement]:
         )
         for name, setting in sorted(settings.items(), key=lambda item: (item[1].strength != "hard", item[0]))
     ]
-    return excuse(nest, cuts, profile, judged)
+    off = [Judgement(name, "off", rule.sentence) for name, rule in sorted(RULES.items()) if name not in settings]
+    return [*excuse(nest, cuts, profile, judged), *off]

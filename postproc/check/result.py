@@ -7,7 +7,7 @@ from typing import Literal
 
 from ...rules.rule import Strength, Violation
 
-Verdict = Literal["holds", "broken", "excused", "not judged"]
+Verdict = Literal["holds", "broken", "excused", "not judged", "off"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +20,10 @@ class Excused:
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """One rule against one plan or program. `unjudged` says why nothing can be said, where that is so."""
+    """One rule against one plan or program; one that is off is not judged at all.
+
+    `unjudged` says why nothing can be said, where that is so.
+    """
 
     id: str
     strength: Strength
@@ -37,6 +40,8 @@ class Judgement:
     @property
     def verdict(self) -> Verdict:
         """The judgement in a word or two."""
+        if self.strength == "off":
+            return "off"
         if self.violations:
             return "broken"
         if self.unjudged is not None:

@@ -101,7 +101,7 @@ def claims_kept(claims: Claims, judged: Sequence[Judgement]) -> tuple[list[Viola
     warnings: list[str] = []
     for judgement in judged if claims.rules else ():
         said = claims.rules.get(judgement.id)
-        if said == judgement.holds or judgement.unjudged is not None:
+        if said == judgement.holds or judgement.verdict in ("not judged", "off"):
             continue
         state = "holds" if judgement.holds else "is broken"
         says = "nothing of it" if said is None else "that it holds" if said else "that it is broken"
