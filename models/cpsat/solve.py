@@ -1,0 +1,44 @@
+"""The entry: takes the model that the size of the problem allows."""
+
+from __future__ import annotations
+
+from ..problem import Problem
+from ..solution import Incumbent, Progress, SolveOptions
+from .arcs import contour_arcs, count_site_arcs, lawful_successors, site_arcs
+from .model import solve_whole
+from .outcome import Outcome
+from .relaxation import solve_relaxed
+
+MAX_ARCS = 400_000
+MAX_CONTOURS = 3_000
+
+
+def solve_cpsat(
+    problem: Problem,
+    options: SolveOptions,
+    start: Incumbent | None,
+    bound_um: int = 0,
+    progress: Progress | None = None,
+    max_arcs: int = MAX_ARCS,
+) -> Outcome:
+    """Improve on `start`, a lawful route, and prove a bound, given one (µm) that is proven already.
+
+    Ends when proven, when `options.work` or `options.time_s` is used up, when `progress` returns False, or on Ctrl-C;
+    what was found until then comes back. A model of more than `max_arcs` arcs between sites is not built: a smaller
+    one then gives a bound only, and if that is too large as well nothing is tried.
+
+    Raises
+    ------
+    AssertionError
+        If the model and `models/evaluate` disagree about a route: a bug in one of them.
+    """
+    if problem.n == 0:
+        return Outcome(Incumbent((), 0), 0, proven_optimal=True)
+    if problem.n > MAX_CONTOURS:
+        return Outcome(start)
+    lawful = lawful_successors(problem)
+    if count_site_arcs(problem, lawful) <= max_arcs:
+        return solve_whole(problem, site_arcs(problem, lawful), options, start, bound_um, progress)
+    if lawful.sum() <= max_arcs:
+        return solve_relaxed(problem, contour_arcs(problem, lawful), options, start, bound_um, progress)
+    return Outcome(start)
