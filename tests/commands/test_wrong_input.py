@@ -1,0 +1,78 @@
+"""Whatever is wrong with what a person gives: one message, exit code 2, nothing written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import kerfwise as package
+from kerfwise.tests.commands.run_cli import Ended, kerfwise
+
+EXAMPLES = Path(package.__file__).parent / "examples"
+NEST = EXAMPLES / "nests" / "e1x_6.json"
+
+
+def refused(ended: Ended, *expected: str) -> None:
+    assert ended.code == 2
+    assert ended.out == ""
+    assert "Traceback" not in ended.err
+    for words in expected:
+        assert words in ended.err
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "expected"),
+    [
+        ("cut.dxf", (EXAMPLES / "nests" / "e1x_6.dxf").read_bytes()[:6000], "cut.dxf"),
+        ("noise.dxf", bytes(range(256)) * 9, "noise.dxf"),
+        ("empty.json", b"", "empty.json"),
+        ("wrong.json", b'{"format": "kerfwise-nest/1", "parts": []}', "sheet"),
+        ("comma.json", b'{"format": "kerfwise-nest/1",\n "parts": [}', "comma.json:2:"),
+        ("nest.step", b"ISO-10303-21;", ".dxf"),
+    ],
+)
+def test_broken_nests(name: str, content: bytes, expected: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_bytes(content)
+    refused(kerfwise("solve", tmp_path / name, "-o", tmp_path / "out.nc"), expected)
+    assert not (tmp_path / "out.nc").exists()
+
+
+def test_a_missing_nest() -> None:
+    refused(kerfwise("solve", "nowhere.json"), "nowhere.json")
+
+
+def test_a_typo_in_a_profile_is_placed_and_the_nearest_name_given(tmp_path: Path) -> None:
+    profile = tmp_path / "plant.yaml"
+    profile.write_text("name: plant\nrules:\n  levelahead: hard\n")
+    refused(
+        kerfwise("solve", NEST, "-p", profile, "-o", tmp_path / "out.nc"), "plant.yaml:3:3", "levelahead", "level-ahead"
+    )
+    assert not (tmp_path / "out.nc").exists()
+    refused(kerfwise("profile", "check", profile), "plant.yaml:3:3")
+    refused(kerfwise("profile", "show", "plasma-carbon-steal"), "plasma-carbon-steel")
+
+
+def test_an_output_that_cannot_be_written(tmp_path: Path) -> None:
+    ended = kerfwise("solve", NEST, "-o", tmp_path / "nowhere" / "out.nc", "--plan", tmp_path / "plan.json")
+    assert ended.code == 2
+    assert "cannot write" in ended.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_wrong_usage() -> None:
+    refused(kerfwise("solve"), "NEST")
+    refused(kerfwise("solv", NEST), "solv")
+    refused(kerfwise("solve", NEST, "--sheet", "big"), "3000x1500")
+    refused(kerfwise("facts", NEST, "-o", "facts.txt"), ".dzn")
+    refused(kerfwise("plot", NEST, "-o", "nest.bmp"), ".svg")
+    refused(kerfwise("rules", "levelahead"), "level-ahead")
+
+
+def test_rules_that_contradict_each_other_are_named_and_exit_1(tmp_path: Path) -> None:
+    profile = tmp_path / "plant.yaml"
+    profile.write_text("name: plant\nlocks:\n  - {contour: part#1.outer, before: part#1.hole1}\n")
+    ended = kerfwise("solve", NEST, "-p", profile, "-o", tmp_path / "out.nc")
+    assert ended.code == 1
+    assert "part#1.outer" in ended.err
+    assert not (tmp_path / "out.nc").exists()
