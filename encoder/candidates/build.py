@@ -13,6 +13,7 @@ from ..nest import Nest
 from .approaches import Approaches
 from .candidate import Candidate, LeadOptions
 from .joints import Joints, Outline
+from .lead_in import least_clearance_mm
 from .lead_out import lead_outs
 from .marks import mark_candidates
 from .no_room import no_room
@@ -45,9 +46,7 @@ def build_candidates(nest: Nest, options: LeadOptions) -> tuple[Candidate, ...]:
     >>> [(c.entry, c.direction) for c in found][:3]
     [((50.0, 50.0), 'cw'), ((50.0, 50.0), 'ccw'), ((90.0, 50.0), 'cw')]
     """
-    unknown = sorted(set(options.entry_points) - set(nest.index))
-    if unknown:
-        raise InputError(f"entry points are given for contours that are not in the nest: {', '.join(unknown)}")
+    _check(options, nest)
     outlines, faults = _outlines(nest, options.kerf_mm)
     around = Surroundings.of(nest)
     locked = _locked(outlines, nest, options)
@@ -62,6 +61,27 @@ def build_candidates(nest: Nest, options: LeadOptions) -> tuple[Candidate, ...]:
     marks = [c for k, m in enumerate(nest.contours) if m.kind == "mark" for c in mark_candidates(k, m, options)]
     torch = _candidates(found, outlines, around, options)
     return tuple(sorted([*marks, *torch], key=lambda c: c.contour))
+
+
+def _check(options: LeadOptions, nest: Nest) -> None:
+    """Refuse options that no nest, or not this one, can satisfy."""
+    shortest_mm = least_clearance_mm(options) - options.kerf_mm / 2
+    unknown = sorted(set(options.entry_points) - set(nest.index))
+    if unknown:
+        raise InputError(f"entry points are given for contours that are not in the nest: {', '.join(unknown)}")
+    if options.entries < 1:
+        raise InputError(f"entries must be at least 1, not {options.entries}")
+    if options.lead != "none" and options.lead_in_min_mm <= 0:
+        raise InputError(f"lead_in_min_mm must be more than 0, not {options.lead_in_min_mm:g}")
+    if options.lead != "none" and options.lead_in_min_mm > options.lead_in_mm:
+        raise InputError(
+            f"lead_in_min_mm, {options.lead_in_min_mm:g}, is more than lead_in_mm, {options.lead_in_mm:g}: lower it"
+        )
+    if options.lead != "none" and options.lead_in_mm < shortest_mm:
+        raise InputError(
+            f"lead_in_mm, {options.lead_in_mm:g}, does not bring the pierce pierce_clearance_mm, "
+            f"{options.pierce_clearance_mm:g}, away from the contour: it must be at least {shortest_mm:g}"
+        )
 
 
 def _outlines(nest: Nest, kerf_mm: float) -> tuple[dict[int, Outline], dict[int, str]]:

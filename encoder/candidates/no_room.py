@@ -83,7 +83,7 @@ def _best_pierces(
     best: dict[int, tuple[float, FloatArray]] = {}
     to_try = ways(joints, outlines, options.directions)
     longest_mm = np.array([longest_lead_mm(outlines[k], options) for k in to_try.joints.contour.tolist()])
-    for shape in shapes(replace(options, lead="line")):
+    for shape in shapes(replace(options, lead="line"), patient=True):
         leads = shaped(shape, to_try.joints, to_try.along, longest_mm, options.lead_in_min_mm)
         clear = around.clear_leads(leads, to_try.joints.contour, options.kerf_mm / 2) & around.inside_edges(leads)
         gaps_mm = around.gaps_mm(leads.pierce[clear])

@@ -1,0 +1,79 @@
+"""Contours without a lawful pierce are named, and what is said to free them does."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+
+import pytest
+
+from kerfwise.encoder.candidates import LeadOptions, build_candidates
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+from kerfwise.tests.nests import circle, nest, part, rect
+
+
+def told(plate: Nest, options: LeadOptions) -> str:
+    with pytest.raises(InputError) as caught:
+        build_candidates(plate, options)
+    return str(caught.value)
+
+
+def test_every_contour_without_room_is_named_with_its_place_and_what_would_free_it() -> None:
+    drawn = nest(400, 300, part("A", rect(100, 100, 80, 80), [circle(140, 140, 20), circle(115, 115, 1.9)]))
+    assert told(drawn, LeadOptions(pierce_clearance_mm=2.0)) == (
+        "a contour of the nest cannot be cut as the options ask\n"
+        "  - A.hole2 at (113.1, 115.0): the best spot for a pierce near it is 1.9 mm from A.hole2, pierce_clearance_mm "
+        "asks for 2; pierce_clearance_mm ≤ 1.9 would free it"
+    )
+
+
+def test_a_gap_is_told_from_both_sides() -> None:
+    host = part("H", rect(100, 100, 100, 100), [rect(110, 110, 80, 80)])
+    drawn = nest(400, 300, host, part("G", rect(112.1, 112.1, 75.8, 75.8)))
+    text = told(drawn, LeadOptions())
+    assert re.findall(r"- (\S+) at", text) == ["H.hole1", "G.outer"]
+    assert "pierce_clearance_mm ≤" in text
+    assert "lead_in_min_mm ≤ 0.25" in text
+    assert "kerf_mm ≤" in text
+
+
+@pytest.mark.parametrize("name", ["pierce_clearance_mm", "lead_in_min_mm", "kerf_mm"])
+def test_what_is_said_to_free_it_does(name: str) -> None:
+    host = part("H", rect(100, 100, 100, 100), [rect(110, 110, 80, 80)])
+    drawn = nest(400, 300, host, part("G", rect(112.1, 112.1, 75.8, 75.8)))
+    values = [float(v) for v in re.findall(rf"{name} ≤ ([\d.]+)", told(drawn, LeadOptions()))]
+    assert len(values) == 2
+    assert build_candidates(drawn, dataclasses.replace(LeadOptions(), **{name: min(values)}))
+
+
+def test_a_hole_too_small_for_the_kerf_is_named() -> None:
+    drawn = nest(400, 300, part("A", rect(100, 100, 80, 80), [circle(140, 140, 0.7)]))
+    assert "A.hole1 at (139.3, 140.0) cannot be cut with a kerf of 1.5 mm" in told(drawn, LeadOptions())
+
+
+def test_a_contour_that_others_enclose_needs_room() -> None:
+    host = part("H", rect(100, 100, 100, 100), [rect(110, 110, 80, 80)])
+    drawn = nest(400, 300, host, part("G", rect(110, 110, 80, 80)))
+    text = told(drawn, LeadOptions())
+    assert "G.outer at (110.0, 110.0): no lead from lead_in_min_mm, 1, to lead_in_mm, 6, keeps half the kerf" in text
+    assert "it needs more room in the nest" in text
+
+
+def test_a_locked_entry_without_room_is_told() -> None:
+    drawn = nest(400, 300, part("A", rect(100, 100, 80, 80)), part("B", rect(181, 100, 80, 80)))
+    text = told(drawn, LeadOptions(entry_points={"A.outer": (180, 140)}))
+    assert "A.outer at the entry asked for, (180.0, 140.0): no lead" in text
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        (LeadOptions(lead_in_mm=2.0, pierce_clearance_mm=5.0), "lead_in_mm, 2, .* at least 4.25"),
+        (LeadOptions(lead_in_mm=2.0, lead_in_min_mm=3.0), "lead_in_min_mm, 3, is more than lead_in_mm, 2"),
+        (LeadOptions(lead_in_min_mm=0.0), "lead_in_min_mm must be more than 0"),
+        (LeadOptions(entries=0), "entries must be at least 1"),
+    ],
+)
+def test_options_that_cannot_go_together_are_told_at_once(options: LeadOptions, text: str) -> None:
+    assert re.search(text, told(nest(400, 300, part("A", rect(100, 100, 80, 80))), options))
