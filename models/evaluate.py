@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
 import numpy as np
 
 from ..rules.statements import About, AtLeast, Before, Lag, Pick
+from .crossings import FORBIDDEN
 from .problem import Problem
 
 
@@ -22,9 +24,12 @@ def route_cost(problem: Problem, route: Sequence[int]) -> int:
     total += sum(cost for cost, _ in _broken_conditions(problem, route) if cost is not None)
     total += sum(g.cost * (_pieces(order, g.contours) - 1) for g in problem.soft_groups)
     position = {c: k for k, c in enumerate(order)}
-    total += sum(
-        round(lag.weight * 1000) * _missing_cuts(lag, position) for lag in problem.lags if lag.weight is not None
-    )
+    times = _times_ms(problem, route)
+    for lag in problem.lags:
+        if lag.weight is not None:
+            total += round(lag.weight * 1000) * _missing_cuts(lag, position)
+            total += round(lag.weight * _missing_ms(lag, times))
+    total += sum(cost for cost in _crossed(problem, route) if cost != FORBIDDEN)
     picked = set(route)
     total += sum(
         round(s.weight * 1000)
@@ -52,7 +57,12 @@ def broken(problem: Problem, route: Sequence[int]) -> tuple[About, ...]:
             together = tuple(problem.ids[k] for k in members)
             found.append(About("contiguous", together, f"{', '.join(together)} must follow each other"))
     found += [about for cost, about in _broken_conditions(problem, route) if cost is None]
-    found += [lag.about for lag in problem.lags if lag.weight is None and _missing_cuts(lag, position) > 0]
+    times = _times_ms(problem, route)
+    for lag in problem.lags:
+        if lag.weight is None and (_missing_cuts(lag, position) > 0 or _missing_ms(lag, times) > 0):
+            found.append(lag.about)
+    if FORBIDDEN in _crossed(problem, route):
+        found.append(About("crossing", (), "an idle move crosses a part that is already out"))
     picked = set(route)
     found += [s.about for s in problem.general if s.weight is None and not general_holds(problem, s, position, picked)]
     return tuple(found)
@@ -74,6 +84,43 @@ def general_holds(problem: Problem, statement: AtLeast, position: dict[int, int]
 
 def _missing_cuts(lag: Lag, position: dict[int, int]) -> int:
     return max(0, lag.cuts - (abs(position[lag.first] - position[lag.second]) - 1))
+
+
+def _times_ms(problem: Problem, route: Sequence[int]) -> dict[int, tuple[int, int]]:
+    """Contour → when its cut begins and ends, ms from the program's start."""
+    if not len(problem.pace.cut_ms):
+        return {int(problem.site_contour[s]): (0, 0) for s in route}
+    now, at = 0, problem.home_um
+    times = {}
+    for site in route:
+        begin = now + int(problem.pace.move_ms(at, problem.pierce_um[site]))
+        now, at = begin + int(problem.pace.cut_ms[site]), problem.end_um[site]
+        times[int(problem.site_contour[site])] = (begin, now)
+    return times
+
+
+def _missing_ms(lag: Lag, times: dict[int, tuple[int, int]]) -> int:
+    if not lag.seconds:
+        return 0
+    (_, end), (begin, _) = sorted((times[lag.first], times[lag.second]))
+    return max(0, round(lag.seconds * 1000) - (begin - end))
+
+
+def _crossed(problem: Problem, route: Sequence[int]) -> list[int]:
+    """What the moves of the route cost for the parts they cross, in the order of the rows of `Crossings`."""
+    rows, m = problem.crossings, problem.m
+    if not len(rows):
+        return []
+    place = {int(problem.site_contour[s]): k for k, s in enumerate(route)}
+    moves = dict(zip(pairwise([m, *route, m]), range(len(route) + 1), strict=True))
+    crossed = []
+    for leave, reach, over, cost in zip(
+        rows.leave.tolist(), rows.reach.tolist(), rows.over.tolist(), rows.cost.tolist(), strict=True
+    ):
+        step = moves.get((leave, reach))
+        if step is not None and place[over] < step:
+            crossed.append(cost)
+    return crossed
 
 
 def _pieces(order: Sequence[int], members: tuple[int, ...]) -> int:

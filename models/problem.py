@@ -7,16 +7,32 @@ the last digit. Candidates of a contour that no statement tells apart and that s
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..encoder.errors import RulesConflict
 from ..encoder.facts.facts import Facts
-from ..rules.statements import About, AtLeast, Contiguous, Forbid, IdleTravel, Lag, NoGood, Pick, Precede, Statement
+from ..rules.statements import (
+    About,
+    AtLeast,
+    Contiguous,
+    Crossing,
+    Forbid,
+    IdleTravel,
+    Lag,
+    NoGood,
+    Pick,
+    Precede,
+    Statement,
+)
 from .closure import close
 from .conditions import Condition, of_at_least, of_no_good, of_soft_precede
+from .crossings import Crossings, find_crossings
+from .pace import Pace
+from .successors import lawful_successors
+from .timing.constant import Feeds
 
 UM_PER_MM = 1000
 Ints = NDArray[np.int64]
@@ -41,7 +57,8 @@ class Problem:
     `pierce_um`, `end_um` are (m, 2) coordinates, µm; `site_cost` (m,) what using a site costs (soft `Forbid`).
     `before[i, j]` says that i must come before j (closure, lifted over contiguous blocks); `block[i]` numbers the
     contiguous block that i belongs to. `conditions` are about sites (`when` is a site here). `general` are statements
-    that only an engine with the whole order in hand can judge.
+    that only an engine with the whole order in hand can judge, as are `lags` but for those of one cut. `crossings`
+    are moves that cost more, or are unlawful, once some contour is out. `pace` tells how long cuts and moves take.
     """
 
     n: int
@@ -61,6 +78,8 @@ class Problem:
     lags: tuple[Lag, ...]
     general: tuple[AtLeast, ...]
     ids: tuple[str, ...]
+    crossings: Crossings = field(default_factory=Crossings)
+    pace: Pace = field(default_factory=Pace)
 
     @property
     def m(self) -> int:
@@ -71,14 +90,21 @@ class Problem:
         """Site numbers of a contour."""
         return range(int(self.first[contour]), int(self.first[contour + 1]))
 
+    def successors(self) -> Bools:
+        """Matrix (n + 1, n + 1): which contour may directly follow which; n is the machine's home."""
+        apart = [(lag.first, lag.second) for lag in self.lags if lag.weight is None and lag.cuts > 0]
+        return lawful_successors(self.before, self.block, apart)
+
     def travel(self, ends_um: Ints, pierces_um: Ints) -> Ints:
         """Cost matrix of idle travel from every end (k, 2) to every pierce (l, 2), whole µm."""
         gap = ends_um[:, None, :].astype(np.float64) - pierces_um[None, :, :]
         return np.asarray(np.rint(self.travel_weight * np.sqrt((gap**2).sum(axis=2))), dtype=np.int64)
 
 
-def make_problem(facts: Facts, statements: tuple[Statement, ...], home_mm: tuple[float, float]) -> Problem:
-    """Compile facts and statements.
+def make_problem(
+    facts: Facts, statements: tuple[Statement, ...], home_mm: tuple[float, float], feeds: Feeds | None = None
+) -> Problem:
+    """Compile facts and statements; `feeds` are needed for statements that count seconds.
 
     Raises
     ------
@@ -100,7 +126,7 @@ def make_problem(facts: Facts, statements: tuple[Statement, ...], home_mm: tuple
     candidate_site = np.full(len(facts.candidates), -1, dtype=np.int64)
     candidate_site[list(site_of)] = list(site_of.values())
     first = np.searchsorted(contours, np.arange(facts.n + 1)).astype(np.int64)
-    return Problem(
+    problem = Problem(
         n=facts.n,
         first=first,
         site_contour=contours,
@@ -120,7 +146,17 @@ def make_problem(facts: Facts, statements: tuple[Statement, ...], home_mm: tuple
         lags=tuple(s for s in statements if isinstance(s, Lag)),
         general=tuple(general),
         ids=tuple(c.id for c in facts.nest.contours),
+        pace=Pace() if feeds is None else Pace.of(facts, representatives, feeds),
     )
+    return replace(problem, crossings=_crossings(problem, [s for s in statements if isinstance(s, Crossing)]))
+
+
+def _crossings(problem: Problem, statements: list[Crossing]) -> Crossings:
+    if not statements:
+        return Crossings()
+    home = problem.home_um[None, :]
+    ends, pierces = np.concatenate([problem.end_um, home]), np.concatenate([problem.pierce_um, home])
+    return find_crossings(statements, problem.successors(), np.append(problem.first, problem.m + 1), ends, pierces)
 
 
 def _um(points: list[tuple[float, float]]) -> Ints:

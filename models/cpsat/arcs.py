@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..problem import Problem
+from ..successors import Bools
 
 Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -27,33 +27,6 @@ class Arcs:
     tail: Ints
     head: Ints
     cost: Ints
-
-
-def lawful_successors(problem: Problem) -> Bools:
-    """Matrix (n + 1, n + 1): j may directly follow i under the hard orders, blocks and lags; n is the machine's home.
-
-    Examples
-    --------
-    >>> from kerfwise.tests.models.problems import problem
-    >>> chain = problem([[(1, 0)], [(2, 0)], [(3, 0)]], pairs=[(0, 1), (1, 2)])
-    >>> lawful_successors(chain).astype(int).tolist()
-    [[0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1], [1, 0, 0, 0]]
-    """
-    n, before = problem.n, problem.before
-    together = problem.block[:, None] == problem.block[None, :]
-    inside = before & together
-    leaves, enters = ~inside.any(axis=1), ~inside.any(axis=0)
-    counts = before.astype(np.float32)  # products of small whole numbers: exact, and much faster than integers
-    between = (counts @ counts) > 0
-    lawful = np.zeros((n + 1, n + 1), dtype=np.bool_)
-    lawful[:n, :n] = ~before.T & ~between & (together | (leaves[:, None] & enters[None, :]))
-    lawful[np.arange(n), np.arange(n)] = False
-    lawful[n, :n] = ~before.any(axis=0)
-    lawful[:n, n] = ~before.any(axis=1)
-    for lag in problem.lags:
-        if lag.weight is None and lag.cuts > 0:
-            lawful[lag.first, lag.second] = lawful[lag.second, lag.first] = False
-    return lawful
 
 
 def count_site_arcs(problem: Problem, lawful: Bools) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..problem import Problem
 from ..solution import Incumbent, Progress, SolveOptions
-from .arcs import contour_arcs, count_site_arcs, lawful_successors, site_arcs
+from .arcs import contour_arcs, count_site_arcs, site_arcs
 from .model import solve_whole
 from .outcome import Outcome
 from .relaxation import solve_relaxed
@@ -36,7 +36,7 @@ def solve_cpsat(
         return Outcome(Incumbent((), 0), 0, proven_optimal=True)
     if problem.n > MAX_CONTOURS:
         return Outcome(start)
-    lawful = lawful_successors(problem)
+    lawful = problem.successors()
     if count_site_arcs(problem, lawful) <= max_arcs:
         return solve_whole(problem, site_arcs(problem, lawful), options, start, bound_um, progress)
     if lawful.sum() <= max_arcs:

@@ -72,6 +72,16 @@ def _surcharge(  # pragma: no cover - compiled
                 out[cond_site[q] - first[i]] += cond_cost[q]
 
 
+@njit(cache=True)
+def _count(mask: np.uint64) -> int:  # pragma: no cover - compiled
+    """Number of bits set."""
+    count = 0
+    while mask:
+        mask &= mask - np.uint64(1)
+        count += 1
+    return count
+
+
 @njit(cache=True, parallel=True)
 def sweep(  # pragma: no cover - compiled
     entry_contour: Ints,
@@ -95,6 +105,8 @@ def sweep(  # pragma: no cover - compiled
     cond_cost: Floats,
     soft_mask: Masks,
     soft_cost: Floats,
+    crossed: Masks,
+    crossing_price: float,
     result: Floats,
 ) -> None:
     """Fill `result`: for every entry (new ideal, contour just cut), the least cost to each of its sites.
@@ -102,7 +114,8 @@ def sweep(  # pragma: no cover - compiled
     Entry e cuts `entry_contour[e]` from ideal row `entry_source[e]` of the layer before and owns
     `result[entry_state[e]:entry_state[e+1]]`. That ideal's own entries are `ideal_entry[row]` … `ideal_entry[row+1]-1`,
     each with its last contour (-1: where the stretch is entered from) and its states in `values`; the travel rows of
-    contour j start at `row_of[j]` (`row_of[-1]` for the entrance).
+    contour j start at `row_of[j]` (`row_of[-1]` for the entrance). Every contour of `crossed` that is out costs
+    `crossing_price` on top (see `crossed.Crossed`).
     """
     for e in prange(len(entry_contour)):
         i = entry_contour[e]
@@ -122,9 +135,16 @@ def sweep(  # pragma: no cover - compiled
                 value = values[k] + extra
                 if value < np.inf:
                     r = at + k - last_state[s]
-                    for d in range(b - a):
-                        t = value + travel[r, a + d]
-                        best[d] = min(best[d], t)
+                    if len(crossed):
+                        for d in range(b - a):
+                            over = _count(crossed[r, a + d] & ideals[row])
+                            if over:
+                                best[d] = min(best[d], value + travel[r, a + d] + over * crossing_price)
+                            else:
+                                best[d] = min(best[d], value + travel[r, a + d])
+                    else:
+                        for d in range(b - a):
+                            best[d] = min(best[d], value + travel[r, a + d])
         best += site_cost[a:b]
         _surcharge(
             ideals[row], i, best, first, cond_of, cond_site, cond_from, cond_member, cond_weight, cond_bound, cond_cost

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import get_num_threads, set_num_threads
 
+from .crossed import Crossed
 from .kernels import successors, sweep
 from .local import Floats, Ints, Local, Masks
 
@@ -49,7 +50,7 @@ class Layer:
 
 
 def sweep_layers(
-    local: Local, travel: Floats, entrance: Floats, limit: float, rest: Floats, budget: Budget
+    local: Local, travel: Floats, crossed: Crossed, entrance: Floats, limit: float, rest: Floats, budget: Budget
 ) -> list[Layer]:
     """All layers of a stretch, the first the empty set with the values at its entrance.
 
@@ -87,7 +88,8 @@ def sweep_layers(
         sweep(
             cut, source, state, last.ideals, last.ideal_entry, last.contour, last.state, last.values, row_of, travel,
             local.first, local.site_cost, local.cond_of, local.cond_site, local.cond_from, local.cond_member,
-            local.cond_weight, local.cond_bound, local.cond_cost, local.soft_mask, local.soft_cost, values,
+            local.cond_weight, local.cond_bound, local.cond_cost, local.soft_mask, local.soft_cost, crossed.mask,
+            crossed.price, values,
         )  # fmt: skip
         layers.append(Layer(ideals, np.append(at, len(cut)), cut, source, state, values))
     return layers
@@ -107,7 +109,7 @@ def _rest(ideals: Masks, rest: Floats) -> Floats:
     return missing
 
 
-def walk_back(local: Local, layers: list[Layer], travel: Floats, state: int) -> tuple[list[int], int]:
+def walk_back(local: Local, layers: list[Layer], travel: Floats, crossed: Crossed, state: int) -> tuple[list[int], int]:
     """The sites (columns) of a best way to state `state` of the last layer, in order, and the way in it took."""
     ways = len(layers[0].values)
     row_of = np.append(ways + local.first[:-1], 0)
@@ -123,7 +125,9 @@ def walk_back(local: Local, layers: list[Layer], travel: Floats, state: int) -> 
             j = int(back.contour[s])
             span = slice(int(back.state[s]), int(back.state[s + 1]))
             rows = int(row_of[j]) + np.arange(span.stop - span.start)
-            costs = back.values[span] + travel[rows, column] + _leaving(local, int(back.ideals[row]), j, contour)
+            ideal = int(back.ideals[row])
+            costs = back.values[span] + travel[rows, column] + crossed.cost(rows, column, ideal)
+            costs += _leaving(local, ideal, j, contour)
             k = int(np.argmin(costs))
             if costs[k] < best:
                 best, at = float(costs[k]), span.start + k

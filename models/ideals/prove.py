@@ -8,6 +8,7 @@ import numpy as np
 
 from ..problem import Problem
 from ..solution import Incumbent, Progress
+from .crossed import Crossed, add_settled, cross
 from .lattice import Budget, Layer, TooLarge, sweep_layers, walk_back
 from .local import MOST_CONTOURS, Floats, Ints, Local, localise
 from .series import series
@@ -33,13 +34,15 @@ class _Stretch:
     local: Local
     entrance: Ints
     travel: Floats
+    crossed: Crossed
     layers: list[Layer]
 
 
 def applies(problem: Problem) -> bool:
     """Whether the cost of a step depends on nothing but the set already cut and the last site."""
     short = all(lag.cuts <= 1 and lag.seconds == 0 for lag in problem.lags)
-    return short and not problem.general
+    one_price = len(np.unique(problem.crossings.cost)) <= 1
+    return short and one_price and not problem.general
 
 
 def prove(problem: Problem, incumbent: Incumbent | None, work: float, progress: Progress | None = None) -> Proof | None:
@@ -59,12 +62,14 @@ def prove(problem: Problem, incumbent: Incumbent | None, work: float, progress: 
     try:
         for group in groups:
             local = localise(problem, group, earlier)
-            travel = _travel(problem, np.concatenate([ways, local.sites]), local.sites)
+            rows = np.concatenate([ways, local.sites])
+            travel = _travel(problem, rows, local.sites)
+            crossed = cross(problem, local, earlier, rows, travel)
             earlier |= frozenset(group)
             later = sum(least[c] for c in range(problem.n) if c not in earlier)
             rest = np.array([*(least[c] for c in group), later])
-            layers = sweep_layers(local, travel, costs, limit, rest, budget)
-            stretches.append(_Stretch(local, ways, travel, layers))
+            layers = sweep_layers(local, travel, crossed, costs, limit, rest, budget)
+            stretches.append(_Stretch(local, ways, travel, crossed, layers))
             end = layers[-1]
             if not len(end.contour) or not np.isfinite(end.values).any():
                 return Proof(None, work - budget.additions / ADDITIONS_PER_S)
@@ -72,9 +77,10 @@ def prove(problem: Problem, incumbent: Incumbent | None, work: float, progress: 
             costs = end.values
     except TooLarge:
         return None
-    home = _travel(problem, ways, np.array([HOME]))[:, 0]
-    total = costs + home
+    total = costs + _way_home(problem, ways)
     best = int(np.argmin(total))
+    if not np.isfinite(total[best]):
+        return Proof(None, work - budget.additions / ADDITIONS_PER_S)
     route = Incumbent(_route(stretches, best), round(float(total[best])))
     return Proof(route, work - budget.additions / ADDITIONS_PER_S)
 
@@ -82,7 +88,7 @@ def prove(problem: Problem, incumbent: Incumbent | None, work: float, progress: 
 def _route(stretches: list[_Stretch], state: int) -> tuple[int, ...]:
     route: list[int] = []
     for stretch in reversed(stretches):
-        columns, state = walk_back(stretch.local, stretch.layers, stretch.travel, state)
+        columns, state = walk_back(stretch.local, stretch.layers, stretch.travel, stretch.crossed, state)
         route = [int(stretch.local.sites[c]) for c in columns] + route
     return tuple(route)
 
@@ -100,6 +106,14 @@ def _travel(problem: Problem, rows: Ints, columns: Ints) -> Floats:
             if lag.cuts == 1:
                 travel[np.ix_(left, right)] += cost
     return travel
+
+
+def _way_home(problem: Problem, ways: Ints) -> Floats:
+    """Cost of the last move, with all parts out."""
+    home = _travel(problem, ways, np.array([HOME]))
+    everything = frozenset(range(problem.n))
+    add_settled(problem, everything, ways, np.array([HOME]), home)
+    return home[:, 0]
 
 
 def _least_in(problem: Problem) -> list[float]:

@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 
 from kerfwise.models.closure import close
 from kerfwise.models.conditions import Condition
+from kerfwise.models.crossings import FORBIDDEN, Crossings
+from kerfwise.models.pace import Pace
 from kerfwise.models.problem import UM_PER_MM, Problem, SoftGroup
 from kerfwise.rules.statements import About, AtLeast, Before, Lag, Literal, Pick
 
@@ -30,6 +32,8 @@ def problem(
     general: Sequence[AtLeast] = (),
     site_cost: Sequence[int] | None = None,
     travel_weight: float = 1.0,
+    crossings: Crossings | None = None,
+    pace: Pace | None = None,
 ) -> Problem:
     """A problem with the pierce points of every contour's sites (where the cuts end too, unless `ends_mm` is given).
 
@@ -61,6 +65,8 @@ def problem(
         lags=tuple(lags),
         general=tuple(general),
         ids=tuple(f"C{i}" for i in range(n)),
+        crossings=crossings or Crossings(),
+        pace=pace or Pace(),
     )
 
 
@@ -116,7 +122,20 @@ def problems(draw: st.DrawFn, contours: int = 5, sites: int = 3, choices: int = 
         general=draw(st.lists(_general(n, one_site), max_size=2)),
         site_cost=draw(st.lists(st.integers(0, 20_000), min_size=m, max_size=m)),
         travel_weight=draw(st.sampled_from([1.0, 0.5])),
+        crossings=draw(_crossings(n, m)),
     )
+
+
+@st.composite
+def _crossings(draw: st.DrawFn, n: int, m: int) -> Crossings:
+    """A few moves over contours that may be out, all at one price (as one rule states them)."""
+    site = st.integers(0, m)
+    rows = draw(st.sets(st.tuples(site, site, st.integers(0, n - 1)), max_size=6))
+    if not rows:
+        return Crossings()
+    leave, reach, over = np.array(sorted(rows), dtype=np.int64).T
+    cost = draw(st.one_of(st.just(FORBIDDEN), st.integers(1, 60_000)))
+    return Crossings(leave, reach, over, np.full(len(rows), cost), np.zeros(len(rows), dtype=np.int64))
 
 
 _POINTS = st.tuples(st.integers(0, 50).map(float), st.integers(0, 50).map(float))
