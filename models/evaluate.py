@@ -24,11 +24,11 @@ def route_cost(problem: Problem, route: Sequence[int]) -> int:
     total += sum(cost for cost, _ in _broken_conditions(problem, route) if cost is not None)
     total += sum(g.cost * (_pieces(order, g.contours) - 1) for g in problem.soft_groups)
     position = {c: k for k, c in enumerate(order)}
-    times = _times_ms(problem, route)
+    times = times_ms(problem, route)
     for lag in problem.lags:
         if lag.weight is not None:
             total += round(lag.weight * 1000) * _missing_cuts(lag, position)
-            total += round(lag.weight * _missing_ms(lag, times))
+            total += round(lag.weight) * missing_ms(lag, times)
     total += sum(cost for cost in _crossed(problem, route) if cost != FORBIDDEN)
     picked = set(route)
     total += sum(
@@ -57,9 +57,9 @@ def broken(problem: Problem, route: Sequence[int]) -> tuple[About, ...]:
             together = tuple(problem.ids[k] for k in members)
             found.append(About("contiguous", together, f"{', '.join(together)} must follow each other"))
     found += [about for cost, about in _broken_conditions(problem, route) if cost is None]
-    times = _times_ms(problem, route)
+    times = times_ms(problem, route)
     for lag in problem.lags:
-        if lag.weight is None and (_missing_cuts(lag, position) > 0 or _missing_ms(lag, times) > 0):
+        if lag.weight is None and (_missing_cuts(lag, position) > 0 or missing_ms(lag, times) > 0):
             found.append(lag.about)
     if FORBIDDEN in _crossed(problem, route):
         found.append(About("crossing", (), "an idle move crosses a part that is already out"))
@@ -86,7 +86,7 @@ def _missing_cuts(lag: Lag, position: dict[int, int]) -> int:
     return max(0, lag.cuts - (abs(position[lag.first] - position[lag.second]) - 1))
 
 
-def _times_ms(problem: Problem, route: Sequence[int]) -> dict[int, tuple[int, int]]:
+def times_ms(problem: Problem, route: Sequence[int]) -> dict[int, tuple[int, int]]:
     """Contour → when its cut begins and ends, ms from the program's start."""
     if not len(problem.pace.cut_ms):
         return {int(problem.site_contour[s]): (0, 0) for s in route}
@@ -99,7 +99,7 @@ def _times_ms(problem: Problem, route: Sequence[int]) -> dict[int, tuple[int, in
     return times
 
 
-def _missing_ms(lag: Lag, times: dict[int, tuple[int, int]]) -> int:
+def missing_ms(lag: Lag, times: dict[int, tuple[int, int]]) -> int:
     if not lag.seconds:
         return 0
     (_, end), (begin, _) = sorted((times[lag.first], times[lag.second]))

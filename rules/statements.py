@@ -80,7 +80,10 @@ class Contiguous:
 
 @dataclass(frozen=True, slots=True)
 class Lag:
-    """At least `cuts` other cuts, or `seconds` s, lie between contours `first` and `second`, whichever is cut first."""
+    """At least `cuts` other cuts and `seconds` s lie between contours `first` and `second`, whichever is cut first.
+
+    If soft, every cut and every second that is missing costs the weight (whole mm for a second).
+    """
 
     first: int
     second: int

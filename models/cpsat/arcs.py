@@ -46,6 +46,13 @@ def site_arcs(problem: Problem, lawful: Bools) -> Arcs:
     return Arcs(groups, first, np.concatenate(tails), np.concatenate(heads), np.concatenate(costs))
 
 
+def arc_ms(problem: Problem, arcs: Arcs) -> Ints:
+    """Time of the idle travel along every arc between sites, whole ms."""
+    home = problem.home_um[None, :]
+    ends, pierces = np.concatenate([problem.end_um, home]), np.concatenate([problem.pierce_um, home])
+    return problem.pace.move_ms(ends[arcs.tail], pierces[arcs.head])
+
+
 def contour_arcs(problem: Problem, lawful: Bools) -> Arcs:
     """One arc for every two contours, at the least idle travel between their sites; site i stands for contour i."""
     groups = np.argwhere(lawful).astype(np.int64)

@@ -8,9 +8,10 @@ import numpy as np
 from ortools.sat.python.cp_model import CpModel, LinearExpr, LiteralT
 
 from ...rules.statements import Before
+from ..crossings import FORBIDDEN
 from ..problem import Problem
-from .arcs import Arcs
-from .variables import Variables
+from .arcs import Arcs, arc_ms
+from .variables import Variables, open_crossings
 
 
 def add_constraints(model: CpModel, problem: Problem, arcs: Arcs, v: Variables) -> None:
@@ -27,6 +28,9 @@ def add_constraints(model: CpModel, problem: Problem, arcs: Arcs, v: Variables) 
     _conditions_are_met(model, problem, v)
     _lags_are_kept(model, problem, v)
     _general_statements_hold(model, problem, v)
+    _moves_over_parts_are_paid_for(model, problem, arcs, v)
+    _the_clock_runs_along_the_route(model, problem, arcs, v)
+    _cooling_takes_its_time(model, problem, v)
 
 
 def _one_site_a_contour(model: CpModel, problem: Problem, v: Variables) -> None:
@@ -136,6 +140,64 @@ def _general_statements_hold(model: CpModel, problem: Problem, v: Variables) -> 
             for lit in statement.literals
         ]
         _at_least(model, literals, statement.weights, statement.bound, [*given, *excused])
+
+
+def _moves_over_parts_are_paid_for(model: CpModel, problem: Problem, arcs: Arcs, v: Variables) -> None:
+    """A move over a part that is out by then costs, or is not made."""
+    rows, m = problem.crossings, problem.m
+    move = {leg: v.travel[a] for a, leg in enumerate(zip(arcs.tail.tolist(), arcs.head.tolist(), strict=True))}
+    undecided = set(open_crossings(problem, arcs))
+    for k, (leave, reach, over) in enumerate(
+        zip(rows.leave.tolist(), rows.reach.tolist(), rows.over.tolist(), strict=True)
+    ):
+        if (leave, reach) not in move:
+            continue
+        taken = move[leave, reach]
+        if k in undecided:
+            is_out = v.before(over, int(problem.site_contour[leave]))
+            price = [v.over[k]] if k in v.over else []
+            model.add_bool_or([~taken, ~is_out, *price])
+        elif rows.cost[k] == FORBIDDEN and is_out_by(problem, over, leave, reach, m):
+            model.add(taken == 0)
+
+
+def is_out_by(problem: Problem, over: int, leave: int, reach: int, m: int) -> bool:
+    """Whether the hard orders alone put contour `over` out before the move from site `leave` to site `reach`."""
+    if leave == m:
+        return False
+    contour = int(problem.site_contour[leave])
+    return reach == m or over == contour or bool(problem.before[over, contour])
+
+
+def _the_clock_runs_along_the_route(model: CpModel, problem: Problem, arcs: Arcs, v: Variables) -> None:
+    """The next cut begins when this one and the move to it are done."""
+    if not v.begin:
+        return
+    takes = problem.pace.cut_ms.tolist()
+    for a, (tail, head, ms) in enumerate(
+        zip(arcs.tail.tolist(), arcs.head.tolist(), arc_ms(problem, arcs).tolist(), strict=True)
+    ):
+        if head == problem.m:
+            continue
+        begin = v.begin[int(problem.site_contour[head])]
+        if tail == problem.m:
+            model.add(begin == ms).only_enforce_if(v.travel[a])
+        else:
+            earlier = v.begin[int(problem.site_contour[tail])]
+            model.add(begin == earlier + takes[tail] + ms).only_enforce_if(v.travel[a])
+
+
+def _cooling_takes_its_time(model: CpModel, problem: Problem, v: Variables) -> None:
+    """Enough seconds lie between two cuts, less those that are missing at a penalty."""
+    for k, lag in enumerate(problem.lags):
+        if lag.seconds <= 0:
+            continue
+        short = v.late.get(k, 0)
+        for i, j in ((lag.first, lag.second), (lag.second, lag.first)):
+            sites = list(problem.sites(i))
+            takes = LinearExpr.weighted_sum([v.pick[s] for s in sites], problem.pace.cut_ms[sites].tolist())
+            waited = v.begin[j] - v.begin[i] - takes
+            model.add(waited >= round(lag.seconds * 1000) - short).only_enforce_if(v.before(i, j))
 
 
 def _picked(problem: Problem, v: Variables, candidate: int) -> LiteralT:

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from ortools.sat.python.cp_model import CpModel, IntVar
 
-from ..evaluate import general_holds
+from ..evaluate import general_holds, missing_ms, times_ms
 from ..problem import Problem
 from .arcs import Arcs
 from .variables import Variables
@@ -29,7 +29,12 @@ def add_hint(model: CpModel, problem: Problem, arcs: Arcs, v: Variables, route: 
             v.failed.values(), (not general_holds(problem, problem.general[k], position, picked) for k in v.failed)
         ),
         **_values(v.missing.values(), (_lacking(problem, k, position) for k in v.missing)),
+        **_values(v.over.values(), (_over(problem, k, tour, position) for k in v.over)),
     }
+    if v.begin:
+        times = times_ms(problem, route)
+        values |= _values(v.begin, (times[i][0] for i in range(problem.n)))
+        values |= _values(v.late.values(), (missing_ms(problem.lags[k], times) for k in v.late))
     for (i, j), literal in v.order.items():
         if isinstance(literal, IntVar):
             values[literal.index] = int(position[i] < position[j])
@@ -52,6 +57,12 @@ def _unmet(problem: Problem, k: int, order: Sequence[int], picked: set[int]) -> 
     if condition.when is not None and condition.when not in picked:
         return False
     return not condition.met(set(order[: order.index(condition.contour)]))
+
+
+def _over(problem: Problem, k: int, tour: set[tuple[int, int]], position: dict[int, int]) -> bool:
+    rows = problem.crossings
+    leave, reach, over = int(rows.leave[k]), int(rows.reach[k]), int(rows.over[k])
+    return (leave, reach) in tour and position[over] < position[int(problem.site_contour[leave])]
 
 
 def _lacking(problem: Problem, k: int, position: dict[int, int]) -> int:

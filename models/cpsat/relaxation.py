@@ -8,6 +8,8 @@ import numpy as np
 from ortools.sat.python.cp_model import INFEASIBLE
 
 from ...rules.statements import Before
+from ..crossings import Crossings
+from ..pace import Pace
 from ..problem import Problem
 from ..solution import Incumbent, Progress, SolveOptions
 from .arcs import Arcs
@@ -43,7 +45,9 @@ def solve_relaxed(
 
 
 def by_contours(problem: Problem) -> Problem:
-    """The problem with one site a contour, at its least cost; what is said of one site among several is left out.
+    """The problem with one site a contour, at its least cost.
+
+    What is said of one site among several, of moves or of seconds is left out.
 
     Where the sites lie is left as it was and means nothing here: `contour_arcs` measures the travel.
     """
@@ -51,6 +55,9 @@ def by_contours(problem: Problem) -> Problem:
     contours = np.arange(problem.n, dtype=np.int64)
     return replace(
         problem,
+        lags=tuple(replace(lag, seconds=0.0) for lag in problem.lags),
+        crossings=Crossings(),
+        pace=Pace(),
         first=np.arange(problem.n + 1, dtype=np.int64),
         site_contour=contours,
         site_candidate=problem.site_candidate[problem.first[:-1]],

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
 from ortools.sat.python.cp_model import CpModel, IntVar, LiteralT
 
 from ...rules.statements import Before
 from ..problem import Problem
-from .arcs import Arcs
+from .arcs import Arcs, arc_ms
 
 Pair = tuple[int, int]
 
@@ -21,7 +22,9 @@ class Variables:
     `pick[s]`: site s is used. `travel[a]`: arc a is on the route. `follow[i, j]`: contour j directly follows i (n is
     the machine's home). `position[i]` counts from 0. `order[i, j]`: contour i is cut before contour j, only for pairs
     that a statement asks about and the hard orders leave open. `broken[k]`: soft condition k is not met; `failed[k]`:
-    soft general statement k does not hold; `missing[k]`: the cuts that soft lag k lacks.
+    soft general statement k does not hold; `missing[k]`: the cuts that soft lag k lacks, `late[k]` the milliseconds.
+    `over[k]`: the move of crossing k is made, over a part that is out. `begin[i]`: when the cut of contour i begins,
+    ms, only where a lag counts seconds.
     """
 
     problem: Problem
@@ -33,6 +36,9 @@ class Variables:
     broken: dict[int, IntVar]
     failed: dict[int, IntVar]
     missing: dict[int, IntVar]
+    late: dict[int, IntVar]
+    over: dict[int, IntVar]
+    begin: list[IntVar]
 
     def before(self, i: int, j: int) -> LiteralT:
         """Literal, or constant, that says that contour i is cut before contour j."""
@@ -60,7 +66,41 @@ def make_variables(model: CpModel, problem: Problem, arcs: Arcs) -> Variables:
             for k, lag in enumerate(problem.lags)
             if lag.weight is not None and lag.cuts > 0
         },
+        late={
+            k: model.new_int_var(0, round(lag.seconds * 1000), "")
+            for k, lag in enumerate(problem.lags)
+            if lag.weight is not None and lag.seconds > 0
+        },
+        over={k: model.new_bool_var("") for k in open_crossings(problem, arcs) if problem.crossings.cost[k] > 0},
+        begin=_begins(model, problem, arcs),
     )
+
+
+def open_crossings(problem: Problem, arcs: Arcs) -> list[int]:
+    """Crossings of moves that there are, over parts that the hard orders leave open whether they are out by then."""
+    rows = problem.crossings
+    moves = set(zip(arcs.tail.tolist(), arcs.head.tolist(), strict=True))
+    return [
+        k
+        for k, (leave, reach, over) in enumerate(
+            zip(rows.leave.tolist(), rows.reach.tolist(), rows.over.tolist(), strict=True)
+        )
+        if (leave, reach) in moves and leave < problem.m and reach < problem.m and _undecided(problem, over, leave)
+    ]
+
+
+def _undecided(problem: Problem, over: int, leave: int) -> bool:
+    contour = int(problem.site_contour[leave])
+    return over != contour and not problem.before[over, contour] and not problem.before[contour, over]
+
+
+def _begins(model: CpModel, problem: Problem, arcs: Arcs) -> list[IntVar]:
+    """A clock, if a statement counts seconds; no plan takes longer than every cut and the longest moves together."""
+    if not any(lag.seconds > 0 for lag in problem.lags):
+        return []
+    longest = sum(int(problem.pace.cut_ms[list(problem.sites(i))].max()) for i in range(problem.n))
+    longest += (problem.n + 1) * int(arc_ms(problem, arcs).max(initial=0))
+    return [model.new_int_var(0, longest, "") for _ in range(problem.n)]
 
 
 def _follow(model: CpModel, arcs: Arcs, travel: list[IntVar]) -> dict[Pair, IntVar]:
@@ -96,6 +136,9 @@ def _asked(problem: Problem) -> Iterator[Pair]:
     """Pairs (the smaller number first) whose order a statement asks about and no hard order decides."""
     pairs: list[Pair] = [(k, c.contour) for c in problem.conditions for k in c.members]
     pairs += [(lag.first, lag.second) for lag in problem.lags]
+    rows = problem.crossings
+    inner = np.flatnonzero((rows.leave < problem.m) & (rows.reach < problem.m))
+    pairs += zip(rows.over[inner].tolist(), problem.site_contour[rows.leave[inner]].tolist(), strict=True)
     pairs += [(lit.i, lit.j) for s in problem.general for lit in s.literals if isinstance(lit, Before)]
     for i, j in pairs:
         if i != j and not problem.before[i, j] and not problem.before[j, i]:

@@ -123,6 +123,7 @@ def problems(draw: st.DrawFn, contours: int = 5, sites: int = 3, choices: int = 
         site_cost=draw(st.lists(st.integers(0, 20_000), min_size=m, max_size=m)),
         travel_weight=draw(st.sampled_from([1.0, 0.5])),
         crossings=draw(_crossings(n, m)),
+        pace=Pace(np.array(draw(st.lists(st.integers(0, 3000), min_size=m, max_size=m)), dtype=np.int64), 0.02),
     )
 
 
@@ -173,7 +174,8 @@ def _soft_groups(draw: st.DrawFn, n: int) -> SoftGroup:
 @st.composite
 def _lags(draw: st.DrawFn, n: int) -> Lag:
     first, second = draw(st.permutations(range(n)))[:2]
-    return Lag(first, second, ABOUT, cuts=draw(st.integers(0, 3)), weight=draw(_WEIGHT))
+    seconds = draw(st.sampled_from([0.0, 0.0, 0.0, 1.5, 4.0]))
+    return Lag(first, second, ABOUT, cuts=draw(st.integers(0, 3)), seconds=seconds, weight=draw(_WEIGHT))
 
 
 @st.composite
