@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
+from .timing.constant import Feeds
+
 Status = Literal["optimal", "feasible"]
 
 
@@ -16,12 +18,14 @@ class SolveOptions:
     `work` is deterministic: about as many seconds as this machine class needs, but counted in iterations and
     CP-SAT's deterministic time, so that the same input gives the same plan. `time_s`, if given, is wall-clock time
     and cuts the work short.
+    `feeds` are needed where rules count seconds.
     """
 
     seed: int = 1
     work: float = 30.0
     time_s: float | None = None
     home_mm: tuple[float, float] = (0.0, 0.0)
+    feeds: Feeds | None = None
 
 
 @dataclass(frozen=True, slots=True)

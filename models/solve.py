@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from ..encoder.errors import RulesConflict
 from ..encoder.facts.facts import Facts
 from ..rules.statements import Statement
 from .cpsat import solve_cpsat
+from .crossings import Crossings
+from .evaluate import broken, route_cost
 from .ideals import prove
+from .pace import Pace
 from .problem import UM_PER_MM, Problem, make_problem
 from .search import search
 from .solution import Incumbent, Progress, Solution, SolveOptions
+
+Refine = Callable[[tuple[int, ...]], tuple[Statement, ...]]
 
 # shares of the budget: a first look, the proof by ideals, more search where that fails, CP-SAT
 FIRST, PROOF, SEARCH, EXACT = 0.06, 0.44, 0.25, 0.25
@@ -39,9 +45,17 @@ class _Known:
 
 
 def solve(
-    facts: Facts, statements: tuple[Statement, ...], options: SolveOptions, progress: Progress | None = None
+    facts: Facts,
+    statements: tuple[Statement, ...],
+    options: SolveOptions,
+    progress: Progress | None = None,
+    refine: Refine | None = None,
 ) -> Solution:
     """The best route found within the limits, with what is proven of it.
+
+    `refine` looks at a whole order (contour numbers) and answers with statements that geometry has now shown to be
+    missing; the problem is solved again with them until there are none. A bound proven before all are known is a
+    bound all the same: the missing ones can only add to the cost.
 
     Raises
     ------
@@ -50,14 +64,28 @@ def solve(
     """
     started = time.monotonic()
     watch = _Watch(progress, None if options.time_s is None else started + options.time_s)
-    problem = make_problem(facts, statements, options.home_mm)
-    known = _run(problem, options, watch)
-    if known.incumbent is None:
-        raise RulesConflict(
-            "no plan meets every hard rule"
-            if known.infeasible
-            else "no plan that meets every hard rule was found within the limit (none is proven impossible)"
-        )
+    left = options.work if options.time_s is None else options.time_s
+    spent = 0.0
+    while True:
+        problem = make_problem(facts, statements, options.home_mm, options.feeds)
+        known = _run(problem, replace(options, work=left - spent), watch)
+        spent += known.work
+        if known.incumbent is None:
+            raise RulesConflict(
+                "no plan meets every hard rule"
+                if known.infeasible
+                else "no plan that meets every hard rule was found within the limit (none is proven impossible)"
+            )
+        order = tuple(int(problem.site_contour[s]) for s in known.incumbent.route)
+        missing = () if refine is None else refine(order)
+        if not missing:
+            break
+        statements += missing
+        if watch.stopped or spent >= left:
+            raise RulesConflict(
+                "no plan that meets every hard rule was found within the limit (none is proven impossible)",
+                tuple(s.about.sentence for s in missing),
+            )
     cost = known.incumbent.cost
     bound = min(known.bound_um, cost)
     return Solution(
@@ -67,15 +95,14 @@ def solve(
         status="optimal" if bound >= cost else "feasible",
         found_by=known.found_by,
         proved_by=known.proved_by,
-        seconds=known.work if options.time_s is None else time.monotonic() - started,
+        seconds=spent if options.time_s is None else time.monotonic() - started,
     )
 
 
 def _run(problem: Problem, options: SolveOptions, watch: _Watch) -> _Known:
     known = _Known()
-    work = options.work if options.time_s is None else options.time_s
-    options = replace(options, work=work)
-    known.offer(search(problem, options, watch, share=FIRST), "search")
+    work = options.work
+    known.offer(_search(problem, options, watch, FIRST), "search")
     proof = prove(problem, known.incumbent, work * PROOF, watch)
     known.work = work * FIRST + (work * PROOF if proof is None else proof.work)
     if proof is not None:
@@ -86,7 +113,7 @@ def _run(problem: Problem, options: SolveOptions, watch: _Watch) -> _Known:
             known.raise_bound(proof.incumbent.cost, "ideals")
         return known
     if not watch.stopped:
-        known.offer(search(problem, options, watch, share=SEARCH), "search")
+        known.offer(_search(problem, options, watch, SEARCH), "search")
         known.work += work * SEARCH
     if not watch.stopped:
         outcome = solve_cpsat(problem, replace(options, work=work * EXACT), known.incumbent, known.bound_um, watch)
@@ -96,6 +123,17 @@ def _run(problem: Problem, options: SolveOptions, watch: _Watch) -> _Known:
             known.raise_bound(outcome.bound, "cp-sat")
         known.work += work * EXACT
     return known
+
+
+def _search(problem: Problem, options: SolveOptions, watch: _Watch, share: float) -> Incumbent | None:
+    """The search's best route, judged by all statements: it knows nothing of crossings and seconds itself."""
+    simpler = replace(
+        problem, crossings=Crossings(), lags=tuple(replace(lag, seconds=0.0) for lag in problem.lags), pace=Pace()
+    )
+    found = search(simpler, options, watch, share)
+    if found is None or broken(problem, found.route):
+        return None
+    return Incumbent(found.route, route_cost(problem, found.route))
 
 
 class _Watch:
