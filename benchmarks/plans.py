@@ -1,0 +1,126 @@
+"""How good the plans are and what is proven of them, on made plates and the example nests.
+
+Usage: python benchmarks/plans.py [--work W] > docs/benchmarks.md
+
+Prints the benchmark page: every nest under the default profile, and made plates without zones, where the sets that
+can occur are too many for a proof and the search has to carry the plan. `work` is the deterministic limit of `solve`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import platform
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from pathlib import Path
+
+import kerfwise
+from kerfwise.encoder.candidates import build_candidates
+from kerfwise.encoder.facts import compute_facts
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.readers import ReadOptions, read_nest
+from kerfwise.encoder.readers.json_nest import read_json
+from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.models.make_plan import feeds_of
+from kerfwise.models.solution import Solution, SolveOptions
+from kerfwise.models.solve import solve
+from kerfwise.rules.profile import Profile, load_profile
+from kerfwise.rules.state import state_rules
+
+EXAMPLES = Path(kerfwise.__file__).parent / "examples" / "nests"
+PLATES = ((1, 115), (1, 300), (2, 300), (1, 1000))
+WITHOUT_ZONES = ((1, 40), (1, 115), (1, 300))
+
+PAGE = """\
+# Benchmarks
+
+Made by `python benchmarks/plans.py --work {work:g} > docs/benchmarks.md` with kerfwise {kerfwise}, OR-Tools {ortools},
+Python {python}, seed 1. Seconds are wall-clock on a shared two-core machine, compiled kernels loaded: compare them
+within this page only. A gap is (idle travel - bound) / idle travel; none is given where no bound is proven. How the
+time for facts grows from 100 to 10,000 contours: `python benchmarks/facts.py`.
+
+## Under the default profile
+
+| nest | contours | idle travel, m | bound, m | gap | found by | proved by | facts, s | plan, s |
+|---|---:|---:|---:|---:|---|---|---:|---:|
+{zoned}
+
+## The same plates without zones, all other rules held
+
+| nest | contours | idle travel, m | bound, m | gap | found by | proved by | facts, s | plan, s |
+|---|---:|---:|---:|---:|---|---|---:|---:|
+{unzoned}
+"""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One nest planned once."""
+
+    name: str
+    contours: int
+    solution: Solution
+    facts_s: float
+    plan_s: float
+
+    def __str__(self) -> str:
+        found, bound = self.solution.objective, self.solution.bound
+        proven = "" if bound is None else f"{bound / 1000:.3f}"
+        gap = "" if bound is None else f"{(found - bound) / found:.2%}"
+        return (
+            f"| {self.name} | {self.contours} | {found / 1000:.3f} | {proven} | {gap} | {self.solution.found_by} "
+            f"| {self.solution.proved_by} | {self.facts_s:.1f} | {self.plan_s:.1f} |"
+        )
+
+
+def plan(name: str, nest: Nest, profile: Profile, work: float) -> Row:
+    """Facts, statements and a plan."""
+    started = time.perf_counter()
+    facts = compute_facts(nest, profile.fact_options(), build_candidates(nest, profile.lead_options()))
+    stated = state_rules(facts, profile)
+    between = time.perf_counter()
+    options = SolveOptions(work=work, home_mm=profile.machine.home, feeds=feeds_of(profile))
+    solution = solve(facts, stated.statements, options)
+    return Row(name, facts.n, solution, between - started, time.perf_counter() - between)
+
+
+def plates(sizes: tuple[tuple[int, int], ...]) -> Iterator[tuple[str, Nest]]:
+    """Made plates of about as many contours."""
+    for seed, contours in sizes:
+        yield (
+            f"plate {contours}, seed {seed}",
+            read_json(json.dumps(make_sheet(seed, contours)).encode(), ReadOptions()),
+        )
+
+
+def main() -> None:
+    """Print the page."""
+    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("--work", type=float, default=30.0)
+    work = arguments.parse_args().work
+    profile = load_profile()
+    free = {**profile.rules, "zone-order": replace(profile.rules["zone-order"], strength="off")}
+    without = replace(profile, rules=free)
+    warm = next(plates(((1, 20),)))
+    plan(*warm, profile, 1.0)
+    examples = [(p.name, read_nest(p)) for p in sorted(EXAMPLES.glob("*.json"))]
+    zoned = [plan(name, nest, profile, work) for name, nest in [*examples, *plates(PLATES)]]
+    unzoned = [plan(name, nest, without, work) for name, nest in plates(WITHOUT_ZONES)]
+    print(
+        PAGE.format(
+            work=work,
+            kerfwise=kerfwise.__version__,
+            ortools=version("ortools"),
+            python=platform.python_version(),
+            zoned="\n".join(map(str, zoned)),
+            unzoned="\n".join(map(str, unzoned)),
+        ),
+        end="",
+    )
+
+
+if __name__ == "__main__":
+    main()
