@@ -50,7 +50,7 @@ def torch_path(contour: Contour, cut: Cut, kerf_mm: float) -> Curve:
     if not contour.curve.closed:
         return contour.curve if cut.direction == "ccw" else contour.curve.reversed()
     ring = compensated(contour, kerf_mm).towards(cut.direction)
-    once_round = ring.opened_at(_join_mm(ring, _join(cut)))
+    once_round = ring.opened_at(ring.project(_join(cut))[0])
     rows = [row for path in (cut.lead_in, once_round, cut.lead_out) if path is not None for row in _rows(path)]
     kept = [a for a, b in pairwise(rows) if math.dist(a[:2], b[:2]) > _SPECK_MM]
     return Curve.of([*kept, rows[-1]], closed=False)
@@ -62,13 +62,6 @@ def _join(cut: Cut) -> Point:
         return cut.pierce
     x, y = cut.lead_in.vertices[-1, :2].tolist()
     return x, y
-
-
-def _join_mm(ring: Curve, join: Point) -> float:
-    """Path length of the joining point along the ring; of a vertex where it is one."""
-    s_mm, _ = ring.project(join)
-    nearest_mm = min(ring.starts_mm.tolist(), key=lambda start_mm: abs(start_mm - s_mm))
-    return nearest_mm if abs(nearest_mm - s_mm) < _SPECK_MM else s_mm
 
 
 def _rows(path: Curve) -> Iterator[Row]:

@@ -61,9 +61,7 @@ class Surroundings:
         own &= clear[row]
         row, near = row[own], self.chords.geometries[chord[own]]
         apart = shapely.linestrings(leads.points(NEAR_JOIN_MM))
-        cut_into = shapely.distance(lines[row], near) < half_kerf_mm - 2 * CHORD_MM
-        come_back = shapely.distance(apart[row], near) < reach_mm
-        clear[row[cut_into | come_back]] = False
+        clear[row[shapely.distance(apart[row], near) < reach_mm]] = False
         return clear
 
     def clear_pierces(self, points: FloatArray, clearance_mm: float, not_own: Ints | None = None) -> Bools:

@@ -48,6 +48,7 @@ def lead_options() -> st.SearchStrategy[LeadOptions]:
         lead_in_mm=st.floats(2, 8),
         lead_in_min_mm=st.just(0.4),
         lead_out=st.sampled_from(["none", "line", "arc"]),
+        lead_out_mm=st.floats(1, 6),
         pierce_clearance_mm=st.floats(0.5, 1.2),
         hole_overcut_mm=st.sampled_from([0.0, 1.0]),
     )

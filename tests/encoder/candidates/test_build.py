@@ -14,7 +14,7 @@ from kerfwise.encoder.candidates import Candidate, LeadOptions, build_candidates
 from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.encoder.readers import read_nest
 from kerfwise.tests.nests import circle, nest, part, rect
 
@@ -105,6 +105,46 @@ def test_a_lead_is_turned_where_straight_on_is_blocked() -> None:
     assert all(c.pierce[0] < 139 for c in below)
 
 
+def test_a_lead_does_not_run_through_another_limb_of_its_own_part() -> None:
+    fins = [(100, 100), (160, 100), (160, 180), (158, 180), (158, 105), (155.5, 105), (155.5, 180), (100, 180)]
+    drawn = nest(400, 300, part("F", fins))
+    between = [
+        c for c in build_candidates(drawn, LeadOptions(lead_in_mm=7.0, lead_in_min_mm=6.0)) if c.entry[0] == 155.5
+    ]
+    assert all(c.entry[1] == 180 for c in between)
+
+
+def test_a_pierce_does_not_land_on_a_part_that_overlaps_a_little() -> None:
+    drawn = nest(400, 300, part("A", rect(100, 100, 80, 80)), part("B", rect(179.9, 90, 80, 100)))
+    found = of(build_candidates(drawn, LeadOptions()), drawn, "A.outer")
+    assert found
+    assert all(c.pierce[0] < 179 for c in found)
+
+
+def test_a_lead_does_not_cross_a_slit_in_the_sheet() -> None:
+    slit = Curve.of(rect(50, 95, 200, 1))
+    part_a = part("A", rect(100, 100, 80, 80))
+    remnant = Nest(Sheet(Curve.of(rect(0, 0, 400, 300)), (slit,)), (part_a,))
+    found = build_candidates(remnant, LeadOptions(pierce_clearance_mm=0.8, kerf_mm=1.5))
+    below = [c for c in found if c.pierce[1] < 100]
+    assert below
+    assert all(c.pierce[1] > 96.8 for c in below)
+
+
+def test_where_the_edge_is_too_thin_to_stand_in_nothing_starts() -> None:
+    slit = Curve.of(rect(50, 95, 200, 1))
+    remnant = Nest(Sheet(Curve.of(rect(0, 0, 400, 300)), (slit,)), (part("A", rect(100, 100, 80, 80)),))
+    assert not any(c.edge_start for c in build_candidates(remnant, LeadOptions()))
+
+
+def test_a_lead_out_stays_on_the_sheet() -> None:
+    near = nest(400, 300, part("A", rect(1.6, 100, 80, 80)))
+    found = build_candidates(near, LeadOptions(lead_out="line", entry_points={"A.outer": (1.6, 140)}))
+    beside = [c for c in found if c.entry == pytest.approx((1.6, 140))]
+    assert beside
+    assert all(0 < c.end[0] < 0.8 for c in beside)
+
+
 def test_an_arc_lead_is_tangent_to_the_cut() -> None:
     for c in of(build_candidates(plate(), LeadOptions(lead="arc")), plate(), "A.outer"):
         if c.entry != (140, 100):
@@ -176,6 +216,13 @@ def test_near_the_edge_of_the_sheet_the_torch_may_come_in_from_it() -> None:
     middle = next(c for c in edge if c.entry == (10, 140))
     assert middle.pierce == pytest.approx((-1.5, 140))
     assert not any(c.edge_start for c in build_candidates(near, LeadOptions(edge_start=False)))
+
+
+def test_an_edge_start_does_not_run_along_the_part() -> None:
+    options = LeadOptions(entry_points={"A.outer": (8, 100)})
+    found = build_candidates(nest(400, 300, part("A", rect(4, 100, 8, 80))), options)
+    assert any(c.entry == (8, 100) for c in found)
+    assert not any(c.edge_start and c.entry == (8, 100) for c in found)
 
 
 def test_a_contour_with_room_at_the_edge_only_starts_there() -> None:

@@ -86,10 +86,22 @@ def test_an_outline_that_touches_itself_at_a_point_can_be_grown() -> None:
     assert grown.polygon().area > 200 + grown.length_mm - 10
 
 
-def test_an_outline_with_a_slit_goes_around_its_end() -> None:
-    slit = Curve.of([(0, 0), (20, 0), (20, 10), (30, 10), (20, 10), (20, 20), (0, 20)])
-    grown = offset_curve(slit, 1)
-    assert grown.polygon().bounds == pytest.approx((-1, -1, 31, 21), abs=0.01)
+@pytest.mark.parametrize("over", [False, True])
+def test_an_outline_with_a_spike_of_no_width_goes_around_its_end(over: bool) -> None:
+    drawn = Curve.of([(0, 0), (20, 0), (20, 10), (30, 10), (20, 10), (20, 20), (0, 20)])
+    grown = offset_curve(drawn.reversed() if over else drawn, 1)
+    end = [s for s in grown.segments if s.is_arc and s.centre == pytest.approx((30, 10))]
+    assert [abs(s.sweep_rad) for s in end] == [pytest.approx(math.pi)]
+    assert len(grown.segments) == 12
+
+
+@pytest.mark.parametrize("over", [False, True])
+def test_an_outline_with_a_slit_of_no_width_goes_around_its_end(over: bool) -> None:
+    drawn = Curve.of([(0, 0), (20, 0), (20, 10), (8, 10), (20, 10), (20, 20), (0, 20)])
+    shrunk = offset_curve(drawn.reversed() if over else drawn, -1)
+    end = [s for s in shrunk.segments if s.is_arc]
+    assert [s.centre for s in end] == [pytest.approx((8, 10))]
+    assert abs(end[0].sweep_rad) == pytest.approx(math.pi)
 
 
 def test_distance_nothing_changes_nothing() -> None:
