@@ -37,13 +37,14 @@ def command(
     **options: Any,
 ) -> int:
     """Turn NEST into a cutting program that keeps every hard rule of the profile, checked before it is written."""
+    from ..models.make_plan import feeds_of
     from ..models.solution import SolveOptions
 
     given = read_given(**options)
     if output is plan_path is picture is None:
         stem = Path(options["nest"]).stem
         output, plan_path, picture = f"{stem}.nc", f"{stem}.plan.json", f"{stem}.svg"
-    limits = SolveOptions(seed, work, time_limit, given.profile.machine.home)
+    limits = SolveOptions(seed, work, time_limit, given.profile.machine.home, feeds_of(given.profile))
     return _solve(given, limits, output, plan_path, picture)
 
 
@@ -54,6 +55,7 @@ def _solve(given: Given, limits: SolveOptions, output: str | None, plan_path: st
     from ..postproc.files import write_files
     from ..postproc.program import write_program
     from ..postproc.report import draw
+    from ..rules.afterthoughts import afterthoughts
     from ..rules.state import state_rules
     from .facts_of import facts_of
     from .progress import listening
@@ -62,7 +64,7 @@ def _solve(given: Given, limits: SolveOptions, output: str | None, plan_path: st
     facts = facts_of(given)
     stated = state_rules(facts, given.profile)
     with listening() as ear:
-        solution = solve(facts, stated.statements, limits, ear)
+        solution = solve(facts, stated.statements, limits, ear, afterthoughts(facts, given.profile))
     plan = make_plan(facts, given.profile, stated, solution, "cp-sat", limits.seed)
     program = write_program(plan, given.nest, given.profile)
     verdict = judge(given.nest, plan, program, given.profile)

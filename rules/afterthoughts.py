@@ -1,0 +1,40 @@
+"""What geometry finds wrong with a whole order, as statements against it: for rules that no statement can say before.
+
+A narrow strip, say, comes of everything that is already cut; the order is judged when it is there, and what is wrong
+with it must not occur again (Petunin 2009, fig. 3).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+from .registry import RULES
+from .statements import NoGood
+
+if TYPE_CHECKING:
+    from ..encoder.facts.facts import Facts
+    from .profile import Profile
+
+
+def afterthoughts(facts: Facts, profile: Profile) -> Callable[[Sequence[int]], tuple[NoGood, ...]]:
+    """A function that says what is wrong with an order (contour numbers), each thing once.
+
+    It answers with nothing when an order shows nothing new: a soft rule may well be broken again, at its price.
+    """
+    nest, index = facts.nest, facts.nest.index
+    told: set[tuple[str, frozenset[int], frozenset[int]]] = set()
+
+    def look(order: Sequence[int]) -> tuple[NoGood, ...]:
+        names = [nest.contours[k].id for k in order]
+        found = []
+        for name, setting in profile.settings().items():
+            for wrong in RULES[name].no_goods(nest, names, setting.options):
+                out, left = frozenset(index[k] for k in wrong.out), frozenset(index[k] for k in wrong.left)
+                if (name, out, left) not in told:
+                    told.add((name, out, left))
+                    about = RULES[name].about((*wrong.out, *wrong.left), wrong.sentence)
+                    found.append(NoGood(out, left, about, setting.weight))
+        return tuple(found)
+
+    return look
