@@ -19,4 +19,4 @@ def facts_of(given: Given) -> Facts:
     """
     check_locks(given.profile.locks, given.nest)
     candidates = build_candidates(given.nest, given.profile.lead_options())
-    return compute_facts(given.nest, given.profile.fact_options(), candidates)
+    return compute_facts(given.nest, given.profile.fact_options(given.nest), candidates)

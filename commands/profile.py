@@ -17,8 +17,8 @@ def command() -> None:
 def check(profile: str) -> None:
     """Say whether PROFILE can be used, and if not, where it is wrong."""
     loaded = load_profile(profile)
-    hard = sum(setting.strength == "hard" for setting in loaded.rules.values())
-    soft = sum(setting.strength == "soft" for setting in loaded.rules.values())
+    strengths = [setting.strength for setting in loaded.settings().values()]
+    hard, soft = strengths.count("hard"), strengths.count("soft")
     click.echo(f"{loaded.name}: fine, {hard} hard and {soft} soft rules")
 
 

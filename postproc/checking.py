@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from ..encoder.nest import Nest
 from ..models.plan import Plan, RuleReport
+from ..rules.own import PREFIX as OWN
 from ..rules.profile import Profile
 from ..rules.registry import RULES
 from .check import CheckResult, Claims, check_cuts, check_program
@@ -52,5 +53,5 @@ def report_of(result: CheckResult) -> tuple[RuleReport, ...]:
             tuple((excused.violation.contours, excused.why) for excused in judgement.excused),
         )
         for judgement in result.rules
-        if judgement.id in RULES and judgement.strength != "off"
+        if (judgement.id in RULES or judgement.id.startswith(OWN)) and judgement.strength != "off"
     )

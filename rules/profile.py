@@ -9,13 +9,13 @@ from dataclasses import dataclass, field
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import Literal, TypeVar, cast
+from typing import Any, Literal, TypeVar, cast
 
 from ..encoder.candidates.candidate import LeadOptions
 from ..encoder.cut import Direction
 from ..encoder.errors import InputError
 from ..encoder.facts.facts import FactOptions
-from ..encoder.nest import Kind
+from ..encoder.nest import Kind, Nest
 from ..encoder.readers.options import ReadOptions
 from .catalogue.cut_direction import CutDirectionOptions
 from .catalogue.locks import LocksOptions
@@ -23,9 +23,12 @@ from .catalogue.pierce import PierceOptions
 from .catalogue.start_side import StartSideOptions
 from .catalogue.zone_order import ZoneOrderOptions
 from .lock import Lock
+from .own import Own, Thresholds, as_rule, own_pairs
 from .profile_reader import Given, read_given
 from .profile_text import profile_yaml
-from .sections import Drawing, Leads, Machine, Material, Objective, OwnRule, RuleSetting, default_settings
+from .registry import RULES
+from .rule import Rule
+from .sections import Drawing, Leads, Machine, Material, Objective, RuleSetting, default_settings
 from .suggest import unknown
 
 DEFAULT = "plasma-carbon-steel"
@@ -61,7 +64,7 @@ class Profile:
     rules: Mapping[str, RuleSetting] = field(default_factory=default_settings)
     objective: Objective = field(default_factory=Objective)
     locks: tuple[Lock, ...] = ()
-    own_rules: tuple[OwnRule, ...] = ()
+    own_rules: tuple[Own, ...] = ()
     sha256: str = field(default="", compare=False)
     file: str = field(default="", compare=False)
 
@@ -69,7 +72,13 @@ class Profile:
         """The rules that are on, by id; the rule `locks` with what this profile locks."""
         on = {name: setting for name, setting in self.rules.items() if setting.strength != "off"}
         locks = self._options("locks", LocksOptions)
-        return on | {"locks": RuleSetting("hard", None, LocksOptions(locks.entry_tolerance_mm, self.locks))}
+        listed = on | {"locks": RuleSetting("hard", None, LocksOptions(locks.entry_tolerance_mm, self.locks))}
+        own = (rule for rule in self.own_rules if rule.strength != "off")
+        return listed | {rule.id: RuleSetting(rule.strength, rule.weight, self._thresholds()) for rule in own}
+
+    def rulebook(self) -> dict[str, Rule[Any]]:
+        """Every rule by id: those of the catalogue, then the plant's own."""
+        return {**RULES, **{rule.id: as_rule(rule) for rule in self.own_rules}}
 
     def lead_options(self) -> LeadOptions:
         """How candidates are made: `leads`, the kerf, and what the rules pierce and cut-direction and the locks say."""
@@ -92,8 +101,12 @@ class Profile:
             entry_points={lock.contour: lock.entry for lock in self.locks if lock.contour and lock.entry},
         )
 
-    def fact_options(self) -> FactOptions:
-        """The thresholds of the facts: what start-side, zone-order, the hard order rules and the locks say of them."""
+    def fact_options(self, nest: Nest | None = None) -> FactOptions:
+        """The thresholds of the facts: what start-side, zone-order, the hard order rules and the locks say of them.
+
+        Given a nest, zones keep to the orders of the plant's own hard rules too.
+        """
+        own = own_pairs(self.own_rules, nest, self._thresholds()) if nest is not None else ()
         side = self._options("start-side", StartSideOptions)
         zones = self._options("zone-order", ZoneOrderOptions)
         return FactOptions(
@@ -104,7 +117,7 @@ class Profile:
             zone_contours=zones.zone_contours,
             square_ratio=zones.square_ratio,
             zone_respects=tuple(fact for rule, fact in ORDER_FACTS.items() if self.rules[rule].strength == "hard"),
-            zone_pairs=tuple((lock.contour, lock.before) for lock in self.locks if lock.contour and lock.before),
+            zone_pairs=(*((lock.contour, lock.before) for lock in self.locks if lock.contour and lock.before), *own),
             zone_fixed=tuple((lock.part, lock.zone) for lock in self.locks if lock.part and lock.zone),
         )
 
@@ -122,6 +135,9 @@ class Profile:
     def show(self) -> str:
         """The profile as YAML with every default filled in, units and a comment each; it loads as the same profile."""
         return profile_yaml(self)
+
+    def _thresholds(self) -> Thresholds:
+        return Thresholds(self._options("start-side", StartSideOptions).long_ratio)
 
     def _is_on(self, rule: str) -> bool:
         return self.rules[rule].strength != "off"

@@ -12,12 +12,13 @@ from ..encoder.errors import InputError
 from .kinds import LENGTH, Choice, Text, Unfit
 from .lock import Lock
 from .option import options_of
+from .own import read_own_rules
 from .profile_checks import check_together
 from .registry import RULES
 from .rule import Rule
-from .sections import SECTIONS, OwnRule, RuleSetting
+from .sections import SECTIONS, RuleSetting
 from .suggest import unknown
-from .yaml_positions import Problems, compose, entries, items, plain
+from .yaml_positions import Problems, compose, entries, items
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -159,14 +160,3 @@ def read_locks(node: yaml.Node, problems: Problems) -> tuple[Lock, ...]:
             problems.add(entry, f"{what}: {wrong}")
         locks.append(lock)
     return tuple(locks)
-
-
-def read_own_rules(node: yaml.Node, problems: Problems) -> tuple[OwnRule, ...]:
-    """The plant's own rules as plain data, each with its place."""
-    rules = []
-    for entry in items(node, problems, "own_rules"):
-        try:
-            rules.append(OwnRule(plain(entry), problems.place(entry)))
-        except InputError as error:
-            problems.add(entry, f"own_rules: {error.message}")
-    return tuple(rules)

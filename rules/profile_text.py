@@ -28,7 +28,7 @@ def profile_yaml(profile: Profile) -> str:
     for name in sorted(profile.rules):
         lines += _rule(name, profile.rules[name])
     lines += ["", *_locks(profile.locks)]
-    own = [rule.raw for rule in profile.own_rules]
+    own = [rule.plain() for rule in profile.own_rules]
     lines += ["", yaml.safe_dump({"own_rules": own}, allow_unicode=True, sort_keys=False).rstrip()]
     return "\n".join(lines) + "\n"
 

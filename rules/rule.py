@@ -41,9 +41,9 @@ class Rule(ABC, Generic[OptionsT]):
     `gives_way` above 0 may be dropped where order rules contradict each other, the highest first.
     """
 
-    id: ClassVar[str]
-    sentence: ClassVar[str]
-    source: ClassVar[str]
+    id: str
+    sentence: str
+    source: str
     Options: ClassVar[type]
     strengths: ClassVar[tuple[Strength, ...]] = ("hard", "soft", "off")
     default: ClassVar[Strength] = "hard"

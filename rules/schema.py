@@ -12,6 +12,7 @@ from typing import Any
 from .kinds import LENGTH, Text
 from .lock import Lock
 from .option import options_of
+from .own import own_rules_definitions, own_rules_schema
 from .registry import RULES
 from .rule import Rule
 from .sections import SECTIONS
@@ -33,10 +34,11 @@ def profile_schema() -> Json:
                 ),
                 **{key: _section(section) for key, section in SECTIONS.items()},
                 "rules": _closed({name: _rule(rule) for name, rule in RULES.items()}),
-                "own_rules": {"type": ["array", "null"], "description": "rules of the plant's own"},
+                "own_rules": own_rules_schema(),
                 "locks": _locks(),
             }
         ),
+        "$defs": own_rules_definitions(),
     }
 
 

@@ -13,7 +13,6 @@ from .kinds import DURATION, LENGTH, SPEED, Choice, Flag, Number, PointXY, Text,
 from .option import option
 from .registry import RULES
 from .rule import Strength
-from .yaml_positions import Place
 
 _LEADS = Choice(("line", "arc", "none"))
 
@@ -99,14 +98,6 @@ class RuleSetting:
     strength: Strength
     weight: float | None
     options: Any
-
-
-@dataclass(frozen=True, slots=True)
-class OwnRule:
-    """A rule of the plant's own as the profile gives it: plain YAML data, and where it stands."""
-
-    raw: Any
-    place: Place | None = field(default=None, compare=False)
 
 
 def default_settings() -> dict[str, RuleSetting]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ..encoder.errors import InputError, RulesConflict
 from .cycles import Link, components, contracted, path
 from .feedback import Unbreakable, lightest_cut
-from .registry import RULES
+from .own import OwnFile
 from .statements import About, Contiguous, IdleTravel, Precede, Statement
 from .yaml_positions import wrong_at
 
@@ -45,14 +45,16 @@ class Stated:
     dropped: tuple[DroppedStatement, ...]
 
 
-def state_rules(facts: Facts, profile: Profile) -> Stated:
+def state_rules(facts: Facts, profile: Profile, *, reads_files: bool = False) -> Stated:
     """Ask every rule that is on for its statements, and resolve the cycles among the hard orders.
+
+    `reads_files` says that whoever asks takes the plant's own MiniZinc files into account beside the statements.
 
     Raises
     ------
     InputError
-        If a lock names something that the nest does not have, or the profile asks for what nothing can state yet:
-        rules of its own, or a price on heat.
+        If a lock names something that the nest does not have, or the profile asks for what nothing can state: an own
+        rule in a MiniZinc file where none is read, or a price on heat.
     RulesConflict
         If orders that may not be dropped contradict each other; the reasons are their sentences.
 
@@ -67,20 +69,22 @@ def state_rules(facts: Facts, profile: Profile) -> Stated:
     >>> stated.statements[0].about.sentence
     'P1.hole1 is cut before P1.outer: it lies inside it, and cutting P1.outer frees the metal it is in'
     """
-    _refuse_unknown(profile)
+    _refuse_unknown(profile, reads_files)
+    book = profile.rulebook()
     statements: list[Statement] = []
     for name, setting in profile.settings().items():
-        stated = RULES[name].statements(facts, setting.options)
+        stated = book[name].statements(facts, setting.options)
         statements += stated if setting.weight is None else (replace(s, weight=setting.weight) for s in stated)
     statements += _objective(profile)
-    return resolve(statements, facts.n, {name: rule.gives_way for name, rule in RULES.items()})
+    return resolve(statements, facts.n, {name: rule.gives_way for name, rule in book.items()})
 
 
-def _refuse_unknown(profile: Profile) -> None:
+def _refuse_unknown(profile: Profile, reads_files: bool) -> None:
     """Say aloud what would otherwise be left out of the plan in silence."""
-    if profile.own_rules:
-        message = "own_rules: this version states the rules of its catalogue only; take own_rules out"
-        raise wrong_at(profile.own_rules[0].place, message)
+    files = [rule for rule in profile.own_rules if isinstance(rule, OwnFile) and rule.strength != "off"]
+    if files and not reads_files:
+        message = f"own_rules: only the MiniZinc engine reads {files[0].file}: solve with --engine minizinc"
+        raise wrong_at(files[0].place, message)
     if profile.objective.heat:
         raise InputError("objective.heat: this version puts no price on heat; set it to 0", file=profile.file or None)
 

@@ -9,28 +9,29 @@ not judged, nor which rule gives way in a tangle of more orders than the planner
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from ...encoder.cut import CutSequence
 from ...encoder.nest import Nest
 from ...rules.cycles import components, contracted, path
 from ...rules.feedback import EXACT_LINKS
 from ...rules.profile import Profile
-from ...rules.registry import RULES
-from ...rules.rule import Ids
+from ...rules.rule import Ids, Rule
 from .result import Excused, Judgement
 
 
 def excuse(nest: Nest, cuts: CutSequence, profile: Profile, judged: Sequence[Judgement]) -> list[Judgement]:
     """The judgements, with violations of rules that give way moved to the excused where the rules leave no choice."""
-    if not any(_yields(judgement) for judgement in judged):
+    book = profile.rulebook()
+    if not any(_yields(judgement, book) for judgement in judged):
         return list(judged)
     why = _contradictions(nest, cuts, profile, {j.id for j in judged if j.strength == "hard" and j.holds})
-    return [_excused(judgement, why) if _yields(judgement) else judgement for judgement in judged]
+    return [_excused(judgement, why) if _yields(judgement, book) else judgement for judgement in judged]
 
 
-def _yields(judgement: Judgement) -> bool:
-    return judgement.strength == "hard" and bool(judgement.violations) and RULES[judgement.id].gives_way > 0
+def _yields(judgement: Judgement, book: Mapping[str, Rule[Any]]) -> bool:
+    return judgement.strength == "hard" and bool(judgement.violations) and book[judgement.id].gives_way > 0
 
 
 def _excused(judgement: Judgement, why: dict[Ids, str]) -> Judgement:
@@ -46,14 +47,14 @@ def _excused(judgement: Judgement, why: dict[Ids, str]) -> Judgement:
 
 def _contradictions(nest: Nest, cuts: CutSequence, profile: Profile, holding: set[str]) -> dict[Ids, str]:
     """Every broken order that the kept ones contradict, with the kept orders that do so."""
-    at = cuts.positions()
+    at, book = cuts.positions(), profile.rulebook()
     hard = {name: setting.options for name, setting in profile.settings().items() if setting.strength == "hard"}
     asked: dict[Ids, str] = {}
-    for name in sorted(hard, key=lambda name: RULES[name].gives_way):
-        for a, b in RULES[name].pairs(nest, cuts, hard[name]):
+    for name in sorted(hard, key=lambda name: book[name].gives_way):
+        for a, b in book[name].pairs(nest, cuts, hard[name]):
             if a in at and b in at:
                 asked.setdefault((a, b), name)
-    runs = [run for name in sorted(hard.keys() & holding) for run in RULES[name].together(nest, hard[name])]
+    runs = [run for name in sorted(hard.keys() & holding) for run in book[name].together(nest, hard[name])]
     number = {name: k for k, name in enumerate(at)}
     together = [[number[name] for name in run if name in at] for run in runs]
     pairs = list(asked)
@@ -62,8 +63,8 @@ def _contradictions(nest: Nest, cuts: CutSequence, profile: Profile, holding: se
     for component in components(links):
         kept = [k for k in component if at[pairs[k][0]] < at[pairs[k][1]]]
         for k in sorted(set(component) - set(kept)):
-            softest = RULES[asked[pairs[k]]].gives_way if len(component) <= EXACT_LINKS else math.inf
-            firm = [m for m in kept if RULES[asked[pairs[m]]].gives_way <= softest]
+            softest = book[asked[pairs[k]]].gives_way if len(component) <= EXACT_LINKS else math.inf
+            firm = [m for m in kept if book[asked[pairs[m]]].gives_way <= softest]
             before, after = links[k]
             against = path(links, firm, after, before)
             if against:

@@ -5,23 +5,22 @@ from __future__ import annotations
 from ...encoder.cut import CutSequence
 from ...encoder.nest import Nest
 from ...rules.profile import Profile
-from ...rules.registry import RULES
 from .excuses import excuse
 from .result import Judgement
 
 
 def judge(nest: Nest, cuts: CutSequence, profile: Profile) -> list[Judgement]:
     """A judgement on every rule, the hard ones first; those that the profile switches off are listed last, unjudged."""
-    settings = profile.settings()
+    settings, book = profile.settings(), profile.rulebook()
     judged = [
         Judgement(
             name,
             setting.strength,
-            RULES[name].sentence,
-            tuple(RULES[name].violations(nest, cuts, setting.options)),
-            unjudged=RULES[name].unjudged(nest, cuts, setting.options),
+            book[name].sentence,
+            tuple(book[name].violations(nest, cuts, setting.options)),
+            unjudged=book[name].unjudged(nest, cuts, setting.options),
         )
         for name, setting in sorted(settings.items(), key=lambda item: (item[1].strength != "hard", item[0]))
     ]
-    off = [Judgement(name, "off", rule.sentence) for name, rule in sorted(RULES.items()) if name not in settings]
+    off = [Judgement(name, "off", rule.sentence) for name, rule in sorted(book.items()) if name not in settings]
     return [*excuse(nest, cuts, profile, judged), *off]

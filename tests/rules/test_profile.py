@@ -37,7 +37,8 @@ locks:
   - {contour: P2.hole1, entry: [3, 4], direction: ccw, position: 7}
   - {part: P3, zone: 2}
 own_rules:
-  - {id: heavy-last, select: {area_over: 1000}}
+  - {name: heavy last, select: {area_mm2: "> 1000"}, last: true}
+  - {name: apart, apart: {cuts: 2, within: 30 mm, from: {not: {id: "P*"}}}, strength: soft}
 """
 
 
@@ -62,7 +63,10 @@ def test_values_are_read(tmp_path: Path) -> None:
         Lock(part="P3", zone=2),
     )
     assert [str(lock.place).split("/")[-1] for lock in profile.locks] == [f"plant.yaml:{k}:5" for k in (14, 15, 16)]
-    assert profile.own_rules[0].raw == {"id": "heavy-last", "select": {"area_over": 1000}}
+    assert [(rule.id, rule.strength, rule.weight) for rule in profile.own_rules] == [
+        ("own:heavy last", "hard", None),
+        ("own:apart", "soft", 1000.0),
+    ]
 
 
 def test_sha256_is_that_of_the_file(tmp_path: Path) -> None:

@@ -65,9 +65,7 @@ MISTAKES = {
     "locks:\n  - {contour: B, position: 0}": (
         "2:28: locks[1].position: expected first, last or a position counted from 1, got '0'"
     ),
-    "own_rules:\n  - !odd x": (
-        "2:5: own_rules: expected plain data: could not determine a constructor for the tag '!odd'"
-    ),
+    "own_rules:\n  - !odd x": "2:5: own_rules[1]: expected a mapping (key: value), got 'x'",
     "own_rules: heavy": "1:12: own_rules: expected a list, got 'heavy'",
     "based_on: water": f"1:11: based_on: unknown profile 'water': did you mean 'water-jet'? (valid: {SHIPPED})",
     "based_on: plant.yaml": " based_on goes in a circle: plant.yaml → plant.yaml",

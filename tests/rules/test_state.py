@@ -12,8 +12,9 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.start_side import StartSideOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.option import NoOptions
+from kerfwise.rules.own import OwnFile
 from kerfwise.rules.profile import Profile
-from kerfwise.rules.sections import Objective, OwnRule, RuleSetting, default_settings
+from kerfwise.rules.sections import Objective, RuleSetting, default_settings
 from kerfwise.rules.state import Stated, resolve, state_rules
 from kerfwise.rules.statements import About, Contiguous, IdleTravel, Precede
 from kerfwise.tests.nests import circle, nest, part, rect
@@ -163,8 +164,8 @@ def test_order_asked_for_by_a_firm_rule_stays() -> None:
 
 
 def test_profile_is_not_obeyed_in_part() -> None:
-    with pytest.raises(InputError, match="own_rules"):
-        stated(PLATE, replace(plant(), own_rules=(OwnRule({"id": "x"}),)))
+    with pytest.raises(InputError, match=r"own_rules: only the MiniZinc engine reads x\.mzn"):
+        stated(PLATE, replace(plant(), own_rules=(OwnFile("x.mzn", "x"),)))
     with pytest.raises(InputError, match="heat"):
         stated(PLATE, replace(plant(), objective=Objective(heat=1.0)))
 

@@ -1,0 +1,104 @@
+"""An own rule as a rule like any other: what it states over facts, and how it is judged by geometry."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ...encoder.cut import CutSequence
+from ...encoder.nest import Nest
+from ..rule import Ids, Rule, Violation
+from ..statements import Statement
+from .ask import Chosen
+from .measures import measured
+from .named_facts import known_of_facts, known_of_nest
+from .own_rule import Own, OwnFile, OwnRule
+
+if TYPE_CHECKING:
+    from ...encoder.facts.facts import Facts
+
+
+@dataclass(frozen=True, slots=True)
+class Thresholds:
+    """What the facts `long` and `neighbours_count` hang on."""
+
+    long_ratio: float = 4.0
+    web_mm: float = 25.0
+
+
+class PlantRule(Rule[Thresholds]):
+    """One entry of `own_rules`, stated and judged like a rule of the catalogue. It gives way to none."""
+
+    Options = Thresholds
+
+    def __init__(self, rule: OwnRule) -> None:
+        self.rule, self.id, self.sentence = rule, rule.id, rule.why
+        self.source = "the plant"
+
+    def statements(self, facts: Facts, options: Thresholds) -> Iterator[Statement]:
+        yield from self.rule.ask.statements(facts, self.rule.chosen(known_of_facts(facts)))
+
+    def violations(self, nest: Nest, cuts: CutSequence, options: Thresholds) -> list[Violation]:
+        if self.unjudged(nest, cuts, options) is not None:
+            return []
+        return [
+            Violation(self.id, contours, f"{text}: {self.rule.why}", positions)
+            for contours, text, positions in self.rule.ask.broken(cuts, self._chosen(nest, cuts, options))
+        ]
+
+    def pairs(self, nest: Nest, cuts: CutSequence, options: Thresholds) -> list[Ids]:
+        contours = nest.contours
+        found = self.rule.ask.pairs(self._chosen(nest, cuts, options))
+        return [(contours[a].id, contours[b].id) for a, b in found]
+
+    def together(self, nest: Nest, options: Thresholds) -> list[tuple[str, ...]]:
+        if "zone" in self.rule.facts():
+            return []
+        chosen = self._chosen(nest, None, options)
+        return [chosen.ids(*run) for run in self.rule.ask.together(chosen)]
+
+    def unjudged(self, nest: Nest, cuts: CutSequence, options: Thresholds) -> str | None:
+        if "zone" in self.rule.facts() and not any(cut.zone for cut in cuts):
+            return "the zones of the cuts are not stated"
+        return self.rule.ask.unjudged(cuts)
+
+    def _chosen(self, nest: Nest, cuts: CutSequence | None, options: Thresholds) -> Chosen:
+        return self.rule.chosen(known_of_nest(measured(nest, cuts, options.long_ratio, options.web_mm)))
+
+
+class PlantFile(Rule[Thresholds]):
+    """A rule in a MiniZinc file: it states nothing here, and the check has no words for it."""
+
+    Options = Thresholds
+
+    def __init__(self, file: OwnFile) -> None:
+        self.file, self.id, self.sentence = file, file.id, file.why
+        self.source = "the plant"
+
+    def statements(self, facts: Facts, options: Thresholds) -> Iterator[Statement]:
+        yield from ()
+
+    def violations(self, nest: Nest, cuts: CutSequence, options: Thresholds) -> list[Violation]:
+        return []
+
+    def unjudged(self, nest: Nest, cuts: CutSequence, options: Thresholds) -> str | None:
+        return f"it is written in MiniZinc ({self.file.file}), which only that engine reads"
+
+
+def as_rule(own: Own) -> PlantRule | PlantFile:
+    """The rule that an entry of `own_rules` makes."""
+    return PlantRule(own) if isinstance(own, OwnRule) else PlantFile(own)
+
+
+def own_pairs(rules: tuple[Own, ...], nest: Nest, thresholds: Thresholds) -> tuple[Ids, ...]:
+    """Contour ids (before, after) that hard own rules order, but for those that speak of zones: no zone may
+    contradict them."""
+    known = known_of_nest(measured(nest, None, thresholds.long_ratio, thresholds.web_mm))
+    contours = nest.contours
+    return tuple(
+        (contours[a].id, contours[b].id)
+        for rule in rules
+        if isinstance(rule, OwnRule) and rule.strength == "hard" and "zone" not in rule.facts()
+        for a, b in rule.ask.pairs(rule.chosen(known))
+    )

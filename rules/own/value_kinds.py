@@ -1,0 +1,172 @@
+"""How the criteria of each kind of fact are read from YAML and described to an editor."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any
+
+import yaml
+
+from ..kinds import LENGTH, Choice, Kind, Number, Unfit
+from ..yaml_positions import is_empty, shape
+from .criterion import AnyOf, Criterion, Pattern, Span, Truth
+
+SIGNED_LENGTH = dataclasses.replace(LENGTH, at_least=None)
+_TRUTHS = {"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False}
+
+
+class ValueKind(ABC):
+    """A kind of value that facts have."""
+
+    unit: str = ""
+
+    def read(self, node: yaml.Node) -> Criterion:
+        """The criterion that a node states, any of several for a list; raises `Unfit`."""
+        if isinstance(node, yaml.SequenceNode) and node.value:
+            return AnyOf(tuple(self.read_one(member) for member in node.value))
+        return self.read_one(node)
+
+    @abstractmethod
+    def read_one(self, node: yaml.Node) -> Criterion:
+        """The criterion of one scalar."""
+
+    @abstractmethod
+    def expected(self) -> str:
+        """What is accepted, in words."""
+
+    @abstractmethod
+    def schema_of_one(self) -> dict[str, Any]:
+        """JSON Schema of one scalar."""
+
+    def schema(self) -> dict[str, Any]:
+        """JSON Schema of what `read` accepts."""
+        one = self.schema_of_one()
+        return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1}]}
+
+    def text(self, node: yaml.Node) -> str:
+        """The text of a scalar."""
+        if not isinstance(node, yaml.ScalarNode) or is_empty(node) or not node.value.strip():
+            raise self.refuse(node)
+        return str(node.value).strip()
+
+    def refuse(self, node: yaml.Node) -> Unfit:
+        """The error for a node this kind does not accept."""
+        return Unfit(f"expected {self.expected()}, got {shape(node)}")
+
+
+@dataclass(frozen=True)
+class NumberKind(ValueKind):
+    """Numbers of one unit."""
+
+    operand: Kind
+    unit: str = ""
+
+    def read_one(self, node: yaml.Node) -> Criterion:
+        text = self.text(node)
+        low, dots, high = text.partition("..")
+        if dots:
+            span = Span(self._operand(low, node), self._operand(high, node), given=text)
+            if span.low > span.high:
+                raise Unfit(f"{text!r} is empty: write the smaller number first")
+            return span
+        operator, operand = re.fullmatch(r"(<=|>=|!=|<|>|=)?\s*(.*)", text, re.DOTALL).groups()  # type: ignore[union-attr]
+        value = self._operand(operand, node)
+        match operator:
+            case "<" | "<=":
+                return Span(high=value, without_high=operator == "<", given=text)
+            case ">" | ">=":
+                return Span(low=value, without_low=operator == ">", given=text)
+            case _:
+                return Span(value, value, negated=operator == "!=", given=text)
+
+    def _operand(self, text: str, node: yaml.Node) -> float:
+        try:
+            value = self.operand.read(yaml.ScalarNode("tag:yaml.org,2002:str", text.strip()))
+        except Unfit:
+            raise self.refuse(node) from None
+        assert isinstance(value, int | float)
+        return float(value)
+
+    def expected(self) -> str:
+        unit = f" of {self.unit}" if self.unit else ""
+        return f"a number{unit} such as 6, '< 6', '>= 6', '!= 6' or 2..6, or a list of them"
+
+    def schema_of_one(self) -> dict[str, Any]:
+        return {"anyOf": [{"type": "number"}, {"type": "string", "pattern": r"^\s*(<=|>=|!=|<|>|=)?\s*[-+0-9.]"}]}
+
+
+@dataclass(frozen=True)
+class WordKind(ValueKind):
+    """One of a few words."""
+
+    words: tuple[str, ...]
+
+    def read_one(self, node: yaml.Node) -> Criterion:
+        return Pattern(str(Choice(self.words).read(node)))
+
+    def expected(self) -> str:
+        return f"{Choice(self.words).expected()}, or a list of them"
+
+    def schema_of_one(self) -> dict[str, Any]:
+        return {"enum": list(self.words)}
+
+
+class TextKind(ValueKind):
+    """Any text, with * and ? for what is left open."""
+
+    def read_one(self, node: yaml.Node) -> Criterion:
+        return Pattern(self.text(node))
+
+    def expected(self) -> str:
+        return "a text such as P1 or 'P*', or a list of them"
+
+    def schema_of_one(self) -> dict[str, Any]:
+        return {"type": ["string", "number"]}
+
+
+class FlagKind(ValueKind):
+    """true or false."""
+
+    def read(self, node: yaml.Node) -> Criterion:
+        return self.read_one(node)
+
+    def read_one(self, node: yaml.Node) -> Criterion:
+        text = self.text(node).lower()
+        if text not in _TRUTHS:
+            raise self.refuse(node)
+        return Truth(_TRUTHS[text])
+
+    def expected(self) -> str:
+        return "true or false"
+
+    def schema_of_one(self) -> dict[str, Any]:
+        return {"type": "boolean"}
+
+    def schema(self) -> dict[str, Any]:
+        return self.schema_of_one()
+
+
+class FreeKind(ValueKind):
+    """Whatever a nest's author has written: a number, a text, or true and false."""
+
+    def read_one(self, node: yaml.Node) -> Criterion:
+        text = self.text(node)
+        if isinstance(node, yaml.ScalarNode) and node.tag == "tag:yaml.org,2002:bool":
+            return Truth(_TRUTHS[text.lower()])
+        if re.match(r"[<>=!]", text) or re.fullmatch(r"[-+.\d]+", text):
+            return COUNTED.read_one(node)
+        return Pattern(text)
+
+    def expected(self) -> str:
+        return "a number such as 1, '> 1' or 1..3, a text such as 'P*', true or false, or a list of them"
+
+    def schema_of_one(self) -> dict[str, Any]:
+        return {"type": ["string", "number", "boolean"]}
+
+
+LENGTHS = NumberKind(SIGNED_LENGTH, "mm")
+AREAS = NumberKind(Number(0), "mm²")
+COUNTED = NumberKind(Number())
