@@ -21,7 +21,7 @@ from .solution import Incumbent, Progress, Solution, SolveOptions
 Refine = Callable[[tuple[int, ...]], tuple[Statement, ...]]
 
 # shares of the budget: a first look, the proof by ideals, more search where that fails, CP-SAT
-FIRST, PROOF, SEARCH, EXACT = 0.06, 0.44, 0.25, 0.25
+FIRST, PROOF, SEARCH, EXACT = 0.03, 0.42, 0.3, 0.25
 
 
 @dataclass(slots=True)

@@ -7,10 +7,14 @@ from collections.abc import Iterator
 from .result import CheckResult, Judgement
 
 MOST = 20
+MOST_SOFT = 3
 
 
 def report(result: CheckResult, most: int = MOST) -> str:
-    """Every rule a line, what breaks it below, at most `most` sentences a rule; the last line says how it ends."""
+    """Every rule a line, what breaks it below; the last line says how it ends.
+
+    At most `most` sentences a rule are told, and at most `MOST_SOFT` where the rule is soft and breaking it but costs.
+    """
     width = max((len(j.id) for j in result.rules), default=0)
     lines = [line for judgement in result.rules for line in _lines(judgement, width, most)]
     lines += [f"warning: {text}" for text in result.warnings[:most]]
@@ -29,10 +33,11 @@ def _lines(judgement: Judgement, width: int, most: int) -> Iterator[str]:
     yield f"{judgement.verdict:<10} {judgement.strength:<4} {judgement.id:<{width}}  {judgement.sentence}"
     if judgement.unjudged is not None:
         yield f"    {judgement.unjudged}"
-    for violation in judgement.violations[:most]:
+    told = most if judgement.strength == "hard" else min(most, MOST_SOFT)
+    for violation in judgement.violations[:told]:
         yield f"    {violation.text}"
-    if len(judgement.violations) > most:
-        yield f"    ... and {len(judgement.violations) - most} more"
+    if len(judgement.violations) > told:
+        yield f"    ... and {len(judgement.violations) - told} more"
     for excused in judgement.excused[:most]:
         yield f"    excused: {excused.violation.text} ({excused.why})"
     if len(judgement.excused) > most:
