@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from .registry import RULES
 from .statements import NoGood
 
 if TYPE_CHECKING:
@@ -22,18 +21,18 @@ def afterthoughts(facts: Facts, profile: Profile) -> Callable[[Sequence[int]], t
 
     It answers with nothing when an order shows nothing new: a soft rule may well be broken again, at its price.
     """
-    nest, index = facts.nest, facts.nest.index
+    nest, index, book = facts.nest, facts.nest.index, profile.rulebook()
     told: set[tuple[str, frozenset[int], frozenset[int]]] = set()
 
     def look(order: Sequence[int]) -> tuple[NoGood, ...]:
         names = [nest.contours[k].id for k in order]
         found = []
         for name, setting in profile.settings().items():
-            for wrong in RULES[name].no_goods(nest, names, setting.options):
+            for wrong in book[name].no_goods(nest, names, setting.options):
                 out, left = frozenset(index[k] for k in wrong.out), frozenset(index[k] for k in wrong.left)
                 if (name, out, left) not in told:
                     told.add((name, out, left))
-                    about = RULES[name].about((*wrong.out, *wrong.left), wrong.sentence)
+                    about = book[name].about((*wrong.out, *wrong.left), wrong.sentence)
                     found.append(NoGood(out, left, about, setting.weight))
         return tuple(found)
 
