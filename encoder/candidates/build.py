@@ -47,6 +47,8 @@ def build_candidates(nest: Nest, options: LeadOptions) -> tuple[Candidate, ...]:
     [((50.0, 50.0), 'cw'), ((50.0, 50.0), 'ccw'), ((90.0, 50.0), 'cw')]
     """
     _check(options, nest)
+    if not nest.contours:
+        return ()
     outlines, faults = _outlines(nest, options.kerf_mm)
     around = Surroundings.of(nest)
     locked = _locked(outlines, nest, options)
@@ -69,6 +71,9 @@ def _check(options: LeadOptions, nest: Nest) -> None:
     unknown = sorted(set(options.entry_points) - set(nest.index))
     if unknown:
         raise InputError(f"entry points are given for contours that are not in the nest: {', '.join(unknown)}")
+    idle = sorted({c.kind for c in nest.contours if not options.directions[c.kind]})
+    if idle:
+        raise InputError(f"no direction is given to cut a contour of this kind in: {', '.join(idle)}")
     if options.entries < 1:
         raise InputError(f"entries must be at least 1, not {options.entries}")
     if options.lead != "none" and options.lead_in_min_mm <= 0:

@@ -19,7 +19,10 @@ class LeadOptions:
     """How torch paths join a contour. Lengths in mm, measured along the lead.
 
     The lead is made as long as `lead_in_mm` where there is room, shorter down to `lead_in_min_mm` where there is
-    not; `pierce_clearance_mm` is the least distance from the pierce point to every contour (rule `pierce`).
+    not; `pierce_clearance_mm` is the least distance from the pierce point to every contour (rule `pierce`). With lead
+    "none" the torch pierces on its path, and only other contours have to be that far. An `edge_start` is offered
+    where the edge of the sheet is within `2 * lead_in_mm`. `entry_points` are entries that must be among the
+    candidates, at the point of the contour nearest to the one given.
     """
 
     entries: int = 8
@@ -45,6 +48,8 @@ class Candidate:
     `contour` is the index into `Nest.contours`; `entry_mm` the path length of the entry along the contour as drawn;
     `end` the point where the torch is switched off. `edge_start` says that the torch comes in from the sheet edge
     and nothing is pierced. `cut_mm` is the torch-on path length, leads and overcut included.
+
+    `lead_out` begins where `lead_in` ends; for an open mark it is the far end of the line alone.
     """
 
     contour: int

@@ -43,7 +43,7 @@ def choose(at_mm: FloatArray, ranks: Ranks, around_mm: float, count: int, taken_
 
     Examples
     --------
-    >>> choose(np.array([0.0, 1.0, 50.0, 60.0]), np.array([0, 0, 1, 2]), 100.0, 3, np.zeros(0))
+    >>> choose(np.array([0.0, 1.0, 50.0, 55.0]), np.array([0, 0, 1, 2]), 100.0, 3, np.zeros(0))
     [0, 2]
     """
     apart_mm = np.full(len(at_mm), np.inf)

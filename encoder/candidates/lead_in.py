@@ -10,7 +10,7 @@ from ..geometry.curve import FloatArray
 from .approaches import Approaches, Ways
 from .candidate import LeadOptions
 from .lead_shapes import Leads, Shape, shaped
-from .surroundings import Surroundings
+from .surroundings import CHORD_MM, Surroundings
 
 EDGE_ANGLE_RAD = math.radians(60)
 """An edge start runs straight to the edge of the sheet if that is no further than this from straight off the cut."""
@@ -46,6 +46,8 @@ def lead_ins(
         at = ways.joints.join
         leads = Leads(at, at, np.zeros(m), np.zeros(m))
         found = around.clear_pierces(at, clearance_mm, not_own=ways.joints.contour)
+        # Without a kerf either the pierce is on the contour itself: look a little beside it.
+        found &= around.in_waste(at + 2 * CHORD_MM * ways.joints.out)
         return Approaches(ways.take(found), leads.take(found), np.full(int(found.sum()), False))
     pierce, bulge, length_mm = np.zeros((m, 2)), np.zeros(m), np.zeros(m)
     for shape in shapes(options, patient):
@@ -54,7 +56,8 @@ def lead_ins(
             break
         left = ways.take(rows)
         leads = shaped(shape, left.joints, left.along, longest_mm[rows], options.lead_in_min_mm)
-        clear = around.clear_pierces(leads.pierce, clearance_mm) & around.inside_edges(leads)
+        clear = around.clear_pierces(leads.pierce, clearance_mm) & around.in_waste(leads.pierce)
+        clear &= around.inside_edges(leads)
         clear[clear] = around.clear_leads(leads.take(clear), left.joints.contour[clear], options.kerf_mm / 2)
         done = rows[clear]
         found[done] = True

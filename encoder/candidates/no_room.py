@@ -33,7 +33,8 @@ def no_room(
     joints = found.ways.joints
     led = set(zip(joints.contour.tolist(), joints.entry_mm.tolist(), strict=True))
     bare = sorted(set(outlines) - {k for k, _ in led})
-    reasons = _reasons(Joints.joined([dense(outlines[k], _LOOKS) for k in bare]), outlines, around, options, bare)
+    everywhere = [dense(outlines[k], _LOOKS) for k in bare]
+    reasons = _reasons(Joints.joined(everywhere), outlines, around, options, bare) if bare else {}
     said = {}
     for k in bare:
         x, y = outlines[k].contour.curve.vertices[0, :2].tolist()
@@ -50,9 +51,11 @@ def _reasons(
     joints: Joints, outlines: Mapping[int, Outline], around: Surroundings, options: LeadOptions, contours: list[int]
 ) -> dict[int, str]:
     """Why there is no room at any of the joints, by contour."""
-    best = _best_pierces(joints, outlines, around, options)
-    shorter = _freed_by("lead_in_min_mm", joints, outlines, around, options)
-    narrower = _freed_by("kerf_mm", joints, outlines, around, options)
+    led = options.lead != "none"
+    best = _best_pierces(joints, outlines, around, options) if led else {}
+    names = ("lead_in_min_mm" if led else "pierce_clearance_mm", "kerf_mm")
+    freed = {name: _freed_by(name, joints, outlines, around, options) for name in names}
+    clearance_mm = least_clearance_mm(options)
     reasons = {}
     for k in contours:
         frees = []
@@ -61,16 +64,21 @@ def _reasons(
             gap_mm = math.floor(gap_mm * 100 + 1e-3) / 100
             why = (
                 f"the best spot for a pierce near it is {gap_mm:g} mm from {what}, "
-                f"pierce_clearance_mm asks for {least_clearance_mm(options):g}"
+                f"pierce_clearance_mm asks for {clearance_mm:g}"
             )
             if gap_mm > options.kerf_mm / 2 + 0.01:
                 frees.append(f"pierce_clearance_mm ≤ {gap_mm:g}")
-        else:
+        elif led:
             why = (
                 f"no lead from lead_in_min_mm, {options.lead_in_min_mm:g}, to lead_in_mm, {options.lead_in_mm:g}, "
                 f"keeps half the kerf, {options.kerf_mm / 2:g} mm, away from what is around it"
             )
-        frees += [f"{name} ≤ {at[k]:g}" for name, at in (("lead_in_min_mm", shorter), ("kerf_mm", narrower)) if k in at]
+        else:
+            why = (
+                "without a lead the pierce lies on the torch's path, and all of that is nearer to others than "
+                f"pierce_clearance_mm, {clearance_mm:g}"
+            )
+        frees += [f"{name} ≤ {values[k]:g}" for name, values in freed.items() if k in values]
         remedy = f"{' or '.join(frees)} would free it" if frees else "it needs more room in the nest"
         reasons[k] = f"{why}; {remedy}"
     return reasons

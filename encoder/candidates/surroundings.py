@@ -65,13 +65,12 @@ class Surroundings:
         return clear
 
     def clear_pierces(self, points: FloatArray, clearance_mm: float, not_own: Ints | None = None) -> Bools:
-        """Points in the waste of the sheet that keep clear of every contour and edge.
+        """Points of the sheet that keep clear of every contour and edge.
 
         With `not_own` (m,) each point may be near that contour.
         """
         at = shapely.points(points)
         clear = np.asarray(self.in_sheet(points) & ~shapely.dwithin(self.edges, at, clearance_mm - _EXACT_MM))
-        clear &= self._in_waste(at)
         row, chord = self.chords.query(at, predicate="dwithin", distance=clearance_mm + CHORD_MM)
         if not_own is not None:
             others = self.contour[chord] != not_own[row]
@@ -88,6 +87,12 @@ class Surroundings:
     def in_sheet(self, points: FloatArray) -> Bools:
         """Points on the metal of the sheet."""
         return np.asarray(shapely.contains_xy(self.sheet, points[:, 0], points[:, 1]))
+
+    def in_waste(self, points: FloatArray) -> Bools:
+        """Points that lie on no part."""
+        waste = np.full(len(points), True)
+        waste[self.metal.query(shapely.points(points), predicate="intersects")[0]] = False
+        return waste
 
     def off_sheet(self, points: FloatArray, by_mm: float) -> Bools:
         """Points beyond the edge of the sheet, and `by_mm` or more from it."""
@@ -106,7 +111,7 @@ class Surroundings:
         at = shapely.points(points)
         gap_mm = shapely.distance(at, self.chords.geometries[self.chords.nearest(at)])
         gap_mm = np.minimum(gap_mm, shapely.distance(self.edges, at))
-        return np.where(self.in_sheet(points) & self._in_waste(at), gap_mm, 0.0)
+        return np.where(self.in_sheet(points) & self.in_waste(points), gap_mm, 0.0)
 
     def nearest(self, point: FloatArray) -> tuple[float, str]:
         """How far a point is from what is nearest to it, and what that is."""
@@ -116,8 +121,3 @@ class Surroundings:
         close = self.contour[self.chords.query(at, predicate="dwithin", distance=chord_mm + 2 * CHORD_MM)]
         gaps = [(self.contours[k].curve.project(point)[1], self.contours[k].id) for k in np.unique(close).tolist()]
         return min([*gaps, (edge_mm, "the edge of the sheet")])
-
-    def _in_waste(self, at: NDArray[np.object_]) -> Bools:
-        waste = np.full(len(at), True)
-        waste[self.metal.query(at, predicate="intersects")[0]] = False
-        return waste

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections import Counter
 from pathlib import Path
@@ -14,7 +15,7 @@ from kerfwise.encoder.candidates import Candidate, LeadOptions, build_candidates
 from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Nest, Sheet
+from kerfwise.encoder.nest import Contour, Nest, Sheet
 from kerfwise.encoder.readers import read_nest
 from kerfwise.tests.nests import circle, nest, part, rect
 
@@ -165,6 +166,12 @@ def test_without_a_lead_the_torch_pierces_where_it_joins() -> None:
         assert plate().contour("A.outer").curve.project(c.pierce)[1] == pytest.approx(0.75)
 
 
+def test_with_neither_lead_nor_kerf_the_torch_pierces_at_the_entry() -> None:
+    found = of(build_candidates(plate(), LeadOptions(lead="none", kerf_mm=0.0)), plate(), "A.hole1")
+    assert len(found) == 16
+    assert all(c.pierce == pytest.approx(c.entry) for c in found)
+
+
 def test_without_a_kerf_the_torch_runs_on_the_contour() -> None:
     for c in of(build_candidates(plate(), LeadOptions(kerf_mm=0.0)), plate(), "A.outer"):
         assert c.end == pytest.approx(c.entry)
@@ -292,12 +299,14 @@ def test_an_unknown_locked_contour_is_an_error() -> None:
         build_candidates(plate(), LeadOptions(entry_points={"Z.outer": (0, 0)}))
 
 
+def test_an_empty_nest_has_no_candidates() -> None:
+    assert build_candidates(nest(400, 300), LeadOptions()) == ()
+
+
 def test_marks_may_be_closed() -> None:
-    drawn = plate()
-    ring = Curve.of(circle(120, 120, 5))
-    mark = drawn.contours[0]
-    closed = nest(400, 300, part("A", rect(100, 100, 80, 80)))
-    object.__setattr__(closed.parts[0], "marks", (type(mark)("A.mark1", "A", "mark", ring),))
+    drawn = part("A", rect(100, 100, 80, 80))
+    ring = Contour("A.mark1", "A", "mark", Curve.of(circle(120, 120, 5)))
+    closed = nest(400, 300, dataclasses.replace(drawn, marks=(ring,)))
     found = of(build_candidates(closed, LeadOptions()), closed, "A.mark1")
     assert len({c.entry for c in found}) == 4
     assert all(c.entry == c.pierce == c.end and c.cut_mm == pytest.approx(math.tau * 5) for c in found)

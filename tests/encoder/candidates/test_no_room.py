@@ -66,12 +66,22 @@ def test_a_locked_entry_without_room_is_told() -> None:
     assert "A.outer at the entry asked for, (180.0, 140.0): no lead" in text
 
 
+def test_without_a_lead_the_path_itself_needs_the_room() -> None:
+    host = part("H", rect(100, 100, 100, 100), [rect(110, 110, 80, 80)])
+    drawn = nest(400, 300, host, part("G", rect(112, 112, 76, 76)))
+    text = told(drawn, LeadOptions(lead="none", pierce_clearance_mm=2.0))
+    assert "G.outer at (112.0, 112.0): without a lead the pierce lies on the torch's path" in text
+    assert "pierce_clearance_mm ≤ 1 would free it" in text
+    assert build_candidates(drawn, LeadOptions(lead="none", pierce_clearance_mm=1.0))
+
+
 @pytest.mark.parametrize(
     ("options", "text"),
     [
         (LeadOptions(lead_in_mm=2.0, pierce_clearance_mm=5.0), "lead_in_mm, 2, .* at least 4.25"),
         (LeadOptions(lead_in_mm=2.0, lead_in_min_mm=3.0), "lead_in_min_mm, 3, is more than lead_in_mm, 2"),
         (LeadOptions(lead_in_min_mm=0.0), "lead_in_min_mm must be more than 0"),
+        (LeadOptions(directions={"outer": (), "hole": ("cw",), "mark": ("cw",)}), "no direction is given .*: outer"),
         (LeadOptions(entries=0), "entries must be at least 1"),
     ],
 )

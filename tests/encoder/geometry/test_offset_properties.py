@@ -16,7 +16,7 @@ from kerfwise.tests.encoder.geometry.rings import flattened_rings, hausdorff_mm,
 DISTANCES = st.sampled_from([0.1, -0.1, 0.75, -0.75, 2.0, -2.0])
 
 
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=80, deadline=None)
 @given(st.one_of(star_rings(), flattened_rings()), DISTANCES)
 def test_an_offset_is_within_a_hundredth_of_the_true_one(drawn: Curve, distance_mm: float) -> None:
     assume(is_simple(drawn))
