@@ -1,0 +1,108 @@
+"""Facts that single rules look at, worked out from geometry anew: contours and candidates count from 0 here."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import shapely
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from ...encoder.facts.facts import Bools, Facts, Floats, Ints, Stretch
+from ...encoder.geometry.segment import Point
+from ..crossings import GRAZE_UM
+from ..problem import UM_PER_MM
+
+PER_MM = 100
+"""Lengths in MiniZinc data are whole hundredths of a millimetre."""
+
+
+def pierced_waste(facts: Facts) -> list[tuple[int, int]]:
+    """Candidates that pierce inside another contour's hole, and that hole."""
+    contours = facts.nest.contours
+    holes = [k for k, c in enumerate(contours) if c.kind == "hole"]
+    pierced = [k for k, c in enumerate(facts.candidates) if contours[c.contour].kind != "mark"]
+    points = shapely.points(np.array([facts.candidates[k].pierce for k in pierced]).reshape(-1, 2))
+    rows, inside = shapely.STRtree([contours[h].polygon for h in holes]).query(points, "intersects")
+    found = sorted((pierced[row], holes[h]) for row, h in zip(rows.tolist(), inside.tolist(), strict=True))
+    return [(c, h) for c, h in found if facts.candidates[c].contour != h]
+
+
+def clusters(facts: Facts) -> Ints:
+    """A number for every contour: outer contours in one place that face each other, however far along, share theirs."""
+    faced = facts.neighbours
+    same = facts.parent[faced.row] == facts.parent[faced.neighbour]
+    joined = coo_array((np.ones(same.sum()), (faced.row[same], faced.neighbour[same])), shape=(facts.n, facts.n))
+    return np.asarray(connected_components(joined, directed=False)[1], dtype=np.int64)
+
+
+def on_the_frame(facts: Facts, frame_share: float) -> Bools:
+    """Contours that face solid metal or the strip along the edge for that share of their length, or their host."""
+    lengths_mm = np.array([c.curve.length_mm for c in facts.nest.contours])
+    framed = facts.edge_length_mm.sum(axis=1) + facts.solid_mm >= frame_share * lengths_mm
+    faced = facts.neighbours
+    framed[faced.row[facts.parent[faced.row] != facts.parent[faced.neighbour]]] = True
+    return np.asarray(framed)
+
+
+def tail_needed(facts: Facts, rigid_min: float) -> Ints:
+    """For every candidate the tail that must face parts still in, 0.01 mm; 0 where no candidate of the contour can."""
+    outer, contour = _owners(facts)
+    needed = np.maximum(_whole(rigid_min * facts.tail.total_mm - facts.tail.solid_mm), 0)
+    able = np.zeros(facts.n, dtype=np.bool_)
+    able[contour[needed <= _faced(facts.tail)]] = True
+    return np.where(outer & able[contour], needed, 0)
+
+
+def head_freed(facts: Facts, head_rigid_max: float) -> Ints:
+    """For every candidate the head that should face parts already out, 0.01 mm."""
+    outer, _ = _owners(facts)
+    rigid_mm = facts.head.solid_mm + _faced(facts.head) / PER_MM
+    return np.where(outer, np.maximum(_whole(rigid_mm - head_rigid_max * facts.head.total_mm), 0), 0)
+
+
+def near_pairs(facts: Facts, radius_mm: float) -> list[tuple[int, int]]:
+    """Contours of different parts, cut through, that are nearer than the radius."""
+    cut = [(k, c) for k, c in enumerate(facts.nest.contours) if c.kind != "mark"]
+    return [
+        (i, j) for (i, a), (j, b) in combinations(cut, 2) if a.part != b.part and a.line.distance(b.line) < radius_mm
+    ]
+
+
+def tip_moves(facts: Facts, home_mm: Point) -> list[tuple[int, int, int]]:
+    """Moves from a candidate to another, or home (number m), over a part, and the outer contour of that part."""
+    m, points = len(facts.candidates), facts.candidates
+    over = [facts.nest.index[part.outer.id] for part in facts.nest.parts]
+    areas = shapely.STRtree(shapely.buffer([part.outer.polygon for part in facts.nest.parts], -GRAZE_UM / UM_PER_MM))
+    pierces = rounded_mm([*(c.pierce for c in points), home_mm])
+    found: list[tuple[int, int, int]] = []
+    for c, end in enumerate(rounded_mm([c.end for c in points])):
+        moves = shapely.linestrings(np.stack([np.broadcast_to(end, (m + 1, 2)), pierces], axis=1))
+        reached, part = areas.query(moves, "intersects")
+        found += sorted((c, d, over[k]) for d, k in zip(reached.tolist(), part.tolist(), strict=True))
+    contour = [*(c.contour for c in points), -1]
+    return [(c, d, k) for c, d, k in found if contour[c] != contour[d]]
+
+
+def rounded_mm(points_mm: list[Point]) -> Floats:
+    """Points at whole µm, as every engine sees them."""
+    return np.rint(np.array(points_mm, dtype=np.float64).reshape(-1, 2) * UM_PER_MM) / UM_PER_MM
+
+
+def _owners(facts: Facts) -> tuple[Bools, Ints]:
+    """For every candidate: whether it cuts an outer contour, and which contour."""
+    contour = np.array([c.contour for c in facts.candidates], dtype=np.int64)
+    outer = np.array([c.kind == "outer" for c in facts.nest.contours], dtype=np.bool_)
+    return outer[contour], contour
+
+
+def _faced(stretch: Stretch) -> Ints:
+    """Length of every candidate's stretch that faces contours, 0.01 mm."""
+    lengths = np.rint(stretch.neighbours.length_mm * PER_MM)
+    return np.bincount(stretch.neighbours.row, lengths, minlength=len(stretch.total_mm)).astype(np.int64)
+
+
+def _whole(lengths_mm: Floats) -> Ints:
+    """Lengths as whole 0.01 mm, rounded up but for what is noise."""
+    return np.ceil(lengths_mm * PER_MM - 1e-6).astype(np.int64)
