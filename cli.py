@@ -16,6 +16,7 @@ VERBS = {
     "plot": "Draw a nest or a plan (SVG, PNG or HTML).",
     "profile": "Check a profile, or show it with every default filled in.",
     "rules": "List the rules, or print one rule's page.",
+    "engines": "List the engines and solvers that can be used.",
 }
 
 
