@@ -20,7 +20,8 @@ class Cut:
     `entry` lies on the contour. The torch's centre follows `lead_in` from `pierce` to the point where it joins the
     kerf-compensated contour, once around the compensated contour, then `lead_out` (any overcut included) from the
     joining point to where it is switched off; both are open paths. Either may be None: the torch starts, or stops,
-    where it joins. `zone` counts from 1, 0 where none is known; times are seconds from the program's start.
+    where it joins. `zone` counts from 1, 0 where none is known; times are seconds from the program's start. `excused`
+    are the ids of hard rules that the plan says it could not keep here.
     """
 
     contour: str
@@ -32,6 +33,7 @@ class Cut:
     zone: int = 0
     start_s: float = 0.0
     end_s: float = 0.0
+    excused: tuple[str, ...] = ()
 
     @property
     def end(self) -> Point:

@@ -10,6 +10,7 @@ from ..encoder.facts.facts import Facts
 from ..encoder.nest import Contour
 from ..rules.profile import Profile
 from ..rules.state import Stated
+from .excused import excused
 from .plan import Dropped, Plan, PlannedCut, SolveReport, Totals
 from .reasons import reasons
 from .solution import Solution
@@ -25,15 +26,9 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
         Leg(c.pierce, c.end, c.cut_mm, k.kind == "mark", not c.edge_start)
         for c, k in zip(candidates, contours, strict=True)
     ]
-    machine = profile.machine
-    feeds = Feeds(
-        machine.cut_feed_mm_s,
-        machine.mark_feed_mm_s,
-        machine.travel_mm_s,
-        machine.pierce_time_s,
-        machine.mark_time_s,
-    )
+    machine, feeds = profile.machine, feeds_of(profile)
     times = schedule(legs, feeds, machine.home)
+    excuses = excused(facts, stated, solution.route)
     why = reasons(facts, stated, [c.contour for c in candidates])
     cuts = tuple(
         PlannedCut(
@@ -47,6 +42,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
                 int(facts.zone[candidate.contour]),
                 begin,
                 end,
+                excuses.get(contour.id, ()),
             ),
             contour.part,
             contour.kind,
@@ -84,6 +80,18 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
             solution.proved_by,
         ),
         dropped=tuple(Dropped(d.rule, d.contours, d.why) for d in stated.dropped),
+    )
+
+
+def feeds_of(profile: Profile) -> Feeds:
+    """The machine's speeds."""
+    machine = profile.machine
+    return Feeds(
+        machine.cut_feed_mm_s,
+        machine.mark_feed_mm_s,
+        machine.travel_mm_s,
+        machine.pierce_time_s,
+        machine.mark_time_s,
     )
 
 

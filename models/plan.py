@@ -13,6 +13,8 @@ from ..encoder.errors import InputError
 from ..encoder.geometry.curve import Curve
 
 FORMAT = "kerfwise-plan/1"
+RELAXED = "relaxed: "
+"""How the reason of a statement begins that a planner has let go because the hard rules cannot all hold."""
 Status = Literal["optimal", "feasible"]
 
 
@@ -69,11 +71,16 @@ class RuleReport:
 
 @dataclass(frozen=True, slots=True)
 class Dropped:
-    """A statement left out because the order rules form a cycle."""
+    """A statement left out because hard rules contradict each other: an order on a cycle, or one that was relaxed."""
 
     rule: str
     contours: tuple[str, ...]
     why: str
+
+    @property
+    def relaxed(self) -> bool:
+        """Whether a planner let it go, and not the rules by themselves."""
+        return self.why.startswith(RELAXED)
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +141,7 @@ def _path(curve: Curve | None) -> list[list[float]]:
 
 def _cut_row(order: int, planned: PlannedCut) -> dict[str, Any]:
     cut = planned.cut
-    return {
+    row = {
         "order": order,
         "contour": cut.contour,
         "part": planned.part,
@@ -150,6 +157,7 @@ def _cut_row(order: int, planned: PlannedCut) -> dict[str, Any]:
         "end_s": round(cut.end_s, 3),
         "because": list(planned.because),
     }
+    return row | ({"excused": list(cut.excused)} if cut.excused else {})
 
 
 def read_plan(path: str | Path) -> Plan:
@@ -192,6 +200,7 @@ def _plan_of(data: dict[str, Any]) -> Plan:
                 c["zone"],
                 c["start_s"],
                 c["end_s"],
+                tuple(c.get("excused", ())),
             ),
             c["part"],
             c["kind"],

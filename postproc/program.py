@@ -66,6 +66,9 @@ def _header(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect) -> Itera
     yield comment(dialect, f"CUT {number(totals.cut_mm, 1)} MM, IDLE {number(totals.idle_mm, 1)} MM")
     yield comment(dialect, f"ESTIMATED TIME {seconds_text(totals.time_s)}")
     yield comment(dialect, f"START SIDE {plan.start_side.upper()}")
+    for planned in plan.cuts:
+        for rule in planned.cut.excused:
+            yield comment(dialect, f"EXCUSED {plain(rule)}", planned.cut.contour)
 
 
 def _edge_starts(plan: Plan, nest: Nest) -> list[bool]:

@@ -18,7 +18,7 @@ from ..encoder.facts.facts import FactOptions
 from ..encoder.nest import Kind, Nest
 from ..encoder.readers.options import ReadOptions
 from .catalogue.cut_direction import CutDirectionOptions
-from .catalogue.locks import LocksOptions
+from .catalogue.part_rigidity import PartRigidityOptions
 from .catalogue.pierce import PierceOptions
 from .catalogue.start_side import StartSideOptions
 from .catalogue.zone_order import ZoneOrderOptions
@@ -69,16 +69,34 @@ class Profile:
     file: str = field(default="", compare=False)
 
     def settings(self) -> dict[str, RuleSetting]:
-        """The rules that are on, by id; the rule `locks` with what this profile locks."""
+        """The rules that are on, by id, with what their options take from the rest of the profile.
+
+        A machine that travels with its head down makes a soft no-tip-travel hard.
+        """
         on = {name: setting for name, setting in self.rules.items() if setting.strength != "off"}
-        locks = self._options("locks", LocksOptions)
-        listed = on | {"locks": RuleSetting("hard", None, LocksOptions(locks.entry_tolerance_mm, self.locks))}
+        tips = on.get("no-tip-travel")
+        if tips is not None and self.machine.head == "down":
+            on["no-tip-travel"] = RuleSetting("hard", None, tips.options)
+        listed = {
+            name: dataclasses.replace(setting, options=self._filled_in(setting.options)) for name, setting in on.items()
+        }
         own = (rule for rule in self.own_rules if rule.strength != "off")
         return listed | {rule.id: RuleSetting(rule.strength, rule.weight, self._thresholds()) for rule in own}
 
     def rulebook(self) -> dict[str, Rule[Any]]:
         """Every rule by id: those of the catalogue, then the plant's own."""
         return {**RULES, **{rule.id: as_rule(rule) for rule in self.own_rules}}
+
+    def _filled_in(self, options: Any) -> Any:
+        """The options with the fields that no key of their own sets."""
+        shared = {
+            "locks": self.locks,
+            "web_mm": self._options("part-rigidity", PartRigidityOptions).web_mm,
+            "edge_band_mm": self._options("start-side", StartSideOptions).edge_band_mm,
+            "thickness_mm": self.material.thickness_mm,
+        }
+        unset = [f.name for f in dataclasses.fields(options) if "kind" not in f.metadata]
+        return dataclasses.replace(options, **{name: shared[name] for name in unset})
 
     def lead_options(self) -> LeadOptions:
         """How candidates are made: `leads`, the kerf, and what the rules pierce and cut-direction and the locks say."""
@@ -102,14 +120,16 @@ class Profile:
         )
 
     def fact_options(self, nest: Nest | None = None) -> FactOptions:
-        """The thresholds of the facts: what start-side, zone-order, the hard order rules and the locks say of them.
+        """The thresholds of the facts, as start-side, zone-order, part-rigidity, the order rules and the locks say.
 
         Given a nest, zones keep to the orders of the plant's own hard rules too.
         """
         own = own_pairs(self.own_rules, nest, self._thresholds()) if nest is not None else ()
         side = self._options("start-side", StartSideOptions)
         zones = self._options("zone-order", ZoneOrderOptions)
+        rigidity = self._options("part-rigidity", PartRigidityOptions)
         return FactOptions(
+            web_mm=rigidity.web_mm,
             edge_band_mm=side.edge_band_mm,
             long_ratio=side.long_ratio,
             offcut_share=side.offcut_share,
@@ -119,6 +139,8 @@ class Profile:
             zone_respects=tuple(fact for rule, fact in ORDER_FACTS.items() if self.rules[rule].strength == "hard"),
             zone_pairs=(*((lock.contour, lock.before) for lock in self.locks if lock.contour and lock.before), *own),
             zone_fixed=tuple((lock.part, lock.zone) for lock in self.locks if lock.part and lock.zone),
+            head_share=rigidity.head_share,
+            tail_share=rigidity.tail_share,
         )
 
     def read_options(self) -> ReadOptions:
@@ -137,7 +159,10 @@ class Profile:
         return profile_yaml(self)
 
     def _thresholds(self) -> Thresholds:
-        return Thresholds(self._options("start-side", StartSideOptions).long_ratio)
+        return Thresholds(
+            self._options("start-side", StartSideOptions).long_ratio,
+            self._options("part-rigidity", PartRigidityOptions).web_mm,
+        )
 
     def _is_on(self, rule: str) -> bool:
         return self.rules[rule].strength != "off"

@@ -32,6 +32,15 @@ class Violation:
     cuts: tuple[int, ...] = ()
 
 
+@dataclass(frozen=True, slots=True)
+class NoGoodIds:
+    """At no moment are all of `out` cut while all of `left` are still in: found from geometry, in contour ids."""
+
+    out: tuple[str, ...]
+    left: tuple[str, ...]
+    sentence: str
+
+
 class Rule(ABC, Generic[OptionsT]):
     """One rule of cutting; one file of `catalogue/` holds one.
 
@@ -39,6 +48,8 @@ class Rule(ABC, Generic[OptionsT]):
     asks, `source` where it comes from. `strengths` are those a profile may give it, `default` the one it has where a
     profile is silent, `default_weight` (mm of idle travel) what breaking it once costs when soft. A rule with
     `gives_way` above 0 may be dropped where order rules contradict each other, the highest first.
+
+    Fields of `Options` that no key sets (no metadata) are filled in by the profile from its other sections.
     """
 
     id: str
@@ -69,6 +80,18 @@ class Rule(ABC, Generic[OptionsT]):
     def unjudged(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> str | None:
         """Why the rule cannot be judged on these cuts, where that is so (an NC program tells less than a plan)."""
         return None
+
+    def exempt(self, facts: Facts, options: OptionsT) -> Iterable[About]:
+        """Contours that nothing can make keep the rule, whatever the order; it states nothing of them."""
+        return ()
+
+    def excuse(self, nest: Nest, cuts: CutSequence, options: OptionsT, violation: Violation) -> str | None:
+        """Why a violation of the rule, hard as it is, may stand; None if it may not. From geometry and the cuts."""
+        return None
+
+    def no_goods(self, nest: Nest, order: Sequence[str], options: OptionsT) -> list[NoGoodIds]:
+        """What is wrong with a complete order of contour ids that no statement could say beforehand."""
+        return []
 
     def about(self, contours: Sequence[str], sentence: str) -> About:
         """Where a statement of this rule comes from."""

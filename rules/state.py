@@ -11,7 +11,7 @@ from ..encoder.errors import InputError, RulesConflict
 from .cycles import Link, components, contracted, path
 from .feedback import Unbreakable, lightest_cut
 from .own import OwnFile
-from .statements import About, Contiguous, IdleTravel, Precede, Statement
+from .statements import EXEMPTION_MM, About, Contiguous, IdleTravel, Precede, Statement
 from .yaml_positions import wrong_at
 
 if TYPE_CHECKING:
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class DroppedStatement:
-    """An order that was left out because hard orders contradict each other, and the cycle that it closes."""
+    """A statement that was left out because hard ones contradict each other, and why: mostly an order on a cycle."""
 
-    statement: Precede
+    statement: Statement
     why: str
 
     @property
@@ -33,16 +33,20 @@ class DroppedStatement:
 
     @property
     def contours(self) -> tuple[str, ...]:
-        """The ids of the two contours: the first was to be cut before the second."""
+        """The ids of its contours; of an order, the first was to be cut before the second."""
         return self.statement.about.contours
 
 
 @dataclass(frozen=True, slots=True)
 class Stated:
-    """What is asked of a plan, free of cycles, and what was dropped to make it so."""
+    """What is asked of a plan, free of cycles, and what was dropped to make it so.
+
+    `exempt` names contours that a hard rule lets go in any order, because nothing can make them keep it.
+    """
 
     statements: tuple[Statement, ...]
     dropped: tuple[DroppedStatement, ...]
+    exempt: tuple[About, ...] = ()
 
 
 def state_rules(facts: Facts, profile: Profile, *, reads_files: bool = False) -> Stated:
@@ -70,13 +74,31 @@ def state_rules(facts: Facts, profile: Profile, *, reads_files: bool = False) ->
     'P1.hole1 is cut before P1.outer: it lies inside it, and cutting P1.outer frees the metal it is in'
     """
     _refuse_unknown(profile, reads_files)
+    statements, exempt = every_statement(facts, profile)
+    resolved = resolve(statements, facts.n, {name: rule.gives_way for name, rule in profile.rulebook().items()})
+    return replace(resolved, exempt=exempt)
+
+
+def every_statement(facts: Facts, profile: Profile) -> tuple[list[Statement], tuple[About, ...]]:
+    """What the rules that are on state, cycles and all, and the contours they exempt."""
     book = profile.rulebook()
     statements: list[Statement] = []
+    exempt: list[About] = []
     for name, setting in profile.settings().items():
         stated = book[name].statements(facts, setting.options)
-        statements += stated if setting.weight is None else (replace(s, weight=setting.weight) for s in stated)
+        if setting.weight is None:
+            statements += stated
+            exempt += book[name].exempt(facts, setting.options)
+        else:
+            statements += (_softened(s, setting.weight) for s in stated)
     statements += _objective(profile)
-    return resolve(statements, facts.n, {name: rule.gives_way for name, rule in book.items()})
+    return statements, tuple(exempt)
+
+
+def _softened(statement: Statement, weight: float) -> Statement:
+    """A statement of a soft rule; what its author wants weighed by itself keeps its own weight."""
+    hard = statement.weight is None or statement.weight == EXEMPTION_MM
+    return replace(statement, weight=weight) if hard else statement
 
 
 def _refuse_unknown(profile: Profile, reads_files: bool) -> None:

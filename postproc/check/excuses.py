@@ -1,4 +1,4 @@
-"""Order rules that contradict each other: which broken orders a plan could not have kept.
+"""What may stand although it breaks a hard rule: where the rule itself says so, and where order rules contradict.
 
 Level-ahead and hull-before can ask for cycles (two hooks that interlock), so that some of their orders must be broken.
 An order "a before b" is excused only if the orders that the plan does keep, of rules that give way no sooner, lead from
@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from ...encoder.cut import CutSequence
@@ -17,17 +18,31 @@ from ...encoder.nest import Nest
 from ...rules.cycles import components, contracted, path
 from ...rules.feedback import EXACT_LINKS
 from ...rules.profile import Profile
-from ...rules.rule import Ids, Rule
+from ...rules.rule import Ids, Rule, Violation
 from .result import Excused, Judgement
 
 
 def excuse(nest: Nest, cuts: CutSequence, profile: Profile, judged: Sequence[Judgement]) -> list[Judgement]:
-    """The judgements, with violations of rules that give way moved to the excused where the rules leave no choice."""
+    """The judgements, with violations moved to the excused where their rule, or the others, leave no choice."""
     book = profile.rulebook()
+    judged = [_by_itself(nest, cuts, profile, judgement) for judgement in judged]
     if not any(_yields(judgement, book) for judgement in judged):
         return list(judged)
     why = _contradictions(nest, cuts, profile, {j.id for j in judged if j.strength == "hard" and j.holds})
     return [_excused(judgement, why) if _yields(judgement, book) else judgement for judgement in judged]
+
+
+def _by_itself(nest: Nest, cuts: CutSequence, profile: Profile, judgement: Judgement) -> Judgement:
+    """The judgement of a hard rule, with what the rule itself excuses."""
+    if judgement.strength != "hard" or not judgement.violations:
+        return judgement
+    rule, options = profile.rulebook()[judgement.id], profile.settings()[judgement.id].options
+    why = [(violation, rule.excuse(nest, cuts, options, violation)) for violation in judgement.violations]
+    return replace(
+        judgement,
+        violations=tuple(violation for violation, reason in why if reason is None),
+        excused=(*judgement.excused, *(Excused(violation, reason) for violation, reason in why if reason is not None)),
+    )
 
 
 def _yields(judgement: Judgement, book: Mapping[str, Rule[Any]]) -> bool:
@@ -35,14 +50,15 @@ def _yields(judgement: Judgement, book: Mapping[str, Rule[Any]]) -> bool:
 
 
 def _excused(judgement: Judgement, why: dict[Ids, str]) -> Judgement:
-    violations, excused = [], []
+    violations: list[Violation] = []
+    excused = list(judgement.excused)
     for violation in judgement.violations:
         first, then = violation.contours
         if (first, then) in why:
             excused.append(Excused(violation, why[first, then]))
         else:
             violations.append(violation)
-    return Judgement(judgement.id, judgement.strength, judgement.sentence, tuple(violations), tuple(excused))
+    return replace(judgement, violations=tuple(violations), excused=tuple(excused))
 
 
 def _contradictions(nest: Nest, cuts: CutSequence, profile: Profile, holding: set[str]) -> dict[Ids, str]:

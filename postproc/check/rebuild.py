@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import shapely
 
@@ -19,6 +20,7 @@ from .torch_run import TorchRun, line_of
 
 _CUT = re.compile(r"(?:CUT|MARK) \d+ (?P<contour>.+?) ZONE (?P<zone>\d+)\b", re.IGNORECASE)
 _SIDE = re.compile(r"START SIDE (LEFT|RIGHT|BOTTOM|TOP)", re.IGNORECASE)
+_EXCUSED = re.compile(r"EXCUSED (?P<rule>[a-z0-9-]+) (?P<contour>.+)", re.IGNORECASE)
 _SIDES: Mapping[str, Side] = {"LEFT": "left", "RIGHT": "right", "BOTTOM": "bottom", "TOP": "top"}
 
 
@@ -35,8 +37,9 @@ class Rebuilt:
 def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point) -> Rebuilt:
     """Match every torch-on path of a program with a contour of the nest.
 
-    Zones and the start side come from comments such as `CUT 12 P3.hole1 ZONE 2` and `START SIDE LEFT`, where there are
-    any; which contour is cut, its entry, direction and leads come from geometry alone.
+    Zones, the start side and excuses come from comments such as `CUT 12 P3.hole1 ZONE 2`, `START SIDE LEFT` and
+    `EXCUSED part-rigidity P1.outer`, where there are any; which contour is cut, its entry, direction and leads come
+    from geometry alone.
     """
     burns = program.burns
     paths = [line_of(burn.path) or _dot(burn) for burn in burns]
@@ -44,6 +47,7 @@ def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point) -> Rebu
     ids = {_folded(c.id): k for k, c in enumerate(nest.contours)}
     named = [ids.get(_folded(words["contour"])) if words else None for words in told]
     matches = Matcher(nest, kerf_mm).match(paths, [burn.tool != 0 for burn in burns], named)
+    excused = _excused(program)
     cuts: list[Cut] = []
     runs: list[TorchRun] = []
     violations: list[Violation] = []
@@ -58,11 +62,20 @@ def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point) -> Rebu
             warnings.append(f"line {burn.line}: the comment names {nest.contours[name].id}, but {contour.id} is cut")
         zone = int(words["zone"]) if words else 0
         cut, run, wrong = cut_from_burn(burn, path, contour, match, kerf_mm, zone, len(cuts) + 1)
-        cuts.append(cut)
+        cuts.append(replace(cut, excused=excused[_folded(contour.id)]))
         runs.append(run)
         violations += wrong
     side = next((_SIDES[found[1].upper()] for found in map(_SIDE.search, program.comments) if found), None)
     return Rebuilt(CutSequence(tuple(cuts), side, home), tuple(runs), tuple(violations), tuple(warnings))
+
+
+def _excused(program: NcProgram) -> Mapping[str, tuple[str, ...]]:
+    """Folded contour id → rules that the program's comments excuse it from."""
+    told: dict[str, tuple[str, ...]] = defaultdict(tuple)
+    for found in map(_EXCUSED.fullmatch, program.comments):
+        if found:
+            told[_folded(found["contour"])] += (found["rule"].lower(),)
+    return told
 
 
 def _dot(burn: Burn) -> shapely.LineString:

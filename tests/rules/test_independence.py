@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.rules import catalogue, pierce_places, placement
+from kerfwise.rules import catalogue, facing, holding, pierce_places, placement, rigidity, strips
 from kerfwise.rules.registry import catalogue_modules
 
 
@@ -22,7 +22,9 @@ def imported(node: ast.AST) -> list[str]:
     return [name for child in ast.iter_child_nodes(node) for name in imported(child)]
 
 
-FILES = [m.__file__ for m in (*catalogue_modules(), catalogue, placement, pierce_places)]
+FILES = [
+    m.__file__ for m in (*catalogue_modules(), catalogue, facing, holding, pierce_places, placement, rigidity, strips)
+]
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda f: Path(str(f)).stem)

@@ -99,7 +99,8 @@ def test_show_has_every_key_with_a_comment() -> None:
     for rule in RULES.values():
         at = lines.index(f"  {rule.id}:")
         assert lines[at - 1] == f"  # {rule.sentence}"
-        keys = [line.split(":")[0].strip() for line in lines[at + 2 : at + 2 + len(options_of(rule.Options))]]
+        first = at + (3 if rule.default == "soft" else 2)
+        keys = [line.split(":")[0].strip() for line in lines[first : first + len(options_of(rule.Options))]]
         assert keys == [option.key for option in options_of(rule.Options)]
 
 
@@ -187,6 +188,31 @@ def test_soft_directions_and_rules_that_are_off_leave_it_free(tmp_path: Path) ->
     assert profile.lead_options().pierce_clearance_mm == 0.0
     assert profile.fact_options().start_side == "auto"
     assert "pierce" not in profile.settings()
+
+
+def test_rigidity_and_the_facts_share_their_thresholds(tmp_path: Path) -> None:
+    rules = "{part-rigidity: {web: 30, tail_share: 0.3, head_share: 0.2}, start-side: {edge_band: 15}}"
+    profile = load_profile(write(tmp_path, f"rules: {rules}"))
+    facts = profile.fact_options()
+    assert (facts.web_mm, facts.edge_band_mm, facts.head_share, facts.tail_share) == (30.0, 15.0, 0.2, 0.3)
+    for rule in ("part-rigidity", "no-islands"):
+        options = profile.settings()[rule].options
+        assert (options.web_mm, options.edge_band_mm) == (30.0, 15.0)
+
+
+def test_strips_know_the_web_and_the_sheet(tmp_path: Path) -> None:
+    text = "material: {thickness: 25}\nrules: {no-narrow-strips: soft, part-rigidity: {web: 30}}"
+    options = load_profile(write(tmp_path, text)).settings()["no-narrow-strips"].options
+    assert (options.web_mm, options.thickness_mm, options.narrow_mm) == (30.0, 25.0, 75.0)
+
+
+@pytest.mark.parametrize(("head", "strength"), [("up", "soft"), ("down", "hard")])
+def test_a_head_that_stays_down_must_not_travel_over_tips(head: str, strength: str, tmp_path: Path) -> None:
+    profile = load_profile(write(tmp_path, f"machine: {{head: {head}}}\nrules: {{no-tip-travel: soft}}"))
+    setting = profile.settings()["no-tip-travel"]
+    assert (setting.strength, setting.weight) == (strength, None if strength == "hard" else 50.0)
+    off = load_profile(write(tmp_path, f"machine: {{head: {head}}}\nrules: {{no-tip-travel: off}}", "off.yaml"))
+    assert "no-tip-travel" not in off.settings()
 
 
 def test_locks_reach_their_rule(tmp_path: Path) -> None:

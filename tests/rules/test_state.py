@@ -36,6 +36,7 @@ PLATE = nest(300, 100, part("P1", rect(10, 10, 80, 80), [circle(50, 50, 9)]), pa
 def test_rules_that_are_on_are_stated() -> None:
     found = stated(PLATE, plant())
     assert [s.about.rule for s in found.statements] == [
+        "heat-lag",
         "inner-before-outer",
         "level-ahead",
         "part-contiguous",
@@ -48,13 +49,19 @@ def test_rules_that_are_on_are_stated() -> None:
 def test_rule_that_is_off_is_not() -> None:
     off = RuleSetting("off", None, NoOptions())
     found = stated(PLATE, plant(level_ahead=off, inner_before_outer=off))
-    assert {s.about.rule for s in found.statements} == {"part-contiguous", "objective"}
+    assert {s.about.rule for s in found.statements} == {"heat-lag", "part-contiguous", "objective"}
 
 
 def test_soft_rule_keeps_its_weight() -> None:
     found = stated(PLATE, plant(level_ahead=RuleSetting("soft", 250.0, NoOptions())))
     weights = {s.about.rule: s.weight for s in found.statements}
-    assert weights == {"inner-before-outer": None, "level-ahead": 250.0, "part-contiguous": None, "objective": 1.0}
+    assert weights == {
+        "heat-lag": 20.0,
+        "inner-before-outer": None,
+        "level-ahead": 250.0,
+        "part-contiguous": None,
+        "objective": 1.0,
+    }
 
 
 def test_idle_travel_costs_its_time_too() -> None:

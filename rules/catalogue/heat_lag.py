@@ -1,0 +1,110 @@
+"""Rule heat-lag."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+
+from ...encoder.cut import CutSequence
+from ...encoder.nest import Contour, Nest
+from ..kinds import DURATION, LENGTH, Number
+from ..option import option
+from ..rule import Rule, Violation
+from ..statements import Lag
+
+if TYPE_CHECKING:
+    from ...encoder.facts.facts import Facts
+
+
+@dataclass(frozen=True, slots=True)
+class HeatLagOptions:
+    """How far heat reaches, and how long the metal takes to cool."""
+
+    heat_radius_mm: float = field(default=50.0, metadata=option(LENGTH, "contours nearer than this heat each other"))
+    lag_cuts: int = field(default=1, metadata=option(Number(0, whole=True), "cuts between two such contours"))
+    lag_s: float = field(default=0.0, metadata=option(DURATION, "time between two such contours"))
+
+
+class HeatLag(Rule[HeatLagOptions]):
+    """Near contours of different parts are not cut one after the other before the metal has cooled.
+
+    ## What it does
+
+    Between the cuts of two contours of different parts that lie nearer than `heat_radius` there are `lag_cuts` other
+    cuts, and `lag` seconds from the end of the one to the start of the other. Contours of one part are left out: they
+    belong together (see part-contiguous). Marks are left out: they heat little.
+
+    ## Why
+
+    Verkhoturov et al. and Petunin 2009: heat that gathers in one place bends the sheet and the parts in it. Most nests
+    cannot keep this everywhere, so it is soft: each cut that is missing costs the weight.
+
+    ## Wrong
+
+    A and B are 10 mm apart, C is far: `A.outer`, `B.outer`, `C.outer`.
+
+    ## Right
+
+    `A.outer`, `C.outer`, `B.outer`.
+    """
+
+    id = "heat-lag"
+    sentence = "Near contours of different parts are not cut one after the other before the metal has cooled."
+    source = "Verkhoturov et al.; Petunin 2009"
+    Options = HeatLagOptions
+    default = "soft"
+    default_weight = 20.0
+
+    def statements(self, facts: Facts, options: HeatLagOptions) -> Iterator[Lag]:
+        if not options.lag_cuts and not options.lag_s:
+            return
+        contours = facts.nest.contours
+        hot = [k for k, contour in enumerate(contours) if contour.kind != "mark"]
+        for a, b in _near([contours[k] for k in hot], options.heat_radius_mm):
+            first, second = hot[a], hot[b]
+            ids = (contours[first].id, contours[second].id)
+            sentence = f"{ids[0]} and {ids[1]} are not cut one right after the other: they heat each other"
+            yield Lag(first, second, self.about(ids, sentence), options.lag_cuts, options.lag_s)
+
+    def unjudged(self, nest: Nest, cuts: CutSequence, options: HeatLagOptions) -> str | None:
+        timed = not options.lag_s or any(cut.end_s for cut in cuts) or not cuts
+        return None if timed else "the times of the cuts are not stated"
+
+    def violations(self, nest: Nest, cuts: CutSequence, options: HeatLagOptions) -> list[Violation]:
+        timed = self.unjudged(nest, cuts, options) is None
+        at = cuts.positions()
+        cut = [c for c in nest.contours if c.kind != "mark" and c.id in at]
+        found = []
+        for a, b in _near(cut, options.heat_radius_mm):
+            k, later = sorted((at[cut[a].id], at[cut[b].id]))
+            before, after = cuts[k - 1], cuts[later - 1]
+            between, pause_s = later - k - 1, after.start_s - before.end_s
+            missing = []
+            if between < options.lag_cuts:
+                missing.append(f"{between} cuts, not {options.lag_cuts}")
+            if timed and pause_s < options.lag_s - 1e-3:
+                missing.append(f"{pause_s:.1f} s, not {options.lag_s:g} s")
+            if missing:
+                text = f"between {before.contour} (cut {k}) and {after.contour} (cut {later}) there are only "
+                found.append(
+                    Violation(self.id, (before.contour, after.contour), text + " and ".join(missing), (k, later))
+                )
+        return sorted(found, key=lambda violation: violation.cuts)
+
+
+def _near(contours: Sequence[Contour], radius_mm: float) -> list[tuple[int, int]]:
+    """Pairs of contours of different parts, given and sorted by number, that are nearer than the radius."""
+    if not contours:
+        return []
+    lines = [contour.line for contour in contours]
+    first, second = shapely.STRtree(lines).query(lines, "dwithin", distance=radius_mm)
+    forth = first < second
+    first, second = first[forth], second[forth]
+    order = np.lexsort((second, first))
+    pairs = zip(first[order].tolist(), second[order].tolist(), strict=True)
+    apart = [(a, b) for a, b in pairs if contours[a].part != contours[b].part]
+    return [(a, b) for a, b in apart if lines[a].distance(lines[b]) < radius_mm]

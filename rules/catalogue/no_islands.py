@@ -1,0 +1,127 @@
+"""Rule no-islands."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from ...encoder.cut import CutSequence
+from ...encoder.nest import Nest
+from ..holding import clusters, cut_off, holding
+from ..kinds import Number
+from ..option import option
+from ..rule import Rule, Violation
+from ..statements import AtLeast, Before, Literal
+
+if TYPE_CHECKING:
+    from ...encoder.facts.facts import Facts
+
+ALLOWANCE = 0.05
+"""How far under `frame_share` the judged share may be: facts see the boundary in cells, the judging sees it finer."""
+
+
+@dataclass(frozen=True, slots=True)
+class NoIslandsOptions:
+    """What holds uncut parts together; the bands are those of part-rigidity and start-side."""
+
+    frame_share: float = field(
+        default=0.1,
+        metadata=option(
+            Number(0, 1), "a part hangs on the frame if this much of its contour faces solid metal or the sheet's edge"
+        ),
+    )
+    web_mm: float = 25.0
+    edge_band_mm: float = 25.0
+
+
+class NoIslands(Rule[NoIslandsOptions]):
+    """The parts that are still in hold together at every moment.
+
+    ## What it does
+
+    Two parts in the same place (straight on the sheet, or in the same hole) hang together if one faces the other
+    within the `web` of part-rigidity. A part hangs on the frame, which is never cut, if at least `frame_share` of its
+    outer contour faces solid metal or the strip of sheet along the edge; a part inside a hole hangs on its host, which
+    is cut after it. Of parts that hang together at the start, every one but the last must leave one behind that it
+    hangs on, or hang on the frame. What hangs together and on no frame ends with any of its parts. The check allows
+    0.05 less than `frame_share`, for it looks at the boundary in finer steps than the planner.
+
+    ## Why
+
+    Pristupov 2016 and Petunin 2009: uncut parts behind the torch, held by nothing but webs to parts already out, sag,
+    shift and take the torch with them. That an edge strip counts as frame is a choice: it is thin, but in one piece.
+
+    ## Wrong
+
+    Three rows of parts, and the middle part is left for last: its neighbours all around are out.
+
+    ## Right
+
+    The same rows, cut from one side of the sheet to the other.
+    """
+
+    id = "no-islands"
+    sentence = "The parts that are still in hold together at every moment."
+    source = "Petunin 2009; Pristupov 2016"
+    Options = NoIslandsOptions
+    default = "soft"
+    default_weight = 250.0
+
+    def statements(self, facts: Facts, options: NoIslandsOptions) -> Iterator[AtLeast]:
+        joined, framed = _holding_facts(facts, options.frame_share)
+        for cluster in clusters(joined):
+            anchored = any(i in framed for i in cluster)
+            for i in cluster:
+                if i in framed or len(cluster) == 1:
+                    continue
+                name = facts.nest.contours[i].id
+                stays = sorted(joined[i])
+                ids = (name, *(facts.nest.contours[x].id for x in stays))
+                about = self.about(ids, f"{name} is cut while any of {_listed(ids[1:])} is still in, to hold it")
+                literals: list[Literal] = [Before(i, x) for x in stays]
+                weights, bound = [1] * len(stays), 1
+                if not anchored:  # or all others of the cluster are out: then it is the last
+                    bound = len(cluster) - 1
+                    weights = [bound] * len(stays)
+                    others = [x for x in cluster if x != i]
+                    literals += [Before(x, i) for x in others]
+                    weights += [1] * len(others)
+                yield AtLeast(tuple(literals), tuple(weights), bound, about)
+
+    def violations(self, nest: Nest, cuts: CutSequence, options: NoIslandsOptions) -> list[Violation]:
+        joined, framed = holding(nest, options.web_mm, options.edge_band_mm, options.frame_share - ALLOWANCE)
+        number = {part.outer.id: k for k, part in enumerate(nest.parts)}
+        at = {number[cut.contour]: k for k, cut in enumerate(cuts, 1) if cut.contour in number}
+        found = []
+        for cluster in clusters(joined):
+            for k, island in cut_off(cluster, joined, framed, at):
+                names = tuple(nest.parts[part].outer.id for part in island)
+                text = (
+                    f"{cuts[k - 1].contour} (cut {k}) leaves {_listed(names)} on an island that nothing still in holds"
+                )
+                found.append(Violation(self.id, names, text, (k,)))
+        return sorted(found, key=lambda violation: violation.cuts)
+
+
+def _listed(ids: Sequence[str]) -> str:
+    return ", ".join(ids) if len(ids) <= 4 else f"{ids[0]} … {ids[-1]}"
+
+
+def _holding_facts(facts: Facts, frame_share: float) -> tuple[dict[int, set[int]], set[int]]:
+    """Which outer contours hang together, and which on the frame, from facts."""
+    nest, faced = facts.nest, facts.neighbours
+    place = facts.parent
+    joined: dict[int, set[int]] = {nest.index[part.outer.id]: set() for part in nest.parts}
+    framed: set[int] = set()
+    for i, x in zip(faced.row.tolist(), faced.neighbour.tolist(), strict=True):
+        if place[i] == place[x]:
+            joined[i].add(x)
+            joined[x].add(i)
+        else:
+            framed.add(i)
+    for i in joined:
+        rest_mm = facts.edge_length_mm[i].sum() + facts.solid_mm[i]
+        if rest_mm >= frame_share * nest.contours[i].curve.length_mm:
+            framed.add(i)
+    return joined, framed

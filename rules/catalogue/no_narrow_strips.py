@@ -1,0 +1,105 @@
+"""Rule no-narrow-strips."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from ...encoder.cut import CutSequence
+from ...encoder.nest import Nest
+from ..kinds import LENGTH, Number
+from ..option import option
+from ..rule import NoGoodIds, Rule, Violation
+from ..statements import Statement
+from ..strips import Cutting, strips_and_islands
+
+if TYPE_CHECKING:
+    from ...encoder.facts.facts import Facts
+
+
+@dataclass(frozen=True, slots=True)
+class NoNarrowStripsOptions:
+    """What is narrow; `web_mm` is that of part-rigidity, `thickness_mm` the sheet's."""
+
+    strip_mm: float = field(default=60.0, metadata=option(LENGTH, "metal narrower than this is a strip"))
+    strip_thicknesses: float = field(
+        default=3.0, metadata=option(Number(0), "and so is metal narrower than this many thicknesses of the sheet")
+    )
+    web_mm: float = 25.0
+    thickness_mm: float = 6.0
+
+    @property
+    def narrow_mm(self) -> float:
+        """The width under which metal is a strip."""
+        return max(self.strip_mm, self.strip_thicknesses * self.thickness_mm)
+
+
+class NoNarrowStrips(Rule[NoNarrowStripsOptions]):
+    """No part is left in a narrow strip of metal between parts that are out.
+
+    ## What it does
+
+    Uncut metal is the sheet less every part that is out, grown by half the `web` of part-rigidity, so that the web
+    between two parts that are out is gone with them. A part is in a strip when most of its area lies in metal narrower
+    than `strip` (or than `strip_thicknesses` times the sheet's thickness), and parts that are out take this metal away
+    on two sides, more than a right angle apart. A part is on an island when the piece of metal that it lies in is cut
+    off from the rest, as long as that piece is no wider than ten strips and the rest holds as many parts or more. Each
+    part is told once. Parts in the same place are looked at together: on the sheet, or in one hole.
+
+    Nothing of this can be stated before there is an order: orders are checked, and what is found comes back as sets of
+    parts that must not be out while others are in.
+
+    ## Why
+
+    Petunin 2009 (fig. 3): a narrow strip left between two openings bends with the heat of the next cuts, and the parts
+    in it are bent with it.
+
+    ## Wrong
+
+    Three long parts side by side: the two outer ones first, then the one between them.
+
+    ## Right
+
+    The same parts one after the other, from one side to the other.
+    """
+
+    id = "no-narrow-strips"
+    sentence = "No part is left in a narrow strip of metal between parts that are out."
+    source = "Petunin 2009, fig. 3"
+    Options = NoNarrowStripsOptions
+    default = "off"
+    default_weight = 250.0
+
+    def statements(self, facts: Facts, options: NoNarrowStripsOptions) -> Sequence[Statement]:
+        return ()
+
+    def no_goods(self, nest: Nest, order: Sequence[str], options: NoNarrowStripsOptions) -> list[NoGoodIds]:
+        found = []
+        for cutting in strips_and_islands(nest, order, options.narrow_mm, options.web_mm):
+            out = tuple(nest.parts[k].outer.id for k in cutting.out)
+            left = tuple(nest.parts[k].outer.id for k in cutting.left)
+            sentence = f"{' or '.join(left)} is cut before the last of {_listed(out)}: {_where(cutting, left, 'them')}"
+            found.append(NoGoodIds(out, left, sentence))
+        return found
+
+    def violations(self, nest: Nest, cuts: CutSequence, options: NoNarrowStripsOptions) -> list[Violation]:
+        at = cuts.positions()
+        order = [cut.contour for cut in cuts]
+        found = []
+        for cutting in strips_and_islands(nest, order, options.narrow_mm, options.web_mm):
+            left = tuple(nest.parts[k].outer.id for k in cutting.left)
+            out = sorted((nest.parts[k].outer.id for k in cutting.out), key=at.__getitem__)
+            text = f"after {order[cutting.k - 1]} (cut {cutting.k}) {_where(cutting, left, _listed(out))}"
+            found.append(Violation(self.id, (left[0],), text, tuple(at[name] for name in out)))
+        return found
+
+
+def _where(cutting: Cutting, left: Sequence[str], out: str) -> str:
+    if cutting.kind == "strip":
+        return f"{left[0]} lies in a narrow strip between {out}"
+    return f"{left[0]} lies on an island, cut off from {left[1]} by {out}"
+
+
+def _listed(ids: Sequence[str]) -> str:
+    return ", ".join(ids) if len(ids) <= 4 else f"{ids[0]} … {ids[-1]}"

@@ -1,0 +1,79 @@
+"""Rule no-tip-travel."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+
+from ...encoder.cut import CutSequence
+from ...encoder.nest import Nest
+from ..option import NoOptions
+from ..rule import Rule, Violation
+from ..statements import Crossing
+
+if TYPE_CHECKING:
+    from ...encoder.facts.facts import Facts
+
+GRAZE_MM = 0.1
+"""Travel that comes no further over the rim of a part passes it by."""
+
+
+class NoTipTravel(Rule[NoOptions]):
+    """Idle travel does not lead over a part that has been cut out.
+
+    ## What it does
+
+    The straight line from the end of each cut to the next pierce, from home to the first and from the last back home,
+    does not cross the area of a part whose outer contour has been cut before. The area is all that the outer contour
+    encloses: what drops out of a hole may stand up as well. Where the machine travels with its head down
+    (`machine.head: down`) a soft rule is hard.
+
+    ## Why
+
+    A part that is cut out may tip on the slats of the table and stand up above the sheet, where the travelling torch
+    breaks on it. A head that is lifted passes over most of them.
+
+    ## Wrong
+
+    A, B and C in a row, cut in this order, and after C the torch goes home over A and B.
+
+    ## Right
+
+    The same order, with the way home round the row, or the row cut towards home.
+    """
+
+    id = "no-tip-travel"
+    sentence = "Idle travel does not lead over a part that has been cut out."
+    source = "plant practice"
+    Options = NoOptions
+    default = "off"
+    default_weight = 50.0
+
+    def statements(self, facts: Facts, options: NoOptions) -> Iterator[Crossing]:
+        for part in facts.nest.parts:
+            sentence = f"no travel leads over {part.id} once {part.outer.id} is cut: it may have tipped up"
+            about = self.about((part.outer.id,), sentence)
+            yield Crossing(facts.nest.index[part.outer.id], part.outer.polygon, about)
+
+    def violations(self, nest: Nest, cuts: CutSequence, options: NoOptions) -> list[Violation]:
+        if not cuts:
+            return []
+        at = cuts.positions()
+        parts = [part for part in nest.parts if part.outer.id in at]
+        legs = np.array([[cuts.home, *(cut.end for cut in cuts)], [*(cut.pierce for cut in cuts), cuts.home]])
+        lines = shapely.linestrings(legs.transpose(1, 0, 2))
+        areas = shapely.buffer([part.outer.polygon for part in parts], -GRAZE_MM)
+        leg, over = shapely.STRtree(areas).query(lines, predicate="intersects")
+        found = []
+        for k, number in sorted(zip(leg.tolist(), over.tolist(), strict=True)):
+            name, cut_at = parts[number].outer.id, at[parts[number].outer.id]
+            if cut_at <= k:
+                start = cuts[k - 1].contour
+                end = f"to {cuts[k].contour} (cut {k + 1})" if k < len(cuts) else "home"
+                text = f"travel from {start} (cut {k}) {end} leads over {parts[number].id}, cut out as cut {cut_at}"
+                positions = {cut_at, k, min(k + 1, len(cuts))}
+                found.append(Violation(self.id, (name,), text, tuple(sorted(positions))))
+        return found

@@ -1,0 +1,91 @@
+from kerfwise.encoder.cut import CutSequence, Direction
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
+from kerfwise.rules.rule import Violation
+from kerfwise.tests.nests import nest, part, rect
+from kerfwise.tests.rules.case import Case, cut
+from kerfwise.tests.rules.petunin import BEGIN, FIGURE_1
+
+ALONE = nest(200, 200, part("P", rect(10, 10, 180, 180)))
+HOST = nest(400, 400, part("H", rect(50, 50, 300, 300), [rect(70, 70, 120, 120)]), part("G", rect(80, 80, 100, 100)))
+
+
+def ways(sheet: Nest, *given: tuple[str, Point, Direction]) -> CutSequence:
+    return CutSequence(tuple(cut(sheet, f"{name}.outer", entry=entry, direction=way) for name, entry, way in given))
+
+
+def point(name: str, number: int, way: Direction) -> tuple[str, Point, Direction]:
+    return name, BEGIN[name][number], way
+
+
+def ends_on(name: str, at: int, share: str) -> Violation:
+    text = (
+        f"{name}.outer (cut {at}) ends along {share} rigid metal, less than 60%: the rest of its last 25% faces the "
+        "sheet's edge or parts already out"
+    )
+    return Violation("part-rigidity", (f"{name}.outer",), text, (at,))
+
+
+CASES = (
+    Case(
+        "each part ends where it is held",
+        "passes",
+        FIGURE_1,
+        ways(FIGURE_1, point("A", 1, "cw"), point("B", 4, "cw"), point("C", 7, "cw")),
+    ),
+    Case(
+        "the first part ends along the edges of the sheet",
+        "fails",
+        FIGURE_1,
+        ways(FIGURE_1, point("A", 2, "cw"), point("B", 4, "cw"), point("C", 7, "cw")),
+        (ends_on("A", 1, "0%"),),
+    ),
+    Case(
+        "the other way round it ends along the gap where the part before it was",
+        "fails",
+        FIGURE_1,
+        ways(FIGURE_1, point("A", 1, "cw"), point("B", 4, "ccw"), point("C", 7, "ccw")),
+        (ends_on("B", 2, "0%"), ends_on("C", 3, "0%")),
+    ),
+    Case(
+        "while the neighbour is still in, the same way will do",
+        "passes",
+        FIGURE_1,
+        ways(FIGURE_1, point("C", 7, "ccw"), point("B", 4, "ccw"), point("A", 4, "ccw")),
+    ),
+    Case(
+        "a guest is held by its host",
+        "passes",
+        HOST,
+        ways(HOST, ("G", (80.0, 80.0), "cw"), ("H", (200.0, 50.0), "cw")),
+    ),
+    Case(
+        "just less than asked is taken for enough",
+        "boundary",
+        FIGURE_1,
+        ways(FIGURE_1, ("A", (110.0, 333.0), "cw"), point("B", 4, "cw"), point("C", 7, "cw")),
+    ),
+    Case(
+        "more than 0.05 less is not",
+        "boundary",
+        FIGURE_1,
+        ways(FIGURE_1, ("A", (110.0, 337.0), "cw"), point("B", 4, "cw"), point("C", 7, "cw")),
+        (ends_on("A", 1, "53%"),),
+    ),
+    Case(
+        "an edge farther than the band is solid metal",
+        "boundary",
+        ALONE,
+        ways(ALONE, ("P", (10.0, 10.0), "cw")),
+        options=PartRigidityOptions(edge_band_mm=9.0),
+    ),
+    Case(
+        "an edge as far as the band is free",
+        "boundary",
+        ALONE,
+        ways(ALONE, ("P", (10.0, 10.0), "cw")),
+        (ends_on("P", 1, "0%"),),
+        options=PartRigidityOptions(edge_band_mm=10.0),
+    ),
+)
