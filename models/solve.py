@@ -16,6 +16,7 @@ from .ideals import prove
 from .pace import Pace
 from .problem import UM_PER_MM, Problem, make_problem
 from .search import search
+from .simplify import simplify
 from .solution import Incumbent, Progress, Solution, SolveOptions
 
 Refine = Callable[[tuple[int, ...]], tuple[Statement, ...]]
@@ -67,7 +68,7 @@ def solve(
     left = options.work if options.time_s is None else options.time_s
     spent = 0.0
     while True:
-        problem = make_problem(facts, statements, options.home_mm, options.feeds)
+        problem = simplify(make_problem(facts, statements, options.home_mm, options.feeds))
         known = _run(problem, replace(options, work=left - spent), watch)
         spent += known.work
         if known.incumbent is None:
