@@ -22,9 +22,10 @@ def command(output: str | None, **given: Any) -> None:
         )
     from ..encoder.facts import facts_dzn, facts_json
     from ..postproc.files import write_files
-    from .facts_of import facts_of
+    from ..postproc.produce import facts_of
 
-    facts = facts_of(read_given(**given))
+    asked = read_given(**given)
+    facts = facts_of(asked.nest, asked.profile)
     if output is None:
         click.echo(facts_json(facts), nl=False)
     else:

@@ -1,0 +1,89 @@
+"""The main job in one call: a nest and a profile become a plan, its program, and the verdict on both."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from ..encoder.candidates import build_candidates
+from ..encoder.facts import compute_facts
+from ..encoder.facts.facts import Facts
+from ..encoder.nest import Nest
+from ..models.make_plan import make_plan
+from ..models.plan import Plan
+from ..models.solution import Progress, SolveOptions
+from ..rules.afterthoughts import afterthoughts
+from ..rules.lock import check_locks
+from ..rules.profile import Profile
+from ..rules.state import Stated, state_rules
+from .check import CheckResult
+from .checking import judge, report_of
+from .program import write_program
+
+Engine = Literal["cp-sat", "minizinc"]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Asked:
+    """What is asked of a plan: the facts of the nest, and what the profile's rules state of them."""
+
+    facts: Facts
+    stated: Stated
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Produced:
+    """A plan with the rules' verdicts in it, its NC program, and the whole verdict."""
+
+    plan: Plan
+    program: str
+    verdict: CheckResult
+
+
+def facts_of(nest: Nest, profile: Profile) -> Facts:
+    """All facts of the nest under the profile's thresholds.
+
+    Raises
+    ------
+    InputError
+        If a lock names what the nest does not have, or a contour cannot be cut as the profile asks.
+    """
+    check_locks(profile.locks, nest)
+    return compute_facts(nest, profile.fact_options(), build_candidates(nest, profile.lead_options()))
+
+
+def ask(nest: Nest, profile: Profile) -> Asked:
+    """Facts and statements; raises `RulesConflict` where hard orders contradict each other."""
+    facts = facts_of(nest, profile)
+    return Asked(facts, state_rules(facts, profile))
+
+
+def produce(
+    asked: Asked,
+    profile: Profile,
+    limits: SolveOptions,
+    progress: Progress | None = None,
+    engine: Engine = "cp-sat",
+    solver: str = "gecode",
+) -> Produced:
+    """Solve, write the program, and judge both.
+
+    Raises
+    ------
+    RulesConflict
+        If no lawful plan exists, or none was found.
+    """
+    facts, stated = asked.facts, asked.stated
+    refine = afterthoughts(facts, profile)
+    if engine == "minizinc":
+        from ..models.minizinc import solve_minizinc
+
+        solution = solve_minizinc(facts, profile, stated, limits, solver, refine)
+    else:
+        from ..models.solve import solve
+
+        solution = solve(facts, stated.statements, limits, progress, refine)
+    plan = make_plan(facts, profile, stated, solution, engine, limits.seed)
+    program = write_program(plan, facts.nest, profile)
+    verdict = judge(facts.nest, plan, program, profile)
+    return Produced(replace(plan, rules=report_of(verdict)), program, verdict)

@@ -1,0 +1,39 @@
+"""Whatever the nest, the plan and the program made of it pass the independent check."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.make_plan import feeds_of
+from kerfwise.models.solution import SolveOptions
+from kerfwise.postproc.check import report
+from kerfwise.postproc.produce import ask, produce
+from kerfwise.rules.profile import load_profile, shipped_profiles
+from kerfwise.tests.encoder.facts.random_nests import nests
+
+
+@pytest.mark.parametrize("profile_name", shipped_profiles())
+@given(nest=nests(), seed=st.integers(0, 3))
+@settings(max_examples=12, deadline=None)
+def test_every_plan_passes_the_check(profile_name: str, nest: Nest, seed: int) -> None:
+    assume(nest.parts)
+    profile = load_profile(profile_name)
+    # a piece of two contours a zone makes more of the zones of these small nests
+    rules = dict(profile.rules)
+    zones = rules["zone-order"]
+    rules["zone-order"] = replace(zones, options=replace(zones.options, zone_contours=4))
+    profile = replace(profile, rules=rules)
+    try:
+        asked = ask(nest, profile)
+    except InputError as refused:
+        assume("cannot be cut" not in refused.message)
+        raise
+    made = produce(asked, profile, SolveOptions(seed, 2.0, None, profile.machine.home, feeds_of(profile)))
+    assert made.verdict.ok, report(made.verdict)
+    assert len(made.plan.cuts) == len(nest.contours)
