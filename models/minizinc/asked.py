@@ -14,7 +14,7 @@ from ...rules.profile import Profile
 from ...rules.sections import RuleSetting
 from ...rules.state import Stated
 from ...rules.statements import EXEMPTION_MM, IdleTravel, Lag, Statement
-from .statement_text import conditions, missing_ms
+from .statement_text import conditions, lag_ms, missing_ms
 
 MODELS = Path(__file__).parent
 FILTERED = {"level-ahead", "hull-before"}
@@ -27,13 +27,14 @@ class Asked:
 
     `source` defines it; `name` may be empty for a file that states constraints itself. `weight_mm` is None where it is
     hard, else the price of each breach in idle travel; `EXEMPTION_MM` stands for a hard rule that may be excused. With
-    `in_ms` the array is of `var int`, milliseconds that are missing, and the price is that of a second.
+    `most_ms` the array is of `var int`, milliseconds that are missing, at most so many each, and the price is that of a
+    second.
     """
 
     source: str
     name: str
     weight_mm: float | None
-    in_ms: bool = False
+    most_ms: int = 0
 
 
 def asked(profile: Profile, stated: Stated, afterwards: Sequence[Statement] = ()) -> tuple[Asked, ...]:
@@ -86,18 +87,18 @@ def _of_rule(rule: str, setting: RuleSetting) -> Iterator[Asked]:
         return
     yield Asked(source, f"{name}_holds", weight)
     if isinstance(options, HeatLagOptions) and options.lag_s > 0:
-        yield Asked(include(rule_file(f"{rule}-seconds")), f"{name}_missing_ms", weight, in_ms=True)
+        yield Asked(include(rule_file(f"{rule}-seconds")), f"{name}_missing_ms", weight, round(options.lag_s * 1000))
 
 
 def _in_words(statements: Sequence[Statement]) -> Iterator[Asked]:
     """Statements as text, one array for each rule and weight, and one for those that count seconds."""
-    groups: dict[tuple[str, float | None, bool], list[str]] = {}
+    groups: dict[tuple[str, float | None, int], list[str]] = {}
     for s in statements:
-        groups.setdefault((s.about.rule, s.weight, False), []).extend(conditions(s))
+        groups.setdefault((s.about.rule, s.weight, 0), []).extend(conditions(s))
         if isinstance(s, Lag) and s.seconds > 0:
-            groups.setdefault((s.about.rule, s.weight, True), []).append(missing_ms(s))
-    for number, ((rule, weight, in_ms), values) in enumerate(groups.items(), 1):
-        name, kind = f"stated_{number}", "int" if in_ms else "bool"
+            groups.setdefault((s.about.rule, s.weight, lag_ms(s)), []).append(missing_ms(s))
+    for number, ((rule, weight, most_ms), values) in enumerate(groups.items(), 1):
+        name, kind = f"stated_{number}", "int" if most_ms else "bool"
         listed = ",\n   ".join(values)
         text = f"array[int] of var {kind}: {name} =  % {rule}\n  [{listed}];"
-        yield Asked(f"{include(MODELS / 'clock.mzn')}\n{text}" if in_ms else text, name, weight, in_ms)
+        yield Asked(f"{include(MODELS / 'clock.mzn')}\n{text}" if most_ms else text, name, weight, most_ms)

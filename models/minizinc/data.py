@@ -13,7 +13,7 @@ from ...encoder.facts.facts import Facts, Floats, Ints
 from ...encoder.geometry.segment import Point
 from ...rules.profile import Profile
 from ...rules.state import Stated
-from ...rules.statements import IdleTravel, Lag, Precede
+from ...rules.statements import IdleTravel, Precede
 from ..pace import Pace
 from ..problem import UM_PER_MM
 from ..solution import SolveOptions
@@ -22,8 +22,8 @@ from .dzn import Fields, assignments, numbers, table_from_0
 from .rule_data import Case, rule_data
 
 
-def data_text(facts: Facts, profile: Profile, stated: Stated, options: SolveOptions) -> str:
-    """MiniZinc data for `sequence.mzn` and the rules of the profile.
+def data_text(facts: Facts, profile: Profile, stated: Stated, options: SolveOptions, *, clock: bool) -> str:
+    """MiniZinc data for `sequence.mzn`, for `clock.mzn` if that is included, and for the rules of the profile.
 
     Raises
     ------
@@ -33,7 +33,7 @@ def data_text(facts: Facts, profile: Profile, stated: Stated, options: SolveOpti
     home_mm = options.home_mm
     price = sum(s.weight for s in stated.statements if isinstance(s, IdleTravel))
     fields: Fields = [("travel", table_from_0(travel_um(facts, price, home_mm)))]
-    if any(isinstance(s, Lag) and s.seconds > 0 for s in stated.statements):
+    if clock:
         fields += _clock(facts, options)
     rules = rule_data(Case(facts, stated, home_mm), rules_in_files(profile, stated))
     return facts_dzn(without_dropped(facts, stated)) + assignments(fields) + rules

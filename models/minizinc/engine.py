@@ -56,15 +56,15 @@ def solve_minizinc(
     started = time.monotonic()
     limit = options.work if options.time_s is None else options.time_s
     chosen = solver_named(solver)
-    data = data_text(facts, profile, stated, options)
     afterwards: tuple[Statement, ...] = ()
     nodes = 0
     while True:
         left = limit - (time.monotonic() - started)
         if left <= 0:
             raise RulesConflict(NONE_FOUND, tuple(s.about.sentence for s in afterwards))
-        text = model_text(asked(profile, stated, afterwards))
-        result = _run(chosen, text + data, left)
+        arrays = asked(profile, stated, afterwards)
+        data = data_text(facts, profile, stated, options, clock=any(a.most_ms for a in arrays))
+        result = _run(chosen, model_text(arrays) + data, left)
         nodes += int(result.statistics.get("nodes", 0))
         route = tuple(c - 1 for c in result.solution.stop if c > 0)
         missing = () if refine is None else refine(tuple(facts.candidates[c].contour for c in route))

@@ -26,11 +26,12 @@ def model_text(asked: Sequence[Asked], goal: str = GOAL) -> str:
     constraint forall(a_holds);
     <BLANKLINE>
     % Soft: what each breach costs, in µm of idle travel.
-    var int: besides :: add_to_output = idle_travel + 500 * breaches(b_holds);
+    var int: besides :: add_to_output;
+    constraint besides = idle_travel + 500 * breaches(b_holds);
     ...
     """
     hard = [a for a in asked if a.weight_mm is None]
-    excused = [a for a in asked if a.weight_mm == EXEMPTION_MM and not a.in_ms]
+    excused = [a for a in asked if a.weight_mm == EXEMPTION_MM and not a.most_ms]
     soft = [a for a in asked if a not in hard and a not in excused]
     return "\n".join(
         [
@@ -41,10 +42,12 @@ def model_text(asked: Sequence[Asked], goal: str = GOAL) -> str:
             *(_constraint(a) for a in hard if a.name),
             "",
             "% Soft: what each breach costs, in µm of idle travel.",
-            _sum("var int: besides :: add_to_output", "idle_travel", [_cost(a) for a in soft]),
+            "var int: besides :: add_to_output;",
+            _sum("constraint besides", "idle_travel", [_cost(a) for a in soft]),
             "",
             "% Hard, but excused where nothing else is left; an excuse costs more than any plan does besides.",
-            _sum("var int: excuses :: add_to_output", "0", [f"breaches({a.name})" for a in excused]),
+            "var int: excuses :: add_to_output;",
+            _sum("constraint excuses", "0", [f"breaches({a.name})" for a in excused]),
             _sum("int: excuse", "1 + longest_travel", [_most(a) for a in soft]),
             "",
             goal,
@@ -54,22 +57,22 @@ def model_text(asked: Sequence[Asked], goal: str = GOAL) -> str:
 
 
 def _constraint(a: Asked) -> str:
-    return f"constraint forall(ms in {a.name})(ms = 0);" if a.in_ms else f"constraint forall({a.name});"
+    return f"constraint forall(ms in {a.name})(ms = 0);" if a.most_ms else f"constraint forall({a.name});"
 
 
 def _cost(a: Asked) -> str:
     """What an array of a soft rule costs: a price for each breach, or for each millisecond that is missing."""
-    return f"{_price(a)} * {'sum' if a.in_ms else 'breaches'}({a.name})"
+    return f"{_price(a)} * {'sum' if a.most_ms else 'breaches'}({a.name})"
 
 
 def _most(a: Asked) -> str:
     """What it can cost at most."""
-    return f"{_price(a)} * " + (f"sum(ms in {a.name})(ub(ms))" if a.in_ms else f"length({a.name})")
+    return f"{_price(a) * (a.most_ms or 1)} * length({a.name})"
 
 
 def _price(a: Asked) -> int:
     weight_mm = a.weight_mm or 0.0
-    return round(weight_mm) if a.in_ms else round(weight_mm * UM_PER_MM)
+    return round(weight_mm) if a.most_ms else round(weight_mm * UM_PER_MM)
 
 
 def _sum(declared: str, first: str, terms: Sequence[str]) -> str:

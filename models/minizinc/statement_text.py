@@ -69,9 +69,14 @@ def _(statement: NoGood) -> list[str]:
     return [f"exists(i in {_set(statement.left)}, j in {_set(statement.out)})(before(i, j))"]
 
 
+def lag_ms(lag: Lag) -> int:
+    """The time that must lie between the two cuts, ms."""
+    return round(lag.seconds * 1000)
+
+
 def missing_ms(lag: Lag) -> str:
     """The milliseconds that are missing between the two cuts, as an expression over the words of `clock.mzn`."""
-    return f"max(0, {round(lag.seconds * 1000)} - pause_ms({lag.first + 1}, {lag.second + 1}))"
+    return f"max(0, {lag_ms(lag)} - pause_ms({lag.first + 1}, {lag.second + 1}))"
 
 
 def _literal(literal: Literal) -> str:
