@@ -12,6 +12,7 @@ from . import __version__
 VERBS = {
     "solve": "Turn a nest into a checked cutting program.",
     "check": "Judge a plan or a program by every rule, independently.",
+    "explain": "Say why a contour is cut where it is, then, and so.",
     "facts": "Write the facts of a nest, as JSON or MiniZinc data.",
     "plot": "Draw a nest or a plan (SVG, PNG or HTML).",
     "profile": "Check a profile, or show it with every default filled in.",

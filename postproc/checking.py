@@ -9,7 +9,7 @@ from ..models.plan import Plan, RuleReport
 from ..rules.own import PREFIX as OWN
 from ..rules.profile import Profile
 from ..rules.registry import RULES
-from .check import CheckResult, Claims, check_cuts, check_program
+from .check import CheckResult, Claims, Relaxed, check_cuts, check_program
 
 __all__ = ["check_plan", "check_program", "judge", "report_of"]
 
@@ -27,7 +27,8 @@ def check_plan(nest: Nest, plan: Plan, profile: Profile) -> CheckResult:
         tuple(planned.length_mm for planned in plan.cuts),
         {rule.id: rule.holds for rule in plan.rules},
     )
-    return check_cuts(nest, plan.sequence(profile.machine.home), profile, claims)
+    relaxed = tuple(Relaxed(dropped.rule, dropped.contours) for dropped in plan.dropped if dropped.relaxed)
+    return check_cuts(nest, plan.sequence(profile.machine.home), profile, claims, relaxed)
 
 
 def judge(nest: Nest, plan: Plan, program: str, profile: Profile) -> CheckResult:

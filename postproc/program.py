@@ -69,6 +69,21 @@ def _header(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect) -> Itera
     for planned in plan.cuts:
         for rule in planned.cut.excused:
             yield comment(dialect, f"EXCUSED {plain(rule)}", planned.cut.contour)
+    yield from _relaxed(plan, dialect)
+
+
+def _relaxed(plan: Plan, dialect: Dialect) -> Iterator[str]:
+    """What a planner let go, a number each; contours that have no room go on in another comment of that number."""
+    for k, dropped in enumerate((d for d in plan.dropped if d.relaxed), 1):
+        head = f"RELAXED {k} {plain(dropped.rule)}"
+        room = dialect.max_line - len(dialect.comment.format(text=f"{head} "))
+        line = ""
+        for name in (plain(contour).replace(" ", "_") for contour in dropped.contours):
+            if line and len(line) + 1 + len(name) > room:
+                yield comment(dialect, head, line)
+                line = ""
+            line = f"{line} {name}".lstrip()
+        yield comment(dialect, head, line)
 
 
 def _edge_starts(plan: Plan, nest: Nest) -> list[bool]:

@@ -15,20 +15,29 @@ from .metal import gouges, off_sheet
 from .nc_reader import NcProgram, read_nc
 from .program_rules import judgement
 from .rebuild import rebuild
+from .relaxed import Relaxed, read_relaxed, relaxed_warnings
 from .result import CheckResult, Judgement, Measured
 from .runs_from_cuts import runs_from_cuts
 from .torch_run import TorchRun
 from .totals import Claims, claims_kept, idle_mm, totals
 
 
-def check_cuts(nest: Nest, cuts: CutSequence, profile: Profile, claims: Claims | None = None) -> CheckResult:
+def check_cuts(
+    nest: Nest,
+    cuts: CutSequence,
+    profile: Profile,
+    claims: Claims | None = None,
+    relaxed: Sequence[Relaxed] = (),
+) -> CheckResult:
     """Judge a plan's cuts, and what the plan says of them, where that is given.
 
-    The torch's paths are made anew from the nest, the kerf and the leads.
+    The torch's paths are made anew from the nest, the kerf and the leads. `relaxed` are the statements that the plan
+    says it has let go.
     """
     runs, faults = runs_from_cuts(nest, cuts, profile.material.kerf_mm)
     judged, warnings = _judge_paths(nest, cuts, runs, faults, profile)
-    rules = judge(nest, once_each(nest, cuts), profile)
+    rules = judge(nest, once_each(nest, cuts), profile, relaxed)
+    warnings += relaxed_warnings(relaxed)
     if claims is not None:
         broken, told = claims_kept(claims, rules)
         judged += [judgement("totals", totals(nest, cuts, runs, claims)), judgement("claims", broken)]
@@ -48,7 +57,9 @@ def check_program(nest: Nest, nc_text: str, profile: Profile, file: str = "") ->
     built = rebuild(nest, program, profile.material.kerf_mm, profile.machine.home)
     judged, warnings = _judge_paths(nest, built.cuts, built.runs, built.violations, profile)
     judged.append(judgement("torch-off-travel", _hot(program)))
-    rules = judge(nest, once_each(nest, built.cuts), profile)
+    relaxed = read_relaxed(nest, program.comments)
+    rules = judge(nest, once_each(nest, built.cuts), profile, relaxed)
+    warnings += relaxed_warnings(relaxed)
     return CheckResult((*judged, *rules), (*built.warnings, *warnings), _measured(built.runs, program.idle_mm))
 
 

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ...encoder.cut import CutSequence
 from ...encoder.nest import Nest
 from ...rules.profile import Profile
 from .excuses import excuse
+from .relaxed import Relaxed, let_go
 from .result import Judgement
 
 
-def judge(nest: Nest, cuts: CutSequence, profile: Profile) -> list[Judgement]:
-    """A judgement on every rule, the hard ones first; those that the profile switches off are listed last, unjudged."""
+def judge(nest: Nest, cuts: CutSequence, profile: Profile, relaxed: Sequence[Relaxed] = ()) -> list[Judgement]:
+    """A judgement on every rule, the hard ones first; those that the profile switches off are listed last, unjudged.
+
+    `relaxed` are statements that the plan or program says it has let go.
+    """
     settings, book = profile.settings(), profile.rulebook()
     judged = [
         Judgement(
@@ -23,4 +29,4 @@ def judge(nest: Nest, cuts: CutSequence, profile: Profile) -> list[Judgement]:
         for name, setting in sorted(settings.items(), key=lambda item: (item[1].strength != "hard", item[0]))
     ]
     off = [Judgement(name, "off", rule.sentence) for name, rule in sorted(book.items()) if name not in settings]
-    return [*excuse(nest, cuts, profile, judged), *off]
+    return [*let_go(nest, cuts, profile, excuse(nest, cuts, profile, judged), relaxed), *off]

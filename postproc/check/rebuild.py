@@ -15,6 +15,7 @@ from ...encoder.nest import Nest
 from ...rules.rule import Violation
 from .cut_from_burn import cut_from_burn
 from .matching import Matcher
+from .names import folded
 from .nc_reader import Burn, NcProgram
 from .torch_run import TorchRun, line_of
 
@@ -44,8 +45,8 @@ def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point) -> Rebu
     burns = program.burns
     paths = [line_of(burn.path) or _dot(burn) for burn in burns]
     told = [_CUT.search(burn.comment) for burn in burns]
-    ids = {_folded(c.id): k for k, c in enumerate(nest.contours)}
-    named = [ids.get(_folded(words["contour"])) if words else None for words in told]
+    ids = {folded(c.id): k for k, c in enumerate(nest.contours)}
+    named = [ids.get(folded(words["contour"])) if words else None for words in told]
     matches = Matcher(nest, kerf_mm).match(paths, [burn.tool != 0 for burn in burns], named)
     excused = _excused(program)
     cuts: list[Cut] = []
@@ -62,7 +63,7 @@ def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point) -> Rebu
             warnings.append(f"line {burn.line}: the comment names {nest.contours[name].id}, but {contour.id} is cut")
         zone = int(words["zone"]) if words else 0
         cut, run, wrong = cut_from_burn(burn, path, contour, match, kerf_mm, zone, len(cuts) + 1)
-        cuts.append(replace(cut, excused=excused[_folded(contour.id)]))
+        cuts.append(replace(cut, excused=excused[folded(contour.id)]))
         runs.append(run)
         violations += wrong
     side = next((_SIDES[found[1].upper()] for found in map(_SIDE.search, program.comments) if found), None)
@@ -74,7 +75,7 @@ def _excused(program: NcProgram) -> Mapping[str, tuple[str, ...]]:
     told: dict[str, tuple[str, ...]] = defaultdict(tuple)
     for found in map(_EXCUSED.fullmatch, program.comments):
         if found:
-            told[_folded(found["contour"])] += (found["rule"].lower(),)
+            told[folded(found["contour"])] += (found["rule"].lower(),)
     return told
 
 
@@ -88,8 +89,3 @@ def _stray(burn: Burn, path: shapely.LineString) -> Violation:
     x0, y0, x1, y1 = path.bounds
     place = f"X {x0:.1f} to {x1:.1f}, Y {y0:.1f} to {y1:.1f}"
     return Violation("every-contour-once", (), f"line {burn.line}: burns along no contour of the nest, at {place}")
-
-
-def _folded(name: str) -> str:
-    """A contour's id as it survives in a comment, whatever the writer replaces."""
-    return re.sub(r"[^A-Za-z0-9.]+", "_", name).upper()

@@ -1,0 +1,30 @@
+"""What solve says when the hard rules cannot all hold: which contradict each other, the way out, and a picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..encoder.errors import RulesConflict
+from ..encoder.facts.facts import Facts
+from ..rules.profile import Profile
+
+
+def tell_conflict(facts: Facts, profile: Profile, error: RulesConflict, picture: str | Path) -> int:
+    """Say why there is no plan, and draw the contours in conflict if they are known; the exit code is 1."""
+    from ..models.conflict import find_conflict
+    from ..postproc.report import plot_spot
+
+    conflict = find_conflict(facts, profile)
+    if conflict is None:
+        click.echo(f"kerfwise: {error}", err=True)
+        return 1
+    click.echo("kerfwise: " + "\n".join(conflict.lines()), err=True)
+    if conflict.relax is not None:
+        click.echo("--relax takes this way out, and says so in the plan and in the program", err=True)
+    if conflict.contours:
+        caption = f"in conflict: {', '.join(dict.fromkeys(about.rule for about in conflict.clash))}"
+        plot_spot(facts.nest, conflict.contours, picture, caption=caption, home=profile.machine.home)
+        click.echo(f"the contours in conflict: {picture}", err=True)
+    return 1

@@ -1,0 +1,33 @@
+"""kerfwise explain: why a contour is cut where it is, then, and so."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from .given import given_options, read_given
+
+
+@click.command()
+@given_options
+@click.argument("plan", metavar="PLAN.json")
+@click.argument("contour", metavar="CONTOUR")
+@click.option(
+    "--all", "everything", is_flag=True, help="Everything that holds the contour, and the chains to the ends."
+)
+@click.option("--json", "as_data", is_flag=True, help="The same as data.")
+def command(plan: str, contour: str, everything: bool, as_data: bool, **given: Any) -> None:
+    """Say what holds CONTOUR (such as P3.outer) in its place, why it is entered so, and what moving it would cost."""
+    from ..models.conflict import state_relaxed
+    from ..models.explain import as_json, as_text, explain
+    from ..models.plan import read_plan
+    from ..postproc.produce import facts_of
+    from ..rules.state import state_rules
+
+    asked = read_given(**given)
+    made = read_plan(plan)
+    facts = facts_of(asked.nest, asked.profile)
+    state = state_relaxed if any(dropped.relaxed for dropped in made.dropped) else state_rules
+    told = explain(facts, asked.profile, state(facts, asked.profile), made, contour)
+    click.echo(as_json(told) if as_data else as_text(told, everything))

@@ -1,0 +1,5 @@
+"""When the hard rules cannot all hold: which contradict each other, and what should give way."""
+
+from .conflict import Conflict, find_conflict, state_relaxed
+
+__all__ = ["Conflict", "find_conflict", "state_relaxed"]

@@ -1,0 +1,52 @@
+"""Hard statements as a planner sees them: those with the same rule, contours and sentence are one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from ...rules.statements import About, AtLeast, Before, Contiguous, Forbid, Lag, NoGood, Pick, Precede, Statement
+
+Asked = Precede | Forbid | AtLeast | Contiguous | Lag | NoGood
+"""Statements about order and entries. What moves cross, and seconds of cooling, are not judged here."""
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Statements that a planner takes for one."""
+
+    about: About
+    statements: tuple[Asked, ...]
+
+
+def hard_groups(statements: Iterable[Statement]) -> tuple[Group, ...]:
+    """The hard statements on order and entries, grouped, in the order in which they are first met."""
+    found: dict[About, list[Asked]] = {}
+    for s in statements:
+        if isinstance(s, Asked) and s.weight is None:
+            found.setdefault(s.about, []).append(s)
+    return tuple(Group(about, tuple(members)) for about, members in found.items())
+
+
+def contours_of(group: Group, contour_of: Sequence[int]) -> set[int]:
+    """Numbers of the contours whose place or entry the group speaks of; `contour_of` maps candidates to contours."""
+    found: set[int] = set()
+    for s in group.statements:
+        match s:
+            case Precede(i, j) | Lag(i, j):
+                found |= {i, j}
+            case Forbid(c):
+                found.add(contour_of[c])
+            case AtLeast():
+                found |= {k for lit in s.literals for k in _of_literal(lit, contour_of)}
+                if s.when is not None:
+                    found.add(contour_of[s.when])
+            case Contiguous(contours):
+                found |= set(contours)
+            case NoGood(out, left):
+                found |= out | left
+    return found
+
+
+def _of_literal(literal: Before | Pick, contour_of: Sequence[int]) -> tuple[int, ...]:
+    return (literal.i, literal.j) if isinstance(literal, Before) else (contour_of[literal.c],)

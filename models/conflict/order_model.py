@@ -1,0 +1,133 @@
+"""Whether statements can all hold: a small CP-SAT model of the order and the candidates, no travel in it.
+
+Contours that no statement speaks of are left out: they can come last. Only a lag counts them, as what may lie between.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from ortools.sat.python.cp_model import FEASIBLE, INFEASIBLE, OPTIMAL, CpModel, CpSolver, IntVar, LiteralT
+
+from ...encoder.facts.facts import Facts
+from ...rules.statements import AtLeast, Before, Contiguous, Forbid, Lag, NoGood, Precede
+from .group import Asked, Group, contours_of
+
+WORK = 20.0
+"""CP-SAT's deterministic seconds for one question; past them it counts as not answered."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class OrderModel:
+    """`position` of the contours that matter, `pick` of their candidates, `holds[k]`: all of group k holds."""
+
+    facts: Facts
+    model: CpModel = field(default_factory=CpModel)
+    position: dict[int, IntVar] = field(default_factory=dict)
+    pick: dict[int, IntVar] = field(default_factory=dict)
+    order: dict[tuple[int, int], LiteralT] = field(default_factory=dict)
+    holds: list[IntVar] = field(default_factory=list)
+
+    def before(self, i: int, j: int) -> LiteralT:
+        """Literal: contour i is cut before contour j."""
+        if i == j:
+            return False
+        if (i, j) not in self.order:
+            literal = self.model.new_bool_var("")
+            self.model.add(self.position[i] < self.position[j]).only_enforce_if(literal)
+            self.model.add(self.position[j] < self.position[i]).only_enforce_if(literal.negated())
+            self.order[i, j], self.order[j, i] = literal, literal.negated()
+        return self.order[i, j]
+
+    def candidate(self, c: int) -> IntVar:
+        """Literal: candidate c is used."""
+        if c not in self.pick:
+            span = self.facts.candidates_of(self.facts.candidates[c].contour)
+            self.pick.update((k, self.model.new_bool_var("")) for k in span)
+            self.model.add_exactly_one(self.pick[k] for k in span)
+        return self.pick[c]
+
+
+def build(facts: Facts, groups: Sequence[Group]) -> OrderModel:
+    """The model in which each group may be switched on by its literal in `holds`."""
+    contour_of = [c.contour for c in facts.candidates]
+    mentioned = sorted({k for group in groups for k in contours_of(group, contour_of)})
+    lags = any(isinstance(s, Lag) for group in groups for s in group.statements)
+    places = facts.n if lags else len(mentioned)
+    built = OrderModel(facts)
+    built.position.update((k, built.model.new_int_var(0, places - 1, "")) for k in mentioned)
+    built.model.add_all_different(built.position.values())
+    for group in groups:
+        holds = built.model.new_bool_var("")
+        built.holds.append(holds)
+        for statement in group.statements:
+            _ask(built, statement, holds)
+    return built
+
+
+def _ask(built: OrderModel, statement: Asked, holds: IntVar) -> None:
+    """The statement, wherever its group is switched on."""
+    model, at = built.model, built.position
+    match statement:
+        case Precede(i, j):
+            model.add(at[i] < at[j]).only_enforce_if(holds)
+        case Forbid(c):
+            model.add_implication(holds, built.candidate(c).negated())
+        case AtLeast():
+            literals = [
+                built.before(lit.i, lit.j) if isinstance(lit, Before) else built.candidate(lit.c)
+                for lit in statement.literals
+            ]
+            total = sum(weight * literal for weight, literal in zip(statement.weights, literals, strict=True))
+            given = [holds] if statement.when is None else [holds, built.candidate(statement.when)]
+            if literals:
+                model.add(total >= statement.bound).only_enforce_if(given)
+            elif statement.bound > 0:
+                model.add_bool_or(literal.negated() for literal in given)
+        case Contiguous(contours):
+            for i in contours:
+                for j in contours:
+                    if i != j:
+                        model.add(at[i] - at[j] < len(contours)).only_enforce_if(holds)
+        case Lag(i, j):
+            first = built.before(i, j)
+            for literal, one, other in ((first, i, j), (built.before(j, i), j, i)):
+                model.add(at[other] - at[one] > statement.cuts).only_enforce_if(holds, literal)
+        case NoGood(out, left):
+            model.add_bool_or(*(built.before(b, a) for a in sorted(out) for b in sorted(left)), holds.negated())
+
+
+class NotAnswered(Exception):
+    """The question was too hard for the work allowed."""
+
+
+def clash(facts: Facts, groups: Sequence[Group]) -> list[int] | None:
+    """Numbers of groups that cannot all hold, not yet the fewest; None if all can.
+
+    Raises
+    ------
+    NotAnswered
+        If neither was shown within `WORK`.
+    """
+    if not groups:
+        return None
+    built = build(facts, groups)
+    built.model.add_assumptions(built.holds)
+    solver = quiet_solver()
+    status = solver.solve(built.model)
+    if status in (OPTIMAL, FEASIBLE):
+        return None
+    if status != INFEASIBLE:
+        raise NotAnswered
+    named = set(solver.sufficient_assumptions_for_infeasibility())
+    return [k for k, holds in enumerate(built.holds) if holds.index in named]
+
+
+def quiet_solver() -> CpSolver:
+    """One thread, a fixed seed and a limit in deterministic time, so that the same question has the same answer."""
+    solver = CpSolver()
+    solver.parameters.num_workers = 1
+    solver.parameters.random_seed = 1
+    solver.parameters.max_deterministic_time = WORK
+    return solver

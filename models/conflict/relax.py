@@ -1,0 +1,95 @@
+"""What must give way so that the rest can hold, at the least cost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ortools.sat.python.cp_model import OPTIMAL, CpModel
+
+from ...encoder.facts.facts import Facts
+from ...rules.rule import Rule
+from ...rules.statements import EXEMPTION_MM, About, Statement
+from .core import find_core
+from .group import Group
+from .order_model import NotAnswered, quiet_solver
+
+NEVER = ("inner-before-outer",)
+"""Rules that cannot be broken at all, whatever their strengths: metal that has dropped cannot be cut."""
+LAST = "locks"
+"""The rule that gives way only where all others together do not help."""
+RELAXED_MM = 2 * EXEMPTION_MM
+"""What breaking a relaxed statement costs: more than anything a rule excuses by itself."""
+UNITS_A_MM = 1000
+MOST_CLASHES = 300
+"""With more contradictions than that, what has been taken out for them is answered, cheapest or not."""
+
+
+@dataclass(frozen=True, slots=True)
+class Relaxation:
+    """Groups that give way; `cheapest` if nothing that costs less would do."""
+
+    groups: tuple[Group, ...]
+    cheapest: bool
+
+
+def find_relaxation(facts: Facts, groups: Sequence[Group], book: Mapping[str, Rule[Any]]) -> Relaxation | None:
+    """The groups of least total weight without which the others can hold; None if no rule that may be soft helps.
+
+    A group weighs what its rule's `default_weight` says; locks weigh more than everything else together. Found by
+    implicit hitting sets (Davies and Bacchus 2011): contradictions are gathered, the lightest groups that hit each of
+    them taken out, until no contradiction is left.
+
+    Raises
+    ------
+    NotAnswered
+        If it was not shown whether the rest can hold.
+    """
+    weights = _weights(groups, book)
+    gives_way = {name: rule.gives_way for name, rule in book.items()}
+    clashes: list[list[int]] = []
+    while True:
+        out = _lightest(clashes, weights)
+        left = [k for k in range(len(groups)) if k not in out]
+        whole = True
+        while (core := find_core(facts, [groups[k] for k in left], gives_way)) is not None:
+            named = {group.about for group in core.groups}
+            soft = [k for k in left if groups[k].about in named and weights[k] is not None]
+            if not soft:
+                return None
+            clashes.append(soft)
+            left = [k for k in left if k not in soft]
+            whole = False
+        if whole or len(clashes) > MOST_CLASHES:
+            return Relaxation(tuple(group for k, group in enumerate(groups) if k not in left), whole)
+
+
+def _lightest(clashes: Sequence[Sequence[int]], weights: Sequence[int | None]) -> set[int]:
+    """The groups of least total weight that hit every clash."""
+    model = CpModel()
+    taken = {k: model.new_bool_var("") for clash in clashes for k in clash}
+    for clash in clashes:
+        model.add_bool_or(taken[k] for k in clash)
+    model.minimize(sum((weights[k] or 0) * literal for k, literal in taken.items()))
+    solver = quiet_solver()
+    if solver.solve(model) != OPTIMAL:
+        raise NotAnswered
+    return {k for k, literal in taken.items() if solver.boolean_value(literal)}
+
+
+def _weights(groups: Sequence[Group], book: Mapping[str, Rule[Any]]) -> list[int | None]:
+    """What relaxing each group costs; None where it may not be."""
+    weights: list[int | None] = []
+    for group in groups:
+        rule = book[group.about.rule]
+        never = rule.id in NEVER or "soft" not in rule.strengths
+        weights.append(None if never else max(1, round(rule.default_weight * UNITS_A_MM)))
+    heavy = 1 + sum(w for w in weights if w is not None)
+    return [heavy if group.about.rule == LAST else w for group, w in zip(groups, weights, strict=True)]
+
+
+def soften(statements: Iterable[Statement], relaxed: Iterable[About]) -> list[Statement]:
+    """The statements, those about which `relaxed` speaks at a price that no plan pays without need."""
+    abouts = set(relaxed)
+    return [replace(s, weight=RELAXED_MM) if s.weight is None and s.about in abouts else s for s in statements]

@@ -1,0 +1,74 @@
+"""Why a contour is cut where it is, then, and so: everything that can be said of one contour of a finished plan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...encoder.errors import InputError
+from ...encoder.facts.facts import Facts
+from ...rules.profile import Profile
+from ...rules.state import Stated
+from ...rules.statements import About
+from ...rules.suggest import unknown
+from ..plan import Plan
+from .entry import Entry, explain_entry
+from .holding import Hold, chain, holds, others
+from .moves import Move, explain_moves
+from .setting import make_setting
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """What there is to say of one contour; places count from 1.
+
+    `previous` and `following` are its neighbours in the plan, "" for the machine's home. `earlier` and `later` hold
+    it, nearest first; the chains lead on from there to the ends of the plan. `also` are statements of other kinds.
+    """
+
+    contour: str
+    place: int
+    of: int
+    zone: int
+    previous: str
+    following: str
+    earlier: tuple[Hold, ...]
+    later: tuple[Hold, ...]
+    earlier_chain: tuple[Hold, ...]
+    later_chain: tuple[Hold, ...]
+    also: tuple[About, ...]
+    entry: Entry
+    moves: tuple[Move, ...]
+    notes: tuple[str, ...]
+
+
+def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour: str) -> Explanation:
+    """Explain one contour of a plan under the facts and statements as they are now.
+
+    Raises
+    ------
+    InputError
+        If the nest has no such contour (the nearest names are given), or the plan is not one of this nest.
+    """
+    index = facts.nest.index
+    if contour not in index:
+        raise InputError(unknown("contour", contour, index))
+    setting = make_setting(facts, profile, stated, plan)
+    number = index[contour]
+    order = setting.order
+    k = order.index(number)
+    return Explanation(
+        contour,
+        k + 1,
+        len(order),
+        int(facts.zone[number]),
+        setting.name(order[k - 1]) if k else "",
+        setting.name(order[k + 1]) if k + 1 < len(order) else "",
+        holds(setting, number, earlier=True),
+        holds(setting, number, earlier=False),
+        chain(setting, number, earlier=True),
+        chain(setting, number, earlier=False),
+        others(setting, number),
+        explain_entry(setting, number),
+        explain_moves(setting, number),
+        setting.notes,
+    )
