@@ -111,12 +111,13 @@ def _heat_lag(case: Case, options: HeatLagOptions) -> Fields:
 
 
 def _no_tip_travel(case: Case, options: NoOptions) -> Fields:
-    moves, home = tip_moves(case.facts, case.home_mm), len(case.facts.candidates)
+    over = tip_moves(case.facts, case.home_mm)
+    last = len(case.facts.candidates)
+    moves = flags(leads for table in over.values() for leads in table.ravel().tolist())
     return [
-        ("n_tip_moves", str(len(moves))),
-        ("tip_leave", numbers(c + 1 for c, _, _ in moves)),
-        ("tip_reach", numbers(0 if d == home else d + 1 for _, d, _ in moves)),
-        ("tip_over", numbers(k + 1 for _, _, k in moves)),
+        ("n_tip_parts", str(len(over))),
+        ("tip_outer", numbers(outer + 1 for outer in over)),
+        ("tip_over", f"array3d(1..{len(over)}, 0..{last}, 0..{last}, {moves})"),
     ]
 
 

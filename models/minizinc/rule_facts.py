@@ -70,19 +70,20 @@ def near_pairs(facts: Facts, radius_mm: float) -> list[tuple[int, int]]:
     ]
 
 
-def tip_moves(facts: Facts, home_mm: Point) -> list[tuple[int, int, int]]:
-    """Moves from a candidate to another, or home (number m), over a part, and the outer contour of that part."""
-    m, points = len(facts.candidates), facts.candidates
-    over = [facts.nest.index[part.outer.id] for part in facts.nest.parts]
-    areas = shapely.STRtree(shapely.buffer([part.outer.polygon for part in facts.nest.parts], -GRAZE_UM / UM_PER_MM))
-    pierces = rounded_mm([*(c.pierce for c in points), home_mm])
-    found: list[tuple[int, int, int]] = []
-    for c, end in enumerate(rounded_mm([c.end for c in points])):
-        moves = shapely.linestrings(np.stack([np.broadcast_to(end, (m + 1, 2)), pierces], axis=1))
+def tip_moves(facts: Facts, home_mm: Point) -> dict[int, Bools]:
+    """Outer contour → which moves lead over its part: from each stop (row) to each, home being number 0 of the stops.
+
+    Parts that no move leads over are left out. From home nothing is out yet.
+    """
+    over = {facts.nest.index[part.outer.id]: part.outer.polygon for part in facts.nest.parts}
+    areas = shapely.STRtree(shapely.buffer(list(over.values()), -GRAZE_UM / UM_PER_MM))
+    pierces = rounded_mm([home_mm, *(c.pierce for c in facts.candidates)])
+    leads = np.zeros((len(over), len(pierces), len(pierces)), dtype=np.bool_)
+    for stop, end in enumerate(rounded_mm([c.end for c in facts.candidates]), 1):
+        moves = shapely.linestrings(np.stack([np.broadcast_to(end, pierces.shape), pierces], axis=1))
         reached, part = areas.query(moves, "intersects")
-        found += sorted((c, d, over[k]) for d, k in zip(reached.tolist(), part.tolist(), strict=True))
-    contour = [*(c.contour for c in points), -1]
-    return [(c, d, k) for c, d, k in found if contour[c] != contour[d]]
+        leads[part, stop, reached] = True
+    return {outer: leads[k] for k, outer in enumerate(over) if leads[k].any()}
 
 
 def rounded_mm(points_mm: list[Point]) -> Floats:

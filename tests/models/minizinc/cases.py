@@ -40,13 +40,22 @@ class Case:
 
 def case(seed: int, contours: int = 7) -> Case:
     """A nest of 5 contours to about `contours`, a profile with every rule hard, soft or off as the seed has it."""
-    rng = np.random.default_rng(seed)
-    drawn = random_nest(rng, contours)
-    profile = random_profile(rng, drawn)
+    drawn, profile = _drawn(seed, contours)
     candidates = build_candidates(drawn, profile.lead_options())
     facts = compute_facts(drawn, profile.fact_options(drawn), candidates)
     feeds = Feeds(profile.machine.cut_feed_mm_s, profile.machine.mark_feed_mm_s, profile.machine.travel_mm_s, 0.5, 0.2)
     return Case(facts, profile, SolveOptions(work=60, home_mm=profile.machine.home, feeds=feeds))
+
+
+def profile_of(seed: int, contours: int = 7) -> Profile:
+    """The profile of a case alone."""
+    return _drawn(seed, contours)[1]
+
+
+def _drawn(seed: int, contours: int) -> tuple[Nest, Profile]:
+    rng = np.random.default_rng(seed)
+    drawn = random_nest(rng, contours)
+    return drawn, random_profile(rng, drawn)
 
 
 def random_nest(rng: np.random.Generator, contours: int) -> Nest:
