@@ -29,7 +29,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
     machine, feeds = profile.machine, feeds_of(profile)
     times = schedule(legs, feeds, machine.home)
     excuses = excused(facts, stated, solution.route)
-    why = reasons(facts, stated, [c.contour for c in candidates])
+    why = reasons(facts, stated, solution.route, machine.home)
     cuts = tuple(
         PlannedCut(
             Cut(

@@ -28,7 +28,9 @@ class Move:
 
 def explain_moves(setting: Setting, contour: int) -> tuple[Move, ...]:
     """One place earlier and later, and as early and as late as is lawful; what the contour cannot do is left out."""
-    return (*_swaps(setting, contour), *_farthest(setting, contour))
+    swaps = tuple(_swaps(setting, contour))
+    told = {(move.moved, move.place) for move in swaps}
+    return (*swaps, *(move for move in _farthest(setting, contour) if (move.moved, move.place) not in told))
 
 
 def _swaps(setting: Setting, contour: int) -> Iterator[Move]:

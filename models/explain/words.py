@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
@@ -49,7 +48,7 @@ def _lines(e: Explanation, everything: bool) -> Iterator[str]:
     yield from _entry(e, everything)
     yield "if it were moved"
     yield from (f"  - {_moved(e.contour, move)}" for move in e.moves)
-    if not any(move.label.startswith("as ") for move in e.moves):
+    if all(move.breaks for move in e.moves):
         yield "  - no other place is lawful for it while the other contours keep their order"
     yield from (f"note: {note}" for note in e.notes)
 
@@ -91,17 +90,19 @@ def _lawful(entry: Entry) -> Iterator[str]:
         return
     best = entry.lawful[0]
     others = "" if len(entry.lawful) == 1 else f" ({len(entry.lawful)} others are lawful, this is the best of them)"
-    yield f"  - the next best enters at {_at(best.entry)}, {best.direction}: {_more(best.more_um)}{others}"
+    where = f"enters at {_at(best.entry)}, {best.direction}"
+    if (best.entry, best.direction) == (entry.used.entry, entry.used.direction):
+        where = f"enters there too, but is pierced at {_at(best.pierce)}"
+    yield f"  - the next best {where}: {_more(best.more_um)}{others}"
 
 
 def _unlawful(entry: Entry, everything: bool) -> Iterator[str]:
-    counted = Counter(about for way in entry.unlawful for about in way.against)
     lines = []
-    for about, count in counted.items():
-        ways = [way for way in entry.unlawful if about in way.against]
-        where = ", ".join(f"{_at(way.entry)} {way.direction}" for way in (ways if everything else ways[:FEW]))
-        more = "" if everything or count <= FEW else f" and {count - FEW} more"
-        lines.append(f"unlawful: {where}{more}, {about.rule}: {about.sentence}")
+    for about in dict.fromkeys(about for way in entry.unlawful for about in way.against):
+        where = list(dict.fromkeys(f"{_at(w.entry)} {w.direction}" for w in entry.unlawful if about in w.against))
+        shown = where if everything else where[:FEW]
+        more = f" and {len(where) - len(shown)} more" if len(where) > len(shown) else ""
+        lines.append(f"unlawful: {', '.join(shown)}{more}, {about.rule}: {about.sentence}")
     yield from _listed(lines, everything)
 
 

@@ -1,0 +1,77 @@
+"""kerfwise explain, and what solve says of rules that cannot all hold."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import kerfwise as package
+from kerfwise.commands.conflict import tell_conflict
+from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.readers import read_nest
+from kerfwise.postproc.produce import facts_of
+from kerfwise.rules.lock import Lock
+from kerfwise.rules.profile import load_profile
+from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.models.solved import plant, proven_plan
+from kerfwise.tests.nests import nest, part, rect
+
+NEST = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"
+PLATE = nest(300, 100, part("P1", rect(10, 10, 80, 80)), part("P2", rect(110, 10, 80, 80)))
+
+
+@pytest.fixture(scope="module")
+def plan(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("plan") / "plan.json"
+    _, _, made = proven_plan(read_nest(NEST), load_profile())
+    path.write_text(made.to_json())
+    return path
+
+
+def test_explain_says_why(plan: Path) -> None:
+    told = kerfwise("explain", NEST, plan, "part#1.outer")
+    assert told.code == 0, told.err
+    assert told.out.startswith("part#1.outer is cut ")
+    assert "if it were moved\n" in told.out
+    assert "note:" not in told.out
+    assert json.loads(kerfwise("explain", NEST, plan, "part#1.outer", "--json").out)["contour"] == "part#1.outer"
+
+
+def test_explain_warns_of_another_profile(plan: Path) -> None:
+    told = kerfwise("explain", NEST, plan, "part#1.outer", "-p", "laser-amg3m-1mm")
+    assert told.code == 0
+    assert "note: the profile is not the one the plan was made with (its sha256 differs)\n" in told.out
+
+
+def test_explain_of_an_unknown_contour(plan: Path) -> None:
+    told = kerfwise("explain", NEST, plan, "part1.outer")
+    assert told.code == 2
+    assert "did you mean 'part#1.outer'?" in told.err
+    assert told.out == ""
+
+
+def test_a_conflict_is_told_and_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    profile = plant(Lock(contour="P2.outer", before="P1.outer"), Lock(contour="P1.outer", position=1))
+    picture = tmp_path / "plate.conflict.svg"
+    assert tell_conflict(facts_of(PLATE, profile), profile, RulesConflict("no plan"), picture) == 1
+    said = capsys.readouterr().err.splitlines()
+    assert said == [
+        "kerfwise: these hard rules cannot all hold; without any one of them the others can:",
+        "  - locks: P2.outer is cut before P1.outer: locked by the operator",
+        "  - locks: P1.outer is cut 1 in order: locked by the operator",
+        "the cheapest way out:",
+        "  relax locks: 1 statement about P1.outer",
+        "--relax takes this way out, and says so in the plan and in the program",
+        f"the contours in conflict: {picture}",
+    ]
+    assert "in conflict: locks" in picture.read_text()
+
+
+def test_without_a_contradiction_the_error_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    profile = plant()
+    picture = tmp_path / "none.svg"
+    assert tell_conflict(facts_of(PLATE, profile), profile, RulesConflict("none was found"), picture) == 1
+    assert capsys.readouterr().err == "kerfwise: none was found\n"
+    assert not picture.exists()

@@ -1,0 +1,41 @@
+"""Small nests solved exactly, without the search: `from kerfwise.tests.models.solved import …`."""
+
+from __future__ import annotations
+
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.ideals import prove
+from kerfwise.models.make_plan import make_plan
+from kerfwise.models.plan import Plan
+from kerfwise.models.problem import UM_PER_MM, make_problem
+from kerfwise.models.solution import Solution
+from kerfwise.postproc.produce import facts_of
+from kerfwise.rules.option import NoOptions
+from kerfwise.rules.profile import Profile, load_profile
+from kerfwise.rules.sections import RuleSetting
+from kerfwise.rules.state import Stated, state_rules
+
+
+def plant(*locks: object, off: tuple[str, ...] = ("heat-lag", "part-rigidity", "no-islands")) -> Profile:
+    """The default profile with these locks, and without the rules that look at heat and stiffness."""
+    given = load_profile()
+    rules = dict(given.rules)
+    for name in off:
+        rules[name] = RuleSetting("off", None, rules[name].options if name in rules else NoOptions())
+    return Profile(
+        "plant", given.machine, given.material, given.leads, given.drawing, rules, given.objective, locks, sha256="aa"
+    )
+
+
+def proven_plan(nest: Nest, profile: Profile, stated: Stated | None = None) -> tuple[Facts, Stated, Plan]:
+    """The best plan of a small nest; `stated` where it is not what the profile states."""
+    facts = facts_of(nest, profile)
+    stated = stated or state_rules(facts, profile)
+    problem = make_problem(facts, stated.statements, profile.machine.home)
+    proof = prove(problem, None, work=10)
+    assert proof is not None
+    assert proof.incumbent is not None
+    route = tuple(int(problem.site_candidate[s]) for s in proof.incumbent.route)
+    mm = proof.incumbent.cost / UM_PER_MM
+    solution = Solution(route, mm, mm, "optimal", "ideals", "ideals", 0.0)
+    return facts, stated, make_plan(facts, profile, stated, solution, "cp-sat", 1)
