@@ -39,7 +39,7 @@ def test_same_id_twice_is_an_error() -> None:
         collect([hull_before, module_with(Twin=twin)])
 
 
-@pytest.mark.parametrize("rule", RULES.values(), ids=str)
+@pytest.mark.parametrize("rule", RULES.values(), ids=lambda rule: rule.id)
 def test_metadata_is_complete(rule: Rule[object]) -> None:
     assert rule.sentence.endswith(".")
     assert rule.source
