@@ -88,9 +88,10 @@ class Facing:
             owners.append(EDGE)
         points, of = shapely.get_coordinates(lines, return_index=True)
         within = of[1:] == of[:-1]
-        self.chords: Any = shapely.linestrings(np.stack([points[:-1][within], points[1:][within]], axis=1))
+        self.begin: Floats = points[:-1][within]
+        self.end: Floats = points[1:][within]
         self.owner: Ints = np.array(owners, dtype=np.int64)[of[1:][within]]
-        self.tree = shapely.STRtree(self.chords)
+        self.tree = shapely.STRtree(shapely.linestrings(np.stack([self.begin, self.end], axis=1)))
         self.web_mm, self.edge_band_mm = web_mm, edge_band_mm
 
     def faced(self, spots: Spots) -> Ints:
@@ -103,8 +104,7 @@ class Facing:
             np.stack([start, spots.at + (max(self.web_mm, self.edge_band_mm) + 1e-6) * spots.normal], axis=1)
         )
         ray, chord = self.tree.query(rays, predicate="intersects")
-        met = shapely.intersection(rays[ray], self.chords[chord])
-        away_mm = shapely.distance(shapely.points(start[ray]), met) - CONTACT_MM
+        away_mm = self._away(start[ray], spots.normal[ray], chord) - CONTACT_MM
         owner = self.owner[chord]
         itself = (owner == spots.part[ray]) & (away_mm < CONTACT_MM)
         ray, owner, away_mm = ray[~itself], owner[~itself], away_mm[~itself]
@@ -116,6 +116,16 @@ class Facing:
         near &= owner != spots.part[ray]
         found[ray[near]] = owner[near]
         return found
+
+    def _away(self, start: Floats, normal: Floats, chord: Ints) -> Floats:
+        """How far along the normals the chords are that they meet, mm; along a chord itself, its nearer end."""
+        ends = np.stack([self.begin[chord] - start, self.end[chord] - start])
+        along = (ends * normal).sum(axis=2)
+        aside = ends[..., 0] * normal[:, 1] - ends[..., 1] * normal[:, 0]
+        width = aside[0] - aside[1]
+        share = np.where(np.abs(width) > 1e-12, aside[0] / np.where(width == 0, 1.0, width), 0.0)
+        across = along[0] + np.clip(share, 0.0, 1.0) * (along[1] - along[0])
+        return np.asarray(np.where(np.abs(width) > 1e-12, across, np.maximum(along.min(axis=0), 0.0)))
 
 
 @lru_cache(maxsize=2)

@@ -12,7 +12,7 @@ from ..encoder.cut import CutSequence
 from ..encoder.nest import Nest
 from .facing import EDGE, Spots, facing, spots_along
 
-STEP_MM, LEAST_SPOTS, MOST_SPOTS = 1.0, 50, 200
+STEP_MM, LEAST_SPOTS, MOST_SPOTS = 1.0, 100, 200
 """The end of a cut is looked at a millimetre apart, in no less and no more spots than these."""
 ROUND = 400
 """Spots on a whole contour."""

@@ -57,7 +57,7 @@ class HeatLag(Rule[HeatLagOptions]):
     source = "Verkhoturov et al.; Petunin 2009"
     Options = HeatLagOptions
     default = "soft"
-    default_weight = 20.0
+    default_weight = 50.0
 
     def statements(self, facts: Facts, options: HeatLagOptions) -> Iterator[Lag]:
         if not options.lag_cuts and not options.lag_s:

@@ -56,7 +56,7 @@ def test_soft_rule_keeps_its_weight() -> None:
     found = stated(PLATE, plant(level_ahead=RuleSetting("soft", 250.0, NoOptions())))
     weights = {s.about.rule: s.weight for s in found.statements}
     assert weights == {
-        "heat-lag": 20.0,
+        "heat-lag": 50.0,
         "inner-before-outer": None,
         "level-ahead": 250.0,
         "part-contiguous": None,

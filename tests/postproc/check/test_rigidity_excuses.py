@@ -1,0 +1,112 @@
+"""What a plan excuses from part-rigidity is told in the plan and in the program, and nothing else is let pass."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from kerfwise.encoder.candidates import build_candidates
+from kerfwise.encoder.facts import compute_facts
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.make_plan import make_plan
+from kerfwise.models.plan import Plan, read_plan
+from kerfwise.models.solution import SolveOptions
+from kerfwise.models.solve import solve
+from kerfwise.postproc.checking import check_plan, check_program, report_of
+from kerfwise.postproc.program import write_program
+from kerfwise.rules.profile import load_profile
+from kerfwise.rules.state import Stated, state_rules
+from kerfwise.tests.nests import nest, part, rect
+
+PROFILE = load_profile()
+# A row between two edges, cut from the left: nothing is left for C, the last, to end on.
+ROW = nest(350, 120, *(part(name, rect(10 + 110 * k, 10, 100, 100)) for k, name in enumerate("ABC")))
+# Edges all around: nothing ever holds P.
+ALONE = nest(120, 120, part("P", rect(10, 10, 100, 100)))
+
+
+@cache
+def planned(sheet: Nest) -> tuple[Plan, Stated]:
+    candidates = build_candidates(sheet, PROFILE.lead_options())
+    facts = compute_facts(sheet, PROFILE.fact_options(sheet), candidates)
+    stated = state_rules(facts, PROFILE)
+    return make_plan(
+        facts, PROFILE, stated, solve(facts, stated.statements, SolveOptions(work=1.0)), "cp-sat", 1
+    ), stated
+
+
+def test_the_last_of_a_row_is_excused_and_no_other() -> None:
+    plan, stated = planned(ROW)
+    assert stated.exempt == ()
+    assert [(p.cut.contour, p.cut.excused) for p in plan.cuts] == [
+        ("A.outer", ()),
+        ("B.outer", ()),
+        ("C.outer", ("part-rigidity",)),
+    ]
+    result = check_plan(ROW, plan, PROFILE)
+    assert result.ok
+    (excused,) = result.rule("part-rigidity").excused
+    assert excused.violation.contours == ("C.outer",)
+    assert excused.why == "the plan excuses it: what must be cut before it left nothing better"
+    verdict = next(v for v in report_of(result) if v.id == "part-rigidity")
+    assert (verdict.holds, verdict.exceptions) == (True, ((("C.outer",), excused.why),))
+
+
+def test_an_excuse_costs_more_than_any_travel() -> None:
+    plan, _ = planned(ROW)
+    assert 1e6 <= plan.solve.objective < 2e6
+
+
+def test_a_plan_file_keeps_its_excuses(tmp_path: Path) -> None:
+    plan, _ = planned(ROW)
+    (tmp_path / "plan.json").write_text(plan.to_json())
+    again = read_plan(tmp_path / "plan.json")
+    assert [p.cut.excused for p in again.cuts] == [p.cut.excused for p in plan.cuts]
+    assert write_program(again, ROW, PROFILE) == write_program(plan, ROW, PROFILE)
+    assert plan.to_json().count('"excused"') == 1
+
+
+def test_without_the_excuse_the_plan_is_refused() -> None:
+    plan, _ = planned(ROW)
+    silent = [dataclasses.replace(p, cut=dataclasses.replace(p.cut, excused=())) for p in plan.cuts]
+    assert check_plan(ROW, dataclasses.replace(plan, cuts=tuple(silent)), PROFILE).broken() == ("part-rigidity",)
+
+
+def test_a_program_tells_its_excuses() -> None:
+    program = write_program(planned(ROW)[0], ROW, PROFILE)
+    told = "(EXCUSED part-rigidity C.outer)\n"
+    assert program.count(told) == 1
+    result = check_program(ROW, program, PROFILE)
+    assert result.ok
+    assert result.rule("part-rigidity").verdict == "excused"
+    assert check_program(ROW, program.replace(told, ""), PROFILE).broken() == ("part-rigidity",)
+
+
+@pytest.mark.parametrize("other", ["(EXCUSED part-rigidity A.outer)", "(EXCUSED pierce C.outer)", "(EXCUSED C.outer)"])
+def test_an_excuse_for_something_else_is_none(other: str) -> None:
+    program = write_program(planned(ROW)[0], ROW, PROFILE)
+    program = program.replace("(EXCUSED part-rigidity C.outer)", other)
+    assert check_program(ROW, program, PROFILE).broken() == ("part-rigidity",)
+
+
+def test_only_rules_that_say_so_can_be_excused() -> None:
+    plan, _ = planned(ROW)
+    names = tuple(PROFILE.settings())
+    cuts = [dataclasses.replace(p, cut=dataclasses.replace(p.cut, excused=names)) for p in plan.cuts]
+    turned = dataclasses.replace(plan, cuts=tuple(reversed(cuts)))
+    assert "level-ahead" in check_plan(ROW, turned, PROFILE).broken()
+
+
+def test_what_nothing_can_hold_is_exempt_in_any_order() -> None:
+    plan, stated = planned(ALONE)
+    assert [about.contours for about in stated.exempt] == [("P.outer",)]
+    assert not any(s.about.rule == "part-rigidity" and s.weight == 1e6 for s in stated.statements)
+    bare = [dataclasses.replace(p, cut=dataclasses.replace(p.cut, excused=())) for p in plan.cuts]
+    result = check_plan(ALONE, dataclasses.replace(plan, cuts=tuple(bare)), PROFILE)
+    assert result.ok
+    assert [e.why for e in result.rule("part-rigidity").excused] == [
+        "no entry and direction of P.outer ends along more than 0%, even with all its neighbours in"
+    ]
