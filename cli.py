@@ -16,7 +16,7 @@ VERBS = {
     "facts": "Write the facts of a nest, as JSON or MiniZinc data.",
     "plot": "Draw a nest or a plan (SVG, PNG or HTML).",
     "profile": "Check a profile, or show it with every default filled in.",
-    "rules": "List the rules, or print one rule's page.",
+    "rules": "List the rules, print one rule's page, begin a new one, run the cases.",
     "engines": "List the engines and solvers that can be used.",
 }
 

@@ -1,22 +1,104 @@
-"""kerfwise rules: the catalogue, and one rule's page."""
+"""kerfwise rules: the catalogue, one rule's page, a new rule, and the cases of rules."""
 
 from __future__ import annotations
+
+from pathlib import Path
 
 import click
 
 from ..rules.profile import DEFAULT, load_profile
 
+PROFILE = click.option("-p", "--profile", default=DEFAULT, show_default=True, help="Whose strengths to list.")
 
-@click.command()
+
+class Pages(click.Group):
+    """Takes a word that is no verb of its own for the name of a rule."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The verb that is asked for; `page`, with all arguments, for the name of a rule."""
+        return super().resolve_command(ctx, args if args[0] in self.commands else ["page", *args])
+
+
+@click.group(cls=Pages, invoke_without_command=True, subcommand_metavar="[RULE | new NAME | test [RULE]]")
+@PROFILE
+@click.pass_context
+def command(ctx: click.Context, profile: str) -> None:
+    """List the rules with the strength the profile gives them, or print the page of RULE.
+
+    `kerfwise rules RULE --picture OUT.svg` draws its cases, `kerfwise rules new NAME` begins a rule of that name,
+    `kerfwise rules test [RULE]` runs the cases.
+    """
+    if ctx.invoked_subcommand is None:
+        _list(profile)
+
+
+def _list(profile: str) -> None:
+    from ..rules.pages import rule_table
+
+    loaded = load_profile(profile)
+    for row in rule_table(loaded):
+        click.echo(f"{row.id:26}{_strength(row.strength, row.weight):14}{row.sentence}")
+    for own in loaded.own_rules:
+        click.echo(f"{own.id:26}{_strength(own.strength, own.weight):14}{own.why}")
+
+
+def _strength(strength: str, weight: float | None) -> str:
+    return strength if weight is None else f"soft {weight:g} mm"
+
+
+@command.command(hidden=True)
+@click.argument("rule")
+@click.option("--picture", metavar="OUT.svg", help="Draw the rule's first case that fails and its first that passes.")
+@PROFILE
+def page(rule: str, picture: str | None, profile: str) -> None:
+    """Print the page of RULE."""
+    from ..rules.pages import rule_page
+
+    text = rule_page(rule)
+    if picture is None:
+        click.echo(text, nl=False)
+    else:
+        _draw(rule, Path(picture))
+
+
+def _draw(rule: str, path: Path) -> None:
+    from ..postproc.files import write_files
+    from ..postproc.report.case_picture import Panel, case_picture
+    from .rule_cases import cases_of
+
+    chosen = [next(case for case in cases_of(rule) if case.kind == kind) for kind in ("fails", "passes")]
+    panels = [Panel(f"{rule}: {case.name}", case.nest, case.cuts, case.violations) for case in chosen]
+    write_files({path: case_picture(panels)})
+    click.echo(f"written: {path}")
+
+
+@command.command()
+@click.argument("name")
+@click.option("--into", metavar="DIR", type=click.Path(path_type=Path), help="Another source checkout than this one.")
+def new(name: str, into: Path | None) -> None:
+    """Write the three files of a rule NAME, with an example in them that works: change it into your own."""
+    from ..rules.new_rule import new_rule
+
+    for path in new_rule(name, into or Path(__file__).parents[1]):
+        click.echo(f"written: {path}")
+    click.echo(f"next: kerfwise rules test {name}, then docs/writing-a-rule.md")
+
+
+@command.command()
 @click.argument("rule", required=False)
-@click.option("-p", "--profile", default=DEFAULT, show_default=True, help="Whose strengths to list.")
-def command(rule: str | None, profile: str) -> None:
-    """List the rules with the strength the profile gives them, or print the page of RULE."""
-    from ..rules.pages import rule_page, rule_table
+def test(rule: str | None) -> int:
+    """Run the cases of RULE, or of every rule; exit 1 if one does not go as it says."""
+    from ..rules.registry import RULES
+    from .rule_cases import run_cases
 
-    if rule is not None:
-        click.echo(rule_page(rule), nl=False)
-        return
-    for row in rule_table(load_profile(profile)):
-        strength = row.strength if row.weight is None else f"soft {row.weight:g} mm"
-        click.echo(f"{row.id:26}{strength:14}{row.sentence}")
+    failed = count = 0
+    for name in [rule] if rule else RULES:
+        for outcome in run_cases(name):
+            count, failed = count + 1, failed + bool(outcome.wrong)
+            click.echo(f"{'FAILED' if outcome.wrong else 'ok':7} {outcome.rule}: {outcome.case}")
+            for line in outcome.wrong:
+                click.echo(f"        {line}")
+    click.echo(f"{count} cases, {failed} failed")
+    return 1 if failed else 0

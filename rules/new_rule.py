@@ -1,0 +1,54 @@
+"""A new rule's three files, made from templates: the rule, the same in MiniZinc, and its cases."""
+
+from __future__ import annotations
+
+import re
+from importlib import resources
+from pathlib import Path
+from string import Template
+
+from ..encoder.errors import InputError
+from .registry import RULES
+
+RESERVED = ("new", "page", "test")
+FILES = {
+    "rule.py.txt": "rules/catalogue/{module}.py",
+    "rule.mzn.txt": "models/minizinc/rules/{module}.mzn",
+    "cases.py.txt": "tests/rules/cases/{module}.py",
+}
+"""Template → where what is made of it goes in a checkout."""
+
+
+def new_rule(name: str, root: Path) -> tuple[Path, ...]:
+    """Write the files of a rule called `name` into the checkout at `root`, and say which they are.
+
+    Raises
+    ------
+    InputError
+        If the name is not one, is taken, `root` is no checkout of kerfwise, or one of the files is there already.
+    """
+    _check_name(name)
+    module = name.replace("-", "_")
+    paths = {template: root / place.format(module=module) for template, place in FILES.items()}
+    for path in paths.values():
+        if not path.parent.is_dir():
+            raise InputError(
+                f"{path.parent} is not there: a rule is written into a source checkout of kerfwise; name it with --into"
+            )
+        if path.exists():
+            raise InputError("the file is there already; choose another name, or remove it", file=path)
+    words = {"id": name, "module": module, "class_name": module.title().replace("_", "")}
+    folder = resources.files(__package__) / "templates"
+    for template, path in paths.items():
+        text = Template((folder / template).read_text(encoding="utf-8")).substitute(words)
+        path.write_text(text, encoding="utf-8")
+    return tuple(paths.values())
+
+
+def _check_name(name: str) -> None:
+    if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", name):
+        raise InputError(f"{name!r} is not a name of a rule: expected small letters and digits such as long-parts-last")
+    if name in RESERVED:
+        raise InputError(f"a rule cannot be called {name!r}: `kerfwise rules {name}` means something else")
+    if name in RULES:
+        raise InputError(f"there is a rule {name!r} already; see `kerfwise rules {name}`")

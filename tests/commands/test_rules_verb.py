@@ -1,0 +1,122 @@
+"""kerfwise rules: the list, a page, a picture, a new rule's files and the cases."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from kerfwise.commands import rule_cases
+from kerfwise.commands.rules import command
+from kerfwise.encoder.errors import InputError
+from kerfwise.rules.new_rule import FILES, new_rule
+from kerfwise.rules.pages import rule_page
+from kerfwise.rules.registry import RULES
+
+
+def said(*words: str) -> str:
+    result = CliRunner().invoke(command, list(words), catch_exceptions=False, standalone_mode=False)
+    return result.output
+
+
+def test_list_has_every_rule_with_its_strength(tmp_path: Path) -> None:
+    lines = said("-p", "water-jet").splitlines()
+    assert [line.split()[0] for line in lines] == list(RULES)
+    assert lines[list(RULES).index("cut-direction")].split()[1] == "off"
+    path = tmp_path / "plant.yaml"
+    path.write_text("own_rules: [{name: bars last, why: asked, last: true, strength: soft}]", encoding="utf-8")
+    assert said("-p", str(path)).splitlines()[-1].split() == ["own:bars", "last", "soft", "1000", "mm", "asked"]
+
+
+def test_page_of_a_rule() -> None:
+    assert said("hull-before") == rule_page("hull-before")
+    assert said("hull-before", "-p", "water-jet") == rule_page("hull-before")
+
+
+def test_unknown_rule() -> None:
+    with pytest.raises(InputError, match="unknown rule 'hull-befor': did you mean 'hull-before'"):
+        said("hull-befor")
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_every_rule_can_be_drawn(rule: str, tmp_path: Path) -> None:
+    path = tmp_path / "rule.svg"
+    assert said(rule, "--picture", str(path)) == f"written: {path}\n"
+    text = path.read_text(encoding="utf-8")
+    assert text.count('font-weight="bold"') == 2
+    assert "nothing is wrong" in text
+
+
+def test_picture_shows_order_and_what_is_wrong(tmp_path: Path) -> None:
+    path = tmp_path / "rule.svg"
+    said("marks-first", "--picture", str(path))
+    text = path.read_text(encoding="utf-8")
+    assert [f">{k}</text>" in text for k in range(1, 7)] == [True] * 5 + [False]
+    assert "B.mark1 (cut 4) must be made before A.hole1 (cut 2)" in text
+
+
+def test_cases_are_run() -> None:
+    lines = said("test", "marks-first").splitlines()
+    assert lines[0] == "ok      marks-first: all marks first"
+    assert lines[-1] == "6 cases, 0 failed"
+
+
+def test_case_that_fails_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    first, *others = rule_cases.cases_of("marks-first")
+    wrong = replace(others[0], violations=())
+    monkeypatch.setattr(rule_cases, "cases_of", lambda rule: (first, wrong))
+    outcomes = list(rule_cases.run_cases("marks-first"))
+    assert [outcome.case for outcome in outcomes] == ["all", first.name, wrong.name]
+    assert outcomes[0].wrong == ("there is no case of kind boundary",)
+    assert outcomes[1].wrong == ()
+    assert outcomes[2].wrong[0].startswith("found:    Violation(rule='marks-first'")
+
+
+def checkout(root: Path) -> Path:
+    for place in FILES.values():
+        (root / place).parent.mkdir(parents=True)
+    return root
+
+
+def test_new_rule_is_three_files(tmp_path: Path) -> None:
+    out = said("new", "bars-last", "--into", str(checkout(tmp_path)))
+    made = sorted(str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*") if p.is_file())
+    assert made == [
+        "models/minizinc/rules/bars_last.mzn",
+        "rules/catalogue/bars_last.py",
+        "tests/rules/cases/bars_last.py",
+    ]
+    assert "next: kerfwise rules test bars-last" in out
+    assert "class BarsLast(OrderRule[NoOptions]):" in (tmp_path / made[1]).read_text(encoding="utf-8")
+    assert "bars_last_holds =" in (tmp_path / made[0]).read_text(encoding="utf-8")
+    assert "$" not in "".join((tmp_path / name).read_text(encoding="utf-8") for name in made)
+
+
+def test_nothing_is_overwritten(tmp_path: Path) -> None:
+    taken = checkout(tmp_path) / "tests/rules/cases/bars_last.py"
+    taken.write_text("mine", encoding="utf-8")
+    with pytest.raises(InputError, match="the file is there already"):
+        new_rule("bars-last", tmp_path)
+    assert [p for p in tmp_path.rglob("*") if p.is_file()] == [taken]
+
+
+NAMES = {
+    "Bars": "not a name of a rule",
+    "bars_last": "not a name of a rule",
+    "new": "cannot be called 'new'",
+    "test": "cannot be called 'test'",
+    "pierce": "there is a rule 'pierce' already",
+}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_names_that_a_rule_cannot_have(name: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=NAMES[name]):
+        new_rule(name, checkout(tmp_path))
+
+
+def test_a_checkout_is_needed(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="is not there: a rule is written into a source checkout"):
+        new_rule("bars-last", tmp_path)

@@ -1,0 +1,71 @@
+"""docs/writing-a-rule.md, followed to the letter in a copy of the checkout."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import kerfwise
+from kerfwise.models.plan import read_plan
+
+ROOT = Path(kerfwise.__file__).parent
+PAGE = (ROOT / "docs" / "writing-a-rule.md").read_text(encoding="utf-8")
+COMMANDS = re.findall(r"^\$ (.+)$", PAGE, re.MULTILINE)
+COMPILED = ("search", "ideals")
+PYTHON = f'"{sys.executable}"'
+WORDS = {
+    "kerfwise ": f"{PYTHON} -c 'from kerfwise.cli import main; main()' ",
+    "pytest ": f"{PYTHON} -m pytest ",
+    "python ": f"{PYTHON} ",
+}
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    root = tmp_path_factory.mktemp("checkout") / "kerfwise"
+    shutil.copytree(ROOT, root, ignore=shutil.ignore_patterns(".*", "__pycache__", "*.egg-info", "build", *COMPILED))
+    for name in COMPILED:  # what numba has compiled lies beside them
+        (root / "models" / name).symlink_to(ROOT / "models" / name)
+    return root
+
+
+def run(command: str, root: Path) -> subprocess.CompletedProcess[str]:
+    for word, real in WORDS.items():
+        if command.startswith(word):
+            command = real + command.removeprefix(word)
+            break
+    env = os.environ | {"PYTHONPATH": str(root.parent), "PYTHONDONTWRITEBYTECODE": "1"}
+    return subprocess.run(command, shell=True, cwd=root, env=env, capture_output=True, text=True)
+
+
+def test_the_page_works(copy: Path) -> None:
+    said = {}
+    for command in COMMANDS:
+        result = run(command, copy)
+        assert result.returncode == 0, (command, result.stdout, result.stderr)
+        said[command] = result.stdout
+    assert "4 cases, 0 failed" in said["kerfwise rules test long-parts-last"]
+    assert re.search(r"\n1\d passed", said["pytest -q tests/rules -k long-parts-last"])
+    order = [p.cut.contour for p in read_plan(copy / "plan.json").cuts]
+    on_the_sheet = [c for c in order if c.endswith(".outer") and c != "G.outer"]
+    assert on_the_sheet[-1] == "L.outer"
+    verdict = said["kerfwise check docs/own-rules.nest.json plan.json -p plant.yaml"]
+    assert re.search(r"^holds +hard +long-parts-last", verdict, re.MULTILINE)
+    assert "long-parts-last" in (copy / "rules" / "profile.schema.json").read_text(encoding="utf-8")
+    assert "<svg" in (copy / "long-parts-last.svg").read_text(encoding="utf-8")
+    assert "the file is there already" in run("kerfwise rules new long-parts-final", _taken(copy)).stderr
+
+
+def _taken(copy: Path) -> Path:
+    (copy / "models/minizinc/rules/long_parts_final.mzn").write_text("", encoding="utf-8")
+    return copy
+
+
+def test_the_page_has_its_commands() -> None:
+    assert len(COMMANDS) == 10
