@@ -75,6 +75,20 @@ def test_a_no_good_against_orders() -> None:
     assert said([strip, Precede(0, 1, about("a")), Precede(2, 1, about("b"))]) == ["strip", "a", "b"]
 
 
+def test_locks_give_way_last() -> None:
+    """Two orders of level-ahead weigh more than a lock would by itself."""
+    last = AtLeast(tuple(Before(k, 0) for k in (1, 2, 3)), (1, 1, 1), 3, about("last"))
+    ahead = [Precede(0, 1, about("a", "level-ahead")), Precede(0, 2, about("b", "level-ahead"))]
+    found = find_relaxation(FACTS, hard_groups([last, *ahead]), RULES)
+    assert found is not None
+    assert [group.about.sentence for group in found.groups] == ["a", "b"]
+
+
+def test_what_may_never_give_way_leaves_no_way_out() -> None:
+    inner = [Precede(0, 1, about("a", "inner-before-outer")), Precede(1, 0, about("b", "inner-before-outer"))]
+    assert find_relaxation(FACTS, hard_groups(inner), RULES) is None
+
+
 @settings(max_examples=60, deadline=None)
 @given(statements())
 def test_found_where_there_is_one_and_minimal(asked: list[Asked]) -> None:

@@ -13,11 +13,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.evaluate import broken, route_cost
 from kerfwise.models.explain import as_json, as_text, explain
 from kerfwise.models.explain.setting import Setting, make_setting
+from kerfwise.postproc.produce import facts_of
 from kerfwise.rules.lock import Lock
+from kerfwise.rules.state import state_rules
+from kerfwise.rules.statements import About, AtLeast, Before, Forbid, Statement
 from kerfwise.tests.models.solved import plant, proven_plan
 from kerfwise.tests.nests import circle, nest, part, rect
 
@@ -94,16 +98,19 @@ def plates(draw: st.DrawFn) -> Nest:
 def test_every_difference_is_that_of_the_best_entries(plate: Nest, off: str, data: st.DataObject) -> None:
     profile = plant(off=("heat-lag", "part-rigidity", "no-islands", off))
     profile = replace(profile, leads=replace(profile.leads, entries=2))
-    facts, stated, plan = proven_plan(plate, profile)
+    facts = facts_of(plate, profile)
+    bare = state_rules(facts, profile)
+    extras = replace(bare, statements=(*bare.statements, *data.draw(_about_entries(facts))))
+    facts, stated, plan = proven_plan(plate, profile, extras)
     setting = make_setting(facts, profile, stated, plan)
     contour = data.draw(st.sampled_from([c.id for c in plate.contours]))
     told = explain(facts, profile, stated, plan, contour)
     number = plate.index[contour]
-    for way in told.entry.lawful:
+    for way in (*told.entry.lawful, *told.entry.unlawful):
         same = [c for c in facts.candidates_of(number) if facts.candidates[c].pierce == way.pierce]
-        pinned = frozenset(setting.problem.candidate_site[same].tolist())
-        assert way.more_um == min(_costs(setting, setting.order, number, pinned)) - setting.cost
-        assert way.more_um >= 0
+        costs = [list(_costs(setting, setting.order, number, site)) for site in setting.problem.candidate_site[same]]
+        assert way.more_um in [min(found) - setting.cost if found else None for found in costs]
+        assert way.more_um is not None or way.against
     for move in told.moves:
         unit = [plate.index[name] for name in move.moved]
         rest = [c for c in setting.order if c not in unit]
@@ -115,11 +122,28 @@ def test_every_difference_is_that_of_the_best_entries(plate: Nest, off: str, dat
             assert move.more_um == min(costs) - setting.cost
 
 
-def _costs(
-    setting: Setting, order: tuple[int, ...], contour: int | None = None, pinned: frozenset[int] = frozenset()
-) -> Iterator[int]:
+@st.composite
+def _about_entries(draw: st.DrawFn, facts: Facts) -> tuple[Statement, ...]:
+    """Statements on single candidates, at most one a contour, so that other candidates stay lawful."""
+    made: list[Statement] = []
+    for contour in range(facts.n):
+        candidate = draw(st.sampled_from(facts.candidates_of(contour)))
+        other = draw(st.integers(0, facts.n - 1))
+        about = About("test", (), f"a statement on candidate {candidate}")
+        weight = draw(st.sampled_from([None, 15.0]))
+        match draw(st.sampled_from(["none", "forbid", "before", "after"])):
+            case "forbid":
+                made.append(Forbid(candidate, about, weight))
+            case "before" if other != contour:
+                made.append(AtLeast((Before(contour, other),), (1,), 1, about, candidate, weight))
+            case "after" if other != contour:
+                made.append(AtLeast((Before(other, contour),), (1,), 1, about, candidate, weight))
+    return tuple(made)
+
+
+def _costs(setting: Setting, order: tuple[int, ...], contour: int | None = None, pinned: int = -1) -> Iterator[int]:
     """What every lawful choice of entries along an order costs."""
-    layers = [[s for s in setting.problem.sites(c) if c != contour or s in pinned] for c in order]
+    layers = [[s for s in setting.problem.sites(c) if c != contour or s == pinned] for c in order]
     for route in product(*layers):
         if not broken(setting.problem, route):
             yield route_cost(setting.problem, route)
