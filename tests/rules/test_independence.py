@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from kerfwise.rules import catalogue, facing, holding, pierce_places, placement, rigidity, strips
+from kerfwise.rules.own import criterion, measures
 from kerfwise.rules.registry import catalogue_modules
 
 
@@ -23,7 +24,19 @@ def imported(node: ast.AST) -> list[str]:
 
 
 FILES = [
-    m.__file__ for m in (*catalogue_modules(), catalogue, facing, holding, pierce_places, placement, rigidity, strips)
+    m.__file__
+    for m in (
+        *catalogue_modules(),
+        catalogue,
+        facing,
+        holding,
+        pierce_places,
+        placement,
+        rigidity,
+        strips,
+        measures,
+        criterion,
+    )
 ]
 
 
