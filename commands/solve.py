@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from ..encoder.errors import RulesConflict
 from .given import given_options, read_given
 
 
@@ -21,6 +22,8 @@ from .given import given_options, read_given
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of the search.")
 @click.option("--engine", type=click.Choice(["cp-sat", "minizinc"]), default="cp-sat", show_default=True)
 @click.option("--solver", default="gecode", show_default=True, help="Solver of the engine minizinc.")
+@click.option("--relax", is_flag=True, help="Where hard rules clash, take the cheapest way out, marked in the plan.")
+@click.option("--conflict-picture", metavar="OUT.svg|.png", help="Where rules that clash are drawn: NEST.conflict.svg.")
 def command(
     output: str | None,
     plan_path: str | None,
@@ -30,14 +33,17 @@ def command(
     seed: int,
     engine: Any,
     solver: str,
+    relax: bool,
+    conflict_picture: str | None,
     **options: Any,
 ) -> int:
     """Turn NEST into a cutting program that keeps every hard rule of the profile, checked before it is written."""
     from ..models.make_plan import feeds_of
     from ..models.solution import SolveOptions
     from ..postproc.files import write_files
-    from ..postproc.produce import ask, produce
+    from ..postproc.produce import ask, facts_of, produce
     from ..postproc.report import draw
+    from .conflict import tell_conflict
     from .progress import listening
     from .summary import summary
 
@@ -47,9 +53,13 @@ def command(
     given = read_given(**options)
     nest, profile = given.nest, given.profile
     limits = SolveOptions(seed, work, time_limit, profile.machine.home, feeds_of(profile))
-    asked = ask(nest, profile)
-    with listening() as ear:
-        made = produce(asked, profile, limits, ear, engine, solver)
+    facts = facts_of(nest, profile)
+    try:
+        asked = ask(facts, profile, relax)
+        with listening() as ear:
+            made = produce(asked, profile, limits, ear, engine, solver)
+    except RulesConflict as error:
+        return tell_conflict(facts, profile, error, conflict_picture or f"{Path(options['nest']).stem}.conflict.svg")
     click.echo(summary(made.plan, made.verdict))
     if not made.verdict.ok:
         click.echo("kerfwise: the check refuses this plan; nothing was written", err=True)

@@ -52,9 +52,18 @@ def facts_of(nest: Nest, profile: Profile) -> Facts:
     return compute_facts(nest, profile.fact_options(), build_candidates(nest, profile.lead_options()))
 
 
-def ask(nest: Nest, profile: Profile) -> Asked:
-    """Facts and statements; raises `RulesConflict` where hard orders contradict each other."""
-    facts = facts_of(nest, profile)
+def ask(facts: Facts, profile: Profile, relax: bool = False) -> Asked:
+    """What the rules state of the facts; `relax` lets the cheapest statements give way where they clash.
+
+    Raises
+    ------
+    RulesConflict
+        If hard orders contradict each other (and nothing that may give way helps).
+    """
+    if relax:
+        from ..models.conflict import state_relaxed
+
+        return Asked(facts, state_relaxed(facts, profile))
     return Asked(facts, state_rules(facts, profile))
 
 

@@ -13,7 +13,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models.make_plan import feeds_of
 from kerfwise.models.solution import SolveOptions
 from kerfwise.postproc.check import report
-from kerfwise.postproc.produce import ask, produce
+from kerfwise.postproc.produce import ask, facts_of, produce
 from kerfwise.rules.profile import load_profile, shipped_profiles
 from kerfwise.tests.encoder.facts.random_nests import nests
 
@@ -30,7 +30,7 @@ def test_every_plan_passes_the_check(profile_name: str, nest: Nest, seed: int) -
     rules["zone-order"] = replace(zones, options=replace(zones.options, zone_contours=4))
     profile = replace(profile, rules=rules)
     try:
-        asked = ask(nest, profile)
+        asked = ask(facts_of(nest, profile), profile)
     except InputError as refused:
         assume("cannot be cut" not in refused.message)
         raise

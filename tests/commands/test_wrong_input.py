@@ -69,10 +69,20 @@ def test_wrong_usage() -> None:
     refused(kerfwise("rules", "levelahead"), "level-ahead")
 
 
-def test_rules_that_contradict_each_other_are_named_and_exit_1(tmp_path: Path) -> None:
+def test_rules_that_clash_are_named_and_drawn_and_give_way_only_when_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     profile = tmp_path / "plant.yaml"
-    profile.write_text("name: plant\nlocks:\n  - {contour: part#1.outer, before: part#1.hole1}\n")
-    ended = kerfwise("solve", NEST, "-p", profile, "-o", tmp_path / "out.nc")
+    profile.write_text("name: plant\nlocks:\n  - {contour: NC20-14#2.outer, position: 1}\n")
+    ended = kerfwise("solve", NEST, "-p", profile, "-o", "out.nc")
     assert ended.code == 1
-    assert "part#1.outer" in ended.err
-    assert not (tmp_path / "out.nc").exists()
+    assert "NC20-14#2.outer" in ended.err
+    assert "level-ahead: part#5.outer is cut before NC20-14#2.outer" in ended.err
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["e1x_6.conflict.svg", "plant.yaml"]
+
+    given_way = kerfwise("solve", NEST, "-p", profile, "-o", "out.nc", "--relax")
+    assert given_way.code == 0
+    assert "relaxed: " in given_way.out
+    assert "(RELAXED " in (tmp_path / "out.nc").read_text()
+    assert kerfwise("check", NEST, "out.nc", "-p", profile).code == 0
