@@ -8,7 +8,7 @@ from ...rules.statements import EXEMPTION_MM
 from ..problem import UM_PER_MM
 from .asked import MODELS, Asked, include
 
-GOAL = "solve :: nearest_first minimize besides + excuse * excuses;"
+GOAL = "solve :: tightest_first :: restart_luby(250) minimize besides + excuse * excuses;"
 
 
 def model_text(asked: Sequence[Asked], goal: str = GOAL) -> str:
