@@ -25,13 +25,12 @@ class Conflict:
 
     Without any one of `clash` the others of it could hold (unless `minimal` is False). `relax` is what must give way
     so that *all* rules can hold: None where nothing that may give way helps or none was found, and then `stuck` says
-    which; `cheapest` tells whether nothing cheaper would do. `notes` are what no statement says.
+    which. `notes` are what no statement says.
     """
 
     clash: tuple[About, ...]
     minimal: bool
     relax: tuple[About, ...] | None
-    cheapest: bool = True
     stuck: str = ""
     notes: tuple[str, ...] = ()
 
@@ -50,7 +49,7 @@ class Conflict:
         if self.relax is None:
             yield self.stuck
             return
-        yield "the cheapest way out:" if self.cheapest else "a way out (there may be a cheaper one):"
+        yield "the cheapest way out:"
         by_rule: dict[str, list[About]] = {}
         for about in self.relax:
             by_rule.setdefault(about.rule, []).append(about)
@@ -74,13 +73,13 @@ def find_conflict(facts: Facts, profile: Profile) -> Conflict | None:
     if core is None:
         return None
     clash = tuple(group.about for group in core.groups)
-    stuck, relax, cheapest = "", None, True
+    stuck, relax = "", None
     try:
-        relax, cheapest = _way_out(facts, profile, statements)
+        relax = _way_out(facts, profile, statements)
     except RulesConflict as error:
         stuck = error.message
     forbidden = {s.candidate for group in core.groups for s in group.statements if isinstance(s, Forbid)}
-    return Conflict(clash, core.minimal, relax, cheapest, stuck, tuple(_only_ways(facts, profile, forbidden)))
+    return Conflict(clash, core.minimal, relax, stuck, tuple(_only_ways(facts, profile, forbidden)))
 
 
 def state_relaxed(facts: Facts, profile: Profile) -> Stated:
@@ -95,7 +94,7 @@ def state_relaxed(facts: Facts, profile: Profile) -> Stated:
         If nothing that may give way helps, or nothing was found within the work allowed.
     """
     statements, exempt = every_statement(facts, profile)
-    out, _ = _way_out(facts, profile, statements)
+    out = _way_out(facts, profile, statements)
     relaxed = set(out)
     resolved = resolve(soften(statements, relaxed), facts.n, _gives_way(profile))
     given_up = {s.about: s for s in statements if s.weight is None and s.about in relaxed}
@@ -103,11 +102,10 @@ def state_relaxed(facts: Facts, profile: Profile) -> Stated:
     return replace(resolved, dropped=(*resolved.dropped, *dropped), exempt=exempt)
 
 
-def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement]) -> tuple[tuple[About, ...], bool]:
-    """What must give way, and whether that is the cheapest: first where even rules that give way do not help."""
+def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement]) -> tuple[About, ...]:
+    """What must give way: first where even rules that give way do not help."""
     book = profile.rulebook()
     out: list[About] = []
-    cheapest = True
     while True:
         left = soften(statements, out)
         try:
@@ -116,9 +114,8 @@ def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement]) ->
             raise RulesConflict("no way out was found within the limit (none is proven impossible)") from None
         if found is None:
             raise RulesConflict("no rule that may give way helps: change the locks or the nest")
-        cheapest = cheapest and found.cheapest
         if not found.groups:
-            return tuple(out), cheapest
+            return tuple(out)
         out += [group.about for group in found.groups]
 
 

@@ -22,16 +22,15 @@ LAST = "locks"
 RELAXED_MM = 2 * EXEMPTION_MM
 """What breaking a relaxed statement costs: more than anything a rule excuses by itself."""
 UNITS_A_MM = 1000
-MOST_CLASHES = 300
-"""With more contradictions than that, what has been taken out for them is answered, cheapest or not."""
+MOST_ASKED = 40_000
+"""How many groups are asked about in all: each contradiction that is looked for asks about every group once."""
 
 
 @dataclass(frozen=True, slots=True)
 class Relaxation:
-    """Groups that give way; `cheapest` if nothing that costs less would do."""
+    """Groups that give way; nothing that costs less would do."""
 
     groups: tuple[Group, ...]
-    cheapest: bool
 
 
 def find_relaxation(facts: Facts, groups: Sequence[Group], book: Mapping[str, Rule[Any]]) -> Relaxation | None:
@@ -44,7 +43,7 @@ def find_relaxation(facts: Facts, groups: Sequence[Group], book: Mapping[str, Ru
     Raises
     ------
     NotAnswered
-        If it was not shown whether the rest can hold.
+        If no answer was found within the work allowed.
     """
     weights = _weights(groups, book)
     gives_way = {name: rule.gives_way for name, rule in book.items()}
@@ -53,6 +52,8 @@ def find_relaxation(facts: Facts, groups: Sequence[Group], book: Mapping[str, Ru
         out = _lightest(clashes, weights)
         left = [k for k in range(len(groups)) if k not in out]
         whole = True
+        if len(clashes) * len(groups) > MOST_ASKED:
+            raise NotAnswered
         while (core := find_core(facts, [groups[k] for k in left], gives_way)) is not None:
             named = {group.about for group in core.groups}
             soft = [k for k in left if groups[k].about in named and weights[k] is not None]
@@ -61,8 +62,8 @@ def find_relaxation(facts: Facts, groups: Sequence[Group], book: Mapping[str, Ru
             clashes.append(soft)
             left = [k for k in left if k not in soft]
             whole = False
-        if whole or len(clashes) > MOST_CLASHES:
-            return Relaxation(tuple(group for k, group in enumerate(groups) if k not in left), whole)
+        if whole:
+            return Relaxation(tuple(groups[k] for k in sorted(out)))
 
 
 def _lightest(clashes: Sequence[Sequence[int]], weights: Sequence[int | None]) -> set[int]:

@@ -115,7 +115,6 @@ def test_the_way_out_is_the_cheapest(asked: list[Asked]) -> None:
     assert (found is None) == (not helping)
     if found is not None:
         gone = tuple(s for group in found.groups for s in group.statements)
-        assert found.cheapest
         assert can_hold(FACTS, [s for s in asked if s not in gone])
         assert _price(gone) == min(helping)
 
