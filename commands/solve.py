@@ -55,7 +55,7 @@ def command(
     limits = SolveOptions(seed, work, time_limit, profile.machine.home, feeds_of(profile))
     facts = facts_of(nest, profile)
     try:
-        asked = ask(facts, profile, relax)
+        asked = ask(facts, profile, relax, engine)
         with listening() as ear:
             made = produce(asked, profile, limits, ear, engine, solver)
     except RulesConflict as error:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ..models.plan import Plan
 from ..postproc.check import CheckResult, report
+from ..rules.statements import EXEMPTION_MM
 
 
 def summary(plan: Plan, verdict: CheckResult) -> str:
@@ -15,10 +16,14 @@ def summary(plan: Plan, verdict: CheckResult) -> str:
         proof = f"proven optimal (by {solve.proved_by})"
     elif solve.bound is not None and solve.gap is not None:
         proof = f"at most {solve.gap:.2%} above the best possible (bound {solve.bound / 1000:.3f} m)"
+    excuses, rest_mm = divmod(solve.objective, EXEMPTION_MM)
+    objective = f"objective {rest_mm / 1000:.3f} m"
+    if excuses:
+        objective += f" and {excuses:.0f} excuses, the fewest there can be where the plan is optimal"
     lines = [
         f"{len(plan.cuts)} contours, {totals.pierces} pierces, cut {totals.cut_mm / 1000:.3f} m, "
         f"idle {totals.idle_mm / 1000:.3f} m, {minutes} min {seconds:02d} s",
-        f"objective {solve.objective / 1000:.3f} m, found by {solve.found_by}, {proof}",
+        f"{objective}, found by {solve.found_by}, {proof}",
         f"start side {plan.start_side} (because: {plan.start_side_because}), "
         f"{max((p.cut.zone for p in plan.cuts), default=0)} zones",
     ]

@@ -49,11 +49,13 @@ def facts_of(nest: Nest, profile: Profile) -> Facts:
         If a lock names what the nest does not have, or a contour cannot be cut as the profile asks.
     """
     check_locks(profile.locks, nest)
-    return compute_facts(nest, profile.fact_options(), build_candidates(nest, profile.lead_options()))
+    return compute_facts(nest, profile.fact_options(nest), build_candidates(nest, profile.lead_options()))
 
 
-def ask(facts: Facts, profile: Profile, relax: bool = False) -> Asked:
+def ask(facts: Facts, profile: Profile, relax: bool = False, engine: Engine = "cp-sat") -> Asked:
     """What the rules state of the facts; `relax` lets the cheapest statements give way where they clash.
+
+    Rule files of the plant's own are read by the engine minizinc only.
 
     Raises
     ------
@@ -64,7 +66,7 @@ def ask(facts: Facts, profile: Profile, relax: bool = False) -> Asked:
         from ..models.conflict import state_relaxed
 
         return Asked(facts, state_relaxed(facts, profile))
-    return Asked(facts, state_rules(facts, profile))
+    return Asked(facts, state_rules(facts, profile, reads_files=engine == "minizinc"))
 
 
 def produce(
