@@ -27,5 +27,7 @@ def summary(plan: Plan, verdict: CheckResult) -> str:
         f"start side {plan.start_side} (because: {plan.start_side_because}), "
         f"{max((p.cut.zone for p in plan.cuts), default=0)} zones",
     ]
-    lines += [f"left out: {' before '.join(d.contours)} ({d.rule}), {d.why}" for d in plan.dropped]
+    for dropped in plan.dropped:
+        what = dropped.rule if dropped.relaxed else f"left out: {' before '.join(dropped.contours)} ({dropped.rule})"
+        lines.append(f"{what}, {dropped.why}")
     return "\n".join([*lines, report(verdict)])
