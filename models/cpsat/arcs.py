@@ -8,8 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..crossings import FORBIDDEN
 from ..problem import Problem
 from ..successors import Bools
+from .moves import Out, out_by_then
 
 Ints = NDArray[np.int64]
 
@@ -28,42 +30,53 @@ class Arcs:
     head: Ints
     cost: Ints
 
+    def spans(self) -> Iterator[tuple[int, int, slice]]:
+        """Contours i and j, and the arcs between them, for every group."""
+        for (i, j), a, b in zip(self.groups.tolist(), self.first[:-1].tolist(), self.first[1:].tolist(), strict=True):
+            yield i, j, slice(a, b)
+
 
 def count_site_arcs(problem: Problem, lawful: Bools) -> int:
-    """How many arcs between sites there are."""
+    """How many arcs between sites there are at most."""
     sites = np.append(np.diff(problem.first), 1)
     return int(sites @ lawful @ sites)
 
 
 def site_arcs(problem: Problem, lawful: Bools) -> Arcs:
-    """Every lawful arc between sites, at the cost of its idle travel."""
+    """Every lawful arc between sites, at the cost of its idle travel and of what it crosses in any lawful order."""
     groups = np.argwhere(lawful).astype(np.int64)
-    sites = [*(np.array(problem.sites(i)) for i in range(problem.n)), np.array([problem.m])]
-    tails = [np.repeat(sites[i], len(sites[j])) for i, j in groups]
-    heads = [np.tile(sites[j], len(sites[i])) for i, j in groups]
-    costs = [travel.ravel() for travel in _travel(problem, groups)]
-    first = np.cumsum([0, *(len(cost) for cost in costs)])
-    return Arcs(groups, first, np.concatenate(tails), np.concatenate(heads), np.concatenate(costs))
-
-
-def arc_ms(problem: Problem, arcs: Arcs) -> Ints:
-    """Time of the idle travel along every arc between sites, whole ms."""
-    home = problem.home_um[None, :]
-    ends, pierces = np.concatenate([problem.end_um, home]), np.concatenate([problem.pierce_um, home])
-    return problem.pace.move_ms(ends[arcs.tail], pierces[arcs.head])
-
-
-def contour_arcs(problem: Problem, lawful: Bools) -> Arcs:
-    """One arc for every two contours, at the least idle travel between their sites; site i stands for contour i."""
-    groups = np.argwhere(lawful).astype(np.int64)
-    costs = np.array([travel.min() for travel in _travel(problem, groups)], dtype=np.int64)
-    return Arcs(groups, np.arange(len(groups) + 1), groups[:, 0], groups[:, 1], costs)
-
-
-def _travel(problem: Problem, groups: Ints) -> Iterator[Ints]:
-    """Idle travel from every site of the one contour to every site of the other, for all these groups."""
-    home = problem.home_um[None, :]
-    ends, pierces = np.concatenate([problem.end_um, home]), np.concatenate([problem.pierce_um, home])
-    first = [*problem.first.tolist(), problem.m + 1]
+    first = np.append(problem.first, problem.m + 1)
+    sites = np.arange(problem.m + 1)
+    tails, heads, costs = [], [], []
     for i, j in groups.tolist():
-        yield problem.travel(ends[first[i] : first[i + 1]], pierces[first[j] : first[j + 1]])
+        leave, reach = sites[first[i] : first[i + 1]], sites[first[j] : first[j + 1]]
+        ends = problem.end_um[leave] if i < problem.n else problem.home_um[None, :]
+        pierces = problem.pierce_um[reach] if j < problem.n else problem.home_um[None, :]
+        tails.append(np.repeat(leave, len(reach)))
+        heads.append(np.tile(reach, len(leave)))
+        costs.append(problem.travel(ends, pierces).ravel())
+    sizes = np.array([len(cost) for cost in costs])
+    return _crossed(problem, groups, sizes, *(np.concatenate(column) for column in (tails, heads, costs)))
+
+
+def _crossed(problem: Problem, groups: Ints, sizes: Ints, tail: Ints, head: Ints, cost: Ints) -> Arcs:
+    """Arcs with the crossings that the hard orders decide: forbidden ones are left out."""
+    rows = problem.crossings
+    always = out_by_then(problem) == Out.YES
+    arc = arc_of_move(problem.m, tail, head, rows.leave, rows.reach)
+    paid = always & (arc >= 0) & (rows.cost != FORBIDDEN)
+    np.add.at(cost, arc[paid], rows.cost[paid])
+    kept = np.ones(len(cost), dtype=np.bool_)
+    kept[arc[always & (arc >= 0) & (rows.cost == FORBIDDEN)]] = False
+    left = np.add.reduceat(kept, np.cumsum(sizes) - sizes, dtype=np.int64)
+    first = np.concatenate([[0], np.cumsum(left[left > 0])])
+    return Arcs(groups[left > 0], first, tail[kept], head[kept], cost[kept])
+
+
+def arc_of_move(m: int, tail: Ints, head: Ints, leave: Ints, reach: Ints) -> Ints:
+    """The arc of every move from a site to a site, -1 where there is none."""
+    past_all = (m + 1) ** 2
+    keys, wanted = np.append(tail * (m + 1) + head, past_all), leave * (m + 1) + reach
+    order = np.argsort(keys, kind="stable")
+    found = order[np.searchsorted(keys, wanted, sorter=order)]
+    return np.where(keys[found] == wanted, found, -1)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from ortools.sat.python.cp_model import CpModel, LinearExpr, LiteralT
+from ortools.sat.python.cp_model import CpModel, LinearExpr, LinearExprT, LiteralT
 
 from ...rules.statements import Before
-from ..crossings import FORBIDDEN
 from ..problem import Problem
-from .arcs import Arcs, arc_ms
-from .variables import Variables, open_crossings
+from .arcs import Arcs, arc_of_move
+from .moves import Out, out_by_then
+from .times import cuts_ms, moves_ms
+from .variables import Variables
 
 
 def add_constraints(model: CpModel, problem: Problem, arcs: Arcs, v: Variables) -> None:
@@ -21,7 +22,6 @@ def add_constraints(model: CpModel, problem: Problem, arcs: Arcs, v: Variables) 
     _travel_joins_contours(model, arcs, v)
     _travel_joins_picked_sites(model, problem, arcs, v)
     _positions_follow_the_route(model, problem, v)
-    _positions_differ(model, v)
     _orders_hold(model, problem, v)
     _blocks_stay_together(model, problem, v)
     _order_literals_agree_with_positions(model, v)
@@ -49,9 +49,9 @@ def _one_round_trip(model: CpModel, v: Variables) -> None:
 
 def _travel_joins_contours(model: CpModel, arcs: Arcs, v: Variables) -> None:
     """If j follows i, the torch travels along exactly one arc from i to j."""
-    for (i, j), a, b in zip(arcs.groups.tolist(), arcs.first[:-1].tolist(), arcs.first[1:].tolist(), strict=True):
-        if b > a + 1:
-            model.add_exactly_one([v.follow[i, j].negated(), *v.travel[a:b]])
+    for i, j, span in arcs.spans():
+        if span.stop > span.start + 1:
+            model.add_exactly_one([v.follow[i, j].negated(), *v.travel[span]])
 
 
 def _travel_joins_picked_sites(model: CpModel, problem: Problem, arcs: Arcs, v: Variables) -> None:
@@ -73,11 +73,6 @@ def _positions_follow_the_route(model: CpModel, problem: Problem, v: Variables) 
             model.add(v.position[i] == problem.n - 1).only_enforce_if(literal)
         else:
             model.add(v.position[j] == v.position[i] + 1).only_enforce_if(literal)
-
-
-def _positions_differ(model: CpModel, v: Variables) -> None:
-    """No two contours have the same position (implied by the route)."""
-    model.add_all_different(v.position)
 
 
 def _orders_hold(model: CpModel, problem: Problem, v: Variables) -> None:
@@ -144,60 +139,42 @@ def _general_statements_hold(model: CpModel, problem: Problem, v: Variables) -> 
 
 def _moves_over_parts_are_paid_for(model: CpModel, problem: Problem, arcs: Arcs, v: Variables) -> None:
     """A move over a part that is out by then costs, or is not made."""
-    rows, m = problem.crossings, problem.m
-    move = {leg: v.travel[a] for a, leg in enumerate(zip(arcs.tail.tolist(), arcs.head.tolist(), strict=True))}
-    undecided = set(open_crossings(problem, arcs))
-    for k, (leave, reach, over) in enumerate(
-        zip(rows.leave.tolist(), rows.reach.tolist(), rows.over.tolist(), strict=True)
-    ):
-        if (leave, reach) not in move:
-            continue
-        taken = move[leave, reach]
-        if k in undecided:
-            is_out = v.before(over, int(problem.site_contour[leave]))
-            price = [v.over[k]] if k in v.over else []
-            model.add_bool_or([~taken, ~is_out, *price])
-        elif rows.cost[k] == FORBIDDEN and is_out_by(problem, over, leave, reach, m):
-            model.add(taken == 0)
-
-
-def is_out_by(problem: Problem, over: int, leave: int, reach: int, m: int) -> bool:
-    """Whether the hard orders alone put contour `over` out before the move from site `leave` to site `reach`."""
-    if leave == m:
-        return False
-    contour = int(problem.site_contour[leave])
-    return reach == m or over == contour or bool(problem.before[over, contour])
+    rows = problem.crossings
+    moves = arc_of_move(problem.m, arcs.tail, arcs.head, rows.leave, rows.reach)
+    for k in np.flatnonzero((out_by_then(problem) == Out.OPEN) & (moves >= 0)).tolist():
+        is_out = v.before(int(rows.over[k]), int(problem.site_contour[rows.leave[k]]))
+        price = [v.over[k]] if k in v.over else []
+        model.add_bool_or([~v.travel[moves[k]], ~is_out, *price])
 
 
 def _the_clock_runs_along_the_route(model: CpModel, problem: Problem, arcs: Arcs, v: Variables) -> None:
     """The next cut begins when this one and the move to it are done."""
     if not v.begin:
         return
-    takes = problem.pace.cut_ms.tolist()
-    for a, (tail, head, ms) in enumerate(
-        zip(arcs.tail.tolist(), arcs.head.tolist(), arc_ms(problem, arcs).tolist(), strict=True)
-    ):
-        if head == problem.m:
+    moves = moves_ms(problem, arcs).tolist()
+    for i, j, span in arcs.spans():
+        if j == problem.n:
             continue
-        begin = v.begin[int(problem.site_contour[head])]
-        if tail == problem.m:
-            model.add(begin == ms).only_enforce_if(v.travel[a])
-        else:
-            earlier = v.begin[int(problem.site_contour[tail])]
-            model.add(begin == earlier + takes[tail] + ms).only_enforce_if(v.travel[a])
+        done = [] if i == problem.n else [v.begin[i], _cut_ms(problem, v, i)]
+        moving = LinearExpr.weighted_sum(v.travel[span], moves[span])
+        model.add(v.begin[j] == LinearExpr.sum([*done, moving])).only_enforce_if(v.follow[i, j])
 
 
 def _cooling_takes_its_time(model: CpModel, problem: Problem, v: Variables) -> None:
     """Enough seconds lie between two cuts, less those that are missing at a penalty."""
     for k, lag in enumerate(problem.lags):
-        if lag.seconds <= 0:
-            continue
-        short = v.late.get(k, 0)
-        for i, j in ((lag.first, lag.second), (lag.second, lag.first)):
-            sites = list(problem.sites(i))
-            takes = LinearExpr.weighted_sum([v.pick[s] for s in sites], problem.pace.cut_ms[sites].tolist())
-            waited = v.begin[j] - v.begin[i] - takes
-            model.add(waited >= round(lag.seconds * 1000) - short).only_enforce_if(v.before(i, j))
+        if lag.seconds > 0:
+            wait = round(lag.seconds * 1000) - v.late.get(k, 0)
+            for i, j in ((lag.first, lag.second), (lag.second, lag.first)):
+                cooled = LinearExpr.sum([v.begin[i], _cut_ms(problem, v, i), wait])
+                model.add(v.begin[j] >= cooled).only_enforce_if(v.before(i, j))
+
+
+def _cut_ms(problem: Problem, v: Variables, contour: int) -> LinearExprT:
+    """Time of the cut of a contour, by the site that is picked."""
+    sites = problem.sites(contour)
+    span = slice(sites.start, sites.stop)
+    return LinearExpr.weighted_sum(v.pick[span], cuts_ms(problem)[span].tolist())
 
 
 def _picked(problem: Problem, v: Variables, candidate: int) -> LiteralT:

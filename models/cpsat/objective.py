@@ -8,14 +8,14 @@ from ortools.sat.python.cp_model import CpModel, LinearExpr, LinearExprT
 
 from ..problem import UM_PER_MM, Problem
 from .arcs import Arcs
-from .constraints import inner, is_out_by
+from .constraints import inner
 from .variables import Variables
 
 
 def set_objective(model: CpModel, problem: Problem, arcs: Arcs, v: Variables) -> None:
     """Minimise idle travel and penalties."""
     terms = [
-        _travel(problem, arcs, v),
+        _travel(arcs, v),
         _sites(problem, v),
         _conditions(problem, v),
         *_groups(problem, v),
@@ -31,17 +31,8 @@ def limit_objective(model: CpModel, least_um: int, most_um: int | None) -> None:
     objective.domain.extend([least_um - offset, (1 << 60) if most_um is None else most_um - offset])
 
 
-def _travel(problem: Problem, arcs: Arcs, v: Variables) -> LinearExprT:
-    """Every arc at its cost, with what it always crosses; what it crosses only in some orders is paid for apart."""
-    cost = arcs.cost.copy()
-    rows = problem.crossings
-    place = {leg: a for a, leg in enumerate(zip(arcs.tail.tolist(), arcs.head.tolist(), strict=True))}
-    for leave, reach, over, price in zip(
-        rows.leave.tolist(), rows.reach.tolist(), rows.over.tolist(), rows.cost.tolist(), strict=True
-    ):
-        if price > 0 and (leave, reach) in place and is_out_by(problem, over, leave, reach, problem.m):
-            cost[place[leave, reach]] += price
-    return LinearExpr.weighted_sum(v.travel, cost.tolist())
+def _travel(arcs: Arcs, v: Variables) -> LinearExprT:
+    return LinearExpr.weighted_sum(v.travel, arcs.cost.tolist())
 
 
 def _sites(problem: Problem, v: Variables) -> LinearExprT:
@@ -63,7 +54,7 @@ def _groups(problem: Problem, v: Variables) -> Iterator[LinearExprT]:
 
 
 def _others(problem: Problem, v: Variables) -> LinearExprT:
-    """Soft lags cost by the cut that is missing, soft general statements once."""
+    """Soft lags cost by the cut or the ms that is missing; soft general statements and moves over parts cost once."""
     return LinearExpr.weighted_sum(
         [*v.missing.values(), *v.failed.values(), *v.over.values(), *v.late.values()],
         [

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from ..problem import Problem
 from ..solution import Incumbent, Progress, SolveOptions
-from .arcs import contour_arcs, count_site_arcs, site_arcs
+from .arcs import count_site_arcs, site_arcs
 from .model import solve_whole
 from .outcome import Outcome
 from .relaxation import solve_relaxed
 
 MAX_ARCS = 400_000
+MOST_ARCS = 20_000_000
+"""More arcs between sites than this are not even listed."""
 MAX_CONTOURS = 3_000
 
 
@@ -37,8 +39,9 @@ def solve_cpsat(
     if problem.n > MAX_CONTOURS:
         return Outcome(start)
     lawful = problem.successors()
-    if count_site_arcs(problem, lawful) <= max_arcs:
+    arcs = count_site_arcs(problem, lawful)
+    if arcs <= max_arcs:
         return solve_whole(problem, site_arcs(problem, lawful), options, start, bound_um, progress)
-    if lawful.sum() <= max_arcs:
-        return solve_relaxed(problem, contour_arcs(problem, lawful), options, start, bound_um, progress)
+    if lawful.sum() <= max_arcs and arcs <= MOST_ARCS:
+        return solve_relaxed(problem, site_arcs(problem, lawful), options, start, bound_um, progress)
     return Outcome(start)

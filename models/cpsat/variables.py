@@ -10,7 +10,9 @@ from ortools.sat.python.cp_model import CpModel, IntVar, LiteralT
 
 from ...rules.statements import Before
 from ..problem import Problem
-from .arcs import Arcs, arc_ms
+from .arcs import Arcs
+from .moves import Out, out_by_then
+from .times import counts_seconds, longest_ms
 
 Pair = tuple[int, int]
 
@@ -71,43 +73,27 @@ def make_variables(model: CpModel, problem: Problem, arcs: Arcs) -> Variables:
             for k, lag in enumerate(problem.lags)
             if lag.weight is not None and lag.seconds > 0
         },
-        over={k: model.new_bool_var("") for k in open_crossings(problem, arcs) if problem.crossings.cost[k] > 0},
+        over={
+            k: model.new_bool_var("")
+            for k in np.flatnonzero((out_by_then(problem) == Out.OPEN) & (problem.crossings.cost > 0)).tolist()
+        },
         begin=_begins(model, problem, arcs),
     )
 
 
-def open_crossings(problem: Problem, arcs: Arcs) -> list[int]:
-    """Crossings of moves that there are, over parts that the hard orders leave open whether they are out by then."""
-    rows = problem.crossings
-    moves = set(zip(arcs.tail.tolist(), arcs.head.tolist(), strict=True))
-    return [
-        k
-        for k, (leave, reach, over) in enumerate(
-            zip(rows.leave.tolist(), rows.reach.tolist(), rows.over.tolist(), strict=True)
-        )
-        if (leave, reach) in moves and leave < problem.m and reach < problem.m and _undecided(problem, over, leave)
-    ]
-
-
-def _undecided(problem: Problem, over: int, leave: int) -> bool:
-    contour = int(problem.site_contour[leave])
-    return over != contour and not problem.before[over, contour] and not problem.before[contour, over]
-
-
 def _begins(model: CpModel, problem: Problem, arcs: Arcs) -> list[IntVar]:
-    """A clock, if a statement counts seconds; no plan takes longer than every cut and the longest moves together."""
-    if not any(lag.seconds > 0 for lag in problem.lags):
+    """A clock, if a statement counts seconds."""
+    if not counts_seconds(problem):
         return []
-    longest = sum(int(problem.pace.cut_ms[list(problem.sites(i))].max()) for i in range(problem.n))
-    longest += (problem.n + 1) * int(arc_ms(problem, arcs).max(initial=0))
+    longest = longest_ms(problem, arcs)
     return [model.new_int_var(0, longest, "") for _ in range(problem.n)]
 
 
 def _follow(model: CpModel, arcs: Arcs, travel: list[IntVar]) -> dict[Pair, IntVar]:
     """One literal for every two contours; where a single arc joins them it is that arc's."""
     follow: dict[Pair, IntVar] = {}
-    for (i, j), a, b in zip(arcs.groups.tolist(), arcs.first[:-1].tolist(), arcs.first[1:].tolist(), strict=True):
-        follow[i, j] = travel[a] if b == a + 1 else model.new_bool_var("")
+    for i, j, span in arcs.spans():
+        follow[i, j] = travel[span.start] if span.stop == span.start + 1 else model.new_bool_var("")
     return follow
 
 
@@ -137,8 +123,9 @@ def _asked(problem: Problem) -> Iterator[Pair]:
     pairs: list[Pair] = [(k, c.contour) for c in problem.conditions for k in c.members]
     pairs += [(lag.first, lag.second) for lag in problem.lags]
     rows = problem.crossings
-    inner = np.flatnonzero((rows.leave < problem.m) & (rows.reach < problem.m))
-    pairs += zip(rows.over[inner].tolist(), problem.site_contour[rows.leave[inner]].tolist(), strict=True)
+    undecided = out_by_then(problem) == Out.OPEN
+    leaving = problem.site_contour[rows.leave[undecided]]
+    pairs += zip(rows.over[undecided].tolist(), leaving.tolist(), strict=True)
     pairs += [(lit.i, lit.j) for s in problem.general for lit in s.literals if isinstance(lit, Before)]
     for i, j in pairs:
         if i != j and not problem.before[i, j] and not problem.before[j, i]:
