@@ -68,7 +68,7 @@ class NoNarrowStrips(Rule[NoNarrowStripsOptions]):
     sentence = "No part is left in a narrow strip of metal between parts that are out."
     source = "Petunin 2009, fig. 3"
     Options = NoNarrowStripsOptions
-    default = "off"
+    default = "soft"
     default_weight = 250.0
 
     def statements(self, facts: Facts, options: NoNarrowStripsOptions) -> Sequence[Statement]:

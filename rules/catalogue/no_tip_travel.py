@@ -49,7 +49,7 @@ class NoTipTravel(Rule[NoOptions]):
     sentence = "Idle travel does not lead over a part that has been cut out."
     source = "plant practice"
     Options = NoOptions
-    default = "off"
+    default = "soft"
     default_weight = 50.0
 
     def statements(self, facts: Facts, options: NoOptions) -> Iterator[Crossing]:

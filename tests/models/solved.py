@@ -16,7 +16,10 @@ from kerfwise.rules.sections import RuleSetting
 from kerfwise.rules.state import Stated, state_rules
 
 
-def plant(*locks: object, off: tuple[str, ...] = ("heat-lag", "part-rigidity", "no-islands")) -> Profile:
+QUIET = ("heat-lag", "part-rigidity", "no-islands", "no-narrow-strips", "no-tip-travel")
+
+
+def plant(*locks: object, off: tuple[str, ...] = QUIET) -> Profile:
     """The default profile with these locks, and without the rules that look at heat and stiffness."""
     given = load_profile()
     rules = dict(given.rules)

@@ -43,10 +43,10 @@ def plate() -> Nest:
 def profile(**changes: object) -> Profile:
     """The default rules, with outer contours cut clockwise and holes counter-clockwise, as plasma asks.
 
-    The plans made here by hand have neither part-rigidity nor heat-lag in mind: both are off.
+    The plans made here by hand have neither rigidity nor heat nor tipped parts in mind: those rules are off.
     """
     rules = default_settings()
-    for name in ("heat-lag", "part-rigidity"):
+    for name in ("heat-lag", "no-narrow-strips", "no-tip-travel", "part-rigidity"):
         rules[name] = RuleSetting("off", None, rules[name].options)
     rules["cut-direction"] = RuleSetting("hard", None, CutDirectionOptions(outer="cw", hole="ccw"))
     return dataclasses.replace(Profile("test", rules=rules, sha256="c0de" * 16), **changes)

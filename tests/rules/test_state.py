@@ -39,6 +39,8 @@ def test_rules_that_are_on_are_stated() -> None:
         "heat-lag",
         "inner-before-outer",
         "level-ahead",
+        "no-tip-travel",
+        "no-tip-travel",
         "part-contiguous",
         "part-contiguous",
         "objective",
@@ -49,7 +51,7 @@ def test_rules_that_are_on_are_stated() -> None:
 def test_rule_that_is_off_is_not() -> None:
     off = RuleSetting("off", None, NoOptions())
     found = stated(PLATE, plant(level_ahead=off, inner_before_outer=off))
-    assert {s.about.rule for s in found.statements} == {"heat-lag", "part-contiguous", "objective"}
+    assert {s.about.rule for s in found.statements} == {"heat-lag", "no-tip-travel", "part-contiguous", "objective"}
 
 
 def test_soft_rule_keeps_its_weight() -> None:
@@ -59,6 +61,7 @@ def test_soft_rule_keeps_its_weight() -> None:
         "heat-lag": 50.0,
         "inner-before-outer": None,
         "level-ahead": 250.0,
+        "no-tip-travel": 50.0,
         "part-contiguous": None,
         "objective": 1.0,
     }

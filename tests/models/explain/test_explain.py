@@ -22,7 +22,7 @@ from kerfwise.postproc.produce import facts_of
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.state import state_rules
 from kerfwise.rules.statements import About, AtLeast, Before, Forbid, Statement
-from kerfwise.tests.models.solved import plant, proven_plan
+from kerfwise.tests.models.solved import QUIET, plant, proven_plan
 from kerfwise.tests.nests import circle, nest, part, rect
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -96,7 +96,7 @@ def plates(draw: st.DrawFn) -> Nest:
 @settings(max_examples=25, deadline=None)
 @given(plates(), st.sampled_from(["level-ahead", "zone-order"]), st.data())
 def test_every_difference_is_that_of_the_best_entries(plate: Nest, off: str, data: st.DataObject) -> None:
-    profile = plant(off=("heat-lag", "part-rigidity", "no-islands", off))
+    profile = plant(off=(*QUIET, off))
     profile = replace(profile, leads=replace(profile.leads, entries=2))
     facts = facts_of(plate, profile)
     bare = state_rules(facts, profile)

@@ -28,7 +28,8 @@ DOCS = Path(kerfwise.__file__).parent / "docs"
 PAGE = (DOCS / "own-rules.md").read_text(encoding="utf-8")
 NEST = read_nest(DOCS / "own-rules.nest.json")
 EXAMPLES = dict(re.findall(r"^### (\d+\. .+?)\n.*?```yaml\n(.*?)```", PAGE, re.MULTILINE | re.DOTALL))
-PLANT = "rules: {heat-lag: off, no-islands: off, part-rigidity: off}\n"
+QUIET = ("heat-lag", "no-islands", "no-narrow-strips", "no-tip-travel", "part-rigidity")
+PLANT = "rules: {" + ", ".join(f"{rule}: off" for rule in QUIET) + "}\n"
 
 
 def plan_of(profile: Profile, work: float = 1.0) -> Plan:
