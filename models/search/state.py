@@ -1,35 +1,43 @@
-"""The state of a search: the route it stands on, the route it tries, the best one, and room to work in."""
+"""The state of a search: the route it stands on, the trial made from it, the best one, and room to work in."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .compiled import compiled
 from .tables import Tables
 
 Ints = NDArray[np.int64]
 
+# Typed, because numba compiles a function anew for each literal that it is called with.
+START = cast(int, np.int64(0))
+NOWHERE = cast(int, np.int64(-1))
+
 # What `State.number` holds.
-LENGTH = 0  # contours in the trial order
+LENGTH = 0  # contours in the trial
 COST = 1  # cost of the route we stand on, µm
 BROKEN = 2  # how many hard statements it breaks
 BEST = 3  # cost of the best lawful route, -1 if none is known
 PRICE = 4  # what a broken hard statement counts, µm
 WORK = 5  # elementary operations so far
-UNITS = 6  # strings taken out of the trial order
-TOUCHES = 7  # entries in `touch_at`
-CHANGED = 8
-NUMBERS = 16
+TAKEN = 6  # contours taken out of the trial
+UNITS = 7  # strings that they were taken out as
+STAMP = 8  # the mark of the present walk through the orders
+TRIES = 9  # trials so far
+LAWLESS = 10  # of the last trials, those after which we stood on a route that breaks something
+CLIMBS = 11  # entries made in `climb`
+NUMBERS = 12
 
 
 class State(NamedTuple):
     """Arrays that kernels write to. `order` lists contours, `position` is -1 for one that is out, `site` by contour.
 
-    The names ending in `_now` are the route we stand on; `order`, `position`, `site` the trial made from it.
-    Strings taken out are `out[unit[u]:unit[u + 1]]`.
+    `order`, `position`, `site` are the trial; names ending in `_now` the route we stand on. `best` lists sites in
+    order. Strings taken out are `out[unit[u]:unit[u + 1]]`. `forced` is the site that a contour must take in this
+    trial, or -1; `lean` what a site costs for the general statements' sake. `stale` marks contours whose site may not
+    be the best any more.
     """
 
     order: Ints
@@ -44,67 +52,50 @@ class State(NamedTuple):
     out: Ints
     unit: Ints
     unit_key: NDArray[np.float64]
-    unit_rank: Ints
+    queue: Ints
+    forced: Ints
+    lean: Ints
+    stale: NDArray[np.bool_]
     mark: Ints
     stack: Ints
-    touch_at: Ints
-    touch_by: Ints
+    later: Ints
+    time_ms: Ints
+    climb: Ints
     reach: Ints
     back: Ints
-    stale: NDArray[np.bool_]
 
 
 def new_state(tables: Tables, seed: int) -> State:
     """An empty state; equal seeds walk equal ways."""
-    n, m = tables.n, tables.m
-    touches = int(np.diff(tables.touch_first).max(initial=0)) * 2 + 8
-    spread = np.random.SeedSequence(seed).generate_state(1, np.uint64)
+    n, m = tables.legs.n, tables.legs.m
 
     def room(size: int) -> Ints:
         return np.full(size, -1, dtype=np.int64)
 
+    number = np.zeros(NUMBERS, dtype=np.int64)
+    number[BEST] = -1
     return State(
-        order=room(n + 1),
+        order=room(n),
         position=room(n),
         site=room(n),
-        order_now=room(n + 1),
+        order_now=room(n),
         position_now=room(n),
         site_now=room(n),
         best=room(n),
-        number=np.zeros(NUMBERS, dtype=np.int64),
-        random=spread | np.uint64(1),
-        out=room(n + 1),
-        unit=room(n + 2),
-        unit_key=np.zeros(n + 1),
-        unit_rank=room(n + 1),
-        mark=np.zeros(n + 1, dtype=np.int64),
-        stack=room(n + 1),
-        touch_at=room(touches * (n if n < 64 else 64)),
-        touch_by=room(touches * (n if n < 64 else 64)),
-        reach=room(m + 1),
-        back=room(m + 1),
-        stale=np.zeros(n + 2, dtype=np.bool_),
+        number=number,
+        random=np.random.SeedSequence(seed).generate_state(1, np.uint64) | np.uint64(1),
+        out=room(n),
+        unit=room(n + 1),
+        unit_key=np.zeros(n),
+        queue=room(n),
+        forced=room(n),
+        lean=np.zeros(m, dtype=np.int64),
+        stale=np.zeros(n, dtype=np.bool_),
+        mark=np.zeros(n, dtype=np.int64),
+        stack=room(n),
+        later=room(n + 1),
+        time_ms=room(n),
+        climb=np.zeros(512, dtype=np.int64),
+        reach=room(m),
+        back=room(m),
     )
-
-
-@compiled
-def draw(random: NDArray[np.uint64]) -> np.uint64:
-    """The next 64 random bits (xorshift64*, Vigna 2016)."""
-    x = random[0]
-    x ^= x >> np.uint64(12)
-    x ^= x << np.uint64(25)
-    x ^= x >> np.uint64(27)
-    random[0] = x
-    return x * np.uint64(2685821657736338717)
-
-
-@compiled
-def below(random: NDArray[np.uint64], bound: int) -> int:
-    """A random whole number in 0 … bound - 1."""
-    return np.int64((draw(random) >> np.uint64(33)) % np.uint64(bound))
-
-
-@compiled
-def share(random: NDArray[np.uint64]) -> float:
-    """A random number in [0, 1)."""
-    return np.float64(draw(random) >> np.uint64(11)) * (1.0 / 9007199254740992.0)

@@ -1,0 +1,98 @@
+"""Which contour may stand where: precedence in lists, blocks, and who may follow whom."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+
+from ..problem import Problem
+from .legs import Legs
+from .lists import flatten
+
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+NEAR = 16  # neighbours of a contour that moves look at
+
+
+class Orders(NamedTuple):
+    """`before` is closed. `covers` lists for every contour those that come before it with no third between
+    (transitive reduction), `covered` those after it. The members of block `block[i]` are
+    `in_block[block_first[block[i]]:…]`.
+    `near` (n, k) are the nearest contours that may directly follow, `near_in` those that may directly precede; padded
+    with -1.
+    """
+
+    before: Bools
+    covers_first: Ints
+    covers: Ints
+    covered_first: Ints
+    covered: Ints
+    block: Ints
+    block_first: Ints
+    in_block: Ints
+    near: Ints
+    near_in: Ints
+
+
+def make_orders(problem: Problem, legs: Legs) -> Orders:
+    """The orders of a problem."""
+    n = problem.n
+    direct = _immediate(problem.before)
+    covers_first, covers = flatten([np.flatnonzero(direct[:, j]).tolist() for j in range(n)])
+    covered_first, covered = flatten([np.flatnonzero(direct[i]).tolist() for i in range(n)])
+    _, block = np.unique(problem.block, return_inverse=True)
+    block_first, in_block = flatten([np.flatnonzero(block == b).tolist() for b in range(block.max(initial=-1) + 1)])
+    may_follow = ~problem.before.T & (~problem.before | direct)
+    np.fill_diagonal(may_follow, False)
+    return Orders(
+        before=np.ascontiguousarray(problem.before),
+        covers_first=covers_first,
+        covers=covers,
+        covered_first=covered_first,
+        covered=covered,
+        block=np.asarray(block, dtype=np.int64),
+        block_first=block_first,
+        in_block=in_block,
+        near=_nearest(legs, may_follow, forward=True),
+        near_in=_nearest(legs, may_follow.T, forward=False),
+    )
+
+
+def _immediate(before: Bools) -> Bools:
+    """The pairs of a closed order with no third contour between them."""
+    rank = before.sum(axis=0) + 1
+    kept = np.zeros_like(before)
+    for j in range(len(before)):
+        left = np.where(before[:, j], rank, 0)
+        while left.any():
+            i = int(left.argmax())
+            kept[i, j] = True
+            left[i] = 0
+            left[before[:, i]] = 0
+    return kept
+
+
+def _nearest(legs: Legs, allowed: Bools, forward: bool) -> Ints:
+    """The `NEAR` nearest allowed contours of each, nearest first."""
+    k = min(NEAR, max(legs.n - 1, 1))
+    found = np.full((legs.n, k), -1, dtype=np.int64)
+    if legs.n == 0:
+        return found
+    if legs.travel.size:
+        least = np.minimum.reduceat(legs.leave[:-1], legs.first[:-1], axis=0)
+        cost = least if forward else least.T
+        for i in range(legs.n):
+            others = np.flatnonzero(allowed[i])
+            best = others[np.argsort(cost[i, others], kind="stable")[:k]]
+            found[i, : len(best)] = best
+        return found
+    here, there = (legs.end_circle, legs.pierce_circle) if forward else (legs.pierce_circle, legs.end_circle)
+    _, around = KDTree(there[:, :2]).query(here[:, :2], k=min(4 * k, legs.n))
+    for i, others in enumerate(around.reshape(legs.n, -1)):
+        best = others[allowed[i, others]][:k]
+        found[i, : len(best)] = best
+    return found

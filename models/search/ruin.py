@@ -1,0 +1,132 @@
+"""What is taken out of a route: neighbours, strings round a place, a stretch, anything, or one string to move."""
+
+from __future__ import annotations
+
+from .chance import below, share
+from .compiled import compiled
+from .orders import Orders
+from .sequence import close_gaps
+from .state import LENGTH, TAKEN, UNITS, State
+
+
+@compiled
+def ruin(orders: Orders, state: State, kind: int, most: int) -> None:
+    """Take up to about `most` contours out; `out` and `unit` list them."""
+    n = state.number[LENGTH]
+    state.number[UNITS] = state.number[TAKEN] = 0
+    state.unit[0] = 0
+    size = 1 + below(state.random, most)
+    seed = state.order[below(state.random, n)]
+    if kind == 0:
+        _neighbourhood(orders, state, seed, size)
+    elif kind == 1:
+        _strings(orders, state, seed, size)
+    elif kind == 2:
+        _stretch(orders, state, state.position[seed], size)
+    elif kind == 3:
+        for _ in range(size):
+            _take(orders, state, state.order[below(state.random, n)])
+    else:
+        _whole(orders, state, state.position[seed], size)
+    close_gaps(state)
+
+
+@compiled
+def _add(state: State, contour: int) -> None:
+    """Append a contour to the string being taken out."""
+    state.out[state.number[TAKEN]] = contour
+    state.number[TAKEN] += 1
+    state.position[contour] = -1
+
+
+@compiled
+def _end_string(state: State) -> None:
+    state.number[UNITS] += 1
+    state.unit[state.number[UNITS]] = state.number[TAKEN]
+
+
+@compiled
+def _take(orders: Orders, state: State, contour: int) -> None:
+    """Take one contour out; of a block often the whole of it, as a string."""
+    if state.position[contour] < 0:
+        return
+    b = orders.block[contour]
+    start, stop = orders.block_first[b], orders.block_first[b + 1]
+    if stop - start > 1 and share(state.random) < 0.6:
+        low = state.number[LENGTH]
+        present = 0
+        for e in range(start, stop):
+            where = state.position[orders.in_block[e]]
+            if where >= 0:
+                low = min(low, where)
+                present += 1
+        if present == stop - start:
+            if share(state.random) < 0.7:
+                for p in range(low, low + present):
+                    _add(state, state.order[p])
+                _end_string(state)
+            else:
+                for p in range(low, low + present):
+                    _add(state, state.order[p])
+                    _end_string(state)
+            return
+    _add(state, contour)
+    _end_string(state)
+
+
+@compiled
+def _neighbourhood(orders: Orders, state: State, seed: int, size: int) -> None:
+    """The nearest of the nearest, breadth first with gaps."""
+    _take(orders, state, seed)
+    reached = 0
+    while state.number[TAKEN] < size and reached < state.number[TAKEN]:
+        c = state.out[reached]
+        reached += 1
+        for j in range(orders.near.shape[1]):
+            if orders.near[c, j] >= 0 and share(state.random) < 0.5:
+                _take(orders, state, orders.near[c, j])
+            if orders.near_in[c, j] >= 0 and share(state.random) < 0.5:
+                _take(orders, state, orders.near_in[c, j])
+            if state.number[TAKEN] >= size:
+                break
+
+
+@compiled
+def _strings(orders: Orders, state: State, seed: int, size: int) -> None:
+    """Short stretches through the seed and its neighbours (Christiaens and Vanden Berghe 2020)."""
+    length = 1 + below(state.random, min(size, 10))
+    _around(orders, state, seed, length)
+    for j in range(orders.near.shape[1]):
+        _around(orders, state, orders.near[seed, j], length)
+        _around(orders, state, orders.near_in[seed, j], length)
+        if state.number[TAKEN] >= size:
+            return
+
+
+@compiled
+def _around(orders: Orders, state: State, contour: int, length: int) -> None:
+    if contour < 0 or state.position[contour] < 0:
+        return
+    first = max(0, state.position[contour] - below(state.random, length))
+    for p in range(first, min(first + length, state.number[LENGTH])):
+        _take(orders, state, state.order[p])
+
+
+@compiled
+def _stretch(orders: Orders, state: State, at: int, size: int) -> None:
+    for p in range(at, min(at + size, state.number[LENGTH])):
+        _take(orders, state, state.order[p])
+
+
+@compiled
+def _whole(orders: Orders, state: State, at: int, size: int) -> None:
+    """One string, to be moved as it stands; blocks are not broken."""
+    n = state.number[LENGTH]
+    stop = min(at + size, n)
+    while at > 0 and orders.block[state.order[at - 1]] == orders.block[state.order[at]]:
+        at -= 1
+    while stop < n and orders.block[state.order[stop]] == orders.block[state.order[stop - 1]]:
+        stop += 1
+    for p in range(at, stop):
+        _add(state, state.order[p])
+    _end_string(state)

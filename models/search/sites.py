@@ -1,0 +1,80 @@
+"""The best sites for a given order: a layered shortest path, exact for travel, crossings, site costs, conditions."""
+
+from __future__ import annotations
+
+from .compiled import compiled
+from .crossed import crossing
+from .demands import unmet
+from .legs import leg
+from .state import PRICE, WORK, State
+from .tables import Tables
+
+FAR = 1 << 60  # more than any route costs, µm
+
+
+@compiled
+def move_cost(tables: Tables, state: State, a: int, b: int, at: int) -> int:
+    """Travel from site a to site b just before position `at`, and what it crosses."""
+    cost = leg(tables.legs, a, b)
+    if len(tables.crossed.reach) > 0:
+        more, broken = crossing(tables.crossed, a, b, state.position, at)
+        cost += more + broken * state.number[PRICE]
+    return cost
+
+
+@compiled
+def choose_sites(tables: Tables, state: State, lo: int, hi: int) -> None:
+    """Choose the sites of positions `lo` … `hi - 1` of a full sequence; those beside them stay as they are."""
+    legs, demands = tables.legs, tables.demands
+    conditional = demands.of_site[legs.m] > demands.of_site[0]
+    reach, back = state.reach, state.back
+    before = legs.m if lo == 0 else state.site[state.order[lo - 1]]
+    start, stop = 0, 0
+    for p in range(lo, hi):
+        c = state.order[p]
+        last_start, last_stop = start, stop
+        start, stop = legs.first[c], legs.first[c + 1]
+        state.number[WORK] += 10 + 4 * (stop - start) * max(1, last_stop - last_start)
+        for s in range(start, stop):
+            reach[s] = FAR
+        for s in range(start, stop):
+            if state.forced[c] >= 0 and s != state.forced[c]:
+                continue
+            if p == lo:
+                reach[s] = move_cost(tables, state, before, s, p)
+            else:
+                for t in range(last_start, last_stop):
+                    if reach[t] < FAR:
+                        total = reach[t] + move_cost(tables, state, t, s, p)
+                        if total < reach[s]:
+                            reach[s], back[s] = total, t
+            reach[s] += legs.site_cost[s] + state.lean[s]
+            if conditional:
+                cost, broken = unmet(demands, demands.of_site[s], demands.of_site[s + 1], state.position, p)
+                reach[s] += cost + broken * state.number[PRICE]
+    after = legs.m if hi == legs.n else state.site[state.order[hi]]
+    best, chosen = 2 * FAR, start
+    for s in range(start, stop):
+        if reach[s] < FAR:
+            total = reach[s] + move_cost(tables, state, s, after, hi)
+            if total < best:
+                best, chosen = total, s
+    for p in range(hi - 1, lo - 1, -1):
+        state.site[state.order[p]] = chosen
+        chosen = back[chosen]
+
+
+@compiled
+def refresh_sites(tables: Tables, state: State, lo: int, hi: int, choose: bool) -> None:
+    """Choose anew the sites of every run of stale contours in positions `lo` … `hi - 1`, or just call them fresh."""
+    p = lo
+    while p < hi:
+        if not state.stale[state.order[p]]:
+            p += 1
+            continue
+        start = p
+        while p < hi and state.stale[state.order[p]]:
+            state.stale[state.order[p]] = False
+            p += 1
+        if choose:
+            choose_sites(tables, state, start, p)
