@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from ..encoder.errors import InputError
 from ..rules.statements import Crossing
 from .successors import Bools
 
@@ -17,6 +18,8 @@ UM_PER_MM = 1000
 GRAZE_UM = 100.0
 """A move that touches an area less deeply than this does not cross it."""
 FORBIDDEN = -1
+MOST_MOVES = 3_000_000
+"""Moves that can be looked at one by one in a minute or so."""
 
 
 def _none() -> Ints:
@@ -48,9 +51,20 @@ def find_crossings(
 
     `lawful` is the matrix of `successors.lawful_successors` (n + 1, n + 1), `first` the first site of every contour
     and of home; `ends_um`, `pierces_um` (m + 1, 2) include home as their last row.
+
+    Raises
+    ------
+    InputError
+        If there are more than `MOST_MOVES` moves between sites, as on large nests without zones.
     """
     if not statements:
         return Crossings()
+    sites = np.diff(first)
+    if (moves := int(sites @ lawful @ sites)) > MOST_MOVES:
+        raise InputError(
+            f"idle travel over parts that are out asks about {moves:,} moves, more than the {MOST_MOVES:,} that can be "
+            f"looked at: switch {statements[0].about.rule} off or zone-order on in the profile"
+        )
     owner = np.repeat(np.arange(len(first) - 1), np.diff(first))
     areas = shapely.STRtree(
         shapely.buffer([shapely.transform(s.area, lambda xy: xy * UM_PER_MM) for s in statements], -GRAZE_UM)
@@ -58,8 +72,8 @@ def find_crossings(
     found: list[tuple[Ints, Ints, Ints]] = []
     for site in range(len(ends_um)):
         ahead = np.flatnonzero(lawful[owner[site]][owner])
-        moves = shapely.linestrings(np.stack([np.broadcast_to(ends_um[site], (len(ahead), 2)), pierces_um[ahead]], 1))
-        which, met = areas.query(moves, predicate="intersects")
+        lines = shapely.linestrings(np.stack([np.broadcast_to(ends_um[site], (len(ahead), 2)), pierces_um[ahead]], 1))
+        which, met = areas.query(lines, predicate="intersects")
         found.append((np.full(len(which), site), ahead[which], met))
     leave, reach, area = (np.concatenate(column).astype(np.int64) for column in zip(*found, strict=True))
     over = np.array([s.over for s in statements], dtype=np.int64)

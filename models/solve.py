@@ -10,19 +10,25 @@ from ..encoder.errors import RulesConflict
 from ..encoder.facts.facts import Facts
 from ..rules.statements import Statement
 from .cpsat import solve_cpsat
-from .crossings import Crossings
 from .evaluate import broken, route_cost
-from .ideals import prove
-from .pace import Pace
+from .ideals import fits, prove
 from .problem import UM_PER_MM, Problem, make_problem
-from .search import search
+from .search import Searcher
 from .simplify import simplify
 from .solution import Incumbent, Progress, Solution, SolveOptions
 
 Refine = Callable[[tuple[int, ...]], tuple[Statement, ...]]
 
-# shares of the budget: a first look, the proof by ideals, more search where that fails, CP-SAT
-FIRST, PROOF, SEARCH, EXACT = 0.03, 0.42, 0.3, 0.25
+FIRST = 0.03
+"""Share of the work for a first look by the search."""
+PROOF = 0.45
+"""Share that the proof by ideals may take, where it fits; most take next to nothing."""
+ROUND = 0.7
+"""Share of what is left for one round, where geometry may have afterthoughts that ask for another."""
+ENOUGH = 0.9
+"""Share after which no further round is begun."""
+SEARCH = 0.6
+"""Share of what is left, where nothing is proven, for more search; CP-SAT has the rest."""
 
 
 @dataclass(slots=True)
@@ -65,28 +71,25 @@ def solve(
     """
     started = time.monotonic()
     watch = _Watch(progress, None if options.time_s is None else started + options.time_s)
-    left = options.work if options.time_s is None else options.time_s
+    whole = options.work if options.time_s is None else options.time_s
     spent = 0.0
     while True:
         problem = simplify(make_problem(facts, statements, options.home_mm, options.feeds))
-        known = _run(problem, replace(options, work=left - spent), watch)
-        spent += known.work
+        share = (whole - spent) * (1.0 if refine is None else ROUND)
+        known = _run(problem, replace(options, work=share, time_s=options.time_s and share), watch)
+        spent = spent + known.work if options.time_s is None else time.monotonic() - started
         if known.incumbent is None:
-            raise RulesConflict(
-                "no plan meets every hard rule"
-                if known.infeasible
-                else "no plan that meets every hard rule was found within the limit (none is proven impossible)"
-            )
+            raise _no_plan(known.infeasible)
         order = tuple(int(problem.site_contour[s]) for s in known.incumbent.route)
         missing = () if refine is None else refine(order)
-        if not missing:
-            break
         statements += missing
-        if watch.stopped or spent >= left:
-            raise RulesConflict(
-                "no plan that meets every hard rule was found within the limit (none is proven impossible)",
-                tuple(s.about.sentence for s in missing),
-            )
+        if not missing or watch.stopped or spent >= whole * ENOUGH:
+            break
+    if missing:
+        candidates = problem.site_candidate[list(known.incumbent.route)]
+        problem = make_problem(facts, statements, options.home_mm, options.feeds)
+        known = replace(known, incumbent=_judged_anew(problem, problem.candidate_site[candidates].tolist(), missing))
+    assert known.incumbent is not None
     cost = known.incumbent.cost
     bound = min(known.bound_um, cost)
     return Solution(
@@ -96,45 +99,57 @@ def solve(
         status="optimal" if bound >= cost else "feasible",
         found_by=known.found_by,
         proved_by=known.proved_by,
-        seconds=spent if options.time_s is None else time.monotonic() - started,
+        seconds=spent,
+    )
+
+
+def _judged_anew(problem: Problem, route: list[int], missing: tuple[Statement, ...]) -> Incumbent:
+    """The route at hand at the price of what was found missing last, when there is no time left to solve again."""
+    if broken(problem, route):
+        raise _no_plan(False, tuple(s.about.sentence for s in missing))
+    return Incumbent(tuple(route), route_cost(problem, route))
+
+
+def _no_plan(infeasible: bool, reasons: tuple[str, ...] = ()) -> RulesConflict:
+    if infeasible:
+        return RulesConflict("no plan meets every hard rule", reasons)
+    return RulesConflict(
+        "no plan that meets every hard rule was found within the limit (none is proven impossible)", reasons
     )
 
 
 def _run(problem: Problem, options: SolveOptions, watch: _Watch) -> _Known:
     known = _Known()
-    work = options.work
-    known.offer(_search(problem, options, watch, FIRST), "search")
-    proof = prove(problem, known.incumbent, work * PROOF, watch)
-    known.work = work * FIRST + (work * PROOF if proof is None else proof.work)
-    if proof is not None:
-        if proof.incumbent is None:
+    searcher = Searcher(problem, options.seed)
+
+    def look(work: float) -> None:
+        searcher.run(work, None if options.time_s is None else work, watch)
+        known.offer(searcher.best, "search")
+        known.work += work
+
+    look(options.work * FIRST)
+    if fits(problem):
+        proof = prove(problem, known.incumbent, options.work * PROOF, watch)
+        known.work += options.work * PROOF if proof is None else proof.work
+        if proof is not None and proof.incumbent is None:
             known.infeasible = True
-        else:
+        elif proof is not None and proof.incumbent is not None:
             known.offer(proof.incumbent, "ideals")
             known.raise_bound(proof.incumbent.cost, "ideals")
-        return known
+        if proof is not None:
+            return known
     if not watch.stopped:
-        known.offer(_search(problem, options, watch, SEARCH), "search")
-        known.work += work * SEARCH
+        look((options.work - known.work) * SEARCH)
     if not watch.stopped:
-        outcome = solve_cpsat(problem, replace(options, work=work * EXACT), known.incumbent, known.bound_um, watch)
+        left = options.work - known.work
+        limits = replace(options, work=left, time_s=options.time_s and left)
+        outcome = solve_cpsat(problem, limits, known.incumbent, known.bound_um, watch)
         known.offer(outcome.incumbent, "cp-sat")
         known.infeasible = outcome.infeasible
         if outcome.bound is not None:
             known.raise_bound(outcome.bound, "cp-sat")
-        known.work += work * EXACT
+        known.work += left
     return known
-
-
-def _search(problem: Problem, options: SolveOptions, watch: _Watch, share: float) -> Incumbent | None:
-    """The search's best route, judged by all statements: it knows nothing of crossings and seconds itself."""
-    simpler = replace(
-        problem, crossings=Crossings(), lags=tuple(replace(lag, seconds=0.0) for lag in problem.lags), pace=Pace()
-    )
-    found = search(simpler, options, watch, share)
-    if found is None or broken(problem, found.route):
-        return None
-    return Incumbent(found.route, route_cost(problem, found.route))
 
 
 class _Watch:

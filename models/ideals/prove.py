@@ -45,13 +45,17 @@ def applies(problem: Problem) -> bool:
     return short and one_price and not problem.general
 
 
+def fits(problem: Problem) -> bool:
+    """Whether a proof is worth a try: it applies, and no stretch has more contours than a mask has bits."""
+    return applies(problem) and 0 < max(map(len, series(problem)), default=0) <= MOST_CONTOURS
+
+
 def prove(problem: Problem, incumbent: Incumbent | None, work: float, progress: Progress | None = None) -> Proof | None:
     """Solve exactly, or return None if the budget (`work`, seconds or so) does not suffice.
 
     An incumbent makes it faster, never different: states that cannot lead to a plan as cheap are dropped.
     """
-    groups = series(problem) if applies(problem) else []
-    if not groups or max(map(len, groups)) > MOST_CONTOURS:
+    if not fits(problem):
         return None
     known = incumbent.cost if incumbent else None
     budget = Budget(work * ADDITIONS_PER_S, MOST_STATES, lambda: progress is None or progress("ideals", known, None))
@@ -60,7 +64,7 @@ def prove(problem: Problem, incumbent: Incumbent | None, work: float, progress: 
     stretches: list[_Stretch] = []
     ways, costs, earlier = np.array([HOME]), np.zeros(1), frozenset[int]()
     try:
-        for group in groups:
+        for group in series(problem):
             local = localise(problem, group, earlier)
             rows = np.concatenate([ways, local.sites])
             travel = _travel(problem, rows, local.sites)
