@@ -75,7 +75,8 @@ class Row:
         proven = "" if bound is None else f"{bound / 1000:.3f}"
         gap = "" if bound is None else f"{(found - bound) / found:.2%}"
         return (
-            f"| {self.name} | {self.contours} | {self.idle_mm / 1000:.3f} | {found / 1000:.3f} | {proven} | {gap} | {self.solution.found_by} "
+            f"| {self.name} | {self.contours} | {self.idle_mm / 1000:.3f} | {found / 1000:.3f} | {proven} "
+            f"| {gap} | {self.solution.found_by} "
             f"| {self.solution.proved_by} | {self.facts_s:.1f} | {self.plan_s:.1f} |"
         )
 

@@ -15,7 +15,6 @@ from kerfwise.rules.profile import Profile, load_profile
 from kerfwise.rules.sections import RuleSetting
 from kerfwise.rules.state import Stated, state_rules
 
-
 QUIET = ("heat-lag", "part-rigidity", "no-islands", "no-narrow-strips", "no-tip-travel")
 
 
