@@ -22,7 +22,7 @@ def draw(random: NDArray[np.uint64]) -> np.uint64:
 @compiled
 def below(random: NDArray[np.uint64], bound: int) -> int:
     """A random whole number in 0 … bound - 1."""
-    return int((draw(random) >> np.uint64(33)) % np.uint64(bound))
+    return int(np.int64((draw(random) >> np.uint64(33)) % np.uint64(bound)))
 
 
 @compiled

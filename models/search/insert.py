@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .chance import share
 from .compiled import compiled
-from .crossed import row_of
+from .crossed import cell_of
 from .demands import met_at
 from .legs import least_enter, least_leave
 from .sequence import inside_block, put_in, window
@@ -140,16 +140,28 @@ def _note_later(tables: Tables, state: State, contour: int, lo: int, hi: int) ->
             price = demands.cost[k] if demands.cost[k] >= 0 else state.number[PRICE]
             state.later[min(where, hi)] += price if was else -price
             found = True
-    if len(crossed.reach) > 0 and crossed.is_over[contour]:
+    if len(crossed.over) > 0 and crossed.is_over[contour]:
         for at in range(lo + 1, hi + 1):
             a, b = _beside(tables, state, at)
-            for e in range(row_of(crossed, a, b), crossed.first[a + 1]):
-                if crossed.reach[e] != b:
-                    break
-                if crossed.over[e] == contour:
-                    state.later[at - 1] += crossed.cost[e] if crossed.cost[e] >= 0 else state.number[PRICE]
-                    found = True
+            cost = _cost_over(tables, state, contour, a, b)
+            state.later[at - 1] += cost
+            found = found or cost > 0
     return found
+
+
+@compiled
+def _cost_over(tables: Tables, state: State, contour: int, a: int, b: int) -> int:
+    """What the move from site a to site b costs for crossing a contour, once that is cut."""
+    legs, crossed = tables.legs, tables.crossed
+    cost = 0
+    c = legs.contour[b]
+    cell = cell_of(crossed, a * (legs.n + 1) + c)
+    if cell >= 0:
+        start = cell + b - legs.first[c]
+        for e in range(crossed.start[start], crossed.start[start + 1]):
+            if crossed.over[e] == contour:
+                cost += crossed.cost[e] if crossed.cost[e] >= 0 else state.number[PRICE]
+    return cost
 
 
 @compiled

@@ -9,19 +9,21 @@ from numpy.typing import NDArray
 
 from ..problem import Problem
 from .compiled import compiled
+from .crossed import always_crossed
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
 
-MATRIX_SITES = 2500
+MATRIX_SITES = 3000  # a travel matrix is kept up to this many sites
 
 
 class Legs(NamedTuple):
     """n contours, m sites; home is site m.
 
-    Sites of contour i are `first[i]` … `first[i + 1] - 1`. `travel` (m + 1, m + 1), or (0, 0) when legs are computed
-    from `pierce`, `end` and `weight`. `leave[a, c]` is the least travel from site a to contour c, `enter[b, c]` that
-    from contour c to site b; where there is no matrix the circles round a contour's points bound them.
+    Sites of contour i are `first[i]` … `first[i + 1] - 1`; `contour` of home is n. `travel` (m + 1, m + 1) includes
+    what moves cross in any order; it is (0, 0) when legs are computed from `pierce`, `end` and `weight`. `leave[a, c]`
+    is the least travel from site a to contour c, `enter[b, c]` that from contour c to site b; where there is no matrix
+    the circles round a contour's points bound them.
     """
 
     n: int
@@ -49,15 +51,18 @@ def make_legs(problem: Problem, travel: Ints | None) -> Legs:
     if travel is None:
         travel = leave = enter = np.zeros((0, 0), dtype=np.int64)
     else:
+        travel = np.array(travel, dtype=np.int64)
+        from_site, to_site, cost = always_crossed(problem)
+        np.add.at(travel, (from_site, to_site), cost)
         leave = _least(travel[:, :m], problem.first)
         enter = _least(travel[:m].T, problem.first)
     return Legs(
         n=n,
         m=m,
         first=problem.first,
-        contour=problem.site_contour,
+        contour=np.append(problem.site_contour, n),
         site_cost=problem.site_cost,
-        travel=np.ascontiguousarray(travel, dtype=np.int64),
+        travel=travel,
         leave=leave,
         enter=enter,
         pierce=pierce_um.astype(np.float64),

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .compiled import compiled
-from .crossed import crossing
+from .crossed import cell_of, crossing
 from .demands import unmet
 from .groups import pieces_begun
 from .lags import too_close_within, too_soon
@@ -26,15 +26,17 @@ def span_price(
     Two sequences that differ in this span alone differ in cost by what this differs. `room` is for a number a contour.
     """
     legs, demands, crossed, groups, lags = tables.legs, tables.demands, tables.crossed, tables.groups, tables.lags
-    conditional, crossable = len(demands.contour) > 0, len(crossed.reach) > 0
+    conditional, crossable = len(demands.contour) > 0, len(crossed.over) > 0
     cost, broken = 0, 0
     last = legs.m if lo == 0 else site[order[lo - 1]]
     for p in range(lo, hi + 1):
         s = legs.m if p == legs.n else site[order[p]]
         cost += leg(legs, last, s)
         if crossable:
-            more, worse = crossing(crossed, last, s, position, p)
-            cost, broken = cost + more, broken + worse
+            cell = cell_of(crossed, last * (legs.n + 1) + legs.contour[s])
+            if cell >= 0:
+                more, worse = crossing(crossed, cell + s - legs.first[legs.contour[s]], position, p)
+                cost, broken = cost + more, broken + worse
         last = s
         if p == hi:
             break

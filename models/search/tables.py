@@ -36,7 +36,7 @@ def make_tables(problem: Problem, travel: NDArray[np.int64] | None = None) -> Ta
         legs,
         make_orders(problem, legs),
         make_demands(problem),
-        make_crossed(problem),
+        make_crossed(problem, priced=legs.travel.size > 0),
         make_groups(problem),
         make_lags(problem),
         make_literals(problem),
