@@ -32,8 +32,8 @@ from kerfwise.rules.profile import Profile, load_profile
 from kerfwise.rules.state import state_rules
 
 EXAMPLES = Path(kerfwise.__file__).parent / "examples" / "nests"
-PLATES = ((1, 115), (1, 300), (2, 300), (1, 1000))
-WITHOUT_ZONES = ((1, 40), (1, 115), (1, 300))
+PLATES = ((1, 115), (1, 300), (1, 1000))
+WITHOUT_ZONES = ((1, 40), (1, 115))
 
 PAGE = """\
 # Benchmarks
