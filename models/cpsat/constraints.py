@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
-from ortools.sat.python.cp_model import CpModel, LinearExpr, LinearExprT, LiteralT
+from ortools.sat.python.cp_model import CpModel, IntVar, LinearExpr, LinearExprT, LiteralT
 
 from ...rules.statements import Before
 from ..problem import Problem
 from .arcs import Arcs, arc_of_move
 from .moves import Out, out_by_then
+from .positions import distances, windows, windows_of_steps
 from .times import cuts_ms, moves_ms
 from .variables import Variables
 
@@ -22,6 +24,7 @@ def add_constraints(model: CpModel, problem: Problem, arcs: Arcs, v: Variables) 
     _travel_joins_contours(model, arcs, v)
     _travel_joins_picked_sites(model, problem, arcs, v)
     _positions_follow_the_route(model, problem, v)
+    _positions_leave_room(model, problem, v)
     _orders_hold(model, problem, v)
     _blocks_stay_together(model, problem, v)
     _order_literals_agree_with_positions(model, v)
@@ -75,11 +78,37 @@ def _positions_follow_the_route(model: CpModel, problem: Problem, v: Variables) 
             model.add(v.position[j] == v.position[i] + 1).only_enforce_if(literal)
 
 
+def _positions_leave_room(model: CpModel, problem: Problem, v: Variables) -> None:
+    """What must come before i or j, if j follows i, comes before both (implied; it tightens the linear programs)."""
+    n = problem.n
+    first, last = windows(problem)
+    first_if, last_if = windows_of_steps(problem)
+    bounds: dict[tuple[int, int, int], list[tuple[IntVar, int]]] = defaultdict(list)
+    for (i, j), literal in v.follow.items():
+        if i == n:
+            bounds[j, -1, 1].append((literal, int(last[j])))
+        elif j == n:
+            bounds[i, 1, 0].append((literal, int(n - 1 - first[i])))
+        else:
+            bounds[i, 1, 0].append((literal, int(first_if[i, j] - first[i])))
+            bounds[j, 1, 1].append((literal, int(first_if[i, j] + 1 - first[j])))
+            bounds[i, -1, 0].append((literal, int(last[i] - last_if[i, j] + 1)))
+            bounds[j, -1, 1].append((literal, int(last[j] - last_if[i, j])))
+    for (i, sign, _), terms in bounds.items():
+        tighter = [(literal, by) for literal, by in terms if by > 0]
+        if tighter:
+            moved = LinearExpr.weighted_sum([literal for literal, _ in tighter], [by for _, by in tighter])
+            model.add(sign * v.position[i] >= sign * int(first[i] if sign > 0 else last[i]) + moved)
+
+
 def _orders_hold(model: CpModel, problem: Problem, v: Variables) -> None:
-    """What must come before comes before; orders that others imply are left out."""
-    steps = problem.before.astype(np.float32)
-    for i, j in np.argwhere(problem.before & ~((steps @ steps) > 0)).tolist():
-        model.add(v.position[i] < v.position[j])
+    """What must come before comes before, with room for what must lie between."""
+    first, last = windows(problem)
+    apart = distances(problem)
+    open_yet = (apart > 0) & (first[None, :] - last[:, None] < apart)
+    for i, j in np.argwhere(open_yet).tolist():
+        if apart[i, j] != 2:  # one between them: the two steps say as much
+            model.add(v.position[j] >= v.position[i] + int(apart[i, j]))
 
 
 def _blocks_stay_together(model: CpModel, problem: Problem, v: Variables) -> None:
@@ -114,15 +143,18 @@ def _conditions_are_met(model: CpModel, problem: Problem, v: Variables) -> None:
 
 
 def _lags_are_kept(model: CpModel, problem: Problem, v: Variables) -> None:
-    """Enough other cuts lie between two contours, less those that are missing at a penalty."""
+    """Enough other cuts lie between two contours, less those that are missing at a penalty.
+
+    Two contours that follow each other lack them all; for one cut that says it all, and if hard there is no such step.
+    """
     for k, lag in enumerate(problem.lags):
-        if lag.cuts == 0 or (lag.weight is not None and k not in v.missing):
-            continue
-        apart = lag.cuts + 1 - v.missing[k] if k in v.missing else lag.cuts + 1
-        for i, j in ((lag.first, lag.second), (lag.second, lag.first)):
-            model.add(v.position[j] - v.position[i] >= apart).only_enforce_if(v.before(i, j))
-            if k in v.missing and (i, j) in v.follow:
-                model.add(v.missing[k] >= lag.cuts).only_enforce_if(v.follow[i, j])
+        pair = (lag.first, lag.second)
+        if k in v.missing:
+            model.add(v.missing[k] >= lag.cuts * LinearExpr.sum(inner(v, pair)))
+        if lag.cuts > 1:
+            apart = lag.cuts + 1 - v.missing.get(k, 0)
+            for i, j in (pair, pair[::-1]):
+                model.add(v.position[j] - v.position[i] >= apart).only_enforce_if(v.before(i, j))
 
 
 def _general_statements_hold(model: CpModel, problem: Problem, v: Variables) -> None:

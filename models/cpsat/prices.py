@@ -20,6 +20,8 @@ from .arcs import Arcs
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
 ROUNDS = 200
+EFFORT = 100_000_000
+"""Numbers to look at in all rounds together: large nests get fewer rounds."""
 PATIENCE = 8
 """Rounds without a better bound after which the steps become shorter."""
 NEVER = 1e14
@@ -41,8 +43,8 @@ def price_sites(problem: Problem, arcs: Arcs, target_um: int | None) -> Priced:
     """Look for prices that make the bound as high as can be; `target_um` is the cost of a known route."""
     costs = arcs.cost + np.append(problem.site_cost, 0)[arcs.head]
     prices = best = np.zeros(problem.m + 1, dtype=np.int64)
-    bound, step, waited = -np.inf, 1.0, 0
-    for _ in range(ROUNDS):
+    bound, step, waited = 0.0, 1.0, 0
+    for _ in range(min(ROUNDS, EFFORT // (len(costs) + (problem.n + 1) ** 2))):
         least, reached = _assigned(problem.n, arcs, costs + prices[arcs.head] - prices[arcs.tail])
         if least > bound:
             bound, best, waited = least, prices, 0

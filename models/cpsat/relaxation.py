@@ -12,30 +12,26 @@ from ..crossings import Crossings
 from ..pace import Pace
 from ..problem import Problem
 from ..solution import Incumbent, Progress, SolveOptions
-from .arcs import Arcs
 from .hint import add_hint
 from .model import build, proven_bound
 from .objective import limit_objective
 from .outcome import Outcome
-from .prices import NEVER, price_sites
+from .prices import Priced
 from .run import run
 
 
 def solve_relaxed(
     problem: Problem,
-    arcs: Arcs,
+    priced: Priced,
     options: SolveOptions,
     start: Incumbent | None,
     bound_um: int,
     progress: Progress | None,
 ) -> Outcome:
-    """A proven lower bound from arcs between contours; no route but `start` comes back.
+    """A proven lower bound from the cheapest arcs between contours; no route but `start` comes back.
 
     Every route of the whole problem is one of the relaxed problem, and costs no less there.
     """
-    priced = price_sites(problem, arcs, None if start is None else start.cost)
-    if priced.bound >= NEVER:
-        return Outcome(None, infeasible=True)
     relaxed = by_contours(problem)
     model, v = build(relaxed, priced.arcs)
     # `bound_um` need not hold for the relaxed problem, and is no limit to it

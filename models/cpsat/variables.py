@@ -12,6 +12,7 @@ from ...rules.statements import Before
 from ..problem import Problem
 from .arcs import Arcs
 from .moves import Out, out_by_then
+from .positions import windows
 from .times import counts_seconds, longest_ms
 
 Pair = tuple[int, int]
@@ -99,9 +100,7 @@ def _follow(model: CpModel, arcs: Arcs, travel: list[IntVar]) -> dict[Pair, IntV
 
 def _positions(model: CpModel, problem: Problem) -> list[IntVar]:
     """What must come before and after a contour bounds its position."""
-    earliest = problem.before.sum(axis=0).tolist()
-    latest = (problem.n - 1 - problem.before.sum(axis=1)).tolist()
-    return [model.new_int_var(low, high, "") for low, high in zip(earliest, latest, strict=True)]
+    return [model.new_int_var(int(low), int(high), "") for low, high in zip(*windows(problem), strict=True)]
 
 
 def _orders(model: CpModel, problem: Problem) -> dict[Pair, LiteralT]:
@@ -121,7 +120,7 @@ def _orders(model: CpModel, problem: Problem) -> dict[Pair, LiteralT]:
 def _asked(problem: Problem) -> Iterator[Pair]:
     """Pairs (the smaller number first) whose order a statement asks about and no hard order decides."""
     pairs: list[Pair] = [(k, c.contour) for c in problem.conditions for k in c.members]
-    pairs += [(lag.first, lag.second) for lag in problem.lags]
+    pairs += [(lag.first, lag.second) for lag in problem.lags if lag.cuts > 1 or lag.seconds > 0]
     rows = problem.crossings
     undecided = out_by_then(problem) == Out.OPEN
     leaving = problem.site_contour[rows.leave[undecided]]
