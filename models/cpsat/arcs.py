@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..crossings import FORBIDDEN
 from ..problem import Problem
 from ..successors import Bools
-from .moves import Out, out_by_then
+from .moves import Out, arc_of_move, out_by_then
 
 Ints = NDArray[np.int64]
 
@@ -71,12 +71,3 @@ def _crossed(problem: Problem, groups: Ints, sizes: Ints, tail: Ints, head: Ints
     left = np.add.reduceat(kept, np.cumsum(sizes) - sizes, dtype=np.int64)
     first = np.concatenate([[0], np.cumsum(left[left > 0])])
     return Arcs(groups[left > 0], first, tail[kept], head[kept], cost[kept])
-
-
-def arc_of_move(m: int, tail: Ints, head: Ints, leave: Ints, reach: Ints) -> Ints:
-    """The arc of every move from a site to a site, -1 where there is none."""
-    past_all = (m + 1) ** 2
-    keys, wanted = np.append(tail * (m + 1) + head, past_all), leave * (m + 1) + reach
-    order = np.argsort(keys, kind="stable")
-    found = order[np.searchsorted(keys, wanted, sorter=order)]
-    return np.where(keys[found] == wanted, found, -1)

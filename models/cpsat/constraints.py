@@ -10,8 +10,7 @@ from ortools.sat.python.cp_model import CpModel, IntVar, LinearExpr, LinearExprT
 
 from ...rules.statements import Before
 from ..problem import Problem
-from .arcs import Arcs, arc_of_move
-from .moves import Out, out_by_then
+from .arcs import Arcs
 from .positions import distances, windows, windows_of_steps
 from .times import cuts_ms, moves_ms
 from .variables import Variables
@@ -31,7 +30,7 @@ def add_constraints(model: CpModel, problem: Problem, arcs: Arcs, v: Variables) 
     _conditions_are_met(model, problem, v)
     _lags_are_kept(model, problem, v)
     _general_statements_hold(model, problem, v)
-    _moves_over_parts_are_paid_for(model, problem, arcs, v)
+    _moves_over_parts_are_paid_for(model, v)
     _the_clock_runs_along_the_route(model, problem, arcs, v)
     _cooling_takes_its_time(model, problem, v)
 
@@ -169,14 +168,15 @@ def _general_statements_hold(model: CpModel, problem: Problem, v: Variables) -> 
         _at_least(model, literals, statement.weights, statement.bound, [*given, *excused])
 
 
-def _moves_over_parts_are_paid_for(model: CpModel, problem: Problem, arcs: Arcs, v: Variables) -> None:
+def _moves_over_parts_are_paid_for(model: CpModel, v: Variables) -> None:
     """A move over a part that is out by then costs, or is not made."""
-    rows = problem.crossings
-    moves = arc_of_move(problem.m, arcs.tail, arcs.head, rows.leave, rows.reach)
-    for k in np.flatnonzero((out_by_then(problem) == Out.OPEN) & (moves >= 0)).tolist():
-        is_out = v.before(int(rows.over[k]), int(problem.site_contour[rows.leave[k]]))
-        price = [v.over[k]] if k in v.over else []
-        model.add_bool_or([~v.travel[moves[k]], ~is_out, *price])
+    for k, crossing in enumerate(v.crossings):
+        is_out = v.before(crossing.over, crossing.leave)
+        moves = [v.travel[a] for a in crossing.arcs]
+        if k in v.over:
+            model.add(LinearExpr.sum([*moves, is_out]) <= 1 + v.over[k])
+        else:
+            model.add_at_most_one([*moves, is_out])
 
 
 def _the_clock_runs_along_the_route(model: CpModel, problem: Problem, arcs: Arcs, v: Variables) -> None:

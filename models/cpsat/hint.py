@@ -10,6 +10,7 @@ from ortools.sat.python.cp_model import CpModel, IntVar
 from ..evaluate import general_holds, missing_ms, times_ms
 from ..problem import Problem
 from .arcs import Arcs
+from .crossed import OpenCrossing
 from .variables import Variables
 
 
@@ -19,9 +20,10 @@ def add_hint(model: CpModel, problem: Problem, arcs: Arcs, v: Variables, route: 
     order = [int(problem.site_contour[s]) for s in route]
     position = {contour: k for k, contour in enumerate(order)}
     tour = set(pairwise([problem.m, *route, problem.m]))
+    taken = {a for a, leg in enumerate(zip(arcs.tail.tolist(), arcs.head.tolist(), strict=True)) if leg in tour}
     values = {
         **_values(v.pick, (s in picked for s in range(problem.m))),
-        **_values(v.travel, (leg in tour for leg in zip(arcs.tail.tolist(), arcs.head.tolist(), strict=True))),
+        **_values(v.travel, (a in taken for a in range(len(v.travel)))),
         **_values(v.follow.values(), _steps(v, pairwise([problem.n, *order, problem.n]))),
         **_values(v.position, (position[i] for i in range(problem.n))),
         **_values(v.broken.values(), (_unmet(problem, k, order, picked) for k in v.broken)),
@@ -29,7 +31,7 @@ def add_hint(model: CpModel, problem: Problem, arcs: Arcs, v: Variables, route: 
             v.failed.values(), (not general_holds(problem, problem.general[k], position, picked) for k in v.failed)
         ),
         **_values(v.missing.values(), (_lacking(problem, k, position) for k in v.missing)),
-        **_values(v.over.values(), (_over(problem, k, tour, position) for k in v.over)),
+        **_values(v.over.values(), (_crosses(v.crossings[k], taken, position) for k in v.over)),
     }
     if v.begin:
         times = times_ms(problem, route)
@@ -59,10 +61,8 @@ def _unmet(problem: Problem, k: int, order: Sequence[int], picked: set[int]) -> 
     return not condition.met(set(order[: order.index(condition.contour)]))
 
 
-def _over(problem: Problem, k: int, tour: set[tuple[int, int]], position: dict[int, int]) -> bool:
-    rows = problem.crossings
-    leave, reach, over = int(rows.leave[k]), int(rows.reach[k]), int(rows.over[k])
-    return (leave, reach) in tour and position[over] < position[int(problem.site_contour[leave])]
+def _crosses(crossing: OpenCrossing, taken: set[int], position: dict[int, int]) -> bool:
+    return position[crossing.over] < position[crossing.leave] and not taken.isdisjoint(crossing.arcs)
 
 
 def _lacking(problem: Problem, k: int, position: dict[int, int]) -> int:

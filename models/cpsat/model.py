@@ -25,7 +25,7 @@ def solve_whole(
     options: SolveOptions,
     start: Incumbent | None,
     bound_um: int,
-    progress: Progress | None,
+    progress: Progress,
 ) -> Outcome:
     """Solve the model of the whole problem, given a lawful route and a proven lower bound."""
     model, v = build(problem, arcs)

@@ -60,7 +60,7 @@ def _others(problem: Problem, v: Variables) -> LinearExprT:
         [
             *(round((problem.lags[k].weight or 0.0) * UM_PER_MM) for k in v.missing),
             *(round((problem.general[k].weight or 0.0) * UM_PER_MM) for k in v.failed),
-            *problem.crossings.cost[list(v.over)].tolist(),
+            *(v.crossings[k].cost for k in v.over),
             *(round(problem.lags[k].weight or 0.0) for k in v.late),
         ],
     )

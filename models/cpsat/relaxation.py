@@ -26,7 +26,7 @@ def solve_relaxed(
     options: SolveOptions,
     start: Incumbent | None,
     bound_um: int,
-    progress: Progress | None,
+    progress: Progress,
 ) -> Outcome:
     """A proven lower bound from the cheapest arcs between contours; no route but `start` comes back.
 
@@ -38,7 +38,11 @@ def solve_relaxed(
     limit_objective(model, priced.bound, None if start is None else start.cost)
     if start is not None:
         add_hint(model, relaxed, priced.arcs, v, [int(problem.site_contour[s]) for s in start.route])
-    done = run(model, options, progress)
+
+    def going(engine: str, _: int | None, bound: int | None) -> bool:  # what the relaxed route costs is no plan's cost
+        return progress(engine, None if start is None else start.cost, max(bound_um, bound or 0))
+
+    done = run(model, options, going)
     if done.status == INFEASIBLE and start is None:
         return Outcome(None, infeasible=True)
     bound = max(bound_um, proven_bound(done, priced.bound))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from concurrent.futures import Future, ThreadPoolExecutor, wait
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
 
 from ortools.sat.python.cp_model import CpModel, CpSolver, CpSolverSolutionCallback, CpSolverStatus
@@ -22,8 +22,8 @@ class Run:
     interrupted: bool
 
 
-def run(model: CpModel, options: SolveOptions, progress: Progress | None) -> Run:
-    """Solve until proven, out of work or time, told to stop by `progress`, or interrupted; what was found is kept.
+def run(model: CpModel, options: SolveOptions, progress: Progress) -> Run:
+    """Solve until proven, out of work, told to stop by `progress`, or interrupted; what was found is kept.
 
     The solver runs in a thread of its own, so that this one can ask `progress` and hear Ctrl-C.
     """
@@ -35,18 +35,20 @@ def run(model: CpModel, options: SolveOptions, progress: Progress | None) -> Run
         running = pool.submit(solver.solve, model, seen)
         while not running.done():
             try:
-                _pause(running)
-                going = going and (progress is None or progress(ENGINE, seen.cost_um, seen.bound_um))
+                wait([running], timeout=POLL_S)
+                going = going and progress(ENGINE, seen.cost_um, seen.bound_um)
+                if not going:
+                    solver.stop_search()  # said again each time: the first may come before the search has begun
             except KeyboardInterrupt:
                 going, interrupted = False, True
-            if not going:
-                solver.stop_search()  # said again each time: the first may come before the search has begun
         return Run(solver, running.result(), interrupted)
 
 
 def _solver(options: SolveOptions) -> CpSolver:
-    """One worker that bounds by linear programs with every cut: the strongest proof by far on these models, and exact
-    to repeat. Probing costs more than it finds here."""
+    """One worker, so that every run is the same, and linear programs with every cut: by far the fastest proofs here.
+
+    Probing costs more than it finds in these models.
+    """
     solver = CpSolver()
     parameters = solver.parameters
     parameters.num_workers = 1
@@ -55,13 +57,7 @@ def _solver(options: SolveOptions) -> CpSolver:
     parameters.cp_model_probing_level = 0
     parameters.max_deterministic_time = options.work
     parameters.catch_sigint_signal = False
-    if options.time_s is not None:
-        parameters.max_time_in_seconds = options.time_s
     return solver
-
-
-def _pause(running: Future[CpSolverStatus]) -> None:
-    wait([running], timeout=POLL_S)
 
 
 class _Seen(CpSolverSolutionCallback):

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-import numpy as np
 from ortools.sat.python.cp_model import CpModel, IntVar, LiteralT
 
 from ...rules.statements import Before
+from ..crossings import FORBIDDEN
 from ..problem import Problem
 from .arcs import Arcs
-from .moves import Out, out_by_then
+from .crossed import OpenCrossing, open_crossings
 from .positions import windows
 from .times import counts_seconds, longest_ms
 
@@ -25,9 +25,9 @@ class Variables:
     `pick[s]`: site s is used. `travel[a]`: arc a is on the route. `follow[i, j]`: contour j directly follows i (n is
     the machine's home). `position[i]` counts from 0. `order[i, j]`: contour i is cut before contour j, only for pairs
     that a statement asks about and the hard orders leave open. `broken[k]`: soft condition k is not met; `failed[k]`:
-    soft general statement k does not hold; `missing[k]`: the cuts that soft lag k lacks, `late[k]` the milliseconds.
-    `over[k]`: the move of crossing k is made, over a part that is out. `begin[i]`: when the cut of contour i begins,
-    ms, only where a lag counts seconds.
+    soft general statement k does not hold; `missing[k]`: the cuts that soft lag k lacks, `late[k]` the milliseconds;
+    `over[k]`: crossing k of `crossings`, a soft one, is made. `begin[i]`: when the cut of contour i begins, ms, only
+    where a statement counts seconds.
     """
 
     problem: Problem
@@ -40,6 +40,7 @@ class Variables:
     failed: dict[int, IntVar]
     missing: dict[int, IntVar]
     late: dict[int, IntVar]
+    crossings: tuple[OpenCrossing, ...]
     over: dict[int, IntVar]
     begin: list[IntVar]
 
@@ -53,13 +54,14 @@ class Variables:
 def make_variables(model: CpModel, problem: Problem, arcs: Arcs) -> Variables:
     """All variables of the problem over these arcs."""
     travel = [model.new_bool_var("") for _ in arcs.tail]
+    crossings = open_crossings(problem, arcs)
     return Variables(
         problem=problem,
         pick=[model.new_bool_var("") for _ in range(problem.m)],
         travel=travel,
         follow=_follow(model, arcs, travel),
         position=_positions(model, problem),
-        order=_orders(model, problem),
+        order=_orders(model, problem, crossings),
         broken={
             k: model.new_bool_var("") for k, c in enumerate(problem.conditions) if c.cost is not None and c.cost > 0
         },
@@ -74,10 +76,8 @@ def make_variables(model: CpModel, problem: Problem, arcs: Arcs) -> Variables:
             for k, lag in enumerate(problem.lags)
             if lag.weight is not None and lag.seconds > 0
         },
-        over={
-            k: model.new_bool_var("")
-            for k in np.flatnonzero((out_by_then(problem) == Out.OPEN) & (problem.crossings.cost > 0)).tolist()
-        },
+        crossings=crossings,
+        over={k: model.new_bool_var("") for k, crossing in enumerate(crossings) if crossing.cost != FORBIDDEN},
         begin=_begins(model, problem, arcs),
     )
 
@@ -103,12 +103,12 @@ def _positions(model: CpModel, problem: Problem) -> list[IntVar]:
     return [model.new_int_var(int(low), int(high), "") for low, high in zip(*windows(problem), strict=True)]
 
 
-def _orders(model: CpModel, problem: Problem) -> dict[Pair, LiteralT]:
+def _orders(model: CpModel, problem: Problem, crossings: Sequence[OpenCrossing]) -> dict[Pair, LiteralT]:
     """One literal for two contours; for all pairs of two blocks it is the same, since blocks are not mixed."""
     literals: dict[Pair, LiteralT] = {}
     order: dict[Pair, LiteralT] = {}
     block = problem.block.tolist()
-    for i, j in sorted(set(_asked(problem))):
+    for i, j in sorted(set(_asked(problem, crossings))):
         key = (i, j) if block[i] == block[j] else (block[i], block[j])
         if key not in literals:
             literal = model.new_bool_var("")
@@ -117,14 +117,11 @@ def _orders(model: CpModel, problem: Problem) -> dict[Pair, LiteralT]:
     return order
 
 
-def _asked(problem: Problem) -> Iterator[Pair]:
+def _asked(problem: Problem, crossings: Sequence[OpenCrossing]) -> Iterator[Pair]:
     """Pairs (the smaller number first) whose order a statement asks about and no hard order decides."""
     pairs: list[Pair] = [(k, c.contour) for c in problem.conditions for k in c.members]
     pairs += [(lag.first, lag.second) for lag in problem.lags if lag.cuts > 1 or lag.seconds > 0]
-    rows = problem.crossings
-    undecided = out_by_then(problem) == Out.OPEN
-    leaving = problem.site_contour[rows.leave[undecided]]
-    pairs += zip(rows.over[undecided].tolist(), leaving.tolist(), strict=True)
+    pairs += [(crossing.over, crossing.leave) for crossing in crossings]
     pairs += [(lit.i, lit.j) for s in problem.general for lit in s.literals if isinstance(lit, Before)]
     for i, j in pairs:
         if i != j and not problem.before[i, j] and not problem.before[j, i]:
