@@ -39,12 +39,12 @@ class Priced:
     bound: int
 
 
-def price_sites(problem: Problem, arcs: Arcs, target_um: int | None) -> Priced:
+def price_sites(problem: Problem, arcs: Arcs, target_um: int | None, rounds: int = ROUNDS) -> Priced:
     """Look for prices that make the bound as high as can be; `target_um` is the cost of a known route."""
     costs = arcs.cost + np.append(problem.site_cost, 0)[arcs.head]
     prices = best = np.zeros(problem.m + 1, dtype=np.int64)
     bound, step, waited = 0.0, 1.0, 0
-    for _ in range(min(ROUNDS, EFFORT // (len(costs) + (problem.n + 1) ** 2))):
+    for _ in range(min(rounds, EFFORT // (len(costs) + (problem.n + 1) ** 2))):
         least, reached = _assigned(problem.n, arcs, costs + prices[arcs.head] - prices[arcs.tail])
         if least > bound:
             bound, best, waited = least, prices, 0

@@ -38,15 +38,20 @@ def solve_relaxed(
     limit_objective(model, priced.bound, None if start is None else start.cost)
     if start is not None:
         add_hint(model, relaxed, priced.arcs, v, [int(problem.site_contour[s]) for s in start.route])
-
-    def going(engine: str, _: int | None, bound: int | None) -> bool:  # what the relaxed route costs is no plan's cost
-        return progress(engine, None if start is None else start.cost, max(bound_um, bound or 0))
-
-    done = run(model, options, going)
+    done = run(model, options, _of_plans(progress, start, bound_um))
     if done.status == INFEASIBLE and start is None:
         return Outcome(None, infeasible=True)
     bound = max(bound_um, proven_bound(done, priced.bound))
     return Outcome(start, bound, start is not None and bound >= start.cost, interrupted=done.interrupted)
+
+
+def _of_plans(progress: Progress, start: Incumbent | None, proven_um: int) -> Progress:
+    """Tells `progress` of the known plan: what a relaxed route costs is not what a plan does."""
+
+    def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+        return progress(engine, None if start is None else start.cost, max(proven_um, bound_um or 0))
+
+    return going
 
 
 def by_contours(problem: Problem) -> Problem:
