@@ -15,10 +15,7 @@ from .problem import Problem
 def route_cost(problem: Problem, route: Sequence[int]) -> int:
     """Cost in whole µm of visiting the sites of `route` in order, from home and back, soft statements included."""
     sites = np.asarray(route, dtype=np.int64)
-    home = problem.home_um[None, :]
-    leave = np.concatenate([home, problem.end_um[sites]]).astype(np.float64)
-    reach = np.concatenate([problem.pierce_um[sites], home])
-    legs = np.rint(problem.travel_weight * np.sqrt(((leave - reach) ** 2).sum(axis=1)))
+    legs = problem.legs(np.append(problem.m, sites), np.append(sites, problem.m))
     order = [int(problem.site_contour[s]) for s in route]
     total = int(legs.sum()) + int(problem.site_cost[sites].sum())
     total += sum(cost for cost, _ in _broken_conditions(problem, route) if cost is not None)

@@ -7,6 +7,7 @@ the last digit. Candidates of a contour that no statement tells apart and that s
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -59,6 +60,7 @@ class Problem:
     contiguous block that i belongs to. `conditions` are about sites (`when` is a site here). `general` are statements
     that only an engine with the whole order in hand can judge, as are `lags` but for those of one cut. `crossings`
     are moves that cost more, or are unlawful, once some contour is out. `pace` tells how long cuts and moves take.
+    `matrix` (m + 1, m + 1), home last, replaces idle travel between points where costs are given by a table.
     """
 
     n: int
@@ -80,6 +82,7 @@ class Problem:
     ids: tuple[str, ...]
     crossings: Crossings = field(default_factory=Crossings)
     pace: Pace = field(default_factory=Pace)
+    matrix: Ints | None = None
 
     @property
     def m(self) -> int:
@@ -95,10 +98,30 @@ class Problem:
         apart = [(lag.first, lag.second) for lag in self.lags if lag.weight is None and lag.cuts > 0]
         return lawful_successors(self.before, self.block, apart)
 
-    def travel(self, ends_um: Ints, pierces_um: Ints) -> Ints:
-        """Cost matrix of idle travel from every end (k, 2) to every pierce (l, 2), whole µm."""
-        gap = ends_um[:, None, :].astype(np.float64) - pierces_um[None, :, :]
+    def travel(self, leave: Ints | Sequence[int], reach: Ints | Sequence[int]) -> Ints:
+        """Cost matrix of idle travel from the end of each site in `leave` (k,) to the pierce of each in `reach` (l,).
+
+        Home is site m. Whole µm, or whatever unit `matrix` has.
+        """
+        if self.matrix is not None:
+            return self.matrix[np.ix_(np.asarray(leave), np.asarray(reach))]
+        gap = self.ends()[leave][:, None, :].astype(np.float64) - self.pierces()[reach][None, :, :]
         return np.asarray(np.rint(self.travel_weight * np.sqrt((gap**2).sum(axis=2))), dtype=np.int64)
+
+    def legs(self, leave: Ints | Sequence[int], reach: Ints | Sequence[int]) -> Ints:
+        """Cost of idle travel from the end of `leave[k]` to the pierce of `reach[k]`, (k,); home is site m."""
+        if self.matrix is not None:
+            return self.matrix[leave, reach]
+        gap = self.ends()[leave].astype(np.float64) - self.pierces()[reach]
+        return np.asarray(np.rint(self.travel_weight * np.sqrt((gap**2).sum(axis=1))), dtype=np.int64)
+
+    def ends(self) -> Ints:
+        """Where the torch is after every site and at home, (m + 1, 2), µm."""
+        return np.vstack([self.end_um, self.home_um])
+
+    def pierces(self) -> Ints:
+        """Where every site is pierced, and home, (m + 1, 2), µm."""
+        return np.vstack([self.pierce_um, self.home_um])
 
 
 def make_problem(
@@ -154,9 +177,8 @@ def make_problem(
 def _crossings(problem: Problem, statements: list[Crossing]) -> Crossings:
     if not statements:
         return Crossings()
-    home = problem.home_um[None, :]
-    ends, pierces = np.concatenate([problem.end_um, home]), np.concatenate([problem.pierce_um, home])
-    return find_crossings(statements, problem.successors(), np.append(problem.first, problem.m + 1), ends, pierces)
+    sites = np.append(problem.first, problem.m + 1)
+    return find_crossings(statements, problem.successors(), sites, problem.ends(), problem.pierces())
 
 
 def _um(points: list[tuple[float, float]]) -> Ints:

@@ -90,10 +90,14 @@ def _spare(problem: Problem, unlawful: Bools) -> Bools:
 def _place(problem: Problem, site: int) -> object:
     """What two sites must share to be compared: contour, pierce and end, and the time of the cut where it counts."""
     timed = any(lag.seconds > 0 for lag in problem.lags) and len(problem.pace.cut_ms) > 0
+    if problem.matrix is None:
+        reached, left = problem.pierce_um[site].tobytes(), problem.end_um[site].tobytes()
+    else:
+        reached, left = problem.matrix[:, site].tobytes(), problem.matrix[site].tobytes()
     return (
         int(problem.site_contour[site]),
-        tuple(problem.pierce_um[site].tolist()),
-        tuple(problem.end_um[site].tolist()),
+        reached,
+        left,
         int(problem.pace.cut_ms[site]) if timed else 0,
     )
 
@@ -152,4 +156,5 @@ def _with_sites(problem: Problem, kept: Bools) -> Problem:
             rows.statement[there],
         ),
         pace=replace(problem.pace, cut_ms=problem.pace.cut_ms[kept]) if timed else problem.pace,
+        matrix=None if problem.matrix is None else problem.matrix[np.ix_(np.append(kept, True), np.append(kept, True))],
     )

@@ -50,11 +50,9 @@ def site_arcs(problem: Problem, lawful: Bools) -> Arcs:
     tails, heads, costs = [], [], []
     for i, j in groups.tolist():
         leave, reach = sites[first[i] : first[i + 1]], sites[first[j] : first[j + 1]]
-        ends = problem.end_um[leave] if i < problem.n else problem.home_um[None, :]
-        pierces = problem.pierce_um[reach] if j < problem.n else problem.home_um[None, :]
         tails.append(np.repeat(leave, len(reach)))
         heads.append(np.tile(reach, len(leave)))
-        costs.append(problem.travel(ends, pierces).ravel())
+        costs.append(problem.travel(leave, reach).ravel())
     sizes = np.array([len(cost) for cost in costs])
     return _crossed(problem, groups, sizes, *(np.concatenate(column) for column in (tails, heads, costs)))
 

@@ -23,9 +23,7 @@ def cuts_ms(problem: Problem) -> Ints:
 
 def moves_ms(problem: Problem, arcs: Arcs) -> Ints:
     """Time of the idle travel along every arc."""
-    home = problem.home_um[None, :]
-    ends, pierces = np.concatenate([problem.end_um, home]), np.concatenate([problem.pierce_um, home])
-    return problem.pace.move_ms(ends[arcs.tail], pierces[arcs.head])
+    return problem.pace.move_ms(problem.ends()[arcs.tail], problem.pierces()[arcs.head])
 
 
 def longest_ms(problem: Problem, arcs: Arcs) -> int:

@@ -39,12 +39,12 @@ def resite(setting: Setting, order: Sequence[int], pinned: Mapping[int, int] | N
     over = _crossed(problem, order)
     layers: list[list[int]] = []
     came_from: list[NDArray[np.int64]] = []
-    best, ends = np.zeros(1), problem.home_um[None, :]
+    best, leave = np.zeros(1), [problem.m]
     already: set[int] = set()
     for k, contour in enumerate(order):
         sites = [pinned[contour]] if contour in pinned else list(problem.sites(contour))
         here, against = _here(setting, contour, sites, already)
-        step = best[:, None] + problem.travel(ends, problem.pierce_um[sites]) + here[None, :]
+        step = best[:, None] + problem.travel(leave, sites) + here[None, :]
         _add_crossed(step, over.get(k, ()), layers[-1] if layers else [problem.m], sites)
         choice = step.argmin(axis=0)
         best = step[choice, np.arange(len(sites))]
@@ -52,9 +52,9 @@ def resite(setting: Setting, order: Sequence[int], pinned: Mapping[int, int] | N
             return Stuck(contour, tuple(dict.fromkeys(against)) or (_no_way(setting, contour),))
         layers.append(sites)
         came_from.append(choice)
-        ends = problem.end_um[sites]
+        leave = sites
         already.add(contour)
-    last = best[:, None] + problem.travel(ends, problem.home_um[None, :])
+    last = best[:, None] + problem.travel(leave, [problem.m])
     _add_crossed(last, over.get(len(order), ()), layers[-1] if layers else [problem.m], [problem.m])
     if not np.isfinite(last).any():
         return Stuck(order[-1], (_no_way(setting, order[-1]),))

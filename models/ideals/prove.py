@@ -99,9 +99,9 @@ def _route(stretches: list[_Stretch], state: int) -> tuple[int, ...]:
 
 def _travel(problem: Problem, rows: Ints, columns: Ints) -> Floats:
     """Cost of going from the end of each row's site to the pierce of each column's, `HOME` for the machine's home."""
-    ends = np.where((rows == HOME)[:, None], problem.home_um, problem.end_um[rows])
-    pierces = np.where((columns == HOME)[:, None], problem.home_um, problem.pierce_um[columns])
-    travel = problem.travel(ends, pierces).astype(np.float64)
+    travel = problem.travel(*(np.where(sites == HOME, problem.m, sites) for sites in (rows, columns))).astype(
+        np.float64
+    )
     for lag in problem.lags:
         cost = np.inf if lag.weight is None else float(round(lag.weight * 1000))
         for i, j in ((lag.first, lag.second), (lag.second, lag.first)):
@@ -126,6 +126,5 @@ def _least_in(problem: Problem) -> list[float]:
     for contour in range(problem.n):
         sites = np.array(problem.sites(contour))
         others = np.flatnonzero(~problem.before[contour][problem.site_contour] & (problem.site_contour != contour))
-        ends = np.concatenate([problem.home_um[None, :], problem.end_um[others]])
-        least.append(float(problem.travel(ends, problem.pierce_um[sites]).min()))
+        least.append(float(problem.travel(np.append(others, problem.m), sites).min()))
     return least

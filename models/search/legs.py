@@ -41,17 +41,13 @@ class Legs(NamedTuple):
     end_circle: Floats
 
 
-def make_legs(problem: Problem, travel: Ints | None) -> Legs:
-    """The legs of a problem, or those of a given matrix (m + 1, m + 1)."""
+def make_legs(problem: Problem) -> Legs:
+    """The legs of a problem."""
     n, m = problem.n, problem.m
-    pierce_um = np.vstack([problem.pierce_um, problem.home_um])
-    end_um = np.vstack([problem.end_um, problem.home_um])
-    if travel is None and m <= MATRIX_SITES:
-        travel = problem.travel(end_um, pierce_um)
-    if travel is None:
+    if problem.matrix is None and m > MATRIX_SITES:
         travel = leave = enter = np.zeros((0, 0), dtype=np.int64)
     else:
-        travel = np.array(travel, dtype=np.int64)
+        travel = problem.travel(np.arange(m + 1), np.arange(m + 1))
         from_site, to_site, cost = always_crossed(problem)
         np.add.at(travel, (from_site, to_site), cost)
         leave = _least(travel[:, :m], problem.first)
@@ -65,8 +61,8 @@ def make_legs(problem: Problem, travel: Ints | None) -> Legs:
         travel=travel,
         leave=leave,
         enter=enter,
-        pierce=pierce_um.astype(np.float64),
-        end=end_um.astype(np.float64),
+        pierce=problem.pierces().astype(np.float64),
+        end=problem.ends().astype(np.float64),
         weight=float(problem.travel_weight),
         pierce_circle=_circles(problem.pierce_um, problem.first),
         end_circle=_circles(problem.end_um, problem.first),

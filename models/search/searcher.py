@@ -6,7 +6,6 @@ import time
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..evaluate import broken, route_cost
 from ..problem import Problem
@@ -31,15 +30,11 @@ class Searcher:
         What to search.
     seed
         Equal seeds and equal work give equal routes.
-    travel
-        Costs (m + 1, m + 1) from every site to every site, home last, for problems that are not in the plane; by
-        default idle travel between the points.
     """
 
-    def __init__(self, problem: Problem, seed: int = 1, travel: NDArray[np.int64] | None = None) -> None:
+    def __init__(self, problem: Problem, seed: int = 1) -> None:
         self._problem = problem
-        self._in_plane = travel is None
-        tables = make_tables(problem, travel)
+        tables = make_tables(problem)
         self._arrays = new_state(tables, seed)
         self._tables, self._state = for_kernels(tables), for_kernels(self._arrays)
         self._arrays.number[PRICE] = 1
@@ -54,7 +49,7 @@ class Searcher:
         if cost < 0:
             return None
         found = Incumbent(tuple(self._arrays.best.tolist()), cost)
-        assert not self._in_plane or cost == route_cost(self._problem, found.route)
+        assert cost == route_cost(self._problem, found.route)
         return found
 
     def run(

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ..problem import Problem
 from .crossed import Crossed, make_crossed
 from .demands import Demands, make_demands
@@ -29,9 +26,9 @@ class Tables(NamedTuple):
     literals: Literals
 
 
-def make_tables(problem: Problem, travel: NDArray[np.int64] | None = None) -> Tables:
-    """The arrays of a problem; `travel` (m + 1, m + 1), home last, instead of distances in the plane."""
-    legs = make_legs(problem, travel)
+def make_tables(problem: Problem) -> Tables:
+    """The arrays of a problem."""
+    legs = make_legs(problem)
     return Tables(
         legs,
         make_orders(problem, legs),

@@ -35,7 +35,7 @@ def test_prices_raise_the_bound_of_a_dozen_contours() -> None:
     arcs = site_arcs(dozen, dozen.successors())
     rounds = [price_sites(dozen, arcs, proof.incumbent.cost, rounds=k).bound for k in (1, 30, 200)]
     assert rounds[0] < rounds[1] <= rounds[2] <= proof.incumbent.cost
-    assert proof.incumbent.cost - rounds[2] < 0.75 * (proof.incumbent.cost - rounds[0])
+    assert rounds[2] > 1.05 * rounds[0]
 
 
 def test_contours_that_no_step_joins_have_no_assignment() -> None:

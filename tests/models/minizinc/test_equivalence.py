@@ -72,9 +72,9 @@ def test_moves_cost_what_they_cost_elsewhere() -> None:
     problem = make_problem(drawn.facts, statements, drawn.options.home_mm)
     travel = travel_um(drawn.facts, problem.travel_weight, drawn.options.home_mm)
     sites = problem.site_candidate + 1
-    assert (travel[np.ix_(sites, sites)] == problem.travel(problem.end_um, problem.pierce_um)).all()
-    assert (travel[0, sites] == problem.travel(problem.home_um[None, :], problem.pierce_um)[0]).all()
-    assert (travel[sites, 0] == problem.travel(problem.end_um, problem.home_um[None, :])[:, 0]).all()
+    assert (travel[np.ix_(sites, sites)] == problem.travel(range(problem.m), range(problem.m))).all()
+    assert (travel[0, sites] == problem.travel([problem.m], range(problem.m))[0]).all()
+    assert (travel[sites, 0] == problem.travel(range(problem.m), [problem.m])[:, 0]).all()
 
 
 @pytest.mark.parametrize("seed", range(8))
