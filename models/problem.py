@@ -104,14 +104,14 @@ class Problem:
         Home is site m. Whole µm, or whatever unit `matrix` has.
         """
         if self.matrix is not None:
-            return self.matrix[np.ix_(np.asarray(leave), np.asarray(reach))]
+            return np.asarray(self.matrix[np.ix_(np.asarray(leave), np.asarray(reach))], dtype=np.int64)
         gap = self.ends()[leave][:, None, :].astype(np.float64) - self.pierces()[reach][None, :, :]
         return np.asarray(np.rint(self.travel_weight * np.sqrt((gap**2).sum(axis=2))), dtype=np.int64)
 
     def legs(self, leave: Ints | Sequence[int], reach: Ints | Sequence[int]) -> Ints:
         """Cost of idle travel from the end of `leave[k]` to the pierce of `reach[k]`, (k,); home is site m."""
         if self.matrix is not None:
-            return self.matrix[leave, reach]
+            return np.asarray(self.matrix[leave, reach], dtype=np.int64)
         gap = self.ends()[leave].astype(np.float64) - self.pierces()[reach]
         return np.asarray(np.rint(self.travel_weight * np.sqrt((gap**2).sum(axis=1))), dtype=np.int64)
 
