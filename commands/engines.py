@@ -9,13 +9,15 @@ import click
 def command() -> None:
     """List the engines of `kerfwise solve --engine`, and the solvers that MiniZinc has on this machine."""
     from ..encoder.errors import InputError
+    from ..models.engines import BUILT_IN, ENGINES
     from ..models.minizinc.installation import installed_solvers
 
-    click.echo("cp-sat      built in: search, proof by dynamic programming, CP-SAT")
+    for engine in BUILT_IN:
+        click.echo(f"{engine:14}{ENGINES[engine]}")
     try:
         solvers = installed_solvers()
     except InputError as error:
-        click.echo(f"minizinc    not usable: {error}")
+        click.echo(f"minizinc      not usable: {error}")
         return
     for solver in solvers:
-        click.echo(f"minizinc    --solver {solver.name:12} {solver.title} {solver.version}")
+        click.echo(f"minizinc      --solver {solver.name:12} {solver.title} {solver.version}")

@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from ..encoder.errors import RulesConflict
+from ..models.engines import ENGINES, member_of
 from .given import given_options, read_given
 
 
@@ -20,10 +21,16 @@ from .given import given_options, read_given
 @click.option("--work", type=click.FloatRange(min=0, min_open=True), default=30.0, show_default=True,
               help="Deterministic limit, used without --time-limit: the same work gives the same bytes.")  # fmt: skip
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of the search.")
-@click.option("--engine", type=click.Choice(["cp-sat", "minizinc"]), default="cp-sat", show_default=True)
+@click.option("--gap", type=click.FloatRange(min=0, max=1), metavar="G",
+              help="Stop at a plan proven this close to the best; 0.01 is 1 %.")  # fmt: skip
+@click.option("--no-improvement", type=click.FloatRange(min=0, min_open=True), metavar="S",
+              help="Stop when S seconds have brought no better plan.")  # fmt: skip
+@click.option("--engine", type=click.Choice(list(ENGINES)), default="cp-sat", show_default=True,
+              help="`kerfwise engines` says what each is.")  # fmt: skip
 @click.option("--solver", default="gecode", show_default=True, help="Solver of the engine minizinc.")
 @click.option("--relax", is_flag=True, help="Where hard rules clash, take the cheapest way out, marked in the plan.")
 @click.option("--conflict-picture", metavar="OUT.svg|.png", help="Where rules that clash are drawn: NEST.conflict.svg.")
+@click.option("-v", "--verbose", is_flag=True, help="Say which engines ran, which did not, and why.")
 def command(
     output: str | None,
     plan_path: str | None,
@@ -31,10 +38,13 @@ def command(
     time_limit: float | None,
     work: float,
     seed: int,
+    gap: float | None,
+    no_improvement: float | None,
     engine: Any,
     solver: str,
     relax: bool,
     conflict_picture: str | None,
+    verbose: bool,
     **options: Any,
 ) -> int:
     """Turn NEST into a cutting program that keeps every hard rule of the profile, checked before it is written."""
@@ -52,7 +62,9 @@ def command(
         output, plan_path, picture = f"{stem}.nc", f"{stem}.plan.json", f"{stem}.svg"
     given = read_given(**options)
     nest, profile = given.nest, given.profile
-    limits = SolveOptions(seed, work, time_limit, profile.machine.home, feeds_of(profile))
+    limits = SolveOptions(
+        seed, work, time_limit, profile.machine.home, feeds_of(profile), gap, no_improvement, member_of(engine)
+    )
     facts = facts_of(nest, profile)
     try:
         asked = ask(facts, profile, relax, engine)
@@ -60,6 +72,8 @@ def command(
             made = produce(asked, profile, limits, ear, engine, solver)
     except RulesConflict as error:
         return tell_conflict(facts, profile, error, conflict_picture or f"{Path(options['nest']).stem}.conflict.svg")
+    if verbose:
+        click.echo("\n".join(made.notes))
     click.echo(summary(made.plan, made.verdict))
     if not made.verdict.ok:
         click.echo("kerfwise: the check refuses this plan; nothing was written", err=True)

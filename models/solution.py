@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
+from .engines import Member
 from .timing.constant import Feeds
 
 Status = Literal["optimal", "feasible"]
@@ -17,8 +18,9 @@ class SolveOptions:
 
     `work` is deterministic: about as many seconds as this machine class needs, but counted in iterations and
     CP-SAT's deterministic time, so that the same input gives the same plan. `time_s`, if given, is wall-clock time
-    and cuts the work short.
-    `feeds` are needed where rules count seconds.
+    and cuts the work short. `gap` is a share of the objective: a plan proven to be that close to the best is good
+    enough. `no_improvement_s` is how long, s, a plan may stay the best known before it is taken. `member` names the
+    one member of the portfolio that is to run, None lets it choose. `feeds` are needed where rules count seconds.
     """
 
     seed: int = 1
@@ -26,6 +28,9 @@ class SolveOptions:
     time_s: float | None = None
     home_mm: tuple[float, float] = (0.0, 0.0)
     feeds: Feeds | None = None
+    gap: float | None = None
+    no_improvement_s: float | None = None
+    member: Member | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +47,7 @@ class Solution:
 
     `objective` and `bound` are in mm; `bound` is None unless proven for the whole model. `seconds` is wall-clock time
     under a time limit, else the deterministic work spent, so that the same input gives the same plan to the byte.
+    `notes` say which members of the portfolio ran, which did not, and why.
     """
 
     route: tuple[int, ...]
@@ -51,6 +57,7 @@ class Solution:
     found_by: str
     proved_by: str
     seconds: float
+    notes: tuple[str, ...] = ()
 
 
 class Progress(Protocol):

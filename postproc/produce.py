@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
 
 from ..encoder.candidates import build_candidates
 from ..encoder.facts import compute_facts
 from ..encoder.facts.facts import Facts
 from ..encoder.nest import Nest
+from ..models.engines import Engine
 from ..models.make_plan import make_plan
 from ..models.plan import Plan
 from ..models.solution import Progress, SolveOptions
@@ -19,8 +19,6 @@ from ..rules.state import Stated, state_rules
 from .check import CheckResult
 from .checking import judge, report_of
 from .program import write_program
-
-Engine = Literal["cp-sat", "minizinc"]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -33,11 +31,12 @@ class Asked:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Produced:
-    """A plan with the rules' verdicts in it, its NC program, and the whole verdict."""
+    """A plan with the rules' verdicts in it, its NC program, the whole verdict, and what the engines had to say."""
 
     plan: Plan
     program: str
     verdict: CheckResult
+    notes: tuple[str, ...]
 
 
 def facts_of(nest: Nest, profile: Profile) -> Facts:
@@ -97,4 +96,4 @@ def produce(
     plan = make_plan(facts, profile, stated, solution, engine, limits.seed)
     program = write_program(plan, facts.nest, profile)
     verdict = judge(facts.nest, plan, program, profile)
-    return Produced(replace(plan, rules=report_of(verdict)), program, verdict)
+    return Produced(replace(plan, rules=report_of(verdict)), program, verdict, solution.notes)

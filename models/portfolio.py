@@ -1,0 +1,127 @@
+"""The portfolio: search finds, the ideals prove where they fit, CP-SAT carries what a state cannot hold.
+
+Members share incumbents and bounds, run one after the other (each may use every core) and stop as soon as the best
+plan is proven.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from .cpsat import solve_cpsat
+from .engines import Member
+from .ideals import fits, prove
+from .problem import Problem
+from .search import Searcher
+from .solution import Incumbent, SolveOptions
+from .watch import Watch
+
+FIRST = 0.03
+"""Share of the work for a first look by the search."""
+PROOF = 0.45
+"""Share that the proof by ideals may take, where it fits; most take next to nothing."""
+SEARCH = 0.6
+"""Share of what is left, where nothing is proven, for more search; CP-SAT has the rest."""
+
+
+@dataclass(slots=True)
+class Known:
+    """What is known of a problem so far, who found it, and what was chosen why."""
+
+    incumbent: Incumbent | None = None
+    found_by: str = ""
+    bound_um: int = 0
+    proved_by: str = ""
+    infeasible: bool = False
+    work: float = 0.0
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def proven(self) -> bool:
+        """Whether nothing is left to find out."""
+        return self.infeasible or (self.incumbent is not None and self.bound_um >= self.incumbent.cost)
+
+    def offer(self, incumbent: Incumbent | None, engine: str) -> None:
+        """Take an incumbent if it is better."""
+        if incumbent is not None and (self.incumbent is None or incumbent.cost < self.incumbent.cost):
+            self.incumbent, self.found_by = incumbent, engine
+
+    def raise_bound(self, bound_um: int, engine: str) -> None:
+        """Take a bound if it is better."""
+        if bound_um > self.bound_um or (bound_um == self.bound_um == 0 and not self.proved_by):
+            self.bound_um, self.proved_by = bound_um, engine
+
+
+def run_portfolio(problem: Problem, options: SolveOptions, watch: Watch) -> Known:
+    """Everything that can be found out about a problem within the limits."""
+    return _Run(problem, options, watch).whole()
+
+
+class _Run:
+    def __init__(self, problem: Problem, options: SolveOptions, watch: Watch) -> None:
+        self.problem, self.options, self.watch = problem, options, watch
+        self.known = Known()
+        self.searcher: Searcher | None = None
+        self.began_s = watch.seconds
+
+    def whole(self) -> Known:
+        if self._takes("search", "it finds the first plan"):
+            self._search(self._left() * (1.0 if self.options.member else FIRST))
+        if not self._over() and self._ideals_fit():
+            self._ideals(self._left() * (1.0 if self.options.member else PROOF))
+        if not self._over() and self.options.member is None:
+            self._search(self._left() * SEARCH)
+        if not self._over() and self._takes("cp-sat", "nothing is proven yet"):
+            self._cpsat(self._left())
+        return self.known
+
+    def _takes(self, member: Member, why: str) -> bool:
+        forced = self.options.member
+        if forced is not None and forced != member:
+            return False
+        self.known.notes.append(f"{member}: {why if forced is None else 'asked for'}")
+        return True
+
+    def _over(self) -> bool:
+        return self.known.proven or self.watch.stopped
+
+    def _left(self) -> float:
+        if self.options.time_s is None:
+            return max(0.0, self.options.work - self.known.work)
+        return max(0.0, self.options.time_s - (self.watch.seconds - self.began_s))
+
+    def _search(self, share: float) -> None:
+        if self.searcher is None:
+            self.searcher = Searcher(self.problem, self.options.seed)
+        self.searcher.run(share, self.options.time_s and share, self.watch)
+        self.known.offer(self.searcher.best, "search")
+        self.known.work += share
+
+    def _ideals_fit(self) -> bool:
+        if self.options.member not in (None, "ideals"):
+            return False
+        if not fits(self.problem):
+            self.known.notes.append("ideals: left out, the sets that can occur are too many or do not say enough")
+            return False
+        return self._takes("ideals", "the sets that can occur may be few enough for a proof")
+
+    def _ideals(self, share: float) -> None:
+        before = self.known.work
+        proof = prove(self.problem, self.known.incumbent, share, self.watch)
+        self.known.work = before + (share if proof is None else proof.work)
+        if proof is None:
+            self.known.notes.append("ideals: too many sets for the limit, nothing is proven")
+        elif proof.incumbent is None:
+            self.known.infeasible = True
+        else:
+            self.known.offer(proof.incumbent, "ideals")
+            self.known.raise_bound(proof.incumbent.cost, "ideals")
+
+    def _cpsat(self, share: float) -> None:
+        limits = replace(self.options, work=share, time_s=self.options.time_s and share)
+        outcome = solve_cpsat(self.problem, limits, self.known.incumbent, self.known.bound_um, self.watch)
+        self.known.offer(outcome.incumbent, "cp-sat")
+        self.known.infeasible = outcome.infeasible
+        if outcome.bound is not None:
+            self.known.raise_bound(outcome.bound, "cp-sat")
+        self.known.work += share

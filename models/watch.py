@@ -1,0 +1,70 @@
+"""When to stop: the clock, a gap that is small enough, no improvement for long enough, or the listener says so."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from .solution import Progress, SolveOptions
+
+
+class Watch:
+    """Passes the engines' progress on, and says stop where the options do.
+
+    Parameters
+    ----------
+    options
+        `time_s`, `gap` and `no_improvement_s` are looked at; the rest is the engines' own.
+    progress
+        Who listens.
+    clock
+        Seconds, for tests.
+
+    Examples
+    --------
+    >>> watch = Watch(SolveOptions(gap=0.1))
+    >>> watch("search", 100, None), watch("ideals", 100, 89), watch("ideals", 100, 90)
+    (True, True, False)
+    """
+
+    def __init__(
+        self,
+        options: SolveOptions,
+        progress: Progress | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._options, self._progress, self._clock = options, progress, clock
+        self._started = self._improved = clock()
+        self._cost: int | None = None
+        self._bound = 0
+        self.stopped = False
+
+    @property
+    def seconds(self) -> float:
+        """Wall-clock time since the start."""
+        return self._clock() - self._started
+
+    def begin(self) -> None:
+        """Forget costs and bounds: another problem (the same with more statements) is solved from now on."""
+        self._cost, self._bound, self._improved = None, 0, self._clock()
+
+    def __call__(self, engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+        """Note what an engine has reached, tell the listener the best of it all, and say whether to go on."""
+        if cost_um is not None and (self._cost is None or cost_um < self._cost):
+            self._cost, self._improved = cost_um, self._clock()
+        self._bound = max(self._bound, bound_um or 0)
+        heard = self._progress is None or self._progress(engine, self._cost, self._bound or None)
+        self.stopped = self.stopped or not heard or self._late() or self._enough()
+        return not self.stopped
+
+    def _late(self) -> bool:
+        return self._options.time_s is not None and self.seconds >= self._options.time_s
+
+    def _enough(self) -> bool:
+        if self._cost is None:
+            return False
+        idle_s = self._options.no_improvement_s
+        if idle_s is not None and self._clock() - self._improved >= idle_s:
+            return True
+        gap = self._options.gap
+        return gap is not None and self._cost - self._bound <= gap * self._cost
