@@ -17,6 +17,7 @@ VERBS = {
     "plot": "Draw a nest or a plan (SVG, PNG or HTML).",
     "profile": "Check a profile, or show it with every default filled in.",
     "rules": "List the rules, print one rule's page, begin a new one, run the cases.",
+    "bench": "Measure engines on nests and on the field's routing instances.",
     "engines": "List the engines and solvers that can be used.",
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import zlib
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -15,6 +16,10 @@ from .instance import Instance
 Ints = NDArray[np.int64]
 KINDS = (".pcglns", ".sop")
 HEADS = ("EDGE_WEIGHT_SECTION", "GTSP_SET_SECTION", "GTSP_SET_ORDERING", "START_GROUP_SECTION", "EOF")
+
+
+class _Fault(Exception):
+    """What is wrong with the text of an instance."""
 
 
 def is_instance(path: str | Path) -> bool:
@@ -33,15 +38,17 @@ def read_instance(path: str | Path) -> Instance:
     path = Path(path)
     kind = _kind(path)
     if kind not in KINDS:
-        raise InputError(f"{path}: expected a routing instance named *.pcglns or *.sop (with or without .gz)")
+        raise InputError("expected a routing instance: *.pcglns or *.sop, with or without .gz", file=path)
     try:
         raw = path.read_bytes()
-        text = (gzip.decompress(raw) if path.suffix == ".gz" else raw).decode("utf-8", "replace")
-    except (OSError, EOFError) as error:
-        raise InputError(f"{path}: cannot be read: {error}") from error
-    sections = _sections(text)
+        sections = _sections((gzip.decompress(raw) if path.suffix == ".gz" else raw).decode("utf-8", "replace"))
+    except (OSError, EOFError, zlib.error) as error:
+        raise InputError(f"cannot be read: {error}", file=path) from None
     name = path.name.removesuffix(".gz").removesuffix(kind)
-    return _generalised(name, path, sections) if kind == ".pcglns" else _sequential(name, path, sections)
+    try:
+        return _generalised(name, sections) if kind == ".pcglns" else _sequential(name, sections)
+    except _Fault as fault:
+        raise InputError(str(fault), file=path) from None
 
 
 def _kind(path: Path) -> str:
@@ -63,82 +70,88 @@ def _sections(text: str) -> dict[str, list[str]]:
     return sections
 
 
-def _numbers(path: Path, sections: dict[str, list[str]], head: str) -> list[list[int]]:
+def _rows(sections: dict[str, list[str]], head: str) -> list[list[int]]:
+    """The whole numbers of a section, line by line; -1, which ends a line, is left out."""
     if head not in sections:
-        raise InputError(f"{path}: section {head} is missing")
+        raise _Fault(f"section {head} is missing")
     try:
-        return [[int(word) for word in line.split()] for line in sections[head]]
+        return [[int(word) for word in line.split() if word != "-1"] for line in sections[head]]
     except ValueError as error:
-        raise InputError(f"{path}: section {head}: whole numbers were expected: {error}") from error
+        raise _Fault(f"section {head}: whole numbers were expected: {error}") from None
 
 
-def _size(path: Path, sections: dict[str, list[str]]) -> int:
-    for line in sections[""]:
-        key, _, value = line.partition(":")
-        if key.strip() == "DIMENSION" and value.strip().isdigit() and int(value) > 0:
-            return int(value)
-    raise InputError(f"{path}: the header says no DIMENSION")
+def _matrix(sections: dict[str, list[str]]) -> Ints:
+    """The weights (v, v); TSPLIB's own ordering problems give their size once more before them."""
+    sizes = [
+        value.strip() for key, _, value in (line.partition(":") for line in sections[""]) if key.strip() == "DIMENSION"
+    ]
+    if len(sizes) != 1 or not sizes[0].isdigit() or int(sizes[0]) < 1:
+        raise _Fault("the header must give one DIMENSION, a whole number")
+    size = int(sizes[0])
+    if "EDGE_WEIGHT_SECTION" not in sections:
+        raise _Fault("section EDGE_WEIGHT_SECTION is missing")
+    try:
+        weights = np.array(" ".join(sections["EDGE_WEIGHT_SECTION"]).split(), dtype=np.int64)
+    except (ValueError, OverflowError) as error:
+        raise _Fault(f"section EDGE_WEIGHT_SECTION: whole numbers were expected: {error}") from None
+    if len(weights) == size * size + 1 and weights[0] == size:
+        weights = weights[1:]
+    if len(weights) != size * size:
+        raise _Fault(f"section EDGE_WEIGHT_SECTION: {size} × {size} weights were expected, {len(weights)} are there")
+    return weights.reshape(size, size)
 
 
-def _matrix(path: Path, sections: dict[str, list[str]], size: int) -> Ints:
-    """The weights; TSPLIB's own ordering problems give their size once more before them."""
-    rows = _numbers(path, sections, "EDGE_WEIGHT_SECTION")
-    numbers = [number for row in rows for number in row]
-    if len(numbers) == size * size + 1 and numbers[0] == size:
-        numbers = numbers[1:]
-    if len(numbers) != size * size:
-        raise InputError(
-            f"{path}: section EDGE_WEIGHT_SECTION: {size} × {size} weights were expected, {len(numbers)} are there"
-        )
-    return np.array(numbers, dtype=np.int64).reshape(size, size)
-
-
-def _sequential(name: str, path: Path, sections: dict[str, list[str]]) -> Instance:
-    size = _size(path, sections)
-    cost = _matrix(path, sections, size)
+def _sequential(name: str, sections: dict[str, list[str]]) -> Instance:
+    """TSPLIB's: an open path from the first to the last vertex; -1 in row i, column j says that j comes before i."""
+    cost = _matrix(sections)
+    size = len(cost)
     later, sooner = np.nonzero((cost == -1) & ~np.eye(size, dtype=np.bool_))
     orders = set(zip(sooner.tolist(), later.tolist(), strict=True))
     orders |= {(0, k) for k in range(1, size)} | {(k, size - 1) for k in range(size - 1)}
-    _refuse_cycles(path, orders)
-    return Instance(name, cost, tuple((v,) for v in range(size)), tuple(sorted(orders)), start=0, closed=False)
+    return _instance(name, cost, tuple((v,) for v in range(size)), orders, start=0, closed=False)
 
 
-def _generalised(name: str, path: Path, sections: dict[str, list[str]]) -> Instance:
-    size = _size(path, sections)
-    clusters = _clusters(path, sections, size)
+def _generalised(name: str, sections: dict[str, list[str]]) -> Instance:
+    """PCGLNS's: a closed tour through one vertex of every set; an ordering `a b c` puts a before b and c."""
+    cost = _matrix(sections)
+    clusters = _clusters(sections, len(cost))
     orders: set[tuple[int, int]] = set()
-    for row in _numbers(path, sections, "GTSP_SET_ORDERING"):
-        named = [k - 1 for k in row if k != -1]
-        if not all(0 <= k < len(clusters) for k in named):
-            raise InputError(f"{path}: section GTSP_SET_ORDERING: {row} names a set that there is not")
-        orders |= {(named[0], later) for later in named[1:]}
-    starts = [k - 1 for row in _numbers(path, sections, "START_GROUP_SECTION") for k in row if k != -1]
-    if len(starts) != 1 or not 0 <= starts[0] < len(clusters):
-        raise InputError(f"{path}: section START_GROUP_SECTION: the number of one set was expected")
-    if len(clusters[starts[0]]) != 1:
-        raise InputError(f"{path}: the start group has {len(clusters[starts[0]])} vertices; one was expected")
-    orders |= {(starts[0], k) for k in range(len(clusters)) if k != starts[0]}
-    _refuse_cycles(path, orders)
-    cost = _matrix(path, sections, size)
-    return Instance(name, cost, clusters, tuple(sorted(orders)), start=clusters[starts[0]][0], closed=True)
+    for row in _rows(sections, "GTSP_SET_ORDERING"):
+        if not all(1 <= k <= len(clusters) for k in row):
+            raise _Fault(f"section GTSP_SET_ORDERING: {row} names a set that there is not")
+        orders |= {(row[0] - 1, later - 1) for later in row[1:]}
+    starts = [k for row in _rows(sections, "START_GROUP_SECTION") for k in row]
+    if len(starts) != 1 or not 1 <= starts[0] <= len(clusters):
+        raise _Fault("section START_GROUP_SECTION: the number of one set was expected")
+    home = starts[0] - 1
+    if len(clusters[home]) != 1:
+        raise _Fault(f"the start group has {len(clusters[home])} vertices; only a start at one vertex can be solved")
+    orders |= {(home, k) for k in range(len(clusters)) if k != home}
+    return _instance(name, cost, clusters, orders, start=clusters[home][0], closed=True)
 
 
-def _clusters(path: Path, sections: dict[str, list[str]], size: int) -> tuple[tuple[int, ...], ...]:
-    rows = _numbers(path, sections, "GTSP_SET_SECTION")
-    members = {row[0]: tuple(v - 1 for v in row[1:] if v != -1) for row in rows}
-    if sorted(members) != list(range(1, len(rows) + 1)):
-        raise InputError(f"{path}: section GTSP_SET_SECTION: sets numbered 1 to {len(rows)} were expected")
+def _clusters(sections: dict[str, list[str]], size: int) -> tuple[tuple[int, ...], ...]:
+    members = {row[0]: tuple(v - 1 for v in row[1:]) for row in _rows(sections, "GTSP_SET_SECTION") if row}
+    if not members or sorted(members) != list(range(1, len(members) + 1)) or not all(members.values()):
+        raise _Fault("section GTSP_SET_SECTION: sets numbered from 1 on, none of them empty, were expected")
     if sorted(v for vertices in members.values() for v in vertices) != list(range(size)):
-        raise InputError(f"{path}: section GTSP_SET_SECTION: every vertex 1 to {size} must be in one set")
+        raise _Fault(f"section GTSP_SET_SECTION: every vertex 1 to {size} must be in one set")
     return tuple(members[k] for k in sorted(members))
 
 
-def _refuse_cycles(path: Path, orders: set[tuple[int, int]]) -> None:
+def _instance(
+    name: str,
+    cost: Ints,
+    clusters: tuple[tuple[int, ...], ...],
+    orders: set[tuple[int, int]],
+    start: int,
+    closed: bool,
+) -> Instance:
     sorter: TopologicalSorter[int] = TopologicalSorter()
-    for a, b in orders:
+    for a, b in sorted(orders):
         sorter.add(b, a)
     try:
         sorter.prepare()
     except CycleError as error:
-        cycle = ", ".join(str(k + 1) for k in error.args[1])
-        raise InputError(f"{path}: the orders contradict each other: {cycle}") from error
+        raise _Fault(f"the orders contradict each other: {', '.join(str(k + 1) for k in error.args[1])}") from None
+    return Instance(name, cost, clusters, tuple(sorted(orders)), start, closed)

@@ -1,0 +1,69 @@
+"""kerfwise bench: engines measured on nests and on the field's routing instances."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..encoder.errors import InputError
+from ..models.engines import BUILT_IN
+
+
+@click.command()
+@click.argument("files", nargs=-1, required=True, metavar="FILES…")
+@click.option("--engine", "engines", type=click.Choice(list(BUILT_IN)), multiple=True, default=("cp-sat",),
+              show_default=True, help="May be given more than once: each runs on every file.")  # fmt: skip
+@click.option(
+    "--time-limit", type=click.FloatRange(min=0, min_open=True), metavar="S", help="Wall-clock seconds a run."
+)
+@click.option("--work", type=click.FloatRange(min=0, min_open=True), default=30.0, show_default=True,
+              help="Deterministic limit a run, used without --time-limit.")  # fmt: skip
+@click.option("--seed", "seeds", type=click.IntRange(min=0), multiple=True, default=(1,), show_default=True,
+              help="May be given more than once.")  # fmt: skip
+@click.option(
+    "--best-known", metavar="CSV", help="Columns instance, best_upper and, where names repeat, set (a folder)."
+)
+@click.option("-p", "--profile", default="", metavar="PROFILE", help="For nests: name or path of a profile.")
+@click.option("--json", "as_list", is_flag=True, help="A JSON list instead of a table.")
+def command(
+    files: tuple[str, ...],
+    engines: tuple[Any, ...],
+    time_limit: float | None,
+    work: float,
+    seeds: tuple[int, ...],
+    best_known: str | None,
+    profile: str,
+    as_list: bool,
+) -> int:
+    """Run engines on FILES: routing instances (.pcglns, .sop, also with .gz) and nests (.json, .dxf, .svg).
+
+    Every tour is judged by code of its own. Each run has a process of its own; its clock starts when the file is
+    read and the compiled kernels are loaded.
+    """
+    from ..postproc.bench import Job, as_json, head, line, measure, read_best_known, totals
+
+    for file in files:
+        if not Path(file).is_file():
+            raise InputError("there is no such file", file=file)
+    best = read_best_known(best_known) if best_known else None
+    jobs = [
+        Job(file, engine, seed, work, time_limit, profile) for file in files for engine in engines for seed in seeds
+    ]
+    results, bests = [], []
+    interrupted = False
+    if not as_list:
+        click.echo(head())
+    try:
+        for job in jobs:
+            results.append(measure(job))
+            bests.append(best.of(job.path) if best else None)
+            if not as_list:
+                click.echo(line(results[-1], bests[-1]))
+    except KeyboardInterrupt:
+        interrupted = True
+    click.echo(as_json(results) if as_list else totals(results, bests))
+    if interrupted:
+        return 130
+    return 0 if all(result.feasible for result in results) else 1
