@@ -128,7 +128,7 @@ def _part(instance: Instance, count: int) -> tuple[tuple[tuple[int, ...], ...], 
 
 
 def test_orders_that_leave_no_tour_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="the orders contradict each other: [23], [23], [23]$"):
+    with pytest.raises(InputError, match=r"the orders contradict each other: [23], [23], [23]$"):
         read_instance(written(tmp_path, "tiny.pcglns", PCGLNS.replace("3 2 -1\nSTART", "3 2 -1\n2 3 -1\nSTART")))
 
 
