@@ -22,7 +22,14 @@ _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,2})?"
 
 
 class Unfit(ValueError):
-    """A value that its kind does not accept; the text says what was given and what was expected."""
+    """A value that its kind does not accept; the text says what was given and what was expected.
+
+    `node` is the part of the value that is wrong, None for all of it.
+    """
+
+    def __init__(self, text: str, node: yaml.Node | None = None) -> None:
+        super().__init__(text)
+        self.node = node
 
 
 class Kind(ABC):
@@ -46,7 +53,7 @@ class Kind(ABC):
 
     def refuse(self, node: yaml.Node) -> Unfit:
         """The error for a node this kind does not accept."""
-        return Unfit(f"expected {self.expected()}, got {shape(node)}")
+        return Unfit(f"expected {self.expected()}, got {shape(node)}", node)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,12 +68,12 @@ class Quantity(Kind):
     example: str = "1.5"
 
     def read(self, node: yaml.Node) -> float:
-        found = re.fullmatch(rf"\s*({_NUMBER})\s*([a-z/%]*)\s*", _text(node, self))
+        found = re.fullmatch(rf"\s*({_NUMBER})\s*((?:[a-z/%][a-z0-9/%]*)?)\s*", _text(node, self))
         if found is None:
             raise self.refuse(node)
         number, unit = found[1], found[2] or self.bare
         if unit not in self.units:
-            raise Unfit(f"unknown unit {unit!r} in {found[0]!r}: expected {self.expected()}")
+            raise Unfit(f"unknown unit {unit!r} in {found[0]!r}: expected {self.expected()}", node)
         value = float(Fraction(number) * self.units[unit])
         if (self.at_least is not None and value < self.at_least) or (self.above is not None and value <= self.above):
             raise self.refuse(node)
@@ -112,6 +119,13 @@ SPEED = Quantity(
     at_least=None,
     above=0.0,
     example="2500",
+)
+ACCELERATION = Quantity(
+    "an acceleration",
+    {"mm/s2": Fraction(1), "m/s2": Fraction(1000), "g": Fraction("9806.65")},
+    "m/s2",
+    at_least=None,
+    above=0.0,
 )
 DURATION = Quantity("a time", {"s": Fraction(1), "ms": Fraction(1, 1000), "min": Fraction(60)}, "s", example="0.5")
 
@@ -192,7 +206,7 @@ class Choice(Kind):
         if text not in self.words:
             guess = nearest(text, self.words)
             hint = f": did you mean {guess!r}?" if guess else ""
-            raise Unfit(f"{self.refuse(node)}{hint}")
+            raise Unfit(f"{self.refuse(node)}{hint}", node)
         return None if text == self.none else text
 
     def write(self, value: str | None) -> str:
@@ -219,7 +233,7 @@ class Text(Kind):
             try:
                 re.compile(text)
             except re.error as error:
-                raise Unfit(f"expected {self.expected()}, got {text!r}: {error}") from None
+                raise Unfit(f"expected {self.expected()}, got {text!r}: {error}", node) from None
         return text
 
     def write(self, value: str) -> str:

@@ -48,7 +48,7 @@ def options_of(owner: Any) -> tuple[Option, ...]:
     [('reach_mm', 'reach', 'mm', 25.0)]
     """
     return tuple(
-        Option(f.name, re.sub(r"_(mm_s|mm|s)$", "", f.name), f.metadata["kind"], f.metadata["help"], f.default)
+        Option(f.name, re.sub(r"_(mm_s2|mm_s|mm|s)$", "", f.name), f.metadata["kind"], f.metadata["help"], f.default)
         for f in dataclasses.fields(owner)
         if "kind" in f.metadata
     )

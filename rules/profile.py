@@ -30,6 +30,7 @@ from .registry import RULES
 from .rule import Rule
 from .sections import Drawing, Leads, Machine, Material, Objective, RuleSetting, default_settings
 from .suggest import unknown
+from .time_section import Prices, Time
 
 DEFAULT = "plasma-carbon-steel"
 """The shipped profile that is used where none is named."""
@@ -65,6 +66,8 @@ class Profile:
     objective: Objective = field(default_factory=Objective)
     locks: tuple[Lock, ...] = ()
     own_rules: tuple[Own, ...] = ()
+    time: Time = field(default_factory=Time)
+    prices: Prices = field(default_factory=Prices)
     sha256: str = field(default="", compare=False)
     file: str = field(default="", compare=False)
 

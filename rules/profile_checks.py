@@ -7,6 +7,7 @@ from typing import Any
 import yaml
 
 from .sections import Leads, Material, RuleSetting
+from .time_section import Time
 from .yaml_positions import Problems
 
 
@@ -15,11 +16,17 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
     leads: Leads = given["leads"]
     material: Material = given["material"]
     rules: dict[str, RuleSetting] = given["rules"]
+    time: Time = given["time"]
 
     if leads.lead_in_min_mm > leads.lead_in_mm:
         problems.add(
             _deepest(root, "leads", "lead_in_min"),
             f"leads.lead_in_min: {leads.lead_in_min_mm:g} mm is more than lead_in, {leads.lead_in_mm:g} mm",
+        )
+    if time.model == "blocks" and time.feed_by_blocks is None:
+        problems.add(
+            _deepest(root, "time", "model"),
+            "time.model: blocks needs a feed law: give time.feed_by_blocks, a shipped law's name or points of your own",
         )
     clearance_mm = rules["pierce"].options.clearance_mm
     if rules["pierce"].strength != "off" and clearance_mm <= material.kerf_mm / 2:

@@ -88,7 +88,7 @@ def _read(node: yaml.Node, kind: Any, problems: Problems, what: str) -> Any:
     try:
         return kind.read(node)
     except Unfit as error:
-        problems.add(node, f"{what}: {error}")
+        problems.add(error.node or node, f"{what}: {error}")
         return None
 
 
@@ -109,7 +109,7 @@ def read_fields(
         try:
             given[options[key].name] = options[key].kind.read(value)
         except Unfit as error:
-            problems.add(value, f"{what}.{key}: {error}")
+            problems.add(error.node or value, f"{what}.{key}: {error}")
     return dataclasses.replace(base, **given)
 
 

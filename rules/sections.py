@@ -13,6 +13,7 @@ from .kinds import DURATION, LENGTH, SPEED, Choice, Flag, Number, PointXY, Text,
 from .option import option
 from .registry import RULES
 from .rule import Strength
+from .time_section import Prices, Time
 
 _LEADS = Choice(("line", "arc", "none"))
 
@@ -114,5 +115,7 @@ SECTIONS: Mapping[str, type] = {
     "leads": Leads,
     "drawing": Drawing,
     "objective": Objective,
+    "time": Time,
+    "prices": Prices,
 }
 """Key in a profile → the dataclass of what stands under it."""

@@ -9,7 +9,20 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.rules.kinds import DURATION, LENGTH, SPEED, Choice, Flag, Kind, Number, PointXY, Text, Unfit, over_zero
+from kerfwise.rules.kinds import (
+    ACCELERATION,
+    DURATION,
+    LENGTH,
+    SPEED,
+    Choice,
+    Flag,
+    Kind,
+    Number,
+    PointXY,
+    Text,
+    Unfit,
+    over_zero,
+)
 from kerfwise.rules.lock import Position
 
 
@@ -33,6 +46,9 @@ def read(kind: Kind, text: str) -> Any:
         (SPEED, "2.4 m/min", 40.0),
         (SPEED, "0.1 m/s", 100.0),
         (SPEED, "100 in/min", 2540 / 60),
+        (ACCELERATION, "2", 2000.0),
+        (ACCELERATION, "1500 mm/s2", 1500.0),
+        (ACCELERATION, "0.5 g", 4903.325),
         (DURATION, "0.5", 0.5),
         (DURATION, "500 ms", 0.5),
         (DURATION, "2 min", 120.0),

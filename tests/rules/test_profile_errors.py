@@ -18,7 +18,7 @@ def error_of(tmp_path: Path, text: str) -> list[str]:
     return str(caught.value).replace(f"{tmp_path}/", "").splitlines()
 
 
-KEYS = "based_on, drawing, leads, locks, machine, material, name, objective, own_rules, rules"
+KEYS = "based_on, drawing, leads, locks, machine, material, name, objective, own_rules, prices, rules, time"
 LENGTH = "a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in)"
 SHIPPED = "laser-amg3m-1mm, laser-st10kp-2mm, laser-wood, oxyfuel-thick-plate, plasma-carbon-steel, water-jet"
 OF_CONTOUR = "what can be locked of a contour is before, position, entry or direction"
@@ -39,6 +39,18 @@ MISTAKES = {
     "machine: {dialect: fanuc}": "1:20: machine.dialect: expected one of linuxcnc-qtplasmac, got 'fanuc'",
     "material:\n  kerv: 1": "2:3: material: unknown key 'kerv': did you mean 'kerf'? (valid: kerf, name, thickness)",
     "material:\n  kerf: wide": f"2:9: material.kerf: expected {LENGTH}, got 'wide'",
+    "time: {acceleration: 2 m/s}": (
+        "1:22: time.acceleration: unknown unit 'm/s' in '2 m/s': expected an acceleration over 0 such as 1.5 or "
+        "'1.5 m/s2' (also mm/s2, g)"
+    ),
+    "time: {modle: blocks}": (
+        "1:8: time: unknown key 'modle': did you mean 'model'? (valid: acceleration, corner_deviation, "
+        "feed_by_blocks, model)"
+    ),
+    "time: {model: block}": (
+        "1:15: time.model: expected one of constant, blocks, acceleration, got 'block': did you mean 'blocks'?"
+    ),
+    "prices: {gas_hour: -1}": "1:20: prices.gas_hour: expected a number of at least 0, got '-1'",
     "rules: [hard]": "1:8: rules: expected a mapping (key: value), got a list of 1",
     "rules: {hull-before: strong}": "1:22: rules.hull-before: expected one of hard, soft, off, got 'strong'",
     "rules:\n  zone-order: {zone_contour: 3}": (
