@@ -61,8 +61,11 @@ class Metal:
         yield from self._islands(p)
 
     def _strips(self, p: int) -> Iterator[tuple[str, list[int], list[int]]]:
-        for q in sorted(self.tree.query(self.swept[p], predicate="intersects").tolist()):
-            if not self.out[q]:
+        """Looks at every part whose metal, as far as `_vanishes` looks around it, part `p` takes some of."""
+        x0, y0, x1, y1 = self.swept[p].bounds
+        r = self.strip_mm / 2
+        for q in sorted(self.tree.query(shapely.box(x0 - r, y0 - r, x1 + r, y1 + r)).tolist()):
+            if not self.out[q] and shapely.intersects(self.swept[p], shapely.box(*self._window(q))):
                 around = self._around(q)
                 if self._on_both_sides(q, around) and self._vanishes(q, around):
                     yield "strip", self._fewest(q, around), [q]
@@ -88,12 +91,16 @@ class Metal:
 
     def _vanishes(self, q: int, around: Sequence[int]) -> bool:
         """Whether most of part `q` lies in metal that opening by half a strip leaves nothing of."""
+        core = shapely.clip_by_rect(self.stiff, *self._window(q))
+        core = shapely.difference(core, shapely.union_all(self.swept[list(around)]))
+        opened = shapely.buffer(core, self.strip_mm / 2, quad_segs=QUADRANT)
+        return bool(shapely.area(shapely.difference(self.areas[q], opened)) > IN_STRIP * self.size[q])
+
+    def _window(self, q: int) -> tuple[float, float, float, float]:
+        """What half a strip around a part can be seen of: farther metal holds none of it."""
         x0, y0, x1, y1 = self.areas[q].bounds
         r = self.strip_mm / 2
-        core = shapely.clip_by_rect(self.stiff, x0 - r, y0 - r, x1 + r, y1 + r)
-        core = shapely.difference(core, shapely.union_all(self.swept[list(around)]))
-        opened = shapely.buffer(core, r, quad_segs=QUADRANT)
-        return bool(shapely.area(shapely.difference(self.areas[q], opened)) > IN_STRIP * self.size[q])
+        return x0 - r, y0 - r, x1 + r, y1 + r
 
     def _fewest(self, q: int, around: Sequence[int]) -> list[int]:
         """The parts without any of which part `q` would not be in a strip, tried from the farthest."""
@@ -105,7 +112,10 @@ class Metal:
         return sorted(kept)
 
     def _islands(self, p: int) -> Iterator[tuple[str, list[int], list[int]]]:
-        """Pieces that taking out `p` closes off from the rest, each with a part on it and one elsewhere."""
+        """Pieces that taking out `p` closes off from the rest, with a part on it and one elsewhere.
+
+        The first of the two is on the side with fewer parts: that is the one left behind.
+        """
         x0, y0, x1, y1 = self.grown[p].bounds
         reach = ISLAND_STRIPS * self.strip_mm
         window = (x0 - reach, y0 - reach, x1 + reach, y1 + reach)
@@ -115,17 +125,18 @@ class Metal:
         if len(left) == 0 or not self._divides(p, [int(k) for k in touching if k != p]):
             return
         metal = shapely.difference(shapely.clip_by_rect(self.ground, *window), shapely.union_all(self.grown[gone]))
-        rim = shapely.intersection(shapely.box(*window).exterior, self.ground)
         pieces = [piece for piece in shapely.get_parts(metal) if piece.area > SPECK_MM2]
         for piece in pieces:
-            if shapely.intersects(piece, rim) or not shapely.dwithin(piece, self.grown[p], 1e-6):
+            px0, py0, px1, py1 = piece.bounds
+            if max(px1 - px0, py1 - py0) > reach or not shapely.dwithin(piece, self.grown[p], 1e-6):
                 continue
             on_it = left[shapely.intersects(piece, self.inner[left])]
             elsewhere = np.setdiff1d(np.flatnonzero(~self.out), on_it)
-            if len(on_it) and len(elsewhere) and len(on_it) <= len(elsewhere):
+            if len(on_it) and len(elsewhere):
                 border = gone[shapely.dwithin(self.grown[gone], piece, 1e-6)]
-                other = min(elsewhere.tolist(), key=lambda k: (self.areas[k].distance(self.areas[p]), k))
-                yield "island", sorted(border.tolist()), [int(on_it.min()), other]
+                fewer, more = sorted((on_it, elsewhere), key=len)
+                other = min(more.tolist(), key=lambda k: (self.areas[k].distance(self.areas[p]), k))
+                yield "island", sorted(border.tolist()), [int(fewer.min()), other]
 
     def _divides(self, p: int, touching: Sequence[int]) -> bool:
         """Whether the metal around part `p` is in more than one piece, so that taking it out may divide the rest."""

@@ -43,8 +43,8 @@ class NoNarrowStrips(Rule[NoNarrowStripsOptions]):
     Uncut metal is the sheet less every part that is out, grown by half the `web` of part-rigidity, so that the web
     between two parts that are out is gone with them. A part is in a strip when most of its area lies in metal narrower
     than `strip` (or than `strip_thicknesses` times the sheet's thickness), and parts that are out take this metal away
-    on two sides, more than a right angle apart. A part is on an island when the piece of metal that it lies in is cut
-    off from the rest, as long as that piece is no wider than ten strips and the rest holds as many parts or more. Each
+    on two sides, more than a right angle apart. A part is on an island when a piece of metal no wider than ten strips
+    is cut off from the rest, and parts are left on both: those on the side with fewer of them are left behind. Each
     part is told once. Parts in the same place are looked at together: on the sheet, or in one hole.
 
     Nothing of this can be stated before there is an order: orders are checked, and what is found comes back as sets of
