@@ -13,6 +13,7 @@ VERBS = {
     "solve": "Turn a nest into a checked cutting program.",
     "check": "Judge a plan or a program by every rule, independently.",
     "explain": "Say why a contour is cut where it is, then, and so.",
+    "time": "Say how long a plan or a program takes, and what it costs.",
     "facts": "Write the facts of a nest, as JSON or MiniZinc data.",
     "plot": "Draw a nest or a plan (SVG, PNG or HTML).",
     "profile": "Check a profile, or show it with every default filled in.",

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import click
 
-from ..encoder.errors import InputError
-from .given import given_options, read_given
+from .given import given_options, program_text, read_given
 
 
 @click.command()
@@ -24,12 +22,6 @@ def command(made: str, **given: Any) -> int:
     if made.endswith(".json"):
         result = check_plan(asked.nest, read_plan(made), asked.profile)
     else:
-        try:
-            text = Path(made).read_text(encoding="utf-8")
-        except OSError as error:
-            raise InputError(f"cannot read the program: {error.strerror}", file=made) from None
-        except UnicodeDecodeError:
-            raise InputError("not an NC program: the file is not text", file=made) from None
-        result = check_program(asked.nest, text, asked.profile)
+        result = check_program(asked.nest, program_text(made), asked.profile)
     click.echo(report(result))
     return 0 if result.ok else 1

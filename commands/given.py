@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import click
@@ -52,6 +53,22 @@ def read_given(nest: str, profile: str, units: str | None, sheet: str | None, re
     for note in read.notes:
         click.echo(f"{note.severity}: {note.text}", err=True)
     return Given(read, plant)
+
+
+def program_text(path: str) -> str:
+    """The text of an NC program.
+
+    Raises
+    ------
+    InputError
+        If there is none to read.
+    """
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"cannot read the program: {error.strerror}", file=path) from None
+    except UnicodeDecodeError:
+        raise InputError("not an NC program: the file is not text", file=path) from None
 
 
 def _size(text: str) -> tuple[float, float]:

@@ -14,11 +14,15 @@ from .excused import excused
 from .plan import Dropped, Plan, PlannedCut, SolveReport, Totals
 from .reasons import reasons
 from .solution import Solution
+from .timing.choose import fastest_feeds
 from .timing.constant import Feeds, Leg, idle_mm, schedule
 
 
 def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution, engine: str, seed: int) -> Plan:
-    """The whole plan but for the verdict on each rule, which only the independent check can give."""
+    """The whole plan but for what only its program can tell: its times by the profile's model, and the verdicts.
+
+    Until then its times are those at constant feeds, none of them too long.
+    """
     nest = facts.nest
     candidates = [facts.candidates[c] for c in solution.route]
     contours = [nest.contours[c.contour] for c in candidates]
@@ -84,15 +88,8 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
 
 
 def feeds_of(profile: Profile) -> Feeds:
-    """The machine's speeds."""
-    machine = profile.machine
-    return Feeds(
-        machine.cut_feed_mm_s,
-        machine.mark_feed_mm_s,
-        machine.travel_mm_s,
-        machine.pierce_time_s,
-        machine.mark_time_s,
-    )
+    """The speeds that plans are made with."""
+    return fastest_feeds(profile)
 
 
 def close_calls(contours: list[Contour], radius_mm: float = 50.0) -> float:

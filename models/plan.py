@@ -11,6 +11,7 @@ from typing import Any, Literal
 from ..encoder.cut import Cut, CutSequence, Side
 from ..encoder.errors import InputError
 from ..encoder.geometry.curve import Curve
+from .timing.report import TimeReport
 
 FORMAT = "kerfwise-plan/1"
 RELAXED = "relaxed: "
@@ -85,7 +86,10 @@ class Dropped:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """The whole answer; `nest` and `profile` name files and their sha256."""
+    """The whole answer; `nest` and `profile` name files and their sha256.
+
+    `time` says by which model the times are, and what they are spent on; None where no program has been timed.
+    """
 
     nest: Mapping[str, str]
     profile: Mapping[str, str]
@@ -96,6 +100,7 @@ class Plan:
     solve: SolveReport
     rules: tuple[RuleReport, ...] = ()
     dropped: tuple[Dropped, ...] = field(default=())
+    time: TimeReport | None = None
 
     def sequence(self, home: tuple[float, float] = (0.0, 0.0)) -> CutSequence:
         """The bare cuts, as rules judge them."""
@@ -112,6 +117,7 @@ class Plan:
         }
         tail: dict[str, Any] = {
             "totals": {k: _round(getattr(self.totals, k)) for k in Totals.__slots__},
+            **({} if self.time is None else {"time": self.time.as_json()}),
             "solve": {k: _round(getattr(self.solve, k)) for k in SolveReport.__slots__},
             "rules": [
                 {
@@ -227,4 +233,9 @@ def _plan_of(data: dict[str, Any]) -> Plan:
             for r in data["rules"]
         ),
         dropped=tuple(Dropped(d["rule"], tuple(d["contours"]), d["why"]) for d in data["dropped"]),
+        time=_time_of(data["time"]) if "time" in data else None,
     )
+
+
+def _time_of(data: dict[str, Any]) -> TimeReport:
+    return TimeReport(**{name: data[name] for name in TimeReport.__slots__})

@@ -51,6 +51,11 @@ def comment(dialect: Dialect, head: str, text: str = "", tail: str = "") -> str:
     return dialect.comment.format(text=" ".join(w for w in words if w))
 
 
+def is_comment(block: str, dialect: Dialect) -> bool:
+    """Whether only a person reads the block."""
+    return block.startswith(dialect.comment.partition("{text}")[0])
+
+
 def numbered(blocks: Iterable[str], dialect: Dialect) -> Iterator[str]:
     """The blocks with their N words; comments have none.
 
@@ -59,12 +64,11 @@ def numbered(blocks: Iterable[str], dialect: Dialect) -> Iterator[str]:
     InputError
         For a block longer than the control takes.
     """
-    opening = dialect.comment.partition("{text}")[0]
     rule = dialect.line_numbers
     count = 0
     for block in blocks:
         line = block
-        if rule is not None and not block.startswith(opening):
+        if rule is not None and not is_comment(block, dialect):
             line = f"N{rule.start + rule.step * count} {block}"
             count += 1
         if len(line) > dialect.max_line:

@@ -19,6 +19,7 @@ from ..rules.state import Stated, state_rules
 from .check import CheckResult
 from .checking import judge, report_of
 from .program import write_program
+from .timed import with_times
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -93,7 +94,7 @@ def produce(
         from ..models.solve import solve
 
         solution = solve(facts, stated.statements, limits, progress, refine)
-    plan = make_plan(facts, profile, stated, solution, engine, limits.seed)
+    plan = with_times(make_plan(facts, profile, stated, solution, engine, limits.seed), facts.nest, profile)
     program = write_program(plan, facts.nest, profile)
     verdict = judge(facts.nest, plan, program, profile)
     return Produced(replace(plan, rules=report_of(verdict)), program, verdict, solution.notes)

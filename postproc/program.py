@@ -2,24 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterable, Iterator
 from pathlib import PurePath
 
-import numpy as np
-import shapely
-
-from ..encoder.cut import Cut
-from ..encoder.errors import InputError
-from ..encoder.geometry.curve import Curve
 from ..encoder.nest import Nest
-from ..models.plan import Plan, PlannedCut
+from ..models.plan import Plan
 from ..rules.profile import Profile
-from .blocks import comment, number, numbered, path_blocks, plain, rapid_block, seconds_text
+from .blocks import comment, is_comment, number, numbered, path_blocks, plain, rapid_block, seconds_text
 from .dialects import Dialect, load_dialect
-from .toolpath import torch_path
-
-SHA_DIGITS = 12
+from .plan_paths import SHA_DIGITS, Toolpath, toolpaths
 
 
 def write_program(plan: Plan, nest: Nest, profile: Profile) -> str:
@@ -33,26 +24,15 @@ def write_program(plan: Plan, nest: Nest, profile: Profile) -> str:
     InputError
         If the plan was made from another nest, or the dialect is unknown or cannot spell the program.
     """
-    _same_nest(plan, nest)
     dialect = load_dialect(profile.machine.dialect)
-    blocks = [*_header(plan, nest, profile, dialect), *dialect.header]
-    for order, planned, edge_start in zip(
-        range(1, len(plan.cuts) + 1), plan.cuts, _edge_starts(plan, nest), strict=True
-    ):
-        blocks += _cut(order, planned, edge_start, nest, profile, dialect)
-    blocks += [comment(dialect, "HOME"), rapid_block(profile.machine.home, dialect), *dialect.footer]
-    return "\n".join([*numbered(blocks, dialect), ""])
+    body = _body(toolpaths(plan, nest, profile), profile, dialect)
+    return "\n".join([*numbered([*_header(plan, nest, profile, dialect), *body], dialect), ""])
 
 
-def _same_nest(plan: Plan, nest: Nest) -> None:
-    sha = plan.nest.get("sha256", "")
-    if sha and nest.sha256 and sha != nest.sha256:
-        raise InputError(
-            f"the plan was made from another nest: its sha256 begins {sha[:SHA_DIGITS]}, that of {nest.file} "
-            f"{nest.sha256[:SHA_DIGITS]}; solve again or give the nest it was made from"
-        )
-    if unknown := [p.cut.contour for p in plan.cuts if p.cut.contour not in nest.index]:
-        raise InputError(f"the plan cuts contours that {nest.file or 'the nest'} does not have", details=tuple(unknown))
+def count_blocks(paths: Iterable[Toolpath], profile: Profile) -> int:
+    """How many blocks a program of these paths has, comments left out, without writing it."""
+    dialect = load_dialect(profile.machine.dialect)
+    return sum(not is_comment(block, dialect) for block in _body(paths, profile, dialect))
 
 
 def _header(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect) -> Iterator[str]:
@@ -65,6 +45,8 @@ def _header(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect) -> Itera
     yield comment(dialect, f"CONTOURS {len(plan.cuts)}, PIERCES {totals.pierces}")
     yield comment(dialect, f"CUT {number(totals.cut_mm, 1)} MM, IDLE {number(totals.idle_mm, 1)} MM")
     yield comment(dialect, f"ESTIMATED TIME {seconds_text(totals.time_s)}")
+    if plan.time is not None:
+        yield comment(dialect, "TIME MODEL", plan.time.model.upper())
     yield comment(dialect, f"START SIDE {plan.start_side.upper()}")
     for planned in plan.cuts:
         for rule in planned.cut.excused:
@@ -86,37 +68,25 @@ def _relaxed(plan: Plan, dialect: Dialect) -> Iterator[str]:
         yield comment(dialect, head, line)
 
 
-def _edge_starts(plan: Plan, nest: Nest) -> list[bool]:
-    """Whether each cut comes in from outside the sheet, where there is nothing to pierce."""
-    shapely.prepare(nest.sheet.polygon)
-    xy = [p.cut.pierce for p in plan.cuts]
-    inside = shapely.contains_xy(nest.sheet.polygon, [x for x, _ in xy], [y for _, y in xy])
-    return [not bool(i) for i in inside]
+def _body(paths: Iterable[Toolpath], profile: Profile, dialect: Dialect) -> Iterator[str]:
+    """All but the comments at the top, which make no difference to how many blocks there are."""
+    yield from dialect.header
+    for order, path in enumerate(paths, 1):
+        yield from _cut(order, path, profile, dialect)
+    yield comment(dialect, "HOME")
+    yield rapid_block(profile.machine.home, dialect)
+    yield from dialect.footer
 
 
-def _cut(
-    order: int, planned: PlannedCut, edge_start: bool, nest: Nest, profile: Profile, dialect: Dialect
-) -> Iterator[str]:
-    cut, machine, contour = planned.cut, profile.machine, nest.contour(planned.cut.contour)
-    mark = contour.kind == "mark"
+def _cut(order: int, made: Toolpath, profile: Profile, dialect: Dialect) -> Iterator[str]:
+    cut, machine, mark = made.planned.cut, profile.machine, made.marks
     yield comment(
         dialect, f"{'MARK' if mark else 'CUT'} {order}", cut.contour, f"ZONE {cut.zone} {cut.direction.upper()}"
     )
-    path = torch_path(contour, _as_filed(cut), profile.material.kerf_mm)
-    yield rapid_block(path.point_at(0.0), dialect)
+    yield rapid_block(made.path.point_at(0.0), dialect)
     yield dialect.mark_on if mark else dialect.torch_on
     dwell_s = machine.mark_time_s if mark else machine.pierce_time_s
-    if dialect.pierce_dwell == "program" and dwell_s > 0 and not edge_start:
+    if dialect.pierce_dwell == "program" and dwell_s > 0 and not made.edge_start:
         yield dialect.dwell.format(seconds=number(dwell_s, 3))
-    yield from path_blocks(path, machine.mark_feed_mm_s if mark else machine.cut_feed_mm_s, dialect)
+    yield from path_blocks(made.path, machine.mark_feed_mm_s if mark else machine.cut_feed_mm_s, dialect)
     yield dialect.mark_off if mark else dialect.torch_off
-
-
-def _as_filed(cut: Cut) -> Cut:
-    """The cut as a plan file holds it: to 6 decimals."""
-
-    def rounded(lead: Curve | None) -> Curve | None:
-        return None if lead is None else Curve(np.round(lead.vertices, 6), lead.closed)
-
-    x, y = cut.pierce
-    return replace(cut, pierce=(round(x, 6), round(y, 6)), lead_in=rounded(cut.lead_in), lead_out=rounded(cut.lead_out))

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ...encoder.geometry.curve import Curve
 from ...encoder.geometry.segment import Point
 
 
@@ -18,6 +19,28 @@ class Feeds:
     travel_mm_s: float
     pierce_s: float
     mark_start_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class ConstantFeed:
+    """Every path at its feed from the first millimetre to the last; a model of motion (see `motion.py`).
+
+    Examples
+    --------
+    >>> ConstantFeed(Feeds(10, 20, 50, 0.5)).run_s(Curve.of([(0, 0), (30, 40)], closed=False), marks=False)
+    5.0
+    """
+
+    feeds: Feeds
+    words: str = "constant feed"
+
+    def run_s(self, path: Curve, marks: bool) -> float:
+        """Time along an open torch-on path, s."""
+        return path.length_mm / (self.feeds.mark_mm_s if marks else self.feeds.cut_mm_s)
+
+    def travel_s(self, length_mm: float) -> float:
+        """Time of an idle move, s."""
+        return length_mm / self.feeds.travel_mm_s
 
 
 @dataclass(frozen=True, slots=True)

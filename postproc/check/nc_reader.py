@@ -33,7 +33,8 @@ _TORCH_BITS = {62.0, 63.0, 64.0, 65.0}
 class Burn:
     """One stretch with a tool on, rapids left out: torch $0, others mark.
 
-    `line` is where it begins, `comment` the last comment before it. Times in s from the program's start.
+    `line` is where it begins, `comment` the last comment before it. Times in s from the program's start. `travels_mm`
+    are the moves with no tool on since the burn before.
     """
 
     tool: int
@@ -42,6 +43,7 @@ class Burn:
     start_s: float
     end_s: float
     comment: str
+    travels_mm: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,17 +56,24 @@ class HotRapid:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class NcProgram:
-    """What a program does. `idle_mm` is all travel with no tool on; `faults` are (line, sentence)."""
+    """What a program does. `idle_mm` is all travel with no tool on; `faults` are (line, sentence).
+
+    `homing_mm` are the moves after the last burn, `blocks` the lines that are more than comments, and `moving_s` the
+    time with a tool on at the program's own feeds, s.
+    """
 
     burns: tuple[Burn, ...]
     hot_rapids: tuple[HotRapid, ...]
     faults: tuple[tuple[int, str], ...]
     comments: tuple[str, ...]
     idle_mm: float
+    homing_mm: tuple[float, ...]
+    blocks: int
+    moving_s: float
 
 
-def read_nc(text: str, travel_mm_s: float = 100.0, file: str = "") -> NcProgram:
-    """Read a program; `travel_mm_s` is the speed of its rapids, for the times.
+def read_nc(text: str, travel_mm_s: float = 100.0, file: str = "", home: Point = (0.0, 0.0)) -> NcProgram:
+    """Read a program; `travel_mm_s` is the speed of its rapids, for the times, `home` where it finds the torch.
 
     Raises
     ------
@@ -77,7 +86,7 @@ def read_nc(text: str, travel_mm_s: float = 100.0, file: str = "") -> NcProgram:
     >>> [(burn.tool, burn.line, burn.path.length_mm) for burn in program.burns]
     [(0, 3, 10.0)]
     """
-    machine = _Machine(travel_mm_s)
+    machine = _Machine(travel_mm_s, home)
     line = 0
     try:
         for block in read_blocks(text):
@@ -98,6 +107,9 @@ def read_nc(text: str, travel_mm_s: float = 100.0, file: str = "") -> NcProgram:
         tuple(machine.faults),
         tuple(machine.comments),
         machine.idle_mm,
+        tuple(machine.travels_mm),
+        machine.blocks,
+        machine.moving_s,
     )
 
 
@@ -110,6 +122,7 @@ class _Open:
     start_s: float
     rows: list[tuple[float, float, float]]
     comment: str
+    travels_mm: tuple[float, ...]
 
 
 @dataclass(slots=True)
@@ -126,6 +139,8 @@ class _Machine:
     on: list[int] = field(default_factory=list)
     clock_s: float = 0.0
     idle_mm: float = 0.0
+    moving_s: float = 0.0
+    blocks: int = 0
     ended: bool = False
     comment: str = ""
     open: _Open | None = None
@@ -133,8 +148,10 @@ class _Machine:
     hot_rapids: list[HotRapid] = field(default_factory=list)
     faults: list[tuple[int, str]] = field(default_factory=list)
     comments: list[str] = field(default_factory=list)
+    travels_mm: list[float] = field(default_factory=list)
 
     def run(self, block: Block) -> None:
+        self.blocks += bool(block.g or block.m or block.words)
         for text in block.comments:
             self.comment = text
             self.comments.append(text)
@@ -220,26 +237,32 @@ class _Machine:
             self.close()
         self.at = end
         if tool is None:
-            self.idle_mm += length
+            self._idle(length)
         elif self.open is None:
             self._begin(tool, block.line)
 
     def _feed(self, segment: Segment) -> None:
         self.clock_s += segment.length_mm / self.feed_mm_s
         if self.open is None:
-            self.idle_mm += segment.length_mm
+            self._idle(segment.length_mm)
         else:
+            self.moving_s += segment.length_mm / self.feed_mm_s
             self.open.rows.append((*segment.start, segment.bulge))
 
+    def _idle(self, length_mm: float) -> None:
+        self.idle_mm += length_mm
+        self.travels_mm.append(length_mm)
+
     def _begin(self, tool: int, line: int) -> None:
-        self.open = _Open(tool, line, self.clock_s, [], self.comment)
+        self.open = _Open(tool, line, self.clock_s, [], self.comment, tuple(self.travels_mm))
+        self.travels_mm.clear()
 
     def close(self) -> None:
         """End the burn that is going on, if any; one that did not move is a hole and is kept."""
         if self.open is not None:
             path = Curve.of([*self.open.rows, (*self.at, 0.0)], closed=False)
             o = self.open
-            self.burns.append(Burn(o.tool, o.line, path, o.start_s, self.clock_s, o.comment))
+            self.burns.append(Burn(o.tool, o.line, path, o.start_s, self.clock_s, o.comment, o.travels_mm))
             self.open = None
 
     def _arc(self, end: Point, block: Block) -> tuple[Segment, ...]:

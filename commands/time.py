@@ -1,0 +1,71 @@
+"""kerfwise time: how long a plan or a program takes, on what, and what that costs."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .given import given_options, program_text, read_given
+
+if TYPE_CHECKING:
+    from ..models.timing.cost import Cost
+    from ..postproc.timed import Timed
+
+_FEEDS_DIFFER = 0.01
+"""Share by which the program's own feeds may differ from the profile's before that is said."""
+
+
+@click.command()
+@given_options
+@click.option("--json", "as_json", is_flag=True, help="Print cut_s, idle_s, pierce_s, total_s, idle_share, nc_blocks.")
+@click.argument("made", metavar="PLAN.json|OUT.nc")
+def command(made: str, as_json: bool, **given: Any) -> None:
+    """Say how long a plan or an NC program of NEST takes by the profile's time model, and what it costs."""
+    from ..models.plan import read_plan
+    from ..models.timing.choose import feeds_of
+    from ..models.timing.constant import ConstantFeed
+    from ..models.timing.cost import cost_of
+    from ..postproc.timed import job_of_plan, job_of_program, read_program, time_job
+
+    asked = read_given(**given)
+    nest, profile = asked.nest, asked.profile
+    if made.endswith(".json"):
+        plan = read_plan(made)
+        job = job_of_plan(plan, nest, profile)
+        if plan.profile.get("sha256") != profile.sha256:
+            click.echo("note: the profile is not the one the plan was made with (its sha256 differs)", err=True)
+    else:
+        program = read_program(program_text(made), profile, made)
+        job = job_of_program(program, nest)
+        set_s = sum(ConstantFeed(feeds_of(profile)).run_s(run.path, run.marks) for run in job.runs)
+        if abs(program.moving_s - set_s) > _FEEDS_DIFFER * set_s:
+            note = f"at its own feeds the program cuts for {program.moving_s:.1f} s, at the profile's for {set_s:.1f} s"
+            click.echo(f"note: {note}; the times below are by the profile", err=True)
+    timed = time_job(job, profile)
+    cost = cost_of(timed.times, profile.prices)
+    click.echo(json.dumps(_data(timed, cost)) if as_json else _table(timed, cost))
+
+
+def _data(timed: Timed, cost: Cost | None) -> dict[str, Any]:
+    data = timed.report.as_json()
+    if cost is not None:
+        rounded = {name: round(getattr(cost, name), 4) for name in ("machine", "gas", "total")}
+        data["cost"] = rounded | {"currency": cost.currency}
+    return data
+
+
+def _table(timed: Timed, cost: Cost | None) -> str:
+    job, said = timed.job, timed.report
+    rows = [
+        ("cut", said.cut_s, f"{job.on_mm / 1000:.3f} m"),
+        ("idle", said.idle_s, f"{job.idle_mm / 1000:.3f} m, {said.idle_share:.1%} of the time"),
+        ("pierce", said.pierce_s, f"{job.pierces} pierces"),
+        ("total", said.total_s, f"{said.nc_blocks} NC blocks, {said.model}"),
+    ]
+    lines = [f"{name:7} {seconds:9.1f} s   {text}" for name, seconds, text in rows]
+    if cost is not None:
+        parts = f"machine {cost.machine:.2f}, gas {cost.gas:.2f}"
+        lines.append(f"{'cost':7} {cost.total:9.2f} {cost.currency}, a sheet: {parts}")
+    return "\n".join(lines)

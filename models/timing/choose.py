@@ -1,0 +1,46 @@
+"""From a profile to its model of motion."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ...rules.profile import Profile
+from .acceleration import Accelerated
+from .constant import ConstantFeed, Feeds
+from .motion import Motion
+
+
+def feeds_of(profile: Profile) -> Feeds:
+    """The machine's speeds and waits as the profile sets them."""
+    machine = profile.machine
+    return Feeds(
+        machine.cut_feed_mm_s,
+        machine.mark_feed_mm_s,
+        machine.travel_mm_s,
+        machine.pierce_time_s,
+        machine.mark_time_s,
+    )
+
+
+def fastest_feeds(profile: Profile) -> Feeds:
+    """Speeds that the machine does not pass, whatever model of time and however short the program.
+
+    Lags in seconds are planned with these: what keeps them at this speed keeps them at any that is lower.
+    """
+    feeds, time = feeds_of(profile), profile.time
+    if time.model != "blocks" or time.feed_by_blocks is None:
+        return feeds
+    return replace(feeds, cut_mm_s=max(feeds.cut_mm_s, time.feed_by_blocks.fastest_mm_s))
+
+
+def motion_of(profile: Profile, nc_blocks: int) -> Motion:
+    """How the machine moves through a program of so many NC blocks, by the model that the profile names."""
+    feeds, time = feeds_of(profile), profile.time
+    if time.model == "acceleration":
+        return Accelerated(feeds, time.acceleration_mm_s2, time.corner_deviation_mm)
+    if time.model == "blocks" and time.feed_by_blocks is not None:
+        law = time.feed_by_blocks
+        feed = law.mm_s(nc_blocks)
+        words = f"feed by blocks, {law.name or 'own law'}, {feed * 60:.0f} mm/min at {nc_blocks}"
+        return ConstantFeed(replace(feeds, cut_mm_s=feed), words)
+    return ConstantFeed(feeds)

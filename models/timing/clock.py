@@ -1,0 +1,53 @@
+"""T = L_on / V_on + L_off / V_off + N_pt · t_pt, run by run, whatever the model of motion (Tavaeva and Petunin)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .constant import Feeds
+from .motion import Motion
+from .run import Job
+
+
+@dataclass(frozen=True, slots=True)
+class Times:
+    """When each run begins (its pierce included) and ends, and what the whole program spends on what; all in s.
+
+    `total_s` includes the idle moves after the last run.
+    """
+
+    spans: tuple[tuple[float, float], ...]
+    cut_s: float
+    idle_s: float
+    pierce_s: float
+
+    @property
+    def total_s(self) -> float:
+        """The whole program, s."""
+        return self.cut_s + self.idle_s + self.pierce_s
+
+
+def times_of(job: Job, motion: Motion, feeds: Feeds) -> Times:
+    """The times of a program; `feeds` say how long piercing, and starting to mark, takes.
+
+    Examples
+    --------
+    >>> from kerfwise.encoder.geometry.curve import Curve
+    >>> from kerfwise.models.timing.constant import ConstantFeed
+    >>> from kerfwise.models.timing.run import Run
+    >>> feeds = Feeds(10, 10, 50, 0.5)
+    >>> line = Curve.of([(30, 40), (130, 40)], closed=False)
+    >>> times_of(Job((Run(line, travels_mm=(50.0,)),), (100.0,), 9), ConstantFeed(feeds), feeds)
+    Times(spans=((1.0, 11.5),), cut_s=10.0, idle_s=3.0, pierce_s=0.5)
+    """
+    now = cut_s = idle_s = pierce_s = 0.0
+    spans = []
+    for run in job.runs:
+        travel_s = sum(map(motion.travel_s, run.travels_mm))
+        wait_s = feeds.mark_start_s if run.marks else feeds.pierce_s if run.pierced else 0.0
+        on_s = motion.run_s(run.path, run.marks)
+        spans.append((now + travel_s, now + travel_s + wait_s + on_s))
+        now = spans[-1][1]
+        cut_s, idle_s, pierce_s = cut_s + on_s, idle_s + travel_s, pierce_s + wait_s
+    idle_s += sum(map(motion.travel_s, job.homing_mm))
+    return Times(tuple(spans), cut_s, idle_s, pierce_s)

@@ -1,0 +1,45 @@
+"""What a clock is given: the torch-on paths of a program in order, and the idle moves between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...encoder.geometry.curve import Curve
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Run:
+    """One open torch-on path from where the torch is switched on to where it goes off.
+
+    `travels_mm` are the lengths of the idle moves that lead to it. `marks` says that it only marks; `pierced` is False
+    where it comes in from the sheet edge.
+    """
+
+    path: Curve
+    marks: bool = False
+    pierced: bool = True
+    travels_mm: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Job:
+    """The runs of a program, its last idle moves, and how many NC blocks it has."""
+
+    runs: tuple[Run, ...]
+    homing_mm: tuple[float, ...]
+    nc_blocks: int
+
+    @property
+    def pierces(self) -> int:
+        """Runs that pierce the sheet."""
+        return sum(run.pierced and not run.marks for run in self.runs)
+
+    @property
+    def on_mm(self) -> float:
+        """L_on: length with the torch, or the marking tool, on, mm."""
+        return sum(run.path.length_mm for run in self.runs)
+
+    @property
+    def idle_mm(self) -> float:
+        """L_off: length of all idle moves, mm."""
+        return sum(mm for run in self.runs for mm in run.travels_mm) + sum(self.homing_mm)

@@ -1,0 +1,98 @@
+"""Plans and programs on the clock: what they do, in how many blocks, and how long that takes by the profile's model."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from ..encoder.geometry.curve import Curve
+from ..encoder.geometry.segment import Point
+from ..encoder.nest import Nest
+from ..models.plan import Plan
+from ..models.timing.choose import feeds_of, motion_of
+from ..models.timing.clock import Times, times_of
+from ..models.timing.motion import Motion
+from ..models.timing.report import TimeReport, report_times
+from ..models.timing.run import Job, Run
+from ..rules.profile import Profile
+from .check.nc_reader import NcProgram, read_nc
+from .plan_paths import outside, toolpaths
+from .program import count_blocks
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Timed:
+    """A job, the motion that it was timed with, and its times."""
+
+    job: Job
+    motion: Motion
+    times: Times
+
+    @property
+    def report(self) -> TimeReport:
+        """What a plan, and `kerfwise time`, say of it."""
+        return report_times(self.times, self.motion, self.job.nc_blocks)
+
+
+def time_job(job: Job, profile: Profile) -> Timed:
+    """The times of a job by the model of the profile."""
+    motion = motion_of(profile, job.nc_blocks)
+    return Timed(job, motion, times_of(job, motion, feeds_of(profile)))
+
+
+def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
+    """What the program of a plan will do; its blocks are counted without writing it.
+
+    Raises
+    ------
+    InputError
+        If the plan was made from another nest.
+    """
+    paths = toolpaths(plan, nest, profile)
+    runs, at = [], profile.machine.home
+    for made in paths:
+        runs.append(Run(made.path, made.marks, not made.edge_start, (math.dist(at, _start(made.path)),)))
+        at = _end(made.path)
+    return Job(tuple(runs), (math.dist(at, profile.machine.home),), count_blocks(paths, profile))
+
+
+def job_of_program(program: NcProgram, nest: Nest) -> Job:
+    """What a program does, as the check reads it; the nest tells which cuts come in from the sheet's edge."""
+    edge_starts = outside(nest, [_start(burn.path) for burn in program.burns])
+    runs = (
+        Run(burn.path, burn.tool != 0, not edge_start, burn.travels_mm)
+        for burn, edge_start in zip(program.burns, edge_starts, strict=True)
+    )
+    return Job(tuple(runs), program.homing_mm, program.blocks)
+
+
+def read_program(text: str, profile: Profile, file: str = "") -> NcProgram:
+    """A program as the check reads it, on the profile's machine.
+
+    Raises
+    ------
+    InputError
+        With the line, for what is malformed or not understood.
+    """
+    return read_nc(text, profile.machine.travel_mm_s, file, profile.machine.home)
+
+
+def with_times(plan: Plan, nest: Nest, profile: Profile) -> Plan:
+    """The plan with the times of its program by the model of the profile, which it then states."""
+    timed = time_job(job_of_plan(plan, nest, profile), profile)
+    cuts = tuple(
+        replace(planned, cut=replace(planned.cut, start_s=begin, end_s=end))
+        for planned, (begin, end) in zip(plan.cuts, timed.times.spans, strict=True)
+    )
+    totals = replace(plan.totals, time_s=timed.times.total_s)
+    return replace(plan, cuts=cuts, totals=totals, time=timed.report)
+
+
+def _start(path: Curve) -> Point:
+    x, y = path.vertices[0, :2].tolist()
+    return x, y
+
+
+def _end(path: Curve) -> Point:
+    x, y = path.vertices[-1, :2].tolist()
+    return x, y

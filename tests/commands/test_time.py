@@ -1,0 +1,110 @@
+"""kerfwise time: what it prints of a plan and of its program."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import kerfwise as package
+from kerfwise.encoder.readers import read_nest
+from kerfwise.postproc.program import write_program
+from kerfwise.postproc.timed import with_times
+from kerfwise.rules.profile import load_profile
+from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.models.solved import proven_plan
+
+NEST = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"
+LASER = "laser-amg3m-1mm"
+KEYS = ["cut_s", "idle_s", "pierce_s", "total_s", "idle_share", "nc_blocks"]
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """A plan of the nest by the laser's profile, and its program."""
+    folder = tmp_path_factory.mktemp("timed")
+    nest, plant = read_nest(NEST), load_profile(LASER)
+    _, _, made = proven_plan(nest, plant)
+    made = with_times(made, nest, plant)
+    (folder / "plan.json").write_text(made.to_json())
+    (folder / "plan.nc").write_text(write_program(made, nest, plant))
+    return folder / "plan.json", folder / "plan.nc"
+
+
+def told(made: Path, profile: object = LASER) -> dict[str, float]:
+    ended = kerfwise("time", NEST, made, "-p", profile, "--json")
+    assert ended.code == 0, ended.err
+    data = json.loads(ended.out)
+    assert list(data)[:6] == KEYS
+    assert data["total_s"] == pytest.approx(sum(data[k] for k in KEYS[:3]), abs=0.002)
+    assert data["idle_share"] == pytest.approx(data["idle_s"] / data["total_s"], abs=1e-5)
+    return dict(data)
+
+
+def test_plan_and_program_agree_with_each_other_and_with_what_the_plan_states(files: tuple[Path, Path]) -> None:
+    plan, program = map(told, files)
+    stated = json.loads(files[0].read_text())["time"]
+    assert plan == stated
+    assert plan.pop("nc_blocks") == program.pop("nc_blocks") == files[1].read_text().count("\nN")
+    assert plan.pop("model") == program.pop("model")
+    assert plan == pytest.approx(program, rel=1e-3)
+
+
+def test_the_table_for_people(files: tuple[Path, Path]) -> None:
+    data = told(files[0])
+    lines = kerfwise("time", NEST, files[0], "-p", LASER).out.splitlines()
+    assert [line.split()[0] for line in lines] == ["cut", "idle", "pierce", "total"]
+    assert [float(line.split()[1]) for line in lines] == pytest.approx(
+        [data[k] for k in ("cut_s", "idle_s", "pierce_s", "total_s")], abs=0.06
+    )
+    assert lines[1].endswith(f"{data['idle_share']:.1%} of the time")
+    assert lines[2].endswith("16 pierces")
+    blocks = data["nc_blocks"]
+    assert f"{blocks} NC blocks, feed by blocks, bystar-3015-amg3m-1mm, " in lines[3]
+
+
+def test_a_plants_own_points_acceleration_and_prices(files: tuple[Path, Path], tmp_path: Path) -> None:
+    base = told(files[0])
+    cases = {
+        "constant": "time: {model: constant}",
+        "points": "time: {feed_by_blocks: {points: [[10, 6 m/min], [1000, 6 m/min]]}}",
+        "limited": "time: {model: acceleration, acceleration: 2 m/s2}",
+        "priced": "prices: {machine_hour: 80, gas_hour: 12, currency: RUB}",
+    }
+    found = {}
+    for name, text in cases.items():
+        path = tmp_path / f"{name}.yaml"
+        path.write_text(f"based_on: {LASER}\n{text}\n")
+        found[name] = told(files[0], path)
+    assert found["constant"]["cut_s"] == found["points"]["cut_s"] < found["limited"]["cut_s"]
+    assert found["constant"]["idle_s"] < found["limited"]["idle_s"]
+    assert base["cut_s"] > found["constant"]["cut_s"]
+    cost = found["priced"]["cost"]
+    assert cost["machine"] == pytest.approx(80 * base["total_s"] / 3600, abs=1e-4)  # type: ignore[index]
+    assert cost["gas"] == pytest.approx(12 * (base["cut_s"] + base["pierce_s"]) / 3600, abs=1e-4)  # type: ignore[index]
+    last = kerfwise("time", NEST, files[0], "-p", tmp_path / "priced.yaml").out.splitlines()[-1]
+    assert last.split()[:3] == ["cost", f"{cost['total']:.2f}", "RUB,"]  # type: ignore[index]
+
+
+def test_a_program_whose_feeds_are_not_the_profiles_is_noted(files: tuple[Path, Path]) -> None:
+    other = kerfwise("time", NEST, files[1])
+    assert other.code == 0
+    assert other.err.startswith("note: at its own feeds the program cuts for 57.0 s, at the profile's for 136.8 s")
+    assert kerfwise("time", NEST, files[1], "-p", LASER).err == ""
+
+
+def test_a_plan_of_another_profile_is_noted(files: tuple[Path, Path]) -> None:
+    other = kerfwise("time", NEST, files[0])
+    assert other.err == "note: the profile is not the one the plan was made with (its sha256 differs)\n"
+    assert kerfwise("time", NEST, files[0], "-p", LASER).err == ""
+
+
+def test_wrong_input(files: tuple[Path, Path], tmp_path: Path) -> None:
+    missing = kerfwise("time", NEST, tmp_path / "none.nc")
+    assert (missing.code, missing.out) == (2, "")
+    assert "cannot read the program: No such file" in missing.err
+    (tmp_path / "odd.nc").write_text("G1 X5\n")
+    assert "odd.nc:1: G1 with no feed" in kerfwise("time", NEST, tmp_path / "odd.nc").err
+    other = NEST.with_name("plate40.json")
+    assert "the plan was made from another nest" in kerfwise("time", other, files[0]).err
