@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..models.plan import Plan
+from ..models.plan import Dropped, Plan
 from ..postproc.check import CheckResult, report
 from ..rules.statements import EXEMPTION_MM
 
@@ -28,6 +28,11 @@ def summary(plan: Plan, verdict: CheckResult) -> str:
         f"{max((p.cut.zone for p in plan.cuts), default=0)} zones",
     ]
     for dropped in plan.dropped:
-        what = dropped.rule if dropped.relaxed else f"left out: {' before '.join(dropped.contours)} ({dropped.rule})"
-        lines.append(f"{what}, {dropped.why}")
+        lines.append(f"{_left_out(dropped)}, {dropped.why}")
     return "\n".join([*lines, report(verdict)])
+
+
+def _left_out(dropped: Dropped) -> str:
+    if dropped.relaxed or not dropped.contours:
+        return dropped.rule
+    return f"left out: {' before '.join(dropped.contours)} ({dropped.rule})"

@@ -50,3 +50,24 @@ def transitive(direct: Bools) -> Bools:
             if waiting[i] == 0:
                 ready.append(int(i))
     return closed
+
+
+def immediate(before: Bools) -> Bools:
+    """The pairs of a closed order with no third contour between them (its transitive reduction).
+
+    Examples
+    --------
+    >>> chain = np.array([[0, 1, 1], [0, 0, 1], [0, 0, 0]], dtype=bool)
+    >>> immediate(chain).astype(int).tolist()
+    [[0, 1, 0], [0, 0, 1], [0, 0, 0]]
+    """
+    rank = before.sum(axis=0) + 1
+    sooner = np.ascontiguousarray(before.T)
+    kept = np.zeros_like(before)
+    for j in range(len(before)):
+        left = np.where(sooner[j], rank, 0)
+        while left[i := int(left.argmax())]:
+            kept[i, j] = True
+            left[i] = 0
+            left[sooner[i]] = 0
+    return kept

@@ -44,6 +44,10 @@ class Crossings:
         return len(self.leave)
 
 
+class TooManyMoves(InputError):
+    """The moves that can occur cannot all be looked at."""
+
+
 def find_crossings(
     statements: Sequence[Crossing], lawful: Bools, first: Ints, ends_um: Ints, pierces_um: Ints
 ) -> Crossings:
@@ -54,14 +58,14 @@ def find_crossings(
 
     Raises
     ------
-    InputError
+    TooManyMoves
         If there are more than `MOST_MOVES` moves between sites, as on large nests without zones.
     """
     if not statements:
         return Crossings()
     sites = np.diff(first)
     if (moves := int(sites @ lawful @ sites)) > MOST_MOVES:
-        raise InputError(
+        raise TooManyMoves(
             f"idle travel over parts that are out asks about {moves:,} moves, more than the {MOST_MOVES:,} that can be "
             f"looked at: switch {statements[0].about.rule} off or zone-order on in the profile"
         )

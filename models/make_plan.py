@@ -83,7 +83,10 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
             solution.found_by,
             solution.proved_by,
         ),
-        dropped=tuple(Dropped(d.rule, d.contours, d.why) for d in stated.dropped),
+        dropped=(
+            *(Dropped(d.rule, d.contours, d.why) for d in stated.dropped),
+            *(Dropped(rule, (), f"not priced: {why}") for rule, why in solution.left_out),
+        ),
     )
 
 

@@ -30,7 +30,7 @@ from ..rules.statements import (
 )
 from .closure import close
 from .conditions import Condition, of_at_least, of_no_good, of_soft_precede
-from .crossings import Crossings, find_crossings
+from .crossings import Crossings, TooManyMoves, find_crossings
 from .pace import Pace
 from .successors import lawful_successors
 from .timing.constant import Feeds
@@ -60,7 +60,8 @@ class Problem:
     contiguous block that i belongs to. `conditions` are about sites (`when` is a site here). `general` are statements
     that only an engine with the whole order in hand can judge, as are `lags` but for those of one cut. `crossings`
     are moves that cost more, or are unlawful, once some contour is out. `pace` tells how long cuts and moves take.
-    `matrix` (m + 1, m + 1), home last, replaces idle travel between points where costs are given by a table.
+    `left_out` are soft rules that could not be priced on a problem of this size, and why. `matrix` (m + 1, m + 1), home
+    last, replaces idle travel between points where costs are given by a table.
     """
 
     n: int
@@ -83,6 +84,7 @@ class Problem:
     crossings: Crossings = field(default_factory=Crossings)
     pace: Pace = field(default_factory=Pace)
     matrix: Ints | None = None
+    left_out: tuple[tuple[str, str], ...] = ()
 
     @property
     def m(self) -> int:
@@ -171,14 +173,20 @@ def make_problem(
         ids=tuple(c.id for c in facts.nest.contours),
         pace=Pace() if feeds is None else Pace.of(facts, representatives, feeds),
     )
-    return replace(problem, crossings=_crossings(problem, [s for s in statements if isinstance(s, Crossing)]))
+    return _with_crossings(problem, [s for s in statements if isinstance(s, Crossing)])
 
 
-def _crossings(problem: Problem, statements: list[Crossing]) -> Crossings:
+def _with_crossings(problem: Problem, statements: list[Crossing]) -> Problem:
     if not statements:
-        return Crossings()
+        return problem
     sites = np.append(problem.first, problem.m + 1)
-    return find_crossings(statements, problem.successors(), sites, problem.ends(), problem.pierces())
+    try:
+        found = find_crossings(statements, problem.successors(), sites, problem.ends(), problem.pierces())
+    except TooManyMoves as error:
+        if any(s.weight is None for s in statements):
+            raise
+        return replace(problem, left_out=((statements[0].about.rule, error.message),))
+    return replace(problem, crossings=found)
 
 
 def _um(points: list[tuple[float, float]]) -> Ints:

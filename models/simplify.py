@@ -68,12 +68,12 @@ def _undecided(problem: Problem, condition: Condition) -> Condition:
 def _spare(problem: Problem, unlawful: Bools) -> Bools:
     """Sites that are never lawful, or for which another with the same pierce and end is never worse."""
     spare = unlawful.copy()
-    asked = _conditions_by_site(problem)
-    crossed = _crossings_by_site(problem)
-    alike: dict[object, list[int]] = defaultdict(list)
-    for s in sorted(set(range(problem.m)) - set(_named(problem))):
-        alike[_place(problem, s)].append(s)
-    for sites in alike.values():
+    groups = _alike(problem)
+    compared = np.zeros(problem.m + 1, dtype=np.bool_)
+    compared[[s for sites in groups for s in sites]] = True
+    asked = _conditions_by_site(problem, compared)
+    crossed = _crossings_by_site(problem, compared)
+    for sites in groups:
         for s in sites:
             for t in sites:
                 if t == s or spare[t] or crossed[t] - crossed[s]:
@@ -87,9 +87,19 @@ def _spare(problem: Problem, unlawful: Bools) -> Bools:
     return spare
 
 
-def _place(problem: Problem, site: int) -> object:
-    """What two sites must share to be compared: contour, pierce and end, and the time of the cut where it counts."""
+def _alike(problem: Problem) -> list[list[int]]:
+    """Sites that can be compared, in groups of at least two."""
+    named = _named(problem)
     timed = any(lag.seconds > 0 for lag in problem.lags) and len(problem.pace.cut_ms) > 0
+    groups: dict[object, list[int]] = defaultdict(list)
+    for s in range(problem.m):
+        if s not in named:
+            groups[_place(problem, s, timed)].append(s)
+    return [sites for sites in groups.values() if len(sites) > 1]
+
+
+def _place(problem: Problem, site: int, timed: bool) -> object:
+    """What two sites must share to be compared: contour, pierce and end, and the time of the cut where it counts."""
     if problem.matrix is None:
         reached, left = problem.pierce_um[site].tobytes(), problem.end_um[site].tobytes()
     else:
@@ -109,21 +119,24 @@ def _named(problem: Problem) -> set[int]:
     return {int(problem.candidate_site[c]) for c in candidates} - {-1}
 
 
-def _conditions_by_site(problem: Problem) -> dict[int, Counter[tuple[object, object, int, int | None]]]:
+def _conditions_by_site(
+    problem: Problem, compared: Bools
+) -> dict[int, Counter[tuple[object, object, int, int | None]]]:
     asked: dict[int, Counter[tuple[object, object, int, int | None]]] = defaultdict(Counter)
     for c in problem.conditions:
-        if c.when is not None:
+        if c.when is not None and compared[c.when]:
             asked[c.when][c.members, c.weights, c.bound, c.cost] += 1
     return asked
 
 
-def _crossings_by_site(problem: Problem) -> dict[int, Counter[tuple[str, int, int, int]]]:
+def _crossings_by_site(problem: Problem, compared: Bools) -> dict[int, Counter[tuple[str, int, int, int]]]:
     crossed: dict[int, Counter[tuple[str, int, int, int]]] = defaultdict(Counter)
     rows = problem.crossings
-    columns = (rows.leave.tolist(), rows.reach.tolist(), rows.over.tolist(), rows.cost.tolist())
-    for leave, reach, over, cost in zip(*columns, strict=True):
-        crossed[leave]["to", reach, over, cost] += 1
-        crossed[reach]["from", leave, over, cost] += 1
+    for way, here, there in (("to", rows.leave, rows.reach), ("from", rows.reach, rows.leave)):
+        of = compared[here]
+        columns = (here[of].tolist(), there[of].tolist(), rows.over[of].tolist(), rows.cost[of].tolist())
+        for site, other, over, cost in zip(*columns, strict=True):
+            crossed[site][way, other, over, cost] += 1
     return crossed
 
 

@@ -48,6 +48,7 @@ class Solution:
     `objective` and `bound` are in mm; `bound` is None unless proven for the whole model. `seconds` is wall-clock time
     under a time limit, else the deterministic work spent, so that the same input gives the same plan to the byte.
     `notes` say which members of the portfolio ran, which did not, and why.
+    `left_out` are soft rules that objective and bound say nothing of, because the nest is too large, and why.
     """
 
     route: tuple[int, ...]
@@ -58,6 +59,7 @@ class Solution:
     proved_by: str
     seconds: float
     notes: tuple[str, ...] = ()
+    left_out: tuple[tuple[str, str], ...] = ()
 
 
 class Progress(Protocol):

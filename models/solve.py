@@ -77,6 +77,7 @@ def _solution(problem: Problem, known: Known, spent: float) -> Solution:
         proved_by=known.proved_by,
         seconds=spent,
         notes=tuple(known.notes),
+        left_out=problem.left_out,
     )
 
 

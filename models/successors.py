@@ -7,6 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from .closure import immediate
+
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
@@ -27,10 +29,8 @@ def lawful_successors(before: Bools, block: Ints, apart: Iterable[tuple[int, int
     together = block[:, None] == block[None, :]
     inside = before & together
     leaves, enters = ~inside.any(axis=1), ~inside.any(axis=0)
-    counts = before.astype(np.float32)  # products of small whole numbers: exact, and much faster than integers
-    between = (counts @ counts) > 0
     lawful = np.zeros((n + 1, n + 1), dtype=np.bool_)
-    lawful[:n, :n] = ~before.T & ~between & (together | (leaves[:, None] & enters[None, :]))
+    lawful[:n, :n] = ~before.T & (~before | immediate(before)) & (together | (leaves[:, None] & enters[None, :]))
     lawful[np.arange(n), np.arange(n)] = False
     lawful[n, :n] = ~before.any(axis=0)
     lawful[:n, n] = ~before.any(axis=1)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from ..closure import immediate
 from ..problem import Problem
 from .legs import Legs
 from .lists import flatten
@@ -41,7 +42,7 @@ class Orders(NamedTuple):
 def make_orders(problem: Problem, legs: Legs) -> Orders:
     """The orders of a problem."""
     n = problem.n
-    direct = _immediate(problem.before)
+    direct = immediate(problem.before)
     covers_first, covers = flatten([np.flatnonzero(direct[:, j]).tolist() for j in range(n)])
     covered_first, covered = flatten([np.flatnonzero(direct[i]).tolist() for i in range(n)])
     _, block = np.unique(problem.block, return_inverse=True)
@@ -60,20 +61,6 @@ def make_orders(problem: Problem, legs: Legs) -> Orders:
         near=_nearest(legs, may_follow, forward=True),
         near_in=_nearest(legs, may_follow.T, forward=False),
     )
-
-
-def _immediate(before: Bools) -> Bools:
-    """The pairs of a closed order with no third contour between them."""
-    rank = before.sum(axis=0) + 1
-    kept = np.zeros_like(before)
-    for j in range(len(before)):
-        left = np.where(before[:, j], rank, 0)
-        while left.any():
-            i = int(left.argmax())
-            kept[i, j] = True
-            left[i] = 0
-            left[before[:, i]] = 0
-    return kept
 
 
 def _nearest(legs: Legs, allowed: Bools, forward: bool) -> Ints:

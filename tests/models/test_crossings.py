@@ -1,0 +1,57 @@
+"""Moves over parts that are out: found one by one, or left out and said so where there are too many."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.models import crossings
+from kerfwise.models.make_plan import feeds_of, make_plan
+from kerfwise.models.problem import make_problem
+from kerfwise.models.solution import SolveOptions
+from kerfwise.models.solve import solve
+from kerfwise.postproc.produce import ask, facts_of
+from kerfwise.rules.profile import Profile, load_profile
+from kerfwise.tests.nests import nest, part, rect
+
+ROW = nest(500, 300, *(part(f"P{k}", rect(50 + 120 * k, 50, 100, 100)) for k in range(3)))
+
+
+def with_tips(strength: str) -> Profile:
+    profile = load_profile("plasma-carbon-steel")
+    tips = replace(profile.rules["no-tip-travel"], strength=strength, weight=50.0 if strength == "soft" else None)
+    return replace(profile, rules={**profile.rules, "no-tip-travel": tips})
+
+
+def test_moves_over_the_part_between_are_found() -> None:
+    profile = with_tips("soft")
+    asked = ask(facts_of(ROW, profile), profile)
+    problem = make_problem(asked.facts, asked.stated.statements, (0.0, 0.0))
+    rows = problem.crossings
+    ends = problem.ends()[rows.leave][:, 0] / 1000
+    starts = problem.pierces()[rows.reach][:, 0] / 1000
+    middle = rows.over == ROW.index["P1.outer"]
+    assert middle.any()
+    assert ((ends < 270) & (starts > 170) | (ends > 170) & (starts < 270))[middle].all()
+    assert problem.left_out == ()
+
+
+def test_too_many_moves_leave_a_soft_rule_unpriced_and_the_plan_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(crossings, "MOST_MOVES", 10)
+    profile = with_tips("soft")
+    asked = ask(facts_of(ROW, profile), profile)
+    solution = solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0, feeds=feeds_of(profile)))
+    plan = make_plan(asked.facts, profile, asked.stated, solution, "cp-sat", 1)
+    (dropped,) = [d for d in plan.dropped if d.rule == "no-tip-travel"]
+    assert dropped.why.startswith("not priced: idle travel over parts that are out asks about")
+    assert not dropped.relaxed
+
+
+def test_too_many_moves_are_refused_where_the_rule_is_hard(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(crossings, "MOST_MOVES", 10)
+    profile = with_tips("hard")
+    asked = ask(facts_of(ROW, profile), profile)
+    with pytest.raises(InputError, match="more than the 10 that can be looked at: switch no-tip-travel off"):
+        make_problem(asked.facts, asked.stated.statements, (0.0, 0.0))
