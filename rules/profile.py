@@ -22,6 +22,7 @@ from .catalogue.part_rigidity import PartRigidityOptions
 from .catalogue.pierce import PierceOptions
 from .catalogue.start_side import StartSideOptions
 from .catalogue.zone_order import ZoneOrderOptions
+from .heat_section import Heat
 from .lock import Lock
 from .own import Own, Thresholds, as_rule, own_pairs
 from .profile_reader import Given, read_given
@@ -68,6 +69,7 @@ class Profile:
     own_rules: tuple[Own, ...] = ()
     time: Time = field(default_factory=Time)
     prices: Prices = field(default_factory=Prices)
+    heat: Heat = field(default_factory=Heat)
     sha256: str = field(default="", compare=False)
     file: str = field(default="", compare=False)
 

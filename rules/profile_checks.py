@@ -6,6 +6,7 @@ from typing import Any
 
 import yaml
 
+from .heat_section import Heat
 from .sections import Leads, Material, RuleSetting
 from .time_section import Time
 from .yaml_positions import Problems
@@ -17,6 +18,7 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
     material: Material = given["material"]
     rules: dict[str, RuleSetting] = given["rules"]
     time: Time = given["time"]
+    heat: Heat = given["heat"]
 
     if leads.lead_in_min_mm > leads.lead_in_mm:
         problems.add(
@@ -27,6 +29,17 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
         problems.add(
             _deepest(root, "time", "model"),
             "time.model: blocks needs a feed law: give time.feed_by_blocks, a shipped law's name or points of your own",
+        )
+    if heat.limit_c <= heat.ambient_c:
+        problems.add(
+            _deepest(root, "heat", "limit_c"),
+            f"heat.limit_c: {heat.limit_c:g} °C is not above ambient_c, {heat.ambient_c:g} °C: everything is too hot",
+        )
+    if heat.logical_conduction * 8 > 1:
+        problems.add(
+            _deepest(root, "heat", "logical_conduction"),
+            f"heat.logical_conduction: {heat.logical_conduction:g} for each of 8 neighbours is more than a point has; "
+            "the scheme is stable up to 0.125",
         )
     clearance_mm = rules["pierce"].options.clearance_mm
     if rules["pierce"].strength != "off" and clearance_mm <= material.kerf_mm / 2:

@@ -9,6 +9,7 @@ from typing import Any
 from ..encoder.candidates.candidate import LeadKind
 from ..encoder.geometry.segment import Point
 from ..encoder.readers.units import MM_PER
+from .heat_section import Heat
 from .kinds import DURATION, LENGTH, SPEED, Choice, Flag, Number, PointXY, Text, over_zero
 from .option import option
 from .registry import RULES
@@ -117,5 +118,6 @@ SECTIONS: Mapping[str, type] = {
     "objective": Objective,
     "time": Time,
     "prices": Prices,
+    "heat": Heat,
 }
 """Key in a profile → the dataclass of what stands under it."""

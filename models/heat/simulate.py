@@ -1,0 +1,52 @@
+"""From a timed torch path to temperatures: the one way in to both models."""
+
+from __future__ import annotations
+
+import shapely
+
+from ...encoder.nest import Nest
+from ...rules.heat_section import Heat
+from .grid import Grid, make_grid
+from .logical import run_logical
+from .physical import Look, run_physical
+from .result import HeatResult, made_result
+from .timed_path import TimedPath
+
+LEAST_BAND_STEPS = 1.5
+"""The torch heats points up to 1.42 grid steps beside its path: so far they say nothing of the metal around."""
+
+
+def simulate(
+    nest: Nest, path: TimedPath, heat: Heat, thickness_mm: float, look: tuple[float, Look] | None = None
+) -> HeatResult:
+    """Simulate a program and count what gets too hot.
+
+    Parameters
+    ----------
+    nest
+        Sheet and parts.
+    path
+        Where the torch burns, and when.
+    heat
+        The profile's section `heat`; its `model` decides which model runs.
+    thickness_mm
+        Of the sheet.
+    look
+        Seconds and a function: it is called with the time and the temperatures (nx, ny), °C, whenever so many seconds
+        have passed.
+
+    Raises
+    ------
+    InputError
+        If the grid is too fine for the sheet, or the logical scheme would not be stable.
+    """
+    grid = make_grid(nest, heat.grid_mm)
+    runner = run_logical if heat.model == "logical" else run_physical
+    run = runner(grid, path, heat, thickness_mm, look)
+    return made_result(heat.model, nest, grid, heat, run, kerf_band(grid, path, heat))
+
+
+def kerf_band(grid: Grid, path: TimedPath, heat: Heat) -> shapely.Geometry:
+    """The points too near to the torch's path to be counted."""
+    within_mm = max(heat.kerf_band_mm, LEAST_BAND_STEPS * heat.grid_mm)
+    return grid.near((shapely.LineString(burn.xy) for burn in path.burns), within_mm)
