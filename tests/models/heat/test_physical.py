@@ -99,14 +99,14 @@ def test_a_closed_path_cuts_every_link_between_inside_and_outside(
 
 
 def test_heat_stays_on_its_side_of_the_kerf() -> None:
-    """A straight cut gives half of its heat to each side, wherever it lies between the points."""
+    """A straight cut gives half of its heat to each side wherever it lies; little flows across ahead of the torch."""
     grid = make_grid(nest(200, 100), 5.0)
     for y in (50.0, 51.0, 52.5, 54.9):
         sheet = Simulation(grid, NO_LOSS, 6.0)
         sheet.run(events_of(along([(-10, y), (210, y)], 0.0, 1.0), grid), 400.0)
         excess = sheet.temperature_c() - NO_LOSS.ambient_c
         below = grid.y0_mm + 5.0 * np.arange(grid.shape[1]) <= y
-        assert excess[:, below].sum() == pytest.approx(excess[:, ~below].sum(), rel=1e-4)
+        assert excess[:, below].sum() == pytest.approx(excess[:, ~below].sum(), rel=0.01)
 
 
 def test_steps_keep_their_results_whatever_the_looks_between() -> None:
