@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+import kerfwise as package
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.feed_law import FeedLaw, Piece
 from kerfwise.rules.feed_law_kind import LawKind, shipped_laws
@@ -159,4 +161,14 @@ def test_the_model_blocks_needs_a_law(tmp_path: Path) -> None:
     path = tmp_path / "plant.yaml"
     path.write_text("name: x\ntime:\n  model: blocks\n")
     with pytest.raises(InputError, match=r"plant.yaml:3:10: time.model: blocks needs a feed law: give time.feed_by"):
+        load_profile(path)
+
+
+def test_the_profiles_in_the_docs_load(tmp_path: Path) -> None:
+    page = (Path(package.__file__).parent / "docs" / "time.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)
+    assert len(blocks) == 4
+    for number, text in enumerate(blocks):
+        path = tmp_path / f"{number}.yaml"
+        path.write_text(text, encoding="utf-8")
         load_profile(path)
