@@ -2,6 +2,6 @@
 
 from .best_known import BestKnown, read_best_known
 from .measure import Job, Result, measure
-from .table import as_json, head, line, totals
+from .table import as_json, gap_to, head, line, totals
 
-__all__ = ["BestKnown", "Job", "Result", "as_json", "head", "line", "measure", "read_best_known", "totals"]
+__all__ = ["BestKnown", "Job", "Result", "as_json", "gap_to", "head", "line", "measure", "read_best_known", "totals"]
