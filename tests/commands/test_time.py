@@ -108,3 +108,48 @@ def test_wrong_input(files: tuple[Path, Path], tmp_path: Path) -> None:
     assert "odd.nc:1: G1 with no feed" in kerfwise("time", NEST, tmp_path / "odd.nc").err
     other = NEST.with_name("plate40.json")
     assert "the plan was made from another nest" in kerfwise("time", other, files[0]).err
+
+
+def triangles(side_mm: float) -> tuple[str, str]:
+    """A nest of 15 triangles, four of them with a hole, and a program of 120 blocks that cuts their 19 contours."""
+    rise = side_mm * 0.75**0.5
+    parts, paths = [], []
+    for k in range(15):
+        x, y = 300.0 * (k % 5) + 40, 300.0 * (k // 5) + 40
+        corners = [[x, y], [x + side_mm, y], [x + side_mm / 2, y + rise]]
+        hole = [[x + 0.2 * side_mm + 0.4 * a, y + 0.1 * side_mm + 0.4 * b] for a, b in ([0, 0], [side_mm, 0])]
+        parts.append(
+            {"id": f"P{k}", "outer": corners, "holes": [[*hole, [hole[0][0], hole[0][1] + 30]]] if k < 4 else []}
+        )
+        paths += [corners] * (2 if k < 4 else 1)
+    lines = ["G21", "G90"]
+    for first, *others in paths:
+        lines += [f"G0 X{first[0]:.3f} Y{first[1]:.3f}", "M3 $0 S1"]
+        lines += [f"G1 X{x:.3f} Y{y:.3f} F6000" for x, y in [*others, first]]
+        lines += ["M5 $0"]
+    lines += ["(going home)", "M5 $-1", "G0 X0 Y0", "G49", "M2"]
+    nest = {"format": "kerfwise-nest/1", "units": "mm", "sheet": {"width": 1600, "height": 1000}, "parts": parts}
+    return json.dumps(nest), "\n".join(lines) + "\n"
+
+
+def test_the_known_answer_of_120_blocks(tmp_path: Path) -> None:
+    """Tavaeva and Petunin: 15 parts, 19 contours, n = 120, AMg3M 1 mm: 126.27 s at 0.1 m/s becomes 141.38 s.
+
+    The paper prints no lengths; the two times leave 12.05 m to cut and 5.8 s for all else (see test_clock.py), which
+    is what idle travel takes here.
+    """
+    on_mm = (141.38 - 126.27) / (1 / (257.2 * 120**-0.222) - 1 / 100)
+    nest, program = triangles(on_mm / 57)
+    (tmp_path / "nest.json").write_text(nest)
+    (tmp_path / "plan.nc").write_text(program)
+    machine = "machine: {cut_feed: 0.1 m/s, travel: 1.303 m/s, pierce_time: 0}"
+    times = {}
+    for name, model in (("constant", "constant"), ("corrected", "blocks")):
+        path = tmp_path / f"{name}.yaml"
+        path.write_text(f"{machine}\ntime: {{model: {model}, feed_by_blocks: bystar-3015-amg3m-1mm}}\n")
+        ended = kerfwise("time", tmp_path / "nest.json", tmp_path / "plan.nc", "-p", path, "--json")
+        assert ended.code == 0, ended.err
+        times[name] = json.loads(ended.out)
+    assert times["constant"]["nc_blocks"] == times["corrected"]["nc_blocks"] == 120
+    assert times["constant"]["total_s"] == pytest.approx(126.27, abs=0.05)
+    assert times["corrected"]["total_s"] == pytest.approx(141.38, abs=0.05)
