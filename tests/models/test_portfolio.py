@@ -1,0 +1,67 @@
+"""The portfolio: every member alone, all together, and what it says of its choices."""
+
+from __future__ import annotations
+
+import pytest
+
+from kerfwise.models.engines import Member
+from kerfwise.models.portfolio import Known, run_portfolio
+from kerfwise.models.problem import Problem
+from kerfwise.models.solution import Incumbent, SolveOptions
+from kerfwise.models.watch import Watch
+from kerfwise.rules.statements import Lag
+from kerfwise.tests.models.brute import cheapest
+from kerfwise.tests.models.problems import ABOUT, problem, scattered
+
+
+def found(given: Problem, member: Member | None = None, work: float = 2.0) -> Known:
+    options = SolveOptions(work=work, member=member)
+    return run_portfolio(given, options, Watch(options))
+
+
+@pytest.mark.parametrize("member", [None, "search", "ideals", "cp-sat"])
+def test_every_member_finds_the_best_of_a_small_problem(member: Member | None) -> None:
+    six = scattered(2, contours=6, sites=2, pairs=3)
+    best = cheapest(six)
+    assert best is not None
+    known = found(six, member)
+    assert known.incumbent is not None
+    assert known.incumbent.cost == best.cost
+    assert known.proven == (member != "search")
+
+
+def test_a_forced_member_is_the_only_one_that_speaks() -> None:
+    six = scattered(2, contours=6, sites=2)
+    assert [note.split(":")[0] for note in found(six, "ideals").notes] == ["ideals"]
+    assert found(six, "search").notes == ["search: asked for"]
+    assert found(six, "search").proved_by == ""
+
+
+def test_what_the_ideals_cannot_hold_is_carried_by_cp_sat() -> None:
+    apart = problem([[(float(x), 0.0)] for x in range(5)], lags=[Lag(0, 1, ABOUT, cuts=2), Lag(2, 3, ABOUT, cuts=1)])
+    known = found(apart)
+    best = cheapest(apart)
+    assert best is not None
+    assert known.incumbent is not None
+    assert (known.incumbent.cost, known.bound_um, known.proved_by) == (best.cost, best.cost, "cp-sat")
+    assert any(note.startswith("ideals: left out") for note in known.notes)
+    assert any(note.startswith("cp-sat: ") for note in known.notes)
+
+
+def test_no_lawful_route_is_proven() -> None:
+    known = found(problem([[(1.0, 0.0)], [(2.0, 0.0)]], lags=[Lag(0, 1, ABOUT, cuts=1)]))
+    assert known.infeasible
+    assert known.proven
+    assert known.incumbent is None
+
+
+def test_the_better_plan_and_the_better_bound_are_kept() -> None:
+    known = Known()
+    known.offer(Incumbent((1, 0), 9), "search")
+    known.offer(Incumbent((0, 1), 9), "ideals")
+    known.raise_bound(0, "cp-sat")
+    known.raise_bound(7, "ideals")
+    known.raise_bound(5, "cp-sat")
+    assert (known.found_by, known.bound_um, known.proved_by, known.proven) == ("search", 7, "ideals", False)
+    known.offer(Incumbent((0, 1), 7), "cp-sat")
+    assert (known.found_by, known.proven) == ("cp-sat", True)
