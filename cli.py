@@ -37,13 +37,28 @@ class Verbs(click.Group):
         command: click.Command = importlib.import_module(f".commands.{cmd_name}", __package__).command
         return command
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The verb that was asked for; a mistyped one is answered with the nearest."""
+        if args[0] not in VERBS and not args[0].startswith("-"):
+            from .rules.suggest import unknown
+
+            raise click.UsageError(unknown("verb", args[0], VERBS), ctx)
+        return super().resolve_command(ctx, args)
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """The verbs with a line each, without importing any."""
         with formatter.section("Verbs"):
             formatter.write_dl(list(VERBS.items()))
 
 
-@click.command(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"]})
+@click.command(
+    cls=Verbs,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    subcommand_metavar="VERB …",
+    epilog="Begin with: kerfwise solve NEST.dxf. What a verb takes: kerfwise VERB --help.",
+)
 @click.version_option(__version__)
 def program() -> None:
     """Sequence the cuts of a nest: every rule held, idle travel as low as can be, and the proof.

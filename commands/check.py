@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from .given import given_options, program_text, read_given
+from .given import given_options, note_if_others, program_text, read_given
 
 
 @click.command()
@@ -20,7 +20,9 @@ def command(made: str, **given: Any) -> int:
 
     asked = read_given(**given)
     if made.endswith(".json"):
-        result = check_plan(asked.nest, read_plan(made), asked.profile)
+        plan = read_plan(made)
+        note_if_others(plan, asked)
+        result = check_plan(asked.nest, plan, asked.profile)
     else:
         result = check_program(asked.nest, program_text(made), asked.profile)
     click.echo(report(result))

@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..encoder.errors import InputError
 from ..encoder.nest import Nest
 from ..rules.profile import DEFAULT, Profile, load_profile
+
+if TYPE_CHECKING:
+    from ..models.plan import Plan
 
 Verb = Callable[..., Any]
 
@@ -30,7 +33,9 @@ def given_options(verb: Verb) -> Verb:
         click.option("--repair", is_flag=True, help="Mend what can be mended in the drawing, and say what was done."),
         click.option("--sheet", metavar="WxH", help="Sheet size in mm, where the drawing has no outline for it."),
         click.option("--units", metavar="UNIT", help="Unit of the drawing: mm, cm, m, in or ft."),
-        click.option("-p", "--profile", default=DEFAULT, show_default=True, help="Name or path of a profile."),
+        click.option(
+            "-p", "--profile", metavar="PROFILE", default=DEFAULT, show_default=True, help="Its name or path."
+        ),
         click.argument("nest", metavar="NEST"),
     ):
         verb = add(verb)
@@ -53,6 +58,13 @@ def read_given(nest: str, profile: str, units: str | None, sheet: str | None, re
     for note in read.notes:
         click.echo(f"{note.severity}: {note.text}", err=True)
     return Given(read, plant)
+
+
+def note_if_others(plan: Plan, given: Given) -> None:
+    """Say on standard error where a plan was made from another nest, or with another profile."""
+    for what, stands, now in (("nest", plan.nest, given.nest.sha256), ("profile", plan.profile, given.profile.sha256)):
+        if stands.get("sha256") != now:
+            click.echo(f"note: the {what} is not the one the plan was made with (its sha256 differs)", err=True)
 
 
 def program_text(path: str) -> str:

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from .given import given_options, read_given
+from .given import given_options, note_if_others, read_given
 
 
 @click.command()
@@ -19,4 +19,7 @@ def command(plan: str | None, output: str, **given: Any) -> None:
     from ..postproc.report import plot
 
     asked = read_given(**given)
-    plot(asked.nest, read_plan(plan) if plan else None, output, asked.profile.machine.home)
+    made = read_plan(plan) if plan else None
+    if made is not None:
+        note_if_others(made, asked)
+    plot(asked.nest, made, output, asked.profile.machine.home)

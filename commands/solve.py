@@ -18,16 +18,18 @@ from .given import given_options, read_given
 @click.option("--plan", "plan_path", metavar="PLAN.json", help="The plan.")
 @click.option("--picture", metavar="OUT.svg|.png|.html", help="A picture of the plan.")
 @click.option("--time-limit", type=click.FloatRange(min=0, min_open=True), metavar="S", help="Wall-clock seconds.")
-@click.option("--work", type=click.FloatRange(min=0, min_open=True), default=30.0, show_default=True,
+@click.option("--work", type=click.FloatRange(min=0, min_open=True), default=30.0, show_default=True, metavar="W",
               help="Deterministic limit, used without --time-limit: the same work gives the same bytes.")  # fmt: skip
-@click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of the search.")
+@click.option(
+    "--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N", help="Seed of the search."
+)
 @click.option("--gap", type=click.FloatRange(min=0, max=1), metavar="G",
               help="Stop at a plan proven this close to the best; 0.01 is 1 %.")  # fmt: skip
 @click.option("--no-improvement", type=click.FloatRange(min=0, min_open=True), metavar="S",
               help="Stop when S seconds have brought no better plan.")  # fmt: skip
 @click.option("--engine", type=click.Choice(list(ENGINES)), default="cp-sat", show_default=True,
               help="`kerfwise engines` says what each is.")  # fmt: skip
-@click.option("--solver", default="gecode", show_default=True, help="Solver of the engine minizinc.")
+@click.option("--solver", metavar="NAME", default="gecode", show_default=True, help="Solver of the engine minizinc.")
 @click.option("--relax", is_flag=True, help="Where hard rules clash, take the cheapest way out, marked in the plan.")
 @click.option("--conflict-picture", metavar="OUT.svg|.png", help="Where rules that clash are drawn: NEST.conflict.svg.")
 @click.option("-v", "--verbose", is_flag=True, help="Say which engines ran, which did not, and why.")
@@ -50,7 +52,7 @@ def command(
     """Turn NEST into a cutting program that keeps every hard rule of the profile, checked before it is written."""
     from ..models.make_plan import feeds_of
     from ..models.solution import SolveOptions
-    from ..postproc.files import write_files
+    from ..postproc.files import expect_folders, write_files
     from ..postproc.produce import ask, facts_of, produce
     from ..postproc.report import draw
     from .conflict import tell_conflict
@@ -60,6 +62,7 @@ def command(
     if output is plan_path is picture is None:
         stem = Path(options["nest"]).stem
         output, plan_path, picture = f"{stem}.nc", f"{stem}.plan.json", f"{stem}.svg"
+    expect_folders(Path(name) for name in (output, plan_path, picture) if name)
     given = read_given(**options)
     nest, profile = given.nest, given.profile
     limits = SolveOptions(

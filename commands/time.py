@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .given import given_options, program_text, read_given
+from .given import given_options, note_if_others, program_text, read_given
 
 if TYPE_CHECKING:
     from ..models.timing.cost import Cost
@@ -34,8 +34,7 @@ def command(made: str, as_json: bool, **given: Any) -> None:
     if made.endswith(".json"):
         plan = read_plan(made)
         job = job_of_plan(plan, nest, profile)
-        if plan.profile.get("sha256") != profile.sha256:
-            click.echo("note: the profile is not the one the plan was made with (its sha256 differs)", err=True)
+        note_if_others(plan, asked)
     else:
         program = read_program(program_text(made), profile, made)
         job = job_of_program(program, nest)

@@ -181,7 +181,8 @@ def read_plan(path: str | Path) -> Plan:
     except UnicodeDecodeError:
         raise InputError("not a plan: the file is not UTF-8 text", file=path) from None
     except json.JSONDecodeError as error:
-        raise InputError(f"not JSON: {error.msg}", file=path, line=error.lineno, column=error.colno) from None
+        message = f"not a plan: expected JSON as solve writes it with --plan ({error.msg})"
+        raise InputError(message, file=path, line=error.lineno, column=error.colno) from None
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         raise InputError(f'not a plan: expected "format": "{FORMAT}"', file=path)
     try:

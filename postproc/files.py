@@ -4,10 +4,23 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from ..encoder.errors import InputError
+
+
+def expect_folders(paths: Iterable[Path]) -> None:
+    """Say at once, and not after the work is done, that a file has no folder to be in.
+
+    Raises
+    ------
+    InputError
+        Naming the file.
+    """
+    for path in paths:
+        if not path.parent.is_dir():
+            raise InputError(f"cannot write: there is no folder {str(path.parent)!r}", file=path)
 
 
 def write_files(contents: Mapping[Path, str | bytes]) -> None:

@@ -53,7 +53,7 @@ class Kind(ABC):
 
     def refuse(self, node: yaml.Node) -> Unfit:
         """The error for a node this kind does not accept."""
-        return Unfit(f"expected {self.expected()}, got {shape(node)}", node)
+        return Unfit(f"expected {self.expected()}, got {shape(node)}{_decimal_comma(node)}", node)
 
 
 @dataclass(frozen=True, slots=True)
@@ -269,6 +269,13 @@ class PointXY(Kind):
 
     def expected(self) -> str:
         return "a point [x, y] in mm"
+
+
+def _decimal_comma(node: yaml.Node) -> str:
+    """A hint where a number was written as in German or Russian."""
+    text = str(node.value) if isinstance(node, yaml.ScalarNode) else ""
+    comma = re.fullmatch(r"\s*[+-]?\d+,\d+\s*[a-z/0-9]*\s*", text)
+    return f": write decimals with a point, {text.replace(',', '.').strip()}" if comma else ""
 
 
 def _text(node: yaml.Node, kind: Kind) -> str:

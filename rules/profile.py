@@ -226,4 +226,6 @@ def _content(name: str, folder: Path) -> tuple[str, bytes]:
     except OSError as error:
         if path.suffix or len(Path(name).parts) > 1:
             raise InputError(f"cannot read the profile: {error.strerror}", file=path) from None
-        raise InputError(unknown("profile", name, shipped)) from None
+        beside = path.with_name(f"{path.name}.yaml")
+        hint = f"; there is a file {beside.name}: give its ending too" if beside.exists() else ""
+        raise InputError(unknown("profile", name, shipped) + hint) from None

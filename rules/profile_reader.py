@@ -18,7 +18,7 @@ from .registry import RULES
 from .rule import Rule
 from .sections import SECTIONS, RuleSetting
 from .suggest import unknown
-from .yaml_positions import Problems, compose, entries, items
+from .yaml_positions import Problems, compose, entries, is_empty, items
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -104,7 +104,8 @@ def read_fields(
     given: Given = {}
     for key, key_node, value in members:
         if key not in options:
-            problems.add(key_node, f"{what}: {unknown('key', key, [*options, *other])}")
+            comma = "; decimals are written with a point" if key.isdigit() and is_empty(value) else ""
+            problems.add(key_node, f"{what}: {unknown('key', key, [*options, *other])}{comma}")
             continue
         try:
             given[options[key].name] = options[key].kind.read(value)

@@ -54,15 +54,23 @@ def test_a_typo_in_a_profile_is_placed_and_the_nearest_name_given(tmp_path: Path
 
 
 def test_an_output_that_cannot_be_written(tmp_path: Path) -> None:
-    ended = kerfwise("solve", NEST, "-o", tmp_path / "nowhere" / "out.nc", "--plan", tmp_path / "plan.json")
-    assert ended.code == 2
-    assert "cannot write" in ended.err
+    """Said before the work is done, not after."""
+    refused(
+        kerfwise("solve", NEST, "-o", tmp_path / "nowhere" / "out.nc", "--plan", tmp_path / "plan.json"),
+        "cannot write: there is no folder",
+    )
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_program_where_a_plan_is_expected(tmp_path: Path) -> None:
+    (tmp_path / "cut.nc").write_text("N10 G21\n")
+    refused(kerfwise("plot", NEST, tmp_path / "cut.nc", "-o", "cut.svg"), "cut.nc:1:1: not a plan: expected JSON")
 
 
 def test_wrong_usage() -> None:
     refused(kerfwise("solve"), "NEST")
-    refused(kerfwise("solv", NEST), "solv")
+    refused(kerfwise("solv", NEST), "solv", "did you mean 'solve'?")
+    refused(kerfwise("plot", NEST, "cut.nc", "-o", "cut.svg"), "cannot read the plan")
     refused(kerfwise("solve", NEST, "--sheet", "big"), "3000x1500")
     refused(kerfwise("facts", NEST, "-o", "facts.txt"), ".dzn")
     refused(kerfwise("plot", NEST, "-o", "nest.bmp"), ".svg")

@@ -73,7 +73,8 @@ def test_reads(kind: Kind, text: str, value: object) -> None:
     [
         (LENGTH, "wide", "expected a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in), got 'wide'"),
         (LENGTH, "-1", "expected a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in), got '-1'"),
-        (LENGTH, "1,5", "expected a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in), got '1,5'"),
+        (LENGTH, "1,5", "expected a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in), got '1,5': "
+         "write decimals with a point, 1.5"),
         (LENGTH, "1.5 bar", "unknown unit 'bar' in '1.5 bar': expected a length of at least 0 such as 1.5 or "
          "'1.5 mm' (also cm, m, in)"),
         (LENGTH, "[1, 2]", "expected a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in), got a list of 2"),

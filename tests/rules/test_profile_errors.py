@@ -51,6 +51,14 @@ MISTAKES = {
         "1:15: time.model: expected one of constant, blocks, acceleration, got 'block': did you mean 'blocks'?"
     ),
     "prices: {gas_hour: -1}": "1:20: prices.gas_hour: expected a number of at least 0, got '-1'",
+    "material: {kerf: 1,5}": (
+        "1:20: material: unknown key '5': (valid: kerf, name, thickness); decimals are written with a point"
+    ),
+    "material:\n  kerf: 1,5 mm": (
+        f"2:9: material.kerf: expected {LENGTH}, got '1,5 mm': write decimals with a point, 1.5 mm"
+    ),
+    "material:\n\tkerf: 1": "2:1: not YAML: a tab; YAML is indented with spaces",
+    "based_on: lasr": f"1:11: based_on: unknown profile 'lasr': did you mean 'laser-amg3m-1mm'? (valid: {SHIPPED})",
     "rules: [hard]": "1:8: rules: expected a mapping (key: value), got a list of 1",
     "rules: {hull-before: strong}": "1:22: rules.hull-before: expected one of hard, soft, off, got 'strong'",
     "rules:\n  zone-order: {zone_contour: 3}": (
@@ -132,3 +140,9 @@ def test_not_text(tmp_path: Path) -> None:
     path.write_bytes(b"name: \xff")
     with pytest.raises(InputError, match=r"plant\.yaml: not a profile: the file is not UTF-8 text"):
         load_profile(path)
+
+
+def test_a_file_named_without_its_ending(tmp_path: Path) -> None:
+    (tmp_path / "shop.yaml").write_text("name: shop\n")
+    (said,) = error_of(tmp_path, "based_on: shop")
+    assert said.endswith(f"(valid: {SHIPPED}); there is a file shop.yaml: give its ending too")
