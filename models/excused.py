@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 from ..encoder.facts.facts import Facts
 from ..rules.state import Stated
-from ..rules.statements import EXEMPTION_MM, AtLeast
-from .conditions import of_at_least
+from ..rules.statements import EXEMPTION_MM, AtLeast, NoGood
+from .conditions import Condition, of_at_least, of_no_good
 
 
 def excused(facts: Facts, stated: Stated, route: Sequence[int]) -> dict[str, tuple[str, ...]]:
@@ -21,15 +21,28 @@ def excused(facts: Facts, stated: Stated, route: Sequence[int]) -> dict[str, tup
         for name in about.contours:
             rules[name].add(about.rule)
     contour_of = [c.contour for c in facts.candidates]
-    excusable: dict[int, list[AtLeast]] = defaultdict(list)
-    for s in stated.statements:
-        if isinstance(s, AtLeast) and s.weight == EXEMPTION_MM and s.when is not None:
-            excusable[s.when].append(s)
+    asked = _excusable(stated, contour_of)
     already: set[int] = set()
     for c in route:
-        for s in excusable[c]:
-            condition = of_at_least(s, contour_of, None)
-            if condition is not None and not condition.met(already):
-                rules[facts.nest.contours[contour_of[c]].id].add(s.about.rule)
+        for condition, name in asked.get(contour_of[c], ()):
+            if condition.when in (None, c) and not condition.met(already):
+                rules[name].add(condition.about.rule)
         already.add(contour_of[c])
     return {name: tuple(sorted(of)) for name, of in rules.items()}
+
+
+def _excusable(stated: Stated, contour_of: list[int]) -> dict[int, list[tuple[Condition, str]]]:
+    """Contour → the conditions on it that may be excused, each with the id of the contour that is excused.
+
+    That is the first that a statement is about; of a no-good, which is seen when the last of `out` is cut, the first
+    that is left.
+    """
+    found: dict[int, list[tuple[Condition, str]]] = defaultdict(list)
+    for s in stated.statements:
+        if isinstance(s, AtLeast | NoGood) and s.weight == EXEMPTION_MM:
+            if isinstance(s, NoGood):
+                for condition in of_no_good(s, None):
+                    found[condition.contour].append((condition, s.about.contours[len(s.out)]))
+            elif (asked := of_at_least(s, contour_of, None)) is not None:
+                found[asked.contour].append((asked, s.about.contours[0]))
+    return found

@@ -94,6 +94,8 @@ def produce(
         from ..models.solve import solve
 
         solution = solve(facts, stated.statements, limits, progress, refine)
+    seen = afterthoughts(facts, profile)([facts.candidates[c].contour for c in solution.route])
+    stated = replace(stated, statements=(*stated.statements, *seen))
     plan = with_times(make_plan(facts, profile, stated, solution, engine, limits.seed), facts.nest, profile)
     program = write_program(plan, facts.nest, profile)
     verdict = judge(facts.nest, plan, program, profile)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from .statements import NoGood
+from .statements import EXEMPTION_MM, NoGood
 
 if TYPE_CHECKING:
     from ..encoder.facts.facts import Facts
@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 def afterthoughts(facts: Facts, profile: Profile) -> Callable[[Sequence[int]], tuple[NoGood, ...]]:
     """A function that says what is wrong with an order (contour numbers), each thing once.
 
-    It answers with nothing when an order shows nothing new: a soft rule may well be broken again, at its price.
+    It answers with nothing when an order shows nothing new: a soft rule, or one that is excusable, may well be broken
+    again, at its price.
     """
     nest, index, book = facts.nest, facts.nest.index, profile.rulebook()
     told: set[tuple[str, frozenset[int], frozenset[int]]] = set()
@@ -33,7 +34,8 @@ def afterthoughts(facts: Facts, profile: Profile) -> Callable[[Sequence[int]], t
                 if (name, out, left) not in told:
                     told.add((name, out, left))
                     about = book[name].about((*wrong.out, *wrong.left), wrong.sentence)
-                    found.append(NoGood(out, left, about, setting.weight))
+                    hard = EXEMPTION_MM if book[name].excusable else None
+                    found.append(NoGood(out, left, about, hard if setting.weight is None else setting.weight))
         return tuple(found)
 
     return look

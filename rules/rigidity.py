@@ -48,11 +48,14 @@ def rigid_at_the_end(
         yield k, float(np.where(met >= 0, still_in, met != EDGE).mean())
 
 
-def rigid_at_best(nest: Nest, contour: str, tail_share: float, web_mm: float, edge_band_mm: float) -> float:
-    """The greatest share of rigid metal at the end of any way round from any entry, with all neighbours in."""
+def rigid_at_best(
+    nest: Nest, contour: str, out: frozenset[str], tail_share: float, web_mm: float, edge_band_mm: float
+) -> float:
+    """The greatest share of rigid metal at the end of any way round from any entry, once the contours `out` are cut."""
     found = nest.contour(contour)
     part = next(k for k, p in enumerate(nest.parts) if p.id == found.part)
     faced = facing(nest, web_mm, edge_band_mm).faced(spots_along(part, found.line, 0.0, found.line.length, ROUND))
-    rigid = np.concatenate([[0], np.cumsum(np.tile(faced != EDGE, 2))])
+    free = [EDGE, *(k for k, p in enumerate(nest.parts) if p.outer.id in out)]
+    rigid = np.concatenate([[0], np.cumsum(np.tile(~np.isin(faced, free), 2))])
     tail = max(1, round(tail_share * ROUND))
     return float((rigid[tail:] - rigid[:-tail]).max() / tail)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Generic, Literal, TypeVar
 
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 Strength = Literal["hard", "soft", "off"]
 Ids = tuple[str, str]
+Forced = Callable[[str], frozenset[str]]
+"""Contour id → the contours that the hard order rules put before it in every plan."""
 OptionsT = TypeVar("OptionsT")
 
 HEADINGS = ("What it does", "Why", "Wrong", "Right")
@@ -47,7 +49,8 @@ class Rule(ABC, Generic[OptionsT]):
     The class docstring is the rule's page, under the headings `HEADINGS`. `sentence` says in one line what the rule
     asks, `source` where it comes from. `strengths` are those a profile may give it, `default` the one it has where a
     profile is silent, `default_weight` (mm of idle travel) what breaking it once costs when soft. A rule with
-    `gives_way` above 0 may be dropped where order rules contradict each other, the highest first.
+    `gives_way` above 0 may be dropped where order rules contradict each other, the highest first. One that is
+    `excusable`, and hard, is broken where nothing else is left, in as few places as can be, and the plan says where.
 
     Fields of `Options` that no key sets (no metadata) are filled in by the profile from its other sections.
     """
@@ -60,6 +63,7 @@ class Rule(ABC, Generic[OptionsT]):
     default: ClassVar[Strength] = "hard"
     default_weight: ClassVar[float] = 1000.0
     gives_way: ClassVar[int] = 0
+    excusable: ClassVar[bool] = False
 
     @abstractmethod
     def statements(self, facts: Facts, options: OptionsT) -> Iterable[Statement]:
@@ -85,7 +89,9 @@ class Rule(ABC, Generic[OptionsT]):
         """Contours that nothing can make keep the rule, whatever the order; it states nothing of them."""
         return ()
 
-    def excuse(self, nest: Nest, cuts: CutSequence, options: OptionsT, violation: Violation) -> str | None:
+    def excuse(
+        self, nest: Nest, cuts: CutSequence, options: OptionsT, violation: Violation, forced: Forced
+    ) -> str | None:
         """Why a violation of the rule, hard as it is, may stand; None if it may not. From geometry and the cuts."""
         return None
 

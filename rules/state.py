@@ -87,7 +87,7 @@ def every_statement(facts: Facts, profile: Profile) -> tuple[list[Statement], tu
     for name, setting in profile.settings().items():
         stated = book[name].statements(facts, setting.options)
         if setting.weight is None:
-            statements += stated
+            statements += (_excused(s) for s in stated) if book[name].excusable else stated
             exempt += book[name].exempt(facts, setting.options)
         else:
             statements += (_softened(s, setting.weight) for s in stated)
@@ -97,8 +97,12 @@ def every_statement(facts: Facts, profile: Profile) -> tuple[list[Statement], tu
 
 def _softened(statement: Statement, weight: float) -> Statement:
     """A statement of a soft rule; what its author wants weighed by itself keeps its own weight."""
-    hard = statement.weight is None or statement.weight == EXEMPTION_MM
-    return replace(statement, weight=weight) if hard else statement
+    return replace(statement, weight=weight) if statement.weight is None else statement
+
+
+def _excused(statement: Statement) -> Statement:
+    """A statement of a hard rule that is broken where nothing else is left, at a price above all travel."""
+    return _softened(statement, EXEMPTION_MM)
 
 
 def _refuse_unknown(profile: Profile, reads_files: bool) -> None:

@@ -11,6 +11,7 @@ from ...rules.catalogue.heat_lag import HeatLagOptions
 from ...rules.catalogue.part_rigidity import PartRigidityOptions
 from ...rules.own import OwnFile
 from ...rules.profile import Profile
+from ...rules.registry import RULES
 from ...rules.sections import RuleSetting
 from ...rules.state import Stated
 from ...rules.statements import EXEMPTION_MM, IdleTravel, Lag, Statement
@@ -80,12 +81,10 @@ def include(path: Path) -> str:
 
 def _of_rule(rule: str, setting: RuleSetting) -> Iterator[Asked]:
     source, name, weight, options = include(rule_file(rule)), rule.replace("-", "_"), setting.weight, setting.options
-    if isinstance(options, PartRigidityOptions):
-        yield Asked(source, f"{name}_holds", EXEMPTION_MM if weight is None else weight)
-        if options.head_weight_mm > 0:
-            yield Asked(source, f"{name}_begins", options.head_weight_mm)
-        return
-    yield Asked(source, f"{name}_holds", weight)
+    hard = EXEMPTION_MM if RULES[rule].excusable else None
+    yield Asked(source, f"{name}_holds", hard if weight is None else weight)
+    if isinstance(options, PartRigidityOptions) and options.head_weight_mm > 0:
+        yield Asked(source, f"{name}_begins", options.head_weight_mm)
     if isinstance(options, HeatLagOptions) and options.lag_s > 0:
         yield Asked(include(rule_file(f"{rule}-seconds")), f"{name}_missing_ms", weight, round(options.lag_s * 1000))
 

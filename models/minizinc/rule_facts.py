@@ -40,7 +40,7 @@ def clusters(facts: Facts) -> Ints:
 def on_the_frame(facts: Facts, frame_share: float) -> Bools:
     """Contours that face solid metal or the strip along the edge for that share of their length, or their host."""
     lengths_mm = np.array([c.curve.length_mm for c in facts.nest.contours])
-    framed = facts.edge_length_mm.sum(axis=1) + facts.solid_mm >= frame_share * lengths_mm
+    framed = facts.edge_length_mm.sum(axis=1) + facts.solid_mm >= frame_share * lengths_mm - 1e-6
     faced = facts.neighbours
     framed[faced.row[facts.parent[faced.row] != facts.parent[faced.neighbour]]] = True
     return np.asarray(framed)

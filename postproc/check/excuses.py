@@ -19,25 +19,27 @@ from ...rules.cycles import components, contracted, path
 from ...rules.feedback import EXACT_LINKS
 from ...rules.profile import Profile
 from ...rules.rule import Ids, Rule, Violation
+from .forcing import Forcing
 from .result import Excused, Judgement
 
 
 def excuse(nest: Nest, cuts: CutSequence, profile: Profile, judged: Sequence[Judgement]) -> list[Judgement]:
     """The judgements, with violations moved to the excused where their rule, or the others, leave no choice."""
     book = profile.rulebook()
-    judged = [_by_itself(nest, cuts, profile, judgement) for judgement in judged]
+    forced = Forcing(nest, cuts, profile)
+    judged = [_by_itself(nest, cuts, profile, judgement, forced) for judgement in judged]
     if not any(_yields(judgement, book) for judgement in judged):
         return list(judged)
     why = _contradictions(nest, cuts, profile, {j.id for j in judged if j.strength == "hard" and j.holds})
     return [_excused(judgement, why) if _yields(judgement, book) else judgement for judgement in judged]
 
 
-def _by_itself(nest: Nest, cuts: CutSequence, profile: Profile, judgement: Judgement) -> Judgement:
+def _by_itself(nest: Nest, cuts: CutSequence, profile: Profile, judgement: Judgement, forced: Forcing) -> Judgement:
     """The judgement of a hard rule, with what the rule itself excuses."""
     if judgement.strength != "hard" or not judgement.violations:
         return judgement
     rule, options = profile.rulebook()[judgement.id], profile.settings()[judgement.id].options
-    why = [(violation, rule.excuse(nest, cuts, options, violation)) for violation in judgement.violations]
+    why = [(violation, rule.excuse(nest, cuts, options, violation, forced)) for violation in judgement.violations]
     return replace(
         judgement,
         violations=tuple(violation for violation, reason in why if reason is None),

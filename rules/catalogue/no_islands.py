@@ -11,7 +11,7 @@ from ...encoder.nest import Nest
 from ..holding import clusters, cut_off, holding
 from ..kinds import Number
 from ..option import option
-from ..rule import Rule, Violation
+from ..rule import Forced, Rule, Violation
 from ..statements import AtLeast, Before, Literal
 
 if TYPE_CHECKING:
@@ -47,6 +47,10 @@ class NoIslands(Rule[NoIslandsOptions]):
     hangs on, or hang on the frame. What hangs together and on no frame ends with any of its parts. The check allows
     0.05 less than `frame_share`, for it looks at the boundary in finer steps than the planner.
 
+    Where orders that may not be broken leave no other way, a plan under the hard rule excuses a part that hangs on
+    nothing any more, in as few places as can be, and says so: in its list of exceptions and in the program, as
+    `(EXCUSED no-islands P1.outer)`.
+
     ## Why
 
     Pristupov 2016 and Petunin 2009: uncut parts behind the torch, held by nothing but webs to parts already out, sag,
@@ -67,6 +71,7 @@ class NoIslands(Rule[NoIslandsOptions]):
     Options = NoIslandsOptions
     default = "soft"
     default_weight = 250.0
+    excusable = True
 
     def statements(self, facts: Facts, options: NoIslandsOptions) -> Iterator[AtLeast]:
         joined, framed = _holding_facts(facts, options.frame_share)
@@ -103,6 +108,19 @@ class NoIslands(Rule[NoIslandsOptions]):
                 found.append(Violation(self.id, names, text, (k,)))
         return sorted(found, key=lambda violation: violation.cuts)
 
+    def excuse(
+        self, nest: Nest, cuts: CutSequence, options: NoIslandsOptions, violation: Violation, forced: Forced
+    ) -> str | None:
+        at = cuts.positions()
+        last = max(violation.contours, key=lambda name: at.get(name, len(cuts) + 1))
+        if last not in at or self.id not in cuts[at[last] - 1].excused:
+            return None
+        joined, _ = holding(nest, options.web_mm, options.edge_band_mm, options.frame_share)
+        number = next(k for k, part in enumerate(nest.parts) if part.outer.id == last)
+        if {nest.parts[k].outer.id for k in joined[number]} <= forced(last):
+            return f"no order avoids it: the order rules put everything that {last} hangs on before it"
+        return f"the plan excuses it: what must be cut before {last} left nothing to hold it"
+
 
 def _listed(ids: Sequence[str]) -> str:
     return ", ".join(ids) if len(ids) <= 4 else f"{ids[0]} … {ids[-1]}"
@@ -122,6 +140,6 @@ def _holding_facts(facts: Facts, frame_share: float) -> tuple[dict[int, set[int]
             framed.add(i)
     for i in joined:
         rest_mm = facts.edge_length_mm[i].sum() + facts.solid_mm[i]
-        if rest_mm >= frame_share * nest.contours[i].curve.length_mm:
+        if rest_mm >= frame_share * nest.contours[i].curve.length_mm - 1e-6:
             framed.add(i)
     return joined, framed

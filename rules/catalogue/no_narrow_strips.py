@@ -10,7 +10,7 @@ from ...encoder.cut import CutSequence
 from ...encoder.nest import Nest
 from ..kinds import LENGTH, Number
 from ..option import option
-from ..rule import NoGoodIds, Rule, Violation
+from ..rule import Forced, NoGoodIds, Rule, Violation
 from ..statements import Statement
 from ..strips import Cutting, strips_and_islands
 
@@ -48,7 +48,9 @@ class NoNarrowStrips(Rule[NoNarrowStripsOptions]):
     part is told once. Parts in the same place are looked at together: on the sheet, or in one hole.
 
     Nothing of this can be stated before there is an order: orders are checked, and what is found comes back as sets of
-    parts that must not be out while others are in.
+    parts that must not be out while others are in. Where orders that may not be broken leave no other way, a plan under
+    the hard rule excuses a part, in as few places as can be, and says so: in its list of exceptions and in the program,
+    as `(EXCUSED no-narrow-strips P1.outer)`.
 
     ## Why
 
@@ -70,6 +72,7 @@ class NoNarrowStrips(Rule[NoNarrowStripsOptions]):
     Options = NoNarrowStripsOptions
     default = "soft"
     default_weight = 250.0
+    excusable = True
 
     def statements(self, facts: Facts, options: NoNarrowStripsOptions) -> Sequence[Statement]:
         return ()
@@ -93,6 +96,18 @@ class NoNarrowStrips(Rule[NoNarrowStripsOptions]):
             text = f"after {order[cutting.k - 1]} (cut {cutting.k}) {_where(cutting, left, _listed(out))}"
             found.append(Violation(self.id, (left[0],), text, tuple(at[name] for name in out)))
         return found
+
+    def excuse(
+        self, nest: Nest, cuts: CutSequence, options: NoNarrowStripsOptions, violation: Violation, forced: Forced
+    ) -> str | None:
+        (name,) = violation.contours
+        cut = next((cut for cut in cuts if cut.contour == name), None)
+        if cut is None or self.id not in cut.excused:
+            return None
+        out = frozenset(cuts[k - 1].contour for k in violation.cuts)
+        if out <= forced(name):
+            return f"no order avoids it: the order rules put {_listed(sorted(out))} before {name}"
+        return f"the plan excuses it: what must be cut before {name} left nothing better"
 
 
 def _where(cutting: Cutting, left: Sequence[str], out: str) -> str:

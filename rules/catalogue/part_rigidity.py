@@ -14,8 +14,8 @@ from ...encoder.nest import Nest
 from ..kinds import LENGTH, Number
 from ..option import option
 from ..rigidity import rigid_at_best, rigid_at_the_end
-from ..rule import Rule, Violation
-from ..statements import EXEMPTION_MM, About, AtLeast, Before
+from ..rule import Forced, Rule, Violation
+from ..statements import About, AtLeast, Before
 
 if TYPE_CHECKING:
     from ...encoder.facts.facts import Facts, Stretch
@@ -84,6 +84,7 @@ class PartRigidity(Rule[PartRigidityOptions]):
     sentence = "A part is held by uncut metal while its cut comes to an end."
     source = "Petunin 2009, section 2.1, fig. 1"
     Options = PartRigidityOptions
+    excusable = True
 
     def statements(self, facts: Facts, options: PartRigidityOptions) -> Iterator[AtLeast]:
         ends = dict(self._ends(facts, options))
@@ -115,7 +116,7 @@ class PartRigidity(Rule[PartRigidityOptions]):
             about = self.about((name,), sentence)
             bound = math.ceil(options.rigid_min * total - solid - 1e-6)
             literals = tuple(Before(contour, x) for x in neighbours)
-            yield c, AtLeast(literals, lengths, bound, about, when=c, weight=EXEMPTION_MM)
+            yield c, AtLeast(literals, lengths, bound, about, when=c)
 
     def _beginnings(self, facts: Facts, options: PartRigidityOptions) -> Iterator[AtLeast]:
         """For every candidate of an outer contour: enough of what its head faces is out. A wish with its own weight."""
@@ -140,14 +141,25 @@ class PartRigidity(Rule[PartRigidityOptions]):
                 found.append(Violation(self.id, (name,), text, (k,)))
         return found
 
-    def excuse(self, nest: Nest, cuts: CutSequence, options: PartRigidityOptions, violation: Violation) -> str | None:
+    def excuse(
+        self, nest: Nest, cuts: CutSequence, options: PartRigidityOptions, violation: Violation, forced: Forced
+    ) -> str | None:
         name = violation.contours[0]
-        best = rigid_at_best(nest, name, options.tail_share, options.web_mm, options.edge_band_mm)
-        if best < options.rigid_min - ALLOWANCE:
+
+        def at_best(out: frozenset[str]) -> float:
+            return rigid_at_best(nest, name, out, options.tail_share, options.web_mm, options.edge_band_mm)
+
+        least = options.rigid_min - ALLOWANCE
+        if (best := at_best(frozenset())) < least:
             return f"no entry and direction of {name} ends along more than {best:.0%}, even with all its neighbours in"
-        if self.id in cuts[violation.cuts[0] - 1].excused:
-            return "the plan excuses it: what must be cut before it left nothing better"
-        return None
+        if self.id not in cuts[violation.cuts[0] - 1].excused:
+            return None
+        if (best := at_best(forced(name))) < options.rigid_min:
+            return (
+                f"no order avoids it: with the neighbours out that the order rules put before {name}, no entry and "
+                f"direction ends along more than {best:.0%}"
+            )
+        return "the plan excuses it: what must be cut before it left nothing better"
 
 
 def _outers(facts: Facts) -> list[int]:

@@ -10,7 +10,7 @@ from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.cut import Cut, CutSequence, Direction
 from kerfwise.encoder.facts import FactOptions, compute_facts
 from kerfwise.rules.catalogue.part_rigidity import PartRigidity, PartRigidityOptions
-from kerfwise.rules.statements import EXEMPTION_MM, AtLeast, Before
+from kerfwise.rules.statements import AtLeast, Before
 from kerfwise.tests.rules.petunin import ABC, BEGIN, CBA, FIGURE_1, Answers
 
 RULE, OPTIONS = PartRigidity(), PartRigidityOptions()
@@ -28,7 +28,7 @@ def candidates() -> list[Candidate]:
 
 
 FACTS = compute_facts(FIGURE_1, FactOptions(), candidates())
-HARD = [s for s in RULE.statements(FACTS, OPTIONS) if s.weight == EXEMPTION_MM]
+HARD = [s for s in RULE.statements(FACTS, OPTIONS) if s.weight is None]
 
 
 def named(c: int) -> tuple[str, int, Direction]:

@@ -1,0 +1,82 @@
+"""Islands and strips that the orders force are excused by hard rules, told, and seen to be forced; others are not."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cache
+
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.make_plan import feeds_of
+from kerfwise.models.solution import SolveOptions
+from kerfwise.postproc.check import check_program
+from kerfwise.postproc.checking import check_plan
+from kerfwise.postproc.produce import Produced, ask, facts_of, produce
+from kerfwise.rules.lock import Lock
+from kerfwise.rules.profile import Profile
+from kerfwise.rules.sections import RuleSetting
+from kerfwise.tests.models.solved import plant
+from kerfwise.tests.nests import nest, part, rect
+
+# Three long parts side by side, and three rows of three: the middle one is locked to be the last.
+LONG = nest(700, 400, *(part(name, rect(200, 110 + 50 * k, 300, 40)) for k, name in enumerate("ABC")))
+ROWS = nest(500, 500, *(part(f"P{k}", rect(85 + 110 * (k % 3), 85 + 110 * (k // 3), 100, 100)) for k in range(9)))
+
+
+def strict(rule: str, *locks: Lock) -> Profile:
+    profile = plant(*locks)
+    rules = dict(profile.rules)
+    rules["level-ahead"] = RuleSetting("off", None, rules["level-ahead"].options)
+    rules["zone-order"] = RuleSetting("off", None, rules["zone-order"].options)
+    rules[rule] = RuleSetting("hard", None, rules[rule].options)
+    return dataclasses.replace(profile, rules=rules)
+
+
+@cache
+def made(sheet: Nest, rule: str, *locks: Lock) -> tuple[Profile, Produced]:
+    profile = strict(rule, *locks)
+    limits = SolveOptions(work=4.0, home_mm=profile.machine.home, feeds=feeds_of(profile))
+    return profile, produce(ask(facts_of(sheet, profile), profile), profile, limits)
+
+
+def reasons(sheet: Nest, rule: str, *locks: Lock) -> list[tuple[tuple[str, ...], str]]:
+    """What is excused of the rule, by the plan and by the program alike."""
+    profile, produced = made(sheet, rule, *locks)
+    for verdict in (check_plan(sheet, produced.plan, profile), check_program(sheet, produced.program, profile)):
+        assert verdict.ok
+        told = [(e.violation.contours, e.why) for e in verdict.rule(rule).excused]
+    return told
+
+
+def test_nothing_is_excused_without_need() -> None:
+    for sheet, rule in ((LONG, "no-narrow-strips"), (ROWS, "no-islands")):
+        assert reasons(sheet, rule) == []
+        assert not any(p.cut.excused for p in made(sheet, rule)[1].plan.cuts)
+
+
+def test_a_strip_that_no_order_avoids() -> None:
+    last = Lock(contour="B.outer", position="last")
+    why = "no order avoids it: the order rules put A.outer, C.outer before B.outer"
+    assert reasons(LONG, "no-narrow-strips", last) == [(("B.outer",), why)]
+    assert "(EXCUSED no-narrow-strips B.outer)" in made(LONG, "no-narrow-strips", last)[1].program
+
+
+def test_a_strip_that_one_of_several_orders_makes() -> None:
+    """A position is no order of two contours: that nothing better is left is the planner's word."""
+    third = Lock(contour="B.outer", position=3)
+    why = "the plan excuses it: what must be cut before B.outer left nothing better"
+    assert reasons(LONG, "no-narrow-strips", third) == [(("B.outer",), why)]
+
+
+def test_an_island_that_no_order_avoids() -> None:
+    last = Lock(contour="P4.outer", position="last")
+    why = "no order avoids it: the order rules put everything that P4.outer hangs on before it"
+    assert reasons(ROWS, "no-islands", last) == [(("P4.outer",), why)]
+
+
+def test_without_the_excuse_the_plan_is_refused() -> None:
+    for sheet, rule, name in ((LONG, "no-narrow-strips", "B.outer"), (ROWS, "no-islands", "P4.outer")):
+        profile, produced = made(sheet, rule, Lock(contour=name, position="last"))
+        silent = produced.program.replace(f"(EXCUSED {rule} {name})\n", "")
+        assert check_program(sheet, silent, profile).broken() == (rule,)
+        other = produced.program.replace(f"(EXCUSED {rule} {name})", f"(EXCUSED {rule} A.outer)")
+        assert check_program(sheet, other, profile).broken() == (rule,)
