@@ -14,6 +14,7 @@ VERBS = {
     "check": "Judge a plan or a program by every rule, independently.",
     "explain": "Say why a contour is cut where it is, then, and so.",
     "time": "Say how long a plan or a program takes, and what it costs.",
+    "heat": "Simulate how hot a plan or a program makes the sheet.",
     "facts": "Write the facts of a nest, as JSON or MiniZinc data.",
     "plot": "Draw a nest or a plan (SVG, PNG or HTML).",
     "profile": "Check a profile, or show it with every default filled in.",

@@ -19,6 +19,9 @@ Ints = NDArray[np.int32]
 MOST_POINTS = 30_000_000
 NO_PART = -1
 SCRAP = -2
+SHIFT_X, SHIFT_Y = 0.1373, 0.2179
+"""The grid begins that many steps outside the sheet: drawings lie on round numbers, and no cut should run exactly
+along a row of points, where the last digit decides on which side of it they are."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -74,13 +77,13 @@ def make_grid(nest: Nest, step_mm: float) -> Grid:
         If it would have more points than fit in memory.
     """
     x0, y0, x1, y1 = nest.sheet.bounds
-    nx, ny = (max(1, math.ceil((high - low) / step_mm)) for low, high in ((x0, x1), (y0, y1)))
+    nx, ny = math.ceil((x1 - x0) / step_mm + SHIFT_X), math.ceil((y1 - y0) / step_mm + SHIFT_Y)
     if nx * ny > MOST_POINTS:
         raise InputError(f"heat.grid: {step_mm:g} mm makes {nx} x {ny} points of this sheet: give a wider grid")
     shape = (nx, ny)
     metal = np.zeros(shape, dtype=np.bool_)
     part = np.full(shape, NO_PART, dtype=np.int32)
-    grid = Grid(x0 + step_mm / 2, y0 + step_mm / 2, step_mm, metal, part)
+    grid = Grid(x0 + (0.5 - SHIFT_X) * step_mm, y0 + (0.5 - SHIFT_Y) * step_mm, step_mm, metal, part)
     grid._mark(metal, nest.sheet.polygon, True)
     for hole in (hole for p in nest.parts for hole in p.holes):
         grid._mark(part, hole.polygon, SCRAP)

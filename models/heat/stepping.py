@@ -82,7 +82,8 @@ def run_steps(plate: Plate, law: Law, events: Events, steps: int, begin_s: float
     spread, keep = law.spread, law.keep
     for step in range(steps):
         until_s = begin_s + (step + 1) * law.step_s
-        while cut < len(events.cut_s) and events.cut_s[cut] < until_s:
+        # A step ahead of the torch, so that no heat passes the kerf between a dose and the cut beside it.
+        while cut < len(events.cut_s) and events.cut_s[cut] < until_s + law.step_s:
             i, j = events.link[cut] // ny + 1, events.link[cut] % ny + 1
             if events.along_y[cut]:
                 plate.link_y[i, j] = 0

@@ -91,6 +91,15 @@ MISTAKES = {
     "based_on: plant.yaml": " based_on goes in a circle: plant.yaml → plant.yaml",
     "leads: {lead_in: 2, lead_in_min: 3}": "1:34: leads.lead_in_min: 3 mm is more than lead_in, 2 mm",
     "material: {kerf: 4}": f"1:1: rules.pierce.clearance: 1.5 mm {WITHIN}",
+    "heat: {material: carbon-stel}": (
+        "1:18: heat.material: expected one of carbon-steel, stainless-steel, aluminium-amg3m, plywood, got "
+        "'carbon-stel': did you mean 'carbon-steel'?"
+    ),
+    "heat: {limit_c: 15}": "1:17: heat.limit_c: 15 °C is not above ambient_c, 20 °C: everything is too hot",
+    "heat:\n  logical_conduction: 0.2": (
+        "2:23: heat.logical_conduction: 0.2 for each of 8 neighbours is more than a point has; the scheme is stable up "
+        "to 0.125"
+    ),
     "rules: {part-contiguous: {marks: together}}": f"1:34: rules.part-contiguous.marks: {TOGETHER}",
 }
 

@@ -30,10 +30,11 @@ def test_instant_point_source_in_an_infinite_plate(after_s: float, loss_w_m2k: f
     heat = replace(NO_LOSS, loss_w_m2k=loss_w_m2k)
     grid = make_grid(nest(600, 600), heat.grid_mm)
     sheet = Simulation(grid, heat, thickness_mm)
-    sheet.run(events_of(along([(302, 302)], 0.0, 0.01, 0.01), grid), after_s)
+    x = grid.x0_mm + heat.grid_mm * np.arange(grid.shape[0])
+    y = grid.y0_mm + heat.grid_mm * np.arange(grid.shape[1])
+    sheet.run(events_of(along([(x[75], y[75])], 0.0, 0.01, 0.01), grid), after_s)
     t = sheet.now_s
-    x = grid.x0_mm + heat.grid_mm * np.arange(grid.shape[0]) - 302
-    r2 = x[:, None] ** 2 + x[None, :] ** 2
+    r2 = (x[:, None] - x[75]) ** 2 + (y[None, :] - y[75]) ** 2
     fade = math.exp(-2 * loss_w_m2k * 1e-6 * t / (STEEL.capacity_j_mm3 * thickness_mm))
     middle_k = energy_j / (4 * math.pi * STEEL.conductivity * 1e-3 * thickness_mm * t)
     exact = middle_k * fade * np.exp(-r2 / (4 * alpha * t))
@@ -66,7 +67,8 @@ def test_a_part_that_is_cut_free_keeps_its_heat() -> None:
     sheet = Simulation(grid, heat, 6.0)
     events = events_of(rounds([circle(150, 150, 20), ring], 50.0), grid)
     x = grid.x0_mm + heat.grid_mm * np.arange(grid.shape[0])
-    inside = ((x > 100) & (x < 200))[:, None] & ((x > 100) & (x < 200))[None, :]
+    y = grid.y0_mm + heat.grid_mm * np.arange(grid.shape[1])
+    inside = ((x > 100) & (x < 200))[:, None] & ((y > 100) & (y < 200))[None, :]
     means = []
     for until_s in (15.0, 60.0, 300.0):
         sheet.run(events, until_s)

@@ -1,0 +1,61 @@
+"""A plan or a program as the timed path of a torch that heats the sheet; marks heat nothing worth speaking of."""
+
+from __future__ import annotations
+
+import re
+
+from ..encoder.errors import InputError
+from ..encoder.nest import Nest
+from ..models.heat import TimedPath
+from ..models.heat.timed_path import in_order, torch_on
+from ..models.plan import Plan
+from ..rules.profile import Profile
+from .check.nc_reader import NcProgram
+from .dialects import load_dialect
+from .plan_paths import outside, toolpaths
+
+_CHORD_MM = 0.05
+_CUT = re.compile(r"CUT \d+ (?P<contour>\S+)")
+
+
+def path_of_plan(plan: Plan, nest: Nest, profile: Profile) -> TimedPath:
+    """Where the torch burns by the plan, at the times that the plan states.
+
+    Raises
+    ------
+    InputError
+        If the plan was made from another nest, or its times are missing or contradict each other.
+    """
+    if plan.cuts and not any(planned.cut.end_s for planned in plan.cuts):
+        raise InputError("the plan does not say when its contours are cut: start_s and end_s are needed for heat")
+    burns = [
+        torch_on(
+            made.planned.cut.contour,
+            made.path.flatten(_CHORD_MM),
+            made.planned.cut.start_s,
+            made.planned.cut.end_s,
+            0.0 if made.edge_start else profile.machine.pierce_time_s,
+        )
+        for made in toolpaths(plan, nest, profile)
+        if not made.marks
+    ]
+    return in_order(burns, plan.totals.time_s)
+
+
+def path_of_program(program: NcProgram, nest: Nest, profile: Profile) -> TimedPath:
+    """Where the torch burns by a program, at its own feeds; rapids, and pierces that it does not time, as profiled."""
+    machine = profile.machine
+    waits = load_dialect(machine.dialect).pierce_dwell == "machine"
+    burns, late_s = [], 0.0
+    edge_starts = outside(nest, [(float(b.path.vertices[0, 0]), float(b.path.vertices[0, 1])) for b in program.burns])
+    for burn, edge_start in zip(program.burns, edge_starts, strict=True):
+        if burn.tool != 0:
+            continue
+        pierce_s = 0.0 if edge_start else machine.pierce_time_s
+        begin_s, end_s = burn.start_s + late_s, burn.end_s + late_s
+        if waits:
+            late_s, end_s = late_s + pierce_s, end_s + pierce_s
+        named = _CUT.search(burn.comment)
+        name = named["contour"] if named else f"line {burn.line}"
+        burns.append(torch_on(name, burn.path.flatten(_CHORD_MM), begin_s, end_s, pierce_s))
+    return in_order(burns, burns[-1].at_s[-1] if burns else 0.0)
