@@ -94,10 +94,12 @@ def _totals(plan: Plan) -> list[str]:
         f"idle {t.idle_mm / 1000:.1f} m",
         f"{t.pierces} pierces",
         f"time {duration(t.time_s)}",
-        solve.status,
     ]
-    facts.append("no bound proven" if solve.gap is None else f"gap {100 * solve.gap:.1f} %")
-    return facts
+    if solve.status == "optimal":
+        return [*facts, "proven optimal"]
+    if solve.gap is None:
+        return [*facts, "no bound proven"]
+    return [*facts, f"at most {100 * solve.gap:.1f} % above the best possible"]
 
 
 def duration(seconds: float) -> str:

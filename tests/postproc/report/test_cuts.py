@@ -111,7 +111,7 @@ def test_the_header_tells_the_totals_and_how_good_the_plan_is() -> None:
     assert texts[2] == "profile plasma-carbon-steel"
     cut_m, idle_m = plan.totals.cut_mm / 1000, plan.totals.idle_mm / 1000
     assert f"600 × 300 mm · 2 parts · 4 contours · cut {cut_m:.1f} m · idle {idle_m:.1f} m · 3 pierces" in texts[1]
-    assert texts[1].endswith("feasible · gap 10.0 %")
+    assert texts[1].endswith("at most 10.0 % above the best possible")
     unproven = dataclasses.replace(plan, solve=dataclasses.replace(plan.solve, bound=None, gap=None))
     assert any("no bound proven" in t.text for t in make_scene(made, unproven).layer("header") if isinstance(t, Text))
 
