@@ -24,9 +24,10 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.models.make_plan import feeds_of, make_plan
+from kerfwise.models.make_plan import make_plan
 from kerfwise.models.solution import Solution, SolveOptions
 from kerfwise.models.solve import solve
+from kerfwise.models.timing.choose import feeds_of
 from kerfwise.rules.afterthoughts import afterthoughts
 from kerfwise.rules.profile import Profile, load_profile
 from kerfwise.rules.state import state_rules

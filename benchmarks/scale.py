@@ -23,11 +23,11 @@ import kerfwise
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.models.make_plan import feeds_of
 from kerfwise.models.portfolio import run_portfolio
 from kerfwise.models.problem import make_problem
 from kerfwise.models.simplify import simplify
 from kerfwise.models.solution import SolveOptions
+from kerfwise.models.timing.choose import feeds_of
 from kerfwise.models.watch import Watch
 from kerfwise.postproc.produce import ask, facts_of
 from kerfwise.rules.profile import load_profile

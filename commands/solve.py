@@ -50,8 +50,8 @@ def command(
     **options: Any,
 ) -> int:
     """Turn NEST into a cutting program that keeps every hard rule of the profile, checked before it is written."""
-    from ..models.make_plan import feeds_of
     from ..models.solution import SolveOptions
+    from ..models.timing.choose import feeds_of
     from ..postproc.files import expect_folders, write_files
     from ..postproc.produce import ask, facts_of, produce
     from ..postproc.report import draw

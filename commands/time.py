@@ -24,7 +24,7 @@ _FEEDS_DIFFER = 0.01
 def command(made: str, as_json: bool, **given: Any) -> None:
     """Say how long a plan or an NC program of NEST takes by the profile's time model, and what it costs."""
     from ..models.plan import read_plan
-    from ..models.timing.choose import feeds_of
+    from ..models.timing.choose import machine_feeds
     from ..models.timing.constant import ConstantFeed
     from ..models.timing.cost import cost_of
     from ..postproc.timed import job_of_plan, job_of_program, read_program, time_job
@@ -38,7 +38,7 @@ def command(made: str, as_json: bool, **given: Any) -> None:
     else:
         program = read_program(program_text(made), profile, made)
         job = job_of_program(program, nest)
-        set_s = sum(ConstantFeed(feeds_of(profile)).run_s(run.path, run.marks) for run in job.runs)
+        set_s = sum(ConstantFeed(machine_feeds(profile)).run_s(run.path, run.marks) for run in job.runs)
         if abs(program.moving_s - set_s) > _FEEDS_DIFFER * set_s:
             note = f"at its own feeds the program cuts for {program.moving_s:.1f} s, at the profile's for {set_s:.1f} s"
             click.echo(f"note: {note}; the times below are by the profile", err=True)

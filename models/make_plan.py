@@ -14,8 +14,8 @@ from .excused import excused
 from .plan import Dropped, Plan, PlannedCut, SolveReport, Totals
 from .reasons import reasons
 from .solution import Solution
-from .timing.choose import fastest_feeds
-from .timing.constant import Feeds, Leg, idle_mm, schedule
+from .timing.choose import feeds_of
+from .timing.constant import Leg, idle_mm, schedule
 
 
 def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution, engine: str, seed: int) -> Plan:
@@ -88,11 +88,6 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
             *(Dropped(rule, (), f"not priced: {why}") for rule, why in solution.left_out),
         ),
     )
-
-
-def feeds_of(profile: Profile) -> Feeds:
-    """The speeds that plans are made with."""
-    return fastest_feeds(profile)
 
 
 def close_calls(contours: list[Contour], radius_mm: float = 50.0) -> float:

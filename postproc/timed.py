@@ -9,7 +9,7 @@ from ..encoder.geometry.curve import Curve
 from ..encoder.geometry.segment import Point
 from ..encoder.nest import Nest
 from ..models.plan import Plan
-from ..models.timing.choose import feeds_of, motion_of
+from ..models.timing.choose import machine_feeds, motion_of
 from ..models.timing.clock import Times, times_of
 from ..models.timing.motion import Motion
 from ..models.timing.report import TimeReport, report_times
@@ -37,7 +37,7 @@ class Timed:
 def time_job(job: Job, profile: Profile) -> Timed:
     """The times of a job by the model of the profile."""
     motion = motion_of(profile, job.nc_blocks)
-    return Timed(job, motion, times_of(job, motion, feeds_of(profile)))
+    return Timed(job, motion, times_of(job, motion, machine_feeds(profile)))
 
 
 def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:

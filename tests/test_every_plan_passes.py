@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.make_plan import feeds_of
 from kerfwise.models.solution import SolveOptions
+from kerfwise.models.timing.choose import feeds_of
 from kerfwise.postproc.check import report
 from kerfwise.postproc.produce import ask, facts_of, produce
 from kerfwise.rules.profile import load_profile, shipped_profiles

@@ -17,9 +17,9 @@ from ...rules.state import Stated
 from ...rules.statements import Precede
 from ..conditions import Condition
 from ..evaluate import route_cost
-from ..make_plan import feeds_of
 from ..plan import Plan
 from ..problem import Problem, make_problem
+from ..timing.choose import feeds_of
 
 NEAR_MM = 1e-3
 """A cut is a candidate's if it is pierced this near to it, the same way round."""

@@ -10,7 +10,7 @@ from .constant import ConstantFeed, Feeds
 from .motion import Motion
 
 
-def feeds_of(profile: Profile) -> Feeds:
+def machine_feeds(profile: Profile) -> Feeds:
     """The machine's speeds and waits as the profile sets them."""
     machine = profile.machine
     return Feeds(
@@ -22,12 +22,12 @@ def feeds_of(profile: Profile) -> Feeds:
     )
 
 
-def fastest_feeds(profile: Profile) -> Feeds:
-    """Speeds that the machine does not pass, whatever model of time and however short the program.
+def feeds_of(profile: Profile) -> Feeds:
+    """The speeds that plans are made with: none that the machine would pass, however short the program.
 
-    Lags in seconds are planned with these: what keeps them at this speed keeps them at any that is lower.
+    What keeps a lag in seconds at these speeds keeps it at any that is lower, so it holds by every model of time.
     """
-    feeds, time = feeds_of(profile), profile.time
+    feeds, time = machine_feeds(profile), profile.time
     if time.model != "blocks" or time.feed_by_blocks is None:
         return feeds
     return replace(feeds, cut_mm_s=max(feeds.cut_mm_s, time.feed_by_blocks.fastest_mm_s))
@@ -35,7 +35,7 @@ def fastest_feeds(profile: Profile) -> Feeds:
 
 def motion_of(profile: Profile, nc_blocks: int) -> Motion:
     """How the machine moves through a program of so many NC blocks, by the model that the profile names."""
-    feeds, time = feeds_of(profile), profile.time
+    feeds, time = machine_feeds(profile), profile.time
     if time.model == "acceleration":
         return Accelerated(feeds, time.acceleration_mm_s2, time.corner_deviation_mm)
     if time.model == "blocks" and time.feed_by_blocks is not None:

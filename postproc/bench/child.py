@@ -75,7 +75,7 @@ def _nest(job: Job, options: SolveOptions) -> _Outcome:
     from pathlib import Path
 
     from ...encoder.readers import read_nest
-    from ...models.make_plan import feeds_of
+    from ...models.timing.choose import feeds_of
     from ...rules.profile import load_profile
     from ..produce import ask, facts_of, produce
 

@@ -8,10 +8,11 @@ import pytest
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.models import crossings
-from kerfwise.models.make_plan import feeds_of, make_plan
+from kerfwise.models.make_plan import make_plan
 from kerfwise.models.problem import make_problem
 from kerfwise.models.solution import SolveOptions
 from kerfwise.models.solve import solve
+from kerfwise.models.timing.choose import feeds_of
 from kerfwise.postproc.produce import ask, facts_of
 from kerfwise.rules.profile import Profile, load_profile
 from kerfwise.tests.nests import nest, part, rect

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.models.timing.choose import fastest_feeds, feeds_of, motion_of
+from kerfwise.models.timing.choose import feeds_of, machine_feeds, motion_of
 from kerfwise.models.timing.clock import Times, times_of
 from kerfwise.models.timing.constant import ConstantFeed, Feeds
 from kerfwise.models.timing.cost import cost_of
@@ -47,7 +47,7 @@ def test_the_nest_of_15_parts_and_120_blocks() -> None:
     constant = Profile("ByStar 3015", machine)
     corrected = replace(constant, time=Time("blocks", AMG3M_1))
     for profile, total in ((constant, 126.27), (corrected, 141.38)):
-        times = times_of(made, motion_of(profile, made.nc_blocks), feeds_of(profile))
+        times = times_of(made, motion_of(profile, made.nc_blocks), machine_feeds(profile))
         assert times.total_s == pytest.approx(total, abs=0.005)
         assert times.pierce_s == pytest.approx(3.8)
 
@@ -78,7 +78,7 @@ def test_idle_shares_of_petunin(process: str, idle_min: float, total_min: float,
 )
 def test_shipped_profiles_for_20_mm_are_near_petunin(profile: str, idle_min: float, total_min: float) -> None:
     """The two profiles that his table was the source of; the water jet's feed is his other figure, 50 mm/min."""
-    times = at(ConstantFeed(feeds_of(load_profile(profile))), job(114, 150_000, 50_000, 1500))
+    times = at(ConstantFeed(machine_feeds(load_profile(profile))), job(114, 150_000, 50_000, 1500))
     assert times.idle_s / 60 == pytest.approx(idle_min, rel=0.02)
     assert times.total_s / 60 == pytest.approx(total_min, rel=0.3)
 
@@ -118,10 +118,10 @@ def test_the_profile_names_the_model() -> None:
 
 def test_lags_are_planned_with_speeds_that_nothing_passes() -> None:
     blocks = load_profile("laser-amg3m-1mm")
-    assert fastest_feeds(blocks).cut_mm_s == pytest.approx(104.91, abs=0.01)
-    assert fastest_feeds(Profile("plant")) == feeds_of(Profile("plant"))
+    assert feeds_of(blocks).cut_mm_s == pytest.approx(104.91, abs=0.01)
+    assert feeds_of(Profile("plant")) == machine_feeds(Profile("plant"))
     slow_law = replace(blocks, machine=replace(blocks.machine, cut_feed_mm_s=120.0))
-    assert fastest_feeds(slow_law).cut_mm_s == 120.0
+    assert feeds_of(slow_law).cut_mm_s == 120.0
 
 
 def test_no_prices_no_cost() -> None:

@@ -6,8 +6,8 @@ import dataclasses
 from functools import cache
 
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.make_plan import feeds_of
 from kerfwise.models.solution import SolveOptions
+from kerfwise.models.timing.choose import feeds_of
 from kerfwise.postproc.check import check_program
 from kerfwise.postproc.checking import check_plan
 from kerfwise.postproc.produce import Produced, ask, facts_of, produce

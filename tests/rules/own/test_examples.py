@@ -12,10 +12,11 @@ import kerfwise
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.readers import read_nest
-from kerfwise.models.make_plan import feeds_of, make_plan
+from kerfwise.models.make_plan import make_plan
 from kerfwise.models.plan import Plan
 from kerfwise.models.solution import SolveOptions
 from kerfwise.models.solve import solve
+from kerfwise.models.timing.choose import feeds_of
 from kerfwise.postproc.checking import check_plan
 from kerfwise.rules.own import as_rule
 from kerfwise.rules.own.named_facts import NAMED_FACTS
