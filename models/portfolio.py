@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+from . import beam
 from .cpsat import solve_cpsat
 from .engines import Member
 from .ideals import fits, prove
@@ -20,6 +21,10 @@ FIRST = 0.03
 """Share of the work for a first look by the search."""
 PROOF = 0.45
 """Share that the proof by ideals may take, where it fits; most take next to nothing."""
+DENSE = 0.15
+"""Share of the pairs of contours that hard orders decide, from which on the sets that can occur are few."""
+BEAM_DENSE, BEAM_SPARSE = 0.5, 0.1
+"""Share of what is left for the beam, which proves where orders are dense and guides where they are not."""
 SEARCH = 0.6
 """Share of what is left, where nothing is proven, for more search; CP-SAT has the rest."""
 
@@ -69,6 +74,9 @@ class _Run:
             self._search(self._left() * (1.0 if self.options.member else FIRST))
         if not self._over() and self._ideals_fit():
             self._ideals(self._left() * (1.0 if self.options.member else PROOF))
+        if not self._over() and self._beam_applies():
+            share = BEAM_DENSE if self._density() >= DENSE else BEAM_SPARSE
+            self._beam(self._left() * (1.0 if self.options.member else share))
         if not self._over() and self.options.member is None:
             self._search(self._left() * SEARCH)
         if not self._over() and self._takes("cp-sat", "nothing is proven yet"):
@@ -116,6 +124,29 @@ class _Run:
         else:
             self.known.offer(proof.incumbent, "ideals")
             self.known.raise_bound(proof.incumbent.cost, "ideals")
+
+    def _density(self) -> float:
+        """Share of the pairs of contours that hard orders decide."""
+        n = self.problem.n
+        return float(self.problem.before.sum()) / max(1, n * (n - 1) // 2)
+
+    def _beam_applies(self) -> bool:
+        if self.options.member not in (None, "beam"):
+            return False
+        if not beam.applies(self.problem):
+            self.known.notes.append("beam: left out, a statement looks further back than the last cut")
+            return False
+        return self._takes("beam", f"hard orders decide {self._density():.0%} of the pairs")
+
+    def _beam(self, share: float) -> None:
+        limit_s = None if self.options.time_s is None else share
+        outcome = beam.beam(self.problem, self.known.incumbent, share, limit_s, self.watch)
+        self.known.offer(outcome.incumbent, "beam")
+        self.known.work += outcome.work
+        if outcome.proven and outcome.incumbent is None:
+            self.known.infeasible = True
+        elif outcome.bound is not None:
+            self.known.raise_bound(outcome.bound, "beam")
 
     def _cpsat(self, share: float) -> None:
         limits = replace(self.options, work=share, time_s=self.options.time_s and share)

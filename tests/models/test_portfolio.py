@@ -19,7 +19,7 @@ def found(given: Problem, member: Member | None = None, work: float = 2.0) -> Kn
     return run_portfolio(given, options, Watch(options))
 
 
-@pytest.mark.parametrize("member", [None, "search", "ideals", "cp-sat"])
+@pytest.mark.parametrize("member", [None, "search", "ideals", "beam", "cp-sat"])
 def test_every_member_finds_the_best_of_a_small_problem(member: Member | None) -> None:
     six = scattered(2, contours=6, sites=2, pairs=3)
     best = cheapest(six)
