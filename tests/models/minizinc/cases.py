@@ -58,10 +58,10 @@ def _drawn(seed: int, contours: int) -> tuple[Nest, Profile]:
     return drawn, random_profile(rng, drawn)
 
 
-def random_nest(rng: np.random.Generator, contours: int) -> Nest:
+def random_nest(rng: np.random.Generator, contours: int, least: int = 5) -> Nest:
     """Plates, rings, hosts with a guest, channels with a guest and marked plates, row after row of three."""
     parts: list[Part] = []
-    while sum(len(list(p)) for p in parts) < min(5, contours):
+    while sum(len(list(p)) for p in parts) < min(least, contours):
         x, y = PITCH * (len(parts) % 3), PITCH * (len(parts) // 3)
         made = _shape(str(rng.choice(SHAPES)), f"P{len(parts)}", x + int(rng.integers(3, 12)), y + 5, rng)
         if sum(len(list(p)) for p in [*parts, *made]) <= contours:

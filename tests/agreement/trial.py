@@ -1,0 +1,105 @@
+"""Every plan of a small nest, as the check sees plans: cuts and geometry, no facts, no statements, no model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from kerfwise.encoder.cut import Cut, CutSequence, Side
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.make_plan import feeds_of
+from kerfwise.models.timing.constant import Leg, schedule
+from kerfwise.postproc.check.runs_from_cuts import runs_from_cuts
+from kerfwise.rules.profile import Profile
+from kerfwise.rules.rule import Violation
+from kerfwise.tests.models.minizinc.cases import Case
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A nest, the ways to cut each contour, and the profile to judge by."""
+
+    nest: Nest
+    ways: tuple[tuple[Cut, ...], ...]
+    start_side: Side | None
+    profile: Profile
+
+    @staticmethod
+    def of(case: Case) -> Trial:
+        """The candidates of a case as cuts."""
+        facts = case.facts
+        ways: list[list[Cut]] = [[] for _ in range(facts.n)]
+        for c in facts.candidates:
+            name, zone = facts.nest.contours[c.contour].id, int(facts.zone[c.contour])
+            ways[c.contour].append(Cut(name, c.entry, c.direction, c.pierce, c.lead_in, c.lead_out, zone))
+        return Trial(facts.nest, tuple(map(tuple, ways)), facts.start_side, case.profile)
+
+    @property
+    def n(self) -> int:
+        """Number of contours."""
+        return len(self.ways)
+
+    @cached_property
+    def price(self) -> float:
+        """What a millimetre of idle travel costs."""
+        objective = self.profile.objective
+        return objective.idle + objective.time / self.profile.machine.travel_mm_s
+
+    @cached_property
+    def legs_mm(self) -> Floats:
+        """Idle travel from the end of every cut (row) to the pierce of every other; home is the last of both."""
+        home = self.profile.machine.home
+        cuts = [cut for own in self.ways for cut in own]
+        ends = np.array([*(cut.end for cut in cuts), home])
+        pierces = np.array([*(cut.pierce for cut in cuts), home])
+        return np.hypot(*(ends[:, None, :] - pierces[None, :, :]).transpose(2, 0, 1))
+
+    @cached_property
+    def first(self) -> list[int]:
+        """Number of the first cut of every contour, and of home, as `legs_mm` counts them."""
+        return np.cumsum([0, *(len(own) for own in self.ways)]).tolist()
+
+    def sequence(self, order: Sequence[int], picks: Sequence[int], timed: bool = False) -> CutSequence:
+        """The cuts of contours in order, by the way picked for each contour (by its number)."""
+        cuts = tuple(self.ways[i][picks[i]] for i in order)
+        home = self.profile.machine.home
+        if timed:
+            lengths = [self._lengths_mm[i][picks[i]] for i in order]
+            contours = [self.nest.contours[i] for i in order]
+            legs = [
+                Leg(
+                    cut.pierce,
+                    cut.end,
+                    mm,
+                    contour.kind == "mark",
+                    shapely.intersects(self._sheet, shapely.Point(cut.pierce)),
+                )
+                for cut, mm, contour in zip(cuts, lengths, contours, strict=True)
+            ]
+            times = schedule(legs, feeds_of(self.profile), home)
+            cuts = tuple(replace(cut, start_s=a, end_s=b) for cut, (a, b) in zip(cuts, times, strict=True))
+        return CutSequence(cuts, self.start_side, home)
+
+    def violations(self, rule: str, sequence: CutSequence) -> list[Violation]:
+        """What the rule finds wrong with the cuts."""
+        return self.profile.rulebook()[rule].violations(self.nest, sequence, self.profile.settings()[rule].options)
+
+    @cached_property
+    def _sheet(self) -> shapely.Polygon:
+        return self.nest.sheet.polygon
+
+    @cached_property
+    def _lengths_mm(self) -> list[list[float]]:
+        """Torch-on length of every way, as the check measures it."""
+        found = []
+        for own in self.ways:
+            runs = [runs_from_cuts(self.nest, CutSequence((cut,)), self.profile.material.kerf_mm)[0] for cut in own]
+            found.append([float(run[0].length_mm) for run in runs])
+        return found
