@@ -101,6 +101,12 @@ def test_a_speck_left_by_rounding_stops_nothing() -> None:
     assert run_s(line((0, 0), (50, 0), (50, 0.01), (100, 0.01))) == pytest.approx(clean, rel=1e-3)
 
 
+def test_specks_take_their_time_all_the_same() -> None:
+    """A thousand steps of 0.01 mm are 10 mm more to run."""
+    ends = [(50 + 0.01 * ((k + 1) // 2), 0.01 * (k // 2)) for k in range(1001)]
+    assert run_s(line((0, 0), *ends)) == pytest.approx(run_s(line((0, 0), (50, 0))) + 10 / 100)
+
+
 def test_a_path_that_goes_nowhere_takes_no_time() -> None:
     assert run_s(line((5, 5), (5, 5))) == 0.0
     assert run_s(line((5, 5), (5, 5.01))) == pytest.approx(2 * math.sqrt(0.01 / A))
