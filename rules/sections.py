@@ -90,7 +90,7 @@ class Objective:
 
     idle: float = field(default=1.0, metadata=option(Number(0), "cost of a millimetre of idle travel"))
     heat: float = field(default=0.0, metadata=option(Number(0), "cost of a point overheated"))
-    time: float = field(default=0.0, metadata=option(Number(0), "cost of a second of idle travel"))
+    time: float = field(default=0.0, metadata=option(Number(0), "cost of a second of idle travel, piercing or leads"))
 
 
 @dataclass(frozen=True, slots=True)

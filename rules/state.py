@@ -11,6 +11,7 @@ from ..encoder.errors import InputError, RulesConflict
 from .cycles import Link, components, contracted, path
 from .feedback import Unbreakable, lightest_cut
 from .own import OwnFile
+from .slower_ways import slower_ways
 from .statements import EXEMPTION_MM, About, Contiguous, IdleTravel, Precede, Statement
 from .yaml_positions import wrong_at
 
@@ -91,7 +92,7 @@ def every_statement(facts: Facts, profile: Profile) -> tuple[list[Statement], tu
             exempt += book[name].exempt(facts, setting.options)
         else:
             statements += (_softened(s, setting.weight) for s in stated)
-    statements += _objective(profile)
+    statements += _objective(facts, profile)
     return statements, tuple(exempt)
 
 
@@ -115,10 +116,13 @@ def _refuse_unknown(profile: Profile, reads_files: bool) -> None:
         raise InputError("objective.heat: this version puts no price on heat; set it to 0", file=profile.file or None)
 
 
-def _objective(profile: Profile) -> list[Statement]:
-    """Idle travel at its price: by the millimetre, and by the second that a millimetre takes."""
+def _objective(facts: Facts, profile: Profile) -> list[Statement]:
+    """Idle travel at its price, by the millimetre and by the second that one takes, and slower ways to cut."""
     price = profile.objective.idle + profile.objective.time / profile.machine.travel_mm_s
-    return [IdleTravel(About("objective", (), f"a millimetre of idle travel costs {price:g}"), price)]
+    return [
+        IdleTravel(About("objective", (), f"a millimetre of idle travel costs {price:g}"), price),
+        *slower_ways(facts, profile),
+    ]
 
 
 def resolve(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int]) -> Stated:

@@ -213,9 +213,9 @@ class Judge:
         return best
 
     def _of_ways(self, order: Order) -> list[list[float]]:
-        """For each contour, what each of its ways costs in this order by the rules of single cuts."""
+        """For each contour, what each of its ways costs in this order by its time and by the rules of single cuts."""
         trial = self.trial
-        extra = [[0.0] * len(own) for own in trial.ways]
+        extra = [list(own) for own in trial.way_prices]
         for turn in range(self.most):
             picks = [min(turn, len(own) - 1) for own in trial.ways]
             fresh = {self.name[i] for i in range(trial.n) if picks[i] == turn}

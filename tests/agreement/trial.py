@@ -20,6 +20,8 @@ from kerfwise.rules.rule import Violation
 from kerfwise.tests.models.minizinc.cases import Case
 
 Floats = NDArray[np.float64]
+LEAST_S = 1e-3
+"""Less than this a way to cut is not said to be slower."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +53,22 @@ class Trial:
         """What a millimetre of idle travel costs."""
         objective = self.profile.objective
         return objective.idle + objective.time / self.profile.machine.travel_mm_s
+
+    @cached_property
+    def way_prices(self) -> list[list[float]]:
+        """What each way to cut a contour costs for the seconds that it takes beyond the contour's quickest one."""
+        machine, found = self.profile.machine, []
+        for contour, own in zip(self.nest.contours, self.ways, strict=True):
+            mark = contour.kind == "mark"
+            feed = machine.mark_feed_mm_s if mark else machine.cut_feed_mm_s
+            seconds = [
+                sum(lead.length_mm for lead in (cut.lead_in, cut.lead_out) if lead is not None) / feed
+                + (machine.pierce_time_s if not mark and self._sheet.intersects(shapely.Point(cut.pierce)) else 0.0)
+                for cut in own
+            ]
+            more = [s - min(seconds) for s in seconds]
+            found.append([self.profile.objective.time * s if s >= LEAST_S else 0.0 for s in more])
+        return found
 
     @cached_property
     def legs_mm(self) -> Floats:

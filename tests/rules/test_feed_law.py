@@ -167,7 +167,7 @@ def test_the_model_blocks_needs_a_law(tmp_path: Path) -> None:
 def test_the_profiles_in_the_docs_load(tmp_path: Path) -> None:
     page = (Path(package.__file__).parent / "docs" / "time.md").read_text(encoding="utf-8")
     blocks = re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)
-    assert len(blocks) == 4
+    assert len(blocks) == 5
     for number, text in enumerate(blocks):
         path = tmp_path / f"{number}.yaml"
         path.write_text(text, encoding="utf-8")

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.nest import Nest
@@ -16,7 +17,7 @@ from kerfwise.rules.own import OwnFile
 from kerfwise.rules.profile import Profile
 from kerfwise.rules.sections import Objective, RuleSetting, default_settings
 from kerfwise.rules.state import Stated, resolve, state_rules
-from kerfwise.rules.statements import About, Contiguous, IdleTravel, Precede
+from kerfwise.rules.statements import About, Contiguous, Forbid, IdleTravel, Precede
 from kerfwise.tests.nests import circle, nest, part, rect
 from kerfwise.tests.rules.hooks import HOOKS
 
@@ -71,6 +72,31 @@ def test_idle_travel_costs_its_time_too() -> None:
     profile = replace(plant(), objective=Objective(idle=2.0, time=50.0))
     found = [s for s in stated(PLATE, profile).statements if isinstance(s, IdleTravel)]
     assert [(s.weight, s.about.sentence) for s in found] == [(2.2, "a millimetre of idle travel costs 2.2")]
+
+
+def test_slower_ways_cost_the_seconds_they_add() -> None:
+    """P1 lies at the edge: where it is not pierced it is quicker, and nothing else tells its ways apart but leads."""
+    profile = replace(plant(), objective=Objective(time=50.0))
+    machine = profile.machine
+    sheet = nest(200, 100, part("P1", rect(4, 20, 60, 60)), part("P2", rect(110, 20, 60, 60)))
+    facts = compute_facts(sheet, profile.fact_options(), build_candidates(sheet, profile.lead_options()))
+    found = {s.candidate: s for s in state_rules(facts, profile).statements if isinstance(s, Forbid)}
+    edge = [k for k, c in enumerate(facts.candidates) if c.edge_start]
+    assert edge
+    assert {facts.candidates[k].contour for k in edge} == {0}
+    quickest_s = min(facts.candidates[k].cut_mm for k in edge) / machine.cut_feed_mm_s
+    for k in facts.candidates_of(0):
+        candidate = facts.candidates[k]
+        seconds = candidate.cut_mm / machine.cut_feed_mm_s + (0 if candidate.edge_start else machine.pierce_time_s)
+        more = seconds - quickest_s
+        assert (k in found) == (more >= 1e-3)
+        if k in found:
+            assert found[k].weight == pytest.approx(50 * more)
+            assert found[k].about == About(
+                "objective", ("P1.outer",), f"P1.outer takes {more:.2f} s more to cut this way than the quickest way"
+            )
+    assert all(k in found for k in facts.candidates_of(0) if k not in edge)
+    assert not any(isinstance(s, Forbid) for s in state_rules(facts, plant()).statements)
 
 
 def test_hooks_drop_one_order_of_the_weakest_rule() -> None:
