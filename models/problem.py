@@ -127,9 +127,16 @@ class Problem:
 
 
 def make_problem(
-    facts: Facts, statements: tuple[Statement, ...], home_mm: tuple[float, float], feeds: Feeds | None = None
+    facts: Facts,
+    statements: tuple[Statement, ...],
+    home_mm: tuple[float, float],
+    feeds: Feeds | None = None,
+    earlier: Problem | None = None,
 ) -> Problem:
     """Compile facts and statements; `feeds` are needed for statements that count seconds.
+
+    `earlier` is a problem made of the same facts and some of these statements: the moves that were looked at for it
+    need not be looked at again where they are the same.
 
     Raises
     ------
@@ -173,12 +180,14 @@ def make_problem(
         ids=tuple(c.id for c in facts.nest.contours),
         pace=Pace() if feeds is None else Pace.of(facts, representatives, feeds),
     )
-    return _with_crossings(problem, [s for s in statements if isinstance(s, Crossing)])
+    return _with_crossings(problem, [s for s in statements if isinstance(s, Crossing)], earlier)
 
 
-def _with_crossings(problem: Problem, statements: list[Crossing]) -> Problem:
+def _with_crossings(problem: Problem, statements: list[Crossing], earlier: Problem | None) -> Problem:
     if not statements:
         return problem
+    if earlier is not None and _same_moves(problem, earlier):
+        return replace(problem, crossings=earlier.crossings, left_out=earlier.left_out)
     sites = np.append(problem.first, problem.m + 1)
     try:
         found = find_crossings(statements, problem.successors(), sites, problem.ends(), problem.pierces())
@@ -187,6 +196,13 @@ def _with_crossings(problem: Problem, statements: list[Crossing]) -> Problem:
             raise
         return replace(problem, left_out=((statements[0].about.rule, error.message),))
     return replace(problem, crossings=found)
+
+
+def _same_moves(one: Problem, other: Problem) -> bool:
+    """Whether the same sites may follow each other in both."""
+    return np.array_equal(one.site_candidate, other.site_candidate) and np.array_equal(
+        one.successors(), other.successors()
+    )
 
 
 def _um(points: list[tuple[float, float]]) -> Ints:

@@ -44,8 +44,10 @@ def solve(
     watch = Watch(options, progress)
     whole = options.work if options.time_s is None else options.time_s
     spent = 0.0
+    posed: Problem | None = None
     while True:
-        problem = simplify(make_problem(facts, statements, options.home_mm, options.feeds))
+        posed = make_problem(facts, statements, options.home_mm, options.feeds, posed)
+        problem = simplify(posed)
         share = (whole - spent) * (1.0 if refine is None else ROUND)
         watch.begin()
         known = run_portfolio(problem, replace(options, work=share, time_s=options.time_s and share), watch)
@@ -59,7 +61,7 @@ def solve(
             break
     if missing:
         candidates = problem.site_candidate[list(known.incumbent.route)]
-        problem = make_problem(facts, statements, options.home_mm, options.feeds)
+        problem = make_problem(facts, statements, options.home_mm, options.feeds, posed)
         known = replace(known, incumbent=_judged_anew(problem, problem.candidate_site[candidates].tolist(), missing))
     return _solution(problem, known, spent)
 

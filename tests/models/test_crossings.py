@@ -15,6 +15,7 @@ from kerfwise.models.solve import solve
 from kerfwise.models.timing.choose import feeds_of
 from kerfwise.postproc.produce import ask, facts_of
 from kerfwise.rules.profile import Profile, load_profile
+from kerfwise.rules.statements import About, Precede
 from kerfwise.tests.nests import nest, part, rect
 
 ROW = nest(500, 300, *(part(f"P{k}", rect(50 + 120 * k, 50, 100, 100)) for k in range(3)))
@@ -56,3 +57,17 @@ def test_too_many_moves_are_refused_where_the_rule_is_hard(monkeypatch: pytest.M
     asked = ask(facts_of(ROW, profile), profile)
     with pytest.raises(InputError, match="more than the 10 that can be looked at: switch no-tip-travel off"):
         make_problem(asked.facts, asked.stated.statements, (0.0, 0.0))
+
+
+def test_moves_looked_at_once_are_not_looked_at_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    profile = with_tips("soft")
+    asked = ask(facts_of(ROW, profile), profile)
+    statements = tuple(s for s in asked.stated.statements if not isinstance(s, Precede))
+    first = make_problem(asked.facts, statements, (0.0, 0.0))
+    about = About("test", (), "P1 comes before P2")
+    more = (*statements, Precede(ROW.index["P1.outer"], ROW.index["P2.outer"], about))
+    anew = make_problem(asked.facts, more, (0.0, 0.0))
+    assert len(anew.crossings) < len(first.crossings), "another order, other moves"
+    assert len(make_problem(asked.facts, more, (0.0, 0.0), earlier=first).crossings) == len(anew.crossings)
+    monkeypatch.setattr(crossings, "MOST_MOVES", 0)
+    assert make_problem(asked.facts, statements, (0.0, 0.0), earlier=first).crossings is first.crossings
