@@ -25,7 +25,7 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
             _deepest(root, "leads", "lead_in_min"),
             f"leads.lead_in_min: {leads.lead_in_min_mm:g} mm is more than lead_in, {leads.lead_in_mm:g} mm",
         )
-    if time.model == "blocks" and time.feed_by_blocks is None:
+    if time.model == "blocks" and time.feed_by_blocks is None and not problems.found:
         problems.add(
             _deepest(root, "time", "model"),
             "time.model: blocks needs a feed law: give time.feed_by_blocks, a shipped law's name or points of your own",

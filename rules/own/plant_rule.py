@@ -61,6 +61,8 @@ class PlantRule(Rule[Thresholds]):
     def unjudged(self, nest: Nest, cuts: CutSequence, options: Thresholds) -> str | None:
         if "zone" in self.rule.facts() and not any(cut.zone for cut in cuts):
             return "the zones of the cuts are not stated"
+        if not self._chosen(nest, cuts, options).groups:
+            return "it selects no contour of this nest"
         return self.rule.ask.unjudged(cuts)
 
     def _chosen(self, nest: Nest, cuts: CutSequence | None, options: Thresholds) -> Chosen:

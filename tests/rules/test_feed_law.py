@@ -164,6 +164,14 @@ def test_the_model_blocks_needs_a_law(tmp_path: Path) -> None:
         load_profile(path)
 
 
+def test_a_law_with_a_typo_is_one_mistake(tmp_path: Path) -> None:
+    path = tmp_path / "plant.yaml"
+    path.write_text("time: {model: blocks, feed_by_blocks: bystar-amg3m-1mm}\n")
+    with pytest.raises(InputError, match="did you mean 'bystar-3015-amg3m-1mm'") as caught:
+        load_profile(path)
+    assert caught.value.details == ()
+
+
 def test_the_profiles_in_the_docs_load(tmp_path: Path) -> None:
     page = (Path(package.__file__).parent / "docs" / "time.md").read_text(encoding="utf-8")
     blocks = re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)

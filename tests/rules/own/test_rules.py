@@ -132,6 +132,14 @@ def test_zones_that_are_not_stated_cannot_be_judged() -> None:
     assert len(rule.violations(ROW, zoned, Thresholds())) == 1
 
 
+def test_a_rule_that_speaks_of_no_contour_is_said_to() -> None:
+    """A selector with a typo would otherwise hold in silence."""
+    (own,) = rules_of("- {name: r, select: {part: Q0}, first: true}")
+    rule, order = as_rule(own), in_order(ROW, "P0.outer P1.outer")
+    assert rule.unjudged(ROW, order, Thresholds()) == "it selects no contour of this nest"
+    assert rule.violations(ROW, order, Thresholds()) == []
+
+
 def test_points_are_judged_to_what_programs_round_to() -> None:
     (never,) = rules_of("- {name: r, no_pierce: {x_mm: '< 10'}}")
     (only,) = rules_of("- {name: r, pierce: {x_mm: '< 10'}}")
