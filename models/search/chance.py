@@ -29,3 +29,34 @@ def below(random: NDArray[np.uint64], bound: int) -> int:
 def share(random: NDArray[np.uint64]) -> float:
     """A random number in [0, 1)."""
     return np.float64(draw(random) >> np.uint64(11)) * (1.0 / 9007199254740992.0)
+
+
+@compiled
+def high(bits: np.uint64, bound: int) -> int:
+    """A whole number in 0 … bound - 1 by the upper half of random bits; what follows takes other parts of them."""
+    return int(np.int64((bits >> np.uint64(32)) * np.uint64(bound) >> np.uint64(32)))
+
+
+@compiled
+def low(bits: np.uint64, bound: int) -> int:
+    """A whole number in 0 … bound - 1, at most 1 << 16, by the lowest sixteen of random bits."""
+    return int(np.int64((bits & np.uint64(0xFFFF)) * np.uint64(bound) >> np.uint64(16)))
+
+
+@compiled
+def short(bits: np.uint64) -> int:
+    """1 … 16, rather small, by the lowest sixteen of random bits."""
+    by = bits & np.uint64(0xFFFF)
+    return int(np.int64(by * by >> np.uint64(28))) + 1
+
+
+@compiled
+def odd(bits: np.uint64) -> bool:
+    """Heads or tails, by the seventeenth bit."""
+    return bool(bits & np.uint64(0x10000))
+
+
+@compiled
+def chunk(bits: np.uint64) -> int:
+    """0 … 4095, by the bits above the seventeenth."""
+    return int(np.int64((bits >> np.uint64(17)) & np.uint64(0xFFF)))

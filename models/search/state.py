@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from .tables import Tables
 
 Ints = NDArray[np.int64]
+SmallInts = NDArray[np.int32]
 
 # Typed, because numba compiles a function anew for each literal that it is called with.
 START = cast(int, np.int64(0))
@@ -28,7 +29,9 @@ STAMP = 8  # the mark of the present walk through the orders
 TRIES = 9  # trials so far
 LAWLESS = 10  # of the last trials, those after which we stood on a route that breaks something
 CLIMBS = 11  # entries made in `climb`
-NUMBERS = 12
+TRADES = 12  # exchanges tried on plain problems
+TRADED = 13  # of these, those taken that changed the cost
+NUMBERS = 14
 
 
 class State(NamedTuple):
@@ -37,7 +40,7 @@ class State(NamedTuple):
     `order`, `position`, `site` are the trial; names ending in `_now` the route we stand on. `best` lists sites in
     order. Strings taken out are `out[unit[u]:unit[u + 1]]`. `forced` is the site that a contour must take in this
     trial, or -1; `lean` what a site costs for the general statements' sake. `stale` marks contours whose site may not
-    be the best any more.
+    be the best any more. `line` lists contours between home and home, `place` says where in it each stands.
     """
 
     order: Ints
@@ -63,9 +66,13 @@ class State(NamedTuple):
     climb: Ints
     reach: Ints
     back: Ints
+    line: SmallInts
+    place: SmallInts
+    spare: SmallInts
+    turned: Ints
 
 
-def new_state(tables: Tables, seed: int) -> State:
+def new_state(tables: Tables, seed: tuple[int, ...]) -> State:
     """An empty state; equal seeds walk equal ways."""
     n, m = tables.legs.n, tables.legs.m
 
@@ -98,4 +105,8 @@ def new_state(tables: Tables, seed: int) -> State:
         climb=np.zeros(512, dtype=np.int64),
         reach=room(m),
         back=room(m),
+        line=room(n + 2).astype(np.int32),
+        place=room(n + 1).astype(np.int32),
+        spare=room(n + 2).astype(np.int32),
+        turned=np.zeros(n + 2, dtype=np.int64),
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ..problem import Problem
+from .arcs import Arcs, make_arcs
 from .crossed import Crossed, make_crossed
 from .demands import Demands, make_demands
 from .groups import Groups, make_groups
@@ -24,6 +25,7 @@ class Tables(NamedTuple):
     groups: Groups
     lags: Lags
     literals: Literals
+    arcs: Arcs
 
 
 def make_tables(problem: Problem) -> Tables:
@@ -37,4 +39,5 @@ def make_tables(problem: Problem) -> Tables:
         make_groups(problem),
         make_lags(problem),
         make_literals(problem),
+        make_arcs(problem, legs),
     )

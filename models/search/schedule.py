@@ -1,0 +1,48 @@
+"""When to anneal how long: several times, each as long as all before, and hotter or cooler by turns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+HEATS = (1.0, 0.5, 2.0)
+SHORTEST = 1_000_000  # operations for an annealing, times n^1.5: what one contour asks for grows with their number
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A part of one annealing: from which share of its cooling to which, and a number for its heat."""
+
+    done: float
+    ahead: float
+    turn: int
+
+    def heat(self, walker: int) -> float:
+        """Factor on the temperatures; walkers differ."""
+        return HEATS[(self.turn + walker) % len(HEATS)]
+
+
+@dataclass(frozen=True, slots=True)
+class Schedule:
+    """`stages` annealings; the last takes half of all, the one before it a quarter, the first two the same.
+
+    Examples
+    --------
+    >>> Schedule(3).part(0.25, 0.375)
+    Part(done=0.0, ahead=0.5, turn=1)
+    """
+
+    stages: int
+
+    @classmethod
+    def of(cls, n: int, operations: int) -> Schedule:
+        """As many as there is time for, for n contours."""
+        return cls(max(1, int(operations / (SHORTEST * n**1.5)).bit_length()))
+
+    def part(self, done: float, ahead: float) -> Part:
+        """What to do between two shares of the whole."""
+        bounds = [0.0, *(2.0**-k for k in range(self.stages - 1, -1, -1))]
+        stage = sum(done >= bound for bound in bounds[1:])
+        start, stop = bounds[stage], bounds[stage + 1]
+        return Part(
+            (done - start) / (stop - start), min(1.0, (ahead - start) / (stop - start)), self.stages - 1 - stage
+        )

@@ -1,0 +1,100 @@
+"""One walker: a state of its own, and the temperatures that suit the problem."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .anneal import GO_ON, MAKE_ROUTE, TAKE_ROUTE, walk
+from .schedule import Part
+from .state import BEST, CLIMBS, COST, LENGTH, PRICE, TRADED, TRADES, WORK, new_state
+from .structs import for_kernels
+from .tables import Tables
+
+FIRST_DESCENT = 200_000  # operations a contour before the first annealing
+HOT, COLD = 1.0, 0.01  # temperatures, in typical rises of the cost
+LIVELY = 0.02  # share of exchanges taken at the first temperature, on plain problems
+FALL = 25.0  # by what the temperature falls there
+LOOK = 200_000  # operations for a look at how many are taken
+LOOKS = 40
+STEP = 1.4  # between the temperatures looked at
+
+
+class Walker:
+    """Walks over one problem; equal seeds and numbers walk equal ways.
+
+    Parameters
+    ----------
+    tables, fields
+        The problem as kernels take it, and as it was made.
+    seed, number
+        What random numbers come from, and what tells walkers apart.
+    """
+
+    def __init__(self, tables: Tables, fields: Tables, seed: int, number: int) -> None:
+        self._tables = tables
+        self._fields = fields
+        self._number = number
+        self.arrays = new_state(fields, (seed, number))
+        self._state = for_kernels(self.arrays)
+        self.arrays.number[PRICE] = 1
+        self._hot = self._cold = 0.0
+
+    @property
+    def cost(self) -> int | None:
+        """Cost of the best lawful route so far, µm."""
+        cost = int(self.arrays.number[BEST])
+        return cost if cost >= 0 else None
+
+    @property
+    def work(self) -> int:
+        """Operations so far."""
+        return int(self.arrays.number[WORK])
+
+    @property
+    def ready(self) -> bool:
+        """Whether it has begun."""
+        return self._hot > 0.0
+
+    def begin(self, most: int) -> None:
+        """Make a first route, improve it without going uphill for at most `most` operations, and look at its costs."""
+        number, n = self.arrays.number, self._fields.legs.n
+        if number[LENGTH] == 0:
+            walk(self._tables, self._state, MAKE_ROUTE, 0, 1.0, 1.0)
+        number[PRICE] = 1 + 10 * int(number[COST]) // n
+        self._go(min(most, FIRST_DESCENT * n), 1.0, 1.0)
+        if self._fields.arcs.plain:
+            self._hot = self._lively(most // LOOKS)
+            self._cold = self._hot / FALL
+            return
+        rises = self.arrays.climb[: number[CLIMBS]]
+        rise = max(1.0, float(np.median(rises))) if len(rises) else 1.0
+        self._hot, self._cold = HOT * rise, COLD * rise
+
+    def anneal(self, chunk: int, part: Part) -> None:
+        """Walk on for `chunk` operations through a part of an annealing."""
+        hot, fall = self._hot * part.heat(self._number), self._cold / self._hot
+        self._go(chunk, hot * fall**part.done, hot * fall**part.ahead)
+
+    def stand_on(self, sites: NDArray[np.int64]) -> None:
+        """Go on from a lawful route."""
+        self.arrays.order[:] = self._fields.legs.contour[sites]
+        self.arrays.position[self.arrays.order] = np.arange(len(sites))
+        self.arrays.site[self.arrays.order] = sites
+        walk(self._tables, self._state, TAKE_ROUTE, 0, 1.0, 1.0)
+
+    def _go(self, chunk: int, hot: float, cold: float) -> None:
+        walk(self._tables, self._state, GO_ON, self.work + chunk, hot, cold)
+
+    def _lively(self, most: int) -> float:
+        """The temperature at which so many exchanges that change the cost are taken as should be at first."""
+        number, arcs = self.arrays.number, self._fields.arcs
+        near = np.take_along_axis(arcs.cost, arcs.near, axis=1)
+        temperature = 1.0 + 4.0 * float(np.median(near))
+        for _ in range(LOOKS):
+            tried, taken = int(number[TRADES]), int(number[TRADED])
+            self._go(min(most, LOOK), temperature, temperature)
+            if number[TRADED] - taken < LIVELY * (number[TRADES] - tried):
+                break
+            temperature /= STEP
+        return temperature
