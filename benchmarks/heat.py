@@ -1,0 +1,174 @@
+"""What the prices of heat foretell, and what they save: on three nests, against simulation.
+
+Usage: python benchmarks/heat.py [--limit C] [--orders N] [--work W]
+
+First, over random lawful orders that the prices were not fitted to, the rank correlation (Spearman) of what the prices
+say with the overheats of the physical simulation. Then four strategies: shortest path, random, Realtime of Verkhoturov
+et al., and ours, the cheapest plan at several prices of an overheat. Only the rules of Verkhoturov et al. bind the
+orders: holes before outers, nested parts first, the contours of a part together.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from scipy.stats import spearmanr
+
+import kerfwise
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.readers import ReadOptions, read_nest
+from kerfwise.encoder.readers.json_nest import read_json
+from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.models.baselines.random_order import random_order
+from kerfwise.models.baselines.realtime import realtime_order
+from kerfwise.models.heat import simulate
+from kerfwise.models.heat.pair_prices import ORDERS, PairPrices, fit_pair_prices
+from kerfwise.models.heat.route_path import RoutePaths
+from kerfwise.models.problem import Problem, make_problem
+from kerfwise.models.solution import SolveOptions
+from kerfwise.models.solve import solve
+from kerfwise.models.timing.choose import feeds_of
+from kerfwise.postproc.produce import facts_of
+from kerfwise.rules.profile import Profile, load_profile
+from kerfwise.rules.sections import RuleSetting
+from kerfwise.rules.state import state_rules
+from kerfwise.rules.statements import Statement
+
+EXAMPLES = Path(kerfwise.__file__).parent / "examples" / "nests"
+RULES = ("inner-before-outer", "nested-before-host-holes", "part-contiguous", "cut-direction", "pierce", "marks-first")
+PRICES_MM = (10.0, 30.0, 100.0, 300.0)
+RANDOM_SEEDS = range(5)
+FIT_SEED = 10_000
+
+
+@dataclass(frozen=True)
+class Bench:
+    """One nest, ready to be ordered and simulated."""
+
+    name: str
+    profile: Profile
+    facts: Facts
+    statements: tuple[Statement, ...]
+    problem: Problem
+    paths: RoutePaths
+
+    def overheats(self, route: Sequence[int]) -> int:
+        """By simulation of a route of candidates."""
+        heat, thickness_mm = self.profile.heat, self.profile.material.thickness_mm
+        return simulate(self.facts.nest, self.paths.of(route), heat, thickness_mm).overheats
+
+    def candidates(self, sites: Sequence[int]) -> list[int]:
+        """The candidates that sites of the problem stand for."""
+        return [int(self.problem.site_candidate[s]) for s in sites]
+
+    def random(self, seeds: range) -> list[list[int]]:
+        """Random lawful routes of candidates that differ by order alone."""
+        return [self.candidates(random_order(self.problem, seed, first_entry=True)) for seed in seeds]
+
+    def order(self, route: Sequence[int]) -> list[int]:
+        """Contours in the order of a route of candidates."""
+        return [self.facts.candidates[c].contour for c in route]
+
+    def idle_mm(self, route: Sequence[int]) -> float:
+        """Idle travel of a route of candidates, from home and back."""
+        home = self.profile.machine.home
+        ends = [home, *(self.facts.candidates[c].end for c in route)]
+        starts = [*(self.facts.candidates[c].pierce for c in route), home]
+        return float(np.hypot(*(np.array(ends) - np.array(starts)).T).sum())
+
+
+def plant(limit_c: float) -> Profile:
+    """The default profile with the rules of Verkhoturov et al. alone and another limit."""
+    profile = load_profile()
+    rules = {k: s if k in RULES else RuleSetting("off", None, s.options) for k, s in profile.rules.items()}
+    return replace(profile, rules=rules, heat=replace(profile.heat, limit_c=limit_c))
+
+
+def nests() -> Iterator[tuple[str, Nest]]:
+    """Two example nests and a made plate."""
+    yield "e1x_6", read_nest(EXAMPLES / "e1x_6.json")
+    yield "plate40", read_nest(EXAMPLES / "plate40.json")
+    yield "plate 30, seed 2", read_json(json.dumps(make_sheet(2, 30)).encode(), ReadOptions())
+
+
+def bench(name: str, nest: Nest, profile: Profile) -> Bench:
+    """Facts, statements and problem of a nest."""
+    facts, feeds = facts_of(nest, profile), feeds_of(profile)
+    statements = state_rules(facts, profile).statements
+    problem = make_problem(facts, statements, profile.machine.home, feeds)
+    paths = RoutePaths(facts, profile.material.kerf_mm, feeds, profile.machine.home)
+    return Bench(name, profile, facts, statements, problem, paths)
+
+
+def fitted(case: Bench) -> PairPrices:
+    """Prices fitted to random orders of their own."""
+    routes = case.random(range(FIT_SEED, FIT_SEED + ORDERS))
+    orders = [case.order(route) for route in routes]
+    return fit_pair_prices(case.facts.nest, case.profile.heat, orders, lambda k: case.overheats(routes[k]))
+
+
+def correlation(case: Bench, prices: PairPrices, count: int) -> str:
+    """A row: rank correlation over random orders."""
+    routes = case.random(range(count))
+    found = np.array([case.overheats(route) for route in routes])
+    told = [prices.of(case.order(route)) for route in routes]
+    rho = spearmanr(told, found).statistic
+    return f"| {case.name} | {case.facts.n} | {found.min()} … {found.max()} | {found.mean():.1f} | {rho:.3f} |"
+
+
+def strategies(case: Bench, prices: PairPrices, work: float) -> Iterator[str]:
+    """A row for every strategy."""
+    heat, thickness_mm = case.profile.heat, case.profile.material.thickness_mm
+    options = SolveOptions(work=work, home_mm=case.profile.machine.home, feeds=feeds_of(case.profile))
+    shortest = list(solve(case.facts, case.statements, options).route)
+    least_mm, first = case.idle_mm(shortest), case.overheats(shortest)
+
+    def row(name: str, overheats: float, idle_mm: float) -> str:
+        fewer = 1 - overheats / first if first else 0.0
+        shares = f"{fewer:.0%} | {idle_mm / least_mm:.2f}"
+        return f"| {case.name} | {name} | {overheats:.0f} | {idle_mm / 1000:.3f} | {shares} |"
+
+    yield row("shortest path", first, least_mm)
+    routes = [case.candidates(random_order(case.problem, seed)) for seed in RANDOM_SEEDS]
+    yield row(
+        f"random, mean of {len(routes)}",
+        float(np.mean([case.overheats(route) for route in routes])),
+        float(np.mean([case.idle_mm(route) for route in routes])),
+    )
+    route = case.candidates(realtime_order(case.problem, case.facts, heat, thickness_mm, case.paths))
+    yield row("Realtime", case.overheats(route), case.idle_mm(route))
+    for price_mm in PRICES_MM:
+        statements = (*case.statements, *prices.statements(case.facts.nest, price_mm))
+        route = list(solve(case.facts, statements, options).route)
+        yield row(f"ours, {price_mm:g} mm an overheat", case.overheats(route), case.idle_mm(route))
+
+
+def main() -> None:
+    """Print both tables."""
+    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("--limit", type=float, default=90.0, help="°C above which a point is an overheat")
+    arguments.add_argument("--orders", type=int, default=200, help="random orders that the correlation is over")
+    arguments.add_argument("--work", type=float, default=5.0, help="deterministic limit of a solve")
+    given = arguments.parse_args()
+    profile = plant(given.limit)
+    cases = [bench(name, nest, profile) for name, nest in nests()]
+    prices = [fitted(case) for case in cases]
+    print(f"{given.orders} random lawful orders, prices fitted to {ORDERS} others, limit {given.limit:g} °C\n")
+    print("| nest | contours | overheats | mean | rank correlation |\n|---|---:|---:|---:|---:|")
+    for case, of in zip(cases, prices, strict=True):
+        print(correlation(case, of, given.orders), flush=True)
+    print("\n| nest | strategy | overheats | idle travel, m | fewer overheats | idle travel, times |")
+    print("|---|---|---:|---:|---:|---:|")
+    for case, of in zip(cases, prices, strict=True):
+        for line in strategies(case, of, given.work):
+            print(line, flush=True)
+
+
+if __name__ == "__main__":
+    main()
