@@ -9,6 +9,7 @@ import click
 from ..encoder.errors import RulesConflict
 from ..encoder.facts.facts import Facts
 from ..rules.profile import Profile
+from ..rules.state import unread_files
 
 
 def tell_conflict(facts: Facts, profile: Profile, error: RulesConflict, picture: str | Path) -> int:
@@ -19,6 +20,8 @@ def tell_conflict(facts: Facts, profile: Profile, error: RulesConflict, picture:
     conflict = find_conflict(facts, profile)
     if conflict is None:
         click.echo(f"kerfwise: {error}", err=True)
+        for note in unread_files(profile):
+            click.echo(f"  note: {note}", err=True)
         return 1
     click.echo("kerfwise: " + "\n".join(conflict.lines()), err=True)
     if conflict.relax is not None:

@@ -29,5 +29,5 @@ def command(plan: str, contour: str, everything: bool, as_data: bool, **given: A
     made = read_plan(plan)
     facts = facts_of(asked.nest, asked.profile)
     state = state_relaxed if any(dropped.relaxed for dropped in made.dropped) else state_rules
-    told = explain(facts, asked.profile, state(facts, asked.profile), made, contour)
+    told = explain(facts, asked.profile, state(facts, asked.profile, reads_files=True), made, contour)
     click.echo(as_json(told) if as_data else as_text(told, everything))

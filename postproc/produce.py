@@ -65,7 +65,7 @@ def ask(facts: Facts, profile: Profile, relax: bool = False, engine: Engine = "c
     if relax:
         from ..models.conflict import state_relaxed
 
-        return Asked(facts, state_relaxed(facts, profile))
+        return Asked(facts, state_relaxed(facts, profile, reads_files=engine == "minizinc"))
     return Asked(facts, state_rules(facts, profile, reads_files=engine == "minizinc"))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -74,7 +74,7 @@ def state_rules(facts: Facts, profile: Profile, *, reads_files: bool = False) ->
     >>> stated.statements[0].about.sentence
     'P1.hole1 is cut before P1.outer: it lies inside it, and cutting P1.outer frees the metal it is in'
     """
-    _refuse_unknown(profile, reads_files)
+    refuse_unknown(profile, reads_files)
     statements, exempt = every_statement(facts, profile)
     resolved = resolve(statements, facts.n, {name: rule.gives_way for name, rule in profile.rulebook().items()})
     return replace(resolved, exempt=exempt)
@@ -106,7 +106,7 @@ def _excused(statement: Statement) -> Statement:
     return _softened(statement, EXEMPTION_MM)
 
 
-def _refuse_unknown(profile: Profile, reads_files: bool) -> None:
+def refuse_unknown(profile: Profile, reads_files: bool) -> None:
     """Say aloud what would otherwise be left out of the plan in silence."""
     files = [rule for rule in profile.own_rules if isinstance(rule, OwnFile) and rule.strength != "off"]
     if files and not reads_files:
@@ -114,6 +114,13 @@ def _refuse_unknown(profile: Profile, reads_files: bool) -> None:
         raise wrong_at(files[0].place, message)
     if profile.objective.heat:
         raise InputError("objective.heat: this version puts no price on heat; set it to 0", file=profile.file or None)
+
+
+def unread_files(profile: Profile) -> Iterator[str]:
+    """A note for each of the plant's own rule files, for answers that come of statements alone."""
+    for rule in profile.own_rules:
+        if isinstance(rule, OwnFile) and rule.strength != "off":
+            yield f"what own rule file {rule.file} asks is not considered here: only the engine minizinc reads it"
 
 
 def _objective(facts: Facts, profile: Profile) -> list[Statement]:

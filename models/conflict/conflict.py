@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from ...encoder.errors import RulesConflict
 from ...encoder.facts.facts import Facts
 from ...rules.profile import Profile
-from ...rules.state import DroppedStatement, Stated, every_statement, resolve
+from ...rules.state import DroppedStatement, Stated, every_statement, refuse_unknown, resolve, unread_files
 from ...rules.statements import About, Forbid, Precede, Statement
 from ..plan import RELAXED
-from .core import find_core
-from .group import hard_groups
+from ..timing.choose import feeds_of
+from .core import Core, find_core
+from .group import Group, hard_groups, moves_or_seconds, on_order
 from .order_model import NotAnswered
 from .relax import find_relaxation, soften
+from .whole import Engines, find_whole_core
 
 MOST = 20
 
@@ -41,8 +44,10 @@ class Conflict:
 
     def lines(self) -> Iterator[str]:
         """The conflict in a planner's words."""
-        yield "these hard rules cannot all hold" + (
-            "; without any one of them the others can:" if self.minimal else ":"
+        yield "these hard rules cannot all hold; " + (
+            "without any one of them the others can:"
+            if self.minimal
+            else "not all of them could be tried within the limit, so that some may have no part in it:"
         )
         yield from _listed(self.clash)
         yield from (f"  note: {note}" for note in self.notes)
@@ -62,12 +67,14 @@ class Conflict:
 def find_conflict(facts: Facts, profile: Profile) -> Conflict | None:
     """Why no plan of this nest can hold every hard rule of the profile; None if no contradiction is shown.
 
-    Looked for among statements on order and entries; what moves cross and cooling in seconds are left out.
+    Looked for among statements on order and entries first; where these can hold, among all, what moves cross and
+    seconds included, by the engines.
     """
     statements, _ = every_statement(facts, profile)
     hard = _asked(facts, profile, statements)
+    finder = _Finder(facts, profile)
     try:
-        core = find_core(facts, hard_groups(hard), _gives_way(profile))
+        core = finder.core(hard_groups(hard))
     except NotAnswered:
         return None
     if core is None:
@@ -75,14 +82,15 @@ def find_conflict(facts: Facts, profile: Profile) -> Conflict | None:
     clash = tuple(group.about for group in core.groups)
     stuck, relax = "", None
     try:
-        relax = _way_out(facts, profile, statements)
+        relax = _way_out(facts, profile, statements, finder)
     except RulesConflict as error:
         stuck = error.message
     forbidden = {s.candidate for group in core.groups for s in group.statements if isinstance(s, Forbid)}
-    return Conflict(clash, core.minimal, relax, stuck, tuple(_only_ways(facts, profile, forbidden)))
+    notes = (*_only_ways(facts, profile, forbidden), *unread_files(profile))
+    return Conflict(clash, core.minimal, relax, stuck, notes)
 
 
-def state_relaxed(facts: Facts, profile: Profile) -> Stated:
+def state_relaxed(facts: Facts, profile: Profile, *, reads_files: bool = False) -> Stated:
     """As `rules.state.state_rules`, but where hard rules contradict each other the cheapest way out is taken.
 
     What gives way costs more than any plan travels and is among `dropped`, each with a reason that begins with
@@ -90,11 +98,14 @@ def state_relaxed(facts: Facts, profile: Profile) -> Stated:
 
     Raises
     ------
+    InputError
+        As `rules.state.state_rules` does.
     RulesConflict
         If nothing that may give way helps, or nothing was found within the work allowed.
     """
+    refuse_unknown(profile, reads_files)
     statements, exempt = every_statement(facts, profile)
-    out = _way_out(facts, profile, statements)
+    out = _way_out(facts, profile, statements, _Finder(facts, profile, trusting=True))
     relaxed = set(out)
     resolved = resolve(soften(statements, relaxed), facts.n, _gives_way(profile))
     given_up = {s.about: s for s in statements if s.weight is None and s.about in relaxed}
@@ -102,14 +113,37 @@ def state_relaxed(facts: Facts, profile: Profile) -> Stated:
     return replace(resolved, dropped=(*resolved.dropped, *dropped), exempt=exempt)
 
 
-def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement]) -> tuple[About, ...]:
+class _Finder:
+    """Finds contradictions, with so much work of the engines in all.
+
+    With `trusting`, what the engines show nothing of counts as none: whoever solves will see.
+    """
+
+    def __init__(self, facts: Facts, profile: Profile, trusting: bool = False) -> None:
+        self.facts, self.gives_way, self.trusting = facts, _gives_way(profile), trusting
+        self.engines = Engines(facts, profile.machine.home, feeds_of(profile))
+
+    def core(self, groups: Sequence[Group]) -> Core | None:
+        """A contradiction, on order and entries alone where there is one; raises NotAnswered."""
+        found = find_core(self.facts, on_order(groups), self.gives_way)
+        if found is not None or not moves_or_seconds(groups):
+            return found
+        try:
+            return find_whole_core(self.engines, groups, self.gives_way)
+        except NotAnswered:
+            if self.trusting:
+                return None
+            raise
+
+
+def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement], finder: _Finder) -> tuple[About, ...]:
     """What must give way: first where even rules that give way do not help."""
     book = profile.rulebook()
     out: list[About] = []
     while True:
         left = soften(statements, out)
         try:
-            found = find_relaxation(facts, hard_groups(_asked(facts, profile, left)), book)
+            found = find_relaxation(hard_groups(_asked(facts, profile, left)), book, finder.core)
         except NotAnswered:
             raise RulesConflict("no way out was found within the limit (none is proven impossible)") from None
         if found is None:
@@ -145,7 +179,9 @@ def _only_ways(facts: Facts, profile: Profile, forbidden: set[int]) -> Iterator[
 def _listed(abouts: Sequence[About]) -> Iterator[str]:
     yield from (f"  - {about.rule}: {about.sentence}" for about in abouts[:MOST])
     if len(abouts) > MOST:
-        yield f"  … and {len(abouts) - MOST} more"
+        counts = Counter(about.rule for about in abouts)
+        each = ", ".join(f"{count} of {rule}" for rule, count in sorted(counts.items()))
+        yield f"  … and {len(abouts) - MOST} more; in all {each}"
 
 
 def _few(names: Sequence[str], most: int = 8) -> str:

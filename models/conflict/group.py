@@ -5,10 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from ...rules.statements import About, AtLeast, Before, Contiguous, Forbid, Lag, NoGood, Pick, Precede, Statement
+from ...rules.statements import (
+    About,
+    AtLeast,
+    Before,
+    Contiguous,
+    Crossing,
+    Forbid,
+    Lag,
+    NoGood,
+    Pick,
+    Precede,
+    Statement,
+)
 
-Asked = Precede | Forbid | AtLeast | Contiguous | Lag | NoGood
-"""Statements about order and entries. What moves cross, and seconds of cooling, are not judged here."""
+Asked = Precede | Forbid | AtLeast | Contiguous | Crossing | Lag | NoGood
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,12 +31,24 @@ class Group:
 
 
 def hard_groups(statements: Iterable[Statement]) -> tuple[Group, ...]:
-    """The hard statements on order and entries, grouped, in the order in which they are first met."""
+    """The hard statements, grouped, in the order in which they are first met."""
     found: dict[About, list[Asked]] = {}
     for s in statements:
         if isinstance(s, Asked) and s.weight is None:
             found.setdefault(s.about, []).append(s)
     return tuple(Group(about, tuple(members)) for about, members in found.items())
+
+
+def moves_or_seconds(groups: Iterable[Group]) -> bool:
+    """Whether any of them looks at single moves or at the clock: more than an order and its entries can tell."""
+    return any(
+        isinstance(s, Crossing) or (isinstance(s, Lag) and s.seconds > 0) for group in groups for s in group.statements
+    )
+
+
+def on_order(groups: Iterable[Group]) -> list[Group]:
+    """Those that say something of an order and its entries."""
+    return [group for group in groups if not all(isinstance(s, Crossing) for s in group.statements)]
 
 
 def contours_of(group: Group, contour_of: Sequence[int]) -> set[int]:

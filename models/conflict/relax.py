@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from ortools.sat.python.cp_model import OPTIMAL, CpModel
 
-from ...encoder.facts.facts import Facts
 from ...rules.rule import Rule
 from ...rules.statements import EXEMPTION_MM, About, Statement
-from .core import find_core
+from .core import Core
 from .group import Group
 from .order_model import NotAnswered, quiet_solver
 
@@ -22,7 +21,7 @@ LAST = "locks"
 RELAXED_MM = 2 * EXEMPTION_MM
 """What breaking a relaxed statement costs: more than anything a rule excuses by itself."""
 UNITS_A_MM = 1000
-MOST_ASKED = 40_000
+MOST_ASKED = 12_000
 """How many groups are asked about in all: each contradiction that is looked for asks about every group once."""
 
 
@@ -33,8 +32,12 @@ class Relaxation:
     groups: tuple[Group, ...]
 
 
-def find_relaxation(facts: Facts, groups: Sequence[Group], book: Mapping[str, Rule[Any]]) -> Relaxation | None:
+def find_relaxation(
+    groups: Sequence[Group], book: Mapping[str, Rule[Any]], core_of: Callable[[Sequence[Group]], Core | None]
+) -> Relaxation | None:
     """The groups of least total weight without which the others can hold; None if no rule that may be soft helps.
+
+    `core_of` finds a contradiction among groups, None where there is none.
 
     A group weighs what its rule's `default_weight` says; locks weigh more than everything else together. Found by
     implicit hitting sets (Davies and Bacchus 2011): contradictions are gathered, the lightest groups that hit each of
@@ -46,7 +49,6 @@ def find_relaxation(facts: Facts, groups: Sequence[Group], book: Mapping[str, Ru
         If no answer was found within the work allowed.
     """
     weights = _weights(groups, book)
-    gives_way = {name: rule.gives_way for name, rule in book.items()}
     clashes: list[list[int]] = []
     while True:
         out = _lightest(clashes, weights)
@@ -54,7 +56,7 @@ def find_relaxation(facts: Facts, groups: Sequence[Group], book: Mapping[str, Ru
         whole = True
         if len(clashes) * len(groups) > MOST_ASKED:
             raise NotAnswered
-        while (core := find_core(facts, [groups[k] for k in left], gives_way)) is not None:
+        while (core := core_of([groups[k] for k in left])) is not None:
             named = {group.about for group in core.groups}
             soft = [k for k in left if groups[k].about in named and weights[k] is not None]
             if not soft:

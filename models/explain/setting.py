@@ -13,7 +13,7 @@ from ...encoder.cut import Cut
 from ...encoder.errors import InputError
 from ...encoder.facts.facts import Facts
 from ...rules.profile import Profile
-from ...rules.state import Stated
+from ...rules.state import Stated, unread_files
 from ...rules.statements import Precede
 from ..conditions import Condition
 from ..evaluate import route_cost
@@ -73,6 +73,7 @@ def make_setting(facts: Facts, profile: Profile, stated: Stated, plan: Plan) -> 
     ):
         if stands.get("sha256") != now:
             notes.append(f"the {what} is not the one the plan was made with (its sha256 differs)")
+    notes += unread_files(profile)
     candidates = [_candidate_of(facts, problem, planned.cut, notes) for planned in plan.cuts]
     route = tuple(int(problem.candidate_site[c]) for c in candidates)
     conditions: dict[int, list[Condition]] = defaultdict(list)
