@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from ..encoder.errors import RulesConflict
+from ..models.baselines import STRATEGIES
 from ..models.engines import ENGINES, member_of
 from .given import given_options, read_given
 
@@ -30,6 +31,8 @@ from .given import given_options, read_given
 @click.option("--engine", type=click.Choice(list(ENGINES)), default="cp-sat", show_default=True,
               help="`kerfwise engines` says what each is.")  # fmt: skip
 @click.option("--solver", metavar="NAME", default="gecode", show_default=True, help="Solver of the engine minizinc.")
+@click.option("--strategy", type=click.Choice(list(STRATEGIES)), default="ours", show_default=True,
+              help="Others than ours are to compare with: they keep the hard rules, no soft ones.")  # fmt: skip
 @click.option("--relax", is_flag=True, help="Where hard rules clash, take the cheapest way out, marked in the plan.")
 @click.option("--conflict-picture", metavar="OUT.svg|.png", help="Where rules that clash are drawn: NEST.conflict.svg.")
 @click.option("-v", "--verbose", is_flag=True, help="Say which engines ran, which did not, and why.")
@@ -44,6 +47,7 @@ def command(
     no_improvement: float | None,
     engine: Any,
     solver: str,
+    strategy: Any,
     relax: bool,
     conflict_picture: str | None,
     verbose: bool,
@@ -72,7 +76,7 @@ def command(
     try:
         asked = ask(facts, profile, relax, engine)
         with listening() as ear:
-            made = produce(asked, profile, limits, ear, engine, solver)
+            made = produce(asked, profile, limits, ear, engine, solver, strategy)
     except RulesConflict as error:
         return tell_conflict(facts, profile, error, conflict_picture or f"{Path(options['nest']).stem}.conflict.svg")
     if verbose:

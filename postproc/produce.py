@@ -8,6 +8,7 @@ from ..encoder.candidates import build_candidates
 from ..encoder.facts import compute_facts
 from ..encoder.facts.facts import Facts
 from ..encoder.nest import Nest
+from ..models.baselines import Strategy
 from ..models.engines import Engine
 from ..models.make_plan import make_plan
 from ..models.plan import Plan
@@ -55,7 +56,8 @@ def facts_of(nest: Nest, profile: Profile) -> Facts:
 def ask(facts: Facts, profile: Profile, relax: bool = False, engine: Engine = "cp-sat") -> Asked:
     """What the rules state of the facts; `relax` lets the cheapest statements give way where they clash.
 
-    Rule files of the plant's own are read by the engine minizinc only.
+    Rule files of the plant's own are read by the engine minizinc only. Where the profile puts a price on overheats,
+    the nest is simulated many times over to find out which orders cause them.
 
     Raises
     ------
@@ -65,8 +67,14 @@ def ask(facts: Facts, profile: Profile, relax: bool = False, engine: Engine = "c
     if relax:
         from ..models.conflict import state_relaxed
 
-        return Asked(facts, state_relaxed(facts, profile, reads_files=engine == "minizinc"))
-    return Asked(facts, state_rules(facts, profile, reads_files=engine == "minizinc"))
+        stated = state_relaxed(facts, profile, reads_files=engine == "minizinc")
+    else:
+        stated = state_rules(facts, profile, reads_files=engine == "minizinc")
+    if profile.objective.heat:
+        from .heat_prices import with_heat_prices
+
+        stated = with_heat_prices(facts, profile, stated)
+    return Asked(facts, stated)
 
 
 def produce(
@@ -76,8 +84,9 @@ def produce(
     progress: Progress | None = None,
     engine: Engine = "cp-sat",
     solver: str = "gecode",
+    strategy: Strategy = "ours",
 ) -> Produced:
-    """Solve, write the program, and judge both.
+    """Solve, write the program, and judge both; a plain strategy may take the place of the engine, to compare with.
 
     Raises
     ------
@@ -86,7 +95,11 @@ def produce(
     """
     facts, stated = asked.facts, asked.stated
     refine = afterthoughts(facts, profile)
-    if engine == "minizinc":
+    if strategy != "ours":
+        from .strategies import solve_by
+
+        engine, solution = "cp-sat", solve_by(strategy, facts, profile, stated.statements, limits, progress)
+    elif engine == "minizinc":
         from ..models.minizinc import solve_minizinc
 
         solution = solve_minizinc(facts, profile, stated, limits, solver, refine)

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ..encoder.errors import InputError, RulesConflict
+from ..encoder.errors import RulesConflict
 from .cycles import Link, components, contracted, path
 from .feedback import Unbreakable, lightest_cut
 from .own import OwnFile
@@ -59,7 +59,7 @@ def state_rules(facts: Facts, profile: Profile, *, reads_files: bool = False) ->
     ------
     InputError
         If a lock names something that the nest does not have, or the profile asks for what nothing can state: an own
-        rule in a MiniZinc file where none is read, or a price on heat.
+        rule in a MiniZinc file where none is read.
     RulesConflict
         If orders that may not be dropped contradict each other; the reasons are their sentences.
 
@@ -112,8 +112,6 @@ def refuse_unknown(profile: Profile, reads_files: bool) -> None:
     if files and not reads_files:
         message = f"own_rules: only the MiniZinc engine reads {files[0].file}: solve with --engine minizinc"
         raise wrong_at(files[0].place, message)
-    if profile.objective.heat:
-        raise InputError("objective.heat: this version puts no price on heat; set it to 0", file=profile.file or None)
 
 
 def unread_files(profile: Profile) -> Iterator[str]:

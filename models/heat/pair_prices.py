@@ -22,7 +22,7 @@ from ...rules.statements import About, Precede
 
 Floats = NDArray[np.float64]
 
-ORDERS = 160
+ORDERS = 240
 """Random orders that the prices are fitted to."""
 PENALTIES = (1.0, 3.0, 10.0, 30.0, 100.0)
 FOLDS = 5

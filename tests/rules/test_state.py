@@ -202,8 +202,6 @@ def test_order_asked_for_by_a_firm_rule_stays() -> None:
 def test_profile_is_not_obeyed_in_part() -> None:
     with pytest.raises(InputError, match=r"own_rules: only the MiniZinc engine reads x\.mzn"):
         stated(PLATE, replace(plant(), own_rules=(OwnFile("x.mzn", "x"),)))
-    with pytest.raises(InputError, match="heat"):
-        stated(PLATE, replace(plant(), objective=Objective(heat=1.0)))
 
 
 def test_empty_nest_states_idle_travel_only() -> None:

@@ -1,0 +1,59 @@
+"""Plain strategies to compare the solver with: shortest path, random, Realtime (Verkhoturov et al.)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..encoder.facts.facts import Facts
+from ..models.baselines import Strategy
+from ..models.baselines.random_order import random_order
+from ..models.baselines.realtime import realtime_order
+from ..models.evaluate import route_cost
+from ..models.heat.route_path import RoutePaths
+from ..models.problem import UM_PER_MM, make_problem
+from ..models.solution import Progress, Solution, SolveOptions
+from ..models.solve import solve
+from ..models.timing.choose import feeds_of
+from ..rules.profile import Profile
+from ..rules.statements import EXEMPTION_MM, IdleTravel, Statement
+
+
+def solve_by(
+    strategy: Strategy,
+    facts: Facts,
+    profile: Profile,
+    statements: tuple[Statement, ...],
+    limits: SolveOptions,
+    progress: Progress | None = None,
+) -> Solution:
+    """A route by a plain strategy that keeps every hard statement; soft ones are not looked at.
+
+    Raises
+    ------
+    RulesConflict
+        If it finds none.
+    """
+    bare = tuple(s for s in statements if _binds(s))
+    if strategy == "shortest":
+        return solve(facts, bare, limits, progress)
+    problem = make_problem(facts, bare, limits.home_mm, limits.feeds)
+    if strategy == "random":
+        route: Sequence[int] = random_order(problem, limits.seed)
+    else:
+        feeds, material = feeds_of(profile), profile.material
+        paths = RoutePaths(facts, material.kerf_mm, feeds, limits.home_mm)
+        route = realtime_order(problem, facts, profile.heat, material.thickness_mm, paths)
+    return Solution(
+        route=tuple(problem.site_candidate[list(route)].tolist()),
+        objective=route_cost(problem, route) / UM_PER_MM,
+        bound=None,
+        status="feasible",
+        found_by=strategy,
+        proved_by="",
+        seconds=0.0,
+    )
+
+
+def _binds(statement: Statement) -> bool:
+    """Whether it is hard, or hard but for excuses, or the price of idle travel itself."""
+    return isinstance(statement, IdleTravel) or statement.weight is None or statement.weight >= EXEMPTION_MM
