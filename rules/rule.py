@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Generic, Literal, TypeVar
 
 from ..encoder.cut import CutSequence, Side
@@ -26,12 +26,17 @@ HEADINGS = ("What it does", "Why", "Wrong", "Right")
 
 @dataclass(frozen=True, slots=True)
 class Violation:
-    """A rule broken: the contour ids, a sentence, and the positions (from 1) of the cuts that break it."""
+    """A rule broken: the contour ids, a sentence, and the positions (from 1) of the cuts that break it.
+
+    Where it is the place of one contour among others that is wrong, `orders` are the pairs of ids (before, after) that
+    would have to be turned round.
+    """
 
     rule: str
     contours: tuple[str, ...]
     text: str
     cuts: tuple[int, ...] = ()
+    orders: tuple[Ids, ...] = field(default=(), compare=False)
 
 
 @dataclass(frozen=True, slots=True)

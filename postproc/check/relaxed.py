@@ -82,9 +82,9 @@ def _why(
         if set(contours) in runs and named - set(contours) and len(named & set(contours)) > 1:
             return WHY
     gone = {frozenset(contours) for contours in statements}
-    if len(named) == 1:
-        (name,) = named
-        return WHY if any(name in pair and frozenset(pair) in gone for pair in orders) else None
+    if len(named) == 1:  # such as the first of all: nothing but relaxed orders may have moved it
+        moved = violation.orders
+        return WHY if moved and all(frozenset(pair) in gone for pair in moved) else None
     return WHY if _no_longer_ordered(violation.contours, orders, gone) else None
 
 

@@ -110,19 +110,22 @@ class Locks(Rule[LocksOptions]):
         at = cuts.positions()
         found = []
         for lock in options.locks:
-            for ids, what in _broken(nest, cuts, lock, options.entry_tolerance_mm):
+            for ids, what, orders in _broken(nest, cuts, lock, options.entry_tolerance_mm):
                 positions = tuple(at[name] for name in ids)
-                found.append(Violation(self.id, ids, f"{what}: {lock.because}", positions))
+                found.append(Violation(self.id, ids, f"{what}: {lock.because}", positions, orders))
         return found
 
 
-def _broken(nest: Nest, cuts: CutSequence, lock: Lock, tolerance_mm: float) -> Iterator[tuple[tuple[str, ...], str]]:
-    """What a lock finds wrong: contour ids that are cut, and words."""
+def _broken(
+    nest: Nest, cuts: CutSequence, lock: Lock, tolerance_mm: float
+) -> Iterator[tuple[tuple[str, ...], str, tuple[Ids, ...]]]:
+    """What a lock finds wrong: contour ids that are cut, words, and the orders that are the wrong way round."""
     at = cuts.positions()
     if lock.part is not None:
         for contour in nest.part_of[lock.part]:
             if contour.id in at and (zone := cuts[at[contour.id] - 1].zone) not in (0, lock.zone):
-                yield (contour.id,), f"{contour.id} (cut {at[contour.id]}) is in zone {zone}, not in zone {lock.zone}"
+                text = f"{contour.id} (cut {at[contour.id]}) is in zone {zone}, not in zone {lock.zone}"
+                yield (contour.id,), text, ()
         return
     name = lock.contour or ""
     if name not in at:
@@ -130,13 +133,15 @@ def _broken(nest: Nest, cuts: CutSequence, lock: Lock, tolerance_mm: float) -> I
     k = at[name]
     cut = cuts[k - 1]
     if lock.before is not None and at.get(lock.before, k) < k:
-        yield (name, lock.before), f"{name} (cut {k}) must be cut before {lock.before} (cut {at[lock.before]})"
+        yield (name, lock.before), f"{name} (cut {k}) must be cut before {lock.before} (cut {at[lock.before]})", ()
     if lock.position is not None and k != _place(lock.position, len(cuts)):
-        yield (name,), f"{name} is cut {k} in order, not {lock.position}"
+        ahead = tuple((name, other.contour) for other in cuts[: k - 1]) if lock.position == "first" else ()
+        behind = tuple((other.contour, name) for other in cuts[k:]) if lock.position == "last" else ()
+        yield (name,), f"{name} is cut {k} in order, not {lock.position}", ahead + behind
     if lock.entry is not None and not _is_at(cut.entry, lock.entry, nest.contour(name), tolerance_mm):
-        yield (name,), f"{name} (cut {k}) is entered at {_spoken(cut.entry)}, not at {_spoken(lock.entry)}"
+        yield (name,), f"{name} (cut {k}) is entered at {_spoken(cut.entry)}, not at {_spoken(lock.entry)}", ()
     if lock.direction is not None and cut.direction != lock.direction:
-        yield (name,), f"{name} (cut {k}) is cut {cut.direction}, not {lock.direction}"
+        yield (name,), f"{name} (cut {k}) is cut {cut.direction}, not {lock.direction}", ()
 
 
 def _place(position: int | Literal["first", "last"], n: int) -> int:

@@ -5,10 +5,14 @@ from __future__ import annotations
 import dataclasses
 from functools import cache
 
+from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.solution import SolveOptions
 from kerfwise.models.timing.choose import feeds_of
 from kerfwise.postproc.check import check_program
+from kerfwise.postproc.check.judge import judge
+from kerfwise.postproc.check.relaxed import Relaxed
+from kerfwise.postproc.check.result import Judgement
 from kerfwise.postproc.checking import check_plan
 from kerfwise.postproc.produce import Produced, ask, facts_of, produce
 from kerfwise.rules.lock import Lock
@@ -16,6 +20,7 @@ from kerfwise.rules.profile import Profile
 from kerfwise.rules.sections import RuleSetting
 from kerfwise.tests.models.solved import plant
 from kerfwise.tests.nests import nest, part, rect
+from kerfwise.tests.rules.case import cut
 
 # Three long parts side by side, and three rows of three: the middle one is locked to be the last.
 LONG = nest(700, 400, *(part(name, rect(200, 110 + 50 * k, 300, 40)) for k, name in enumerate("ABC")))
@@ -80,3 +85,24 @@ def test_without_the_excuse_the_plan_is_refused() -> None:
         assert check_program(sheet, silent, profile).broken() == (rule,)
         other = produced.program.replace(f"(EXCUSED {rule} {name})", f"(EXCUSED {rule} A.outer)")
         assert check_program(sheet, other, profile).broken() == (rule,)
+
+
+def test_a_relaxed_order_excuses_no_other_lock_of_its_contour() -> None:
+    """B is locked to be first and to be cut clockwise; only that it comes before A was let go."""
+    locks = (Lock(contour="B.outer", position="first"), Lock(contour="B.outer", direction="cw"))
+    profile = plant(*locks)
+    cuts = {name: cut(LONG, f"{name}.outer") for name in "ABC"}
+    turned = dataclasses.replace(cuts["B"], direction="ccw")
+
+    def verdict(*order: Cut) -> Judgement:
+        relaxed = [Relaxed("locks", ("B.outer", "A.outer"))]
+        judged = judge(LONG, CutSequence(order, "bottom"), profile, relaxed)
+        return next(j for j in judged if j.id == "locks")
+
+    assert verdict(cuts["A"], cuts["B"], cuts["C"]).verdict == "excused"
+    assert [v.text for v in verdict(cuts["A"], turned, cuts["C"]).violations] == [
+        "B.outer (cut 2) is cut ccw, not cw: locked by the operator"
+    ]
+    assert [v.text for v in verdict(cuts["A"], cuts["C"], cuts["B"]).violations] == [
+        "B.outer is cut 3 in order, not first: locked by the operator"
+    ]

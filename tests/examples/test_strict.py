@@ -1,0 +1,34 @@
+"""The strict example profile: no island, no narrow strip, and every part held at the end of its cut, by geometry."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from kerfwise.encoder.readers import read_nest
+from kerfwise.models.solution import SolveOptions
+from kerfwise.models.timing.choose import feeds_of
+from kerfwise.postproc.produce import ask, facts_of, produce
+from kerfwise.rules.catalogue.part_rigidity import ALLOWANCE, PartRigidityOptions
+from kerfwise.rules.profile import load_profile
+from kerfwise.rules.rigidity import rigid_at_the_end
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+STIFF = ("no-islands", "no-narrow-strips", "part-rigidity")
+
+
+def test_a_plate_without_an_exception() -> None:
+    profile = load_profile(EXAMPLES / "profiles" / "strict.yaml")
+    sheet = read_nest(EXAMPLES / "nests" / "plate40.json", profile.read_options())
+    limits = SolveOptions(work=10.0, home_mm=profile.machine.home, feeds=feeds_of(profile))
+    made = produce(ask(facts_of(sheet, profile), profile), profile, limits)
+    settings, book = profile.settings(), profile.rulebook()
+    cuts = made.plan.sequence(profile.machine.home)
+    for rule in STIFF:
+        assert settings[rule].strength == "hard"
+        assert book[rule].violations(sheet, cuts, settings[rule].options) == []
+        assert made.verdict.rule(rule).verdict == "holds"
+    asked = settings["part-rigidity"].options
+    assert isinstance(asked, PartRigidityOptions)
+    shares = [share for _, share in rigid_at_the_end(sheet, cuts, asked.tail_share, asked.web_mm, asked.edge_band_mm)]
+    assert len(shares) == len(sheet.parts)
+    assert min(shares) >= asked.rigid_min - ALLOWANCE
