@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-HEATS = (1.0, 0.5, 2.0)
+HEATS = (1.0, 2.0, 0.5)
 SHORTEST = 1_000_000  # operations for an annealing, times n^1.5: what one contour asks for grows with their number
 
 

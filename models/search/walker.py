@@ -12,7 +12,7 @@ from .structs import for_kernels
 from .tables import Tables
 
 FIRST_DESCENT = 200_000  # operations a contour before the first annealing
-HOT, COLD = 1.0, 0.01  # temperatures, in typical rises of the cost
+HOT, COLD = 2.0, 0.02  # temperatures, in typical rises of the cost
 LIVELY = 0.02  # share of exchanges taken at the first temperature, on plain problems
 FALL = 25.0  # by what the temperature falls there
 LOOK = 200_000  # operations for a look at how many are taken
