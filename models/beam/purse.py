@@ -26,11 +26,22 @@ class Purse:
         """Deterministic seconds so far."""
         return self._operations / OPERATIONS_PER_S
 
-    def pay(self, operations: int, incumbent: Incumbent | None, bound: int | None) -> None:
+    @property
+    def share_spent(self) -> float:
+        """Share of the work, or of the time if that is more."""
+        share = self._operations / max(self._most, 1)
+        return share if self._time_s is None else max(share, self._passed_s / max(self._time_s, 1e-3))
+
+    def left(self, share: float) -> float:
+        """Operations that are a share of what is left."""
+        return share * max(0.0, 1.0 - self.share_spent) * self._most
+
+    def pay(self, operations: int, incumbent: Incumbent | None = None, bound: int | None = None) -> None:
         """Count, tell the listener, and raise `Empty` at a limit."""
         self._operations += operations
-        heard = self._progress is None or self._progress("beam", None if incumbent is None else incumbent.cost, bound)
-        if not heard or self._operations >= self._most or (self._time_s is not None and self._passed_s >= self._time_s):
+        cost = None if incumbent is None else incumbent.cost
+        heard = self._progress is None or self._progress("beam", cost, bound)
+        if not heard or self.share_spent >= 1.0:
             raise Empty
 
     def mark(self) -> tuple[int, float]:

@@ -6,17 +6,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from kerfwise.models.beam import applies, beam, grower, history, widening
-from kerfwise.models.beam.tables import Tables, make_tables
+from kerfwise.models.beam.bound import least_moves
+from kerfwise.models.beam.tables import Tables, make_tables, travel_table
+from kerfwise.models.beam.turned import can_turn, turned
+from kerfwise.models.beam.walks import priced_walks
+from kerfwise.models.crossings import Crossings
 from kerfwise.models.evaluate import broken, route_cost
 from kerfwise.models.ideals import prove
 from kerfwise.models.problem import Ints, Problem
 from kerfwise.models.solution import Incumbent
 from kerfwise.rules.statements import Lag
-from kerfwise.tests.models.brute import cheapest
+from kerfwise.tests.models.brute import cheapest, lawful
 from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered
 
 
@@ -25,7 +29,7 @@ def within_reach(drawn: Problem) -> Problem:
     return replace(drawn, general=(), lags=tuple(lag for lag in drawn.lags if lag.cuts <= 1 and not lag.seconds))
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(problems())
 def test_same_optimum_as_brute_force(drawn: Problem) -> None:
     tiny = within_reach(drawn)
@@ -41,7 +45,20 @@ def test_same_optimum_as_brute_force(drawn: Problem) -> None:
     assert route_cost(tiny, found.incumbent.route) == best.cost
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=100, deadline=None)
+@given(problems())
+def test_same_optimum_with_every_bound(drawn: Problem) -> None:
+    tiny = within_reach(drawn)
+    best = cheapest(tiny)
+    assume(best is not None)
+    assert best is not None
+    found = beam(tiny, Incumbent(best.route, best.cost + 1), first_width=widening.WORTH_PRICING)
+    assert found.proven
+    assert found.incumbent is not None
+    assert found.incumbent.cost == found.bound == best.cost
+
+
+@settings(max_examples=100, deadline=None)
 @given(problems(), st.integers(1, 4))
 def test_a_narrow_beam_claims_no_more_than_it_knows(drawn: Problem, width: int) -> None:
     tiny = within_reach(drawn)
@@ -167,3 +184,59 @@ def test_no_contours_at_all() -> None:
     found = beam(problem([]))
     assert found.proven
     assert found.incumbent == Incumbent((), 0)
+
+
+@settings(max_examples=100, deadline=None)
+@given(problems())
+def test_turned_round_the_routes_are_the_same_backwards(drawn: Problem) -> None:
+    tiny = replace(within_reach(drawn), crossings=Crossings())
+    other = turned(tiny)
+    assert can_turn(tiny)
+    back = {route[::-1]: route_cost(other, route) for route in lawful(other)}
+    assert back == {route: route_cost(tiny, route) for route in lawful(tiny)}
+
+
+@settings(max_examples=100, deadline=None)
+@given(problems())
+def test_walks_bound_the_best_route(drawn: Problem) -> None:
+    tiny = within_reach(drawn)
+    best = cheapest(tiny)
+    assume(best is not None)
+    assert best is not None
+    travel = travel_table(tiny)
+    walks = priced_walks(tiny, travel, least_moves(tiny, travel), best.cost, 50, lambda operations: None)
+    stops = [*best.route, tiny.m]
+    for at in range(1, tiny.n + 1):
+        left = [int(tiny.site_contour[s]) for s in best.route[at:]]
+        rest = int(travel[stops[at - 1 : -1], stops[at:]].sum()) + int(tiny.site_cost[list(best.route[at:])].sum())
+        home = walks.to_go[0, tiny.n, best.route[-1]] - travel[best.route[-1], tiny.m]  # what it crosses
+        assert walks.to_go[0, at, best.route[at - 1]] + walks.price[0, left].sum() <= rest + home + 1e-6
+
+
+def test_walks_are_dearer_than_least_moves() -> None:
+    plain = scattered(3, 12, 2, pairs=8)
+    best = beam(plain).bound
+    assert best is not None
+    travel = travel_table(plain)
+    simple = least_moves(plain, travel)
+    walks = priced_walks(plain, travel, simple, best, 300, lambda operations: None)
+    roots = [
+        float(
+            (bound.to_go[0, 1, :] - bound.price[0, plain.site_contour] + travel[-1, :-1]).min() + bound.price[0].sum()
+        )
+        for bound in (simple, walks)
+    ]
+    assert roots[0] < roots[1] <= best
+
+
+def test_both_bounds_and_both_ends_are_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = scattered(9, 20, 2, pairs=25)
+    monkeypatch.setattr(widening, "WORTH_PRICING", 1)
+    early = beam(plain)
+    monkeypatch.setattr(widening, "can_turn", lambda _: False)
+    monkeypatch.setattr(widening, "WORTH_PRICING", 10**9)
+    late = beam(plain)
+    assert early.proven
+    assert late.proven
+    assert early.bound == late.bound
+    assert early.width < late.width
