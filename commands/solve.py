@@ -33,6 +33,10 @@ from .given import given_options, read_given
 @click.option("--solver", metavar="NAME", default="gecode", show_default=True, help="Solver of the engine minizinc.")
 @click.option("--strategy", type=click.Choice(list(STRATEGIES)), default="ours", show_default=True,
               help="Others than ours are to compare with: they keep the hard rules, no soft ones.")  # fmt: skip
+@click.option(
+    "--lock-from", metavar="PLAN.json", help="Keep the first cuts of an old plan as they are, for they are cut."
+)
+@click.option("--upto", type=click.IntRange(min=1), metavar="N", help="How many of them; with --lock-from.")
 @click.option("--relax", is_flag=True, help="Where hard rules clash, take the cheapest way out, marked in the plan.")
 @click.option("--conflict-picture", metavar="OUT.svg|.png", help="Where rules that clash are drawn: NEST.conflict.svg.")
 @click.option("-v", "--verbose", is_flag=True, help="Say which engines ran, which did not, and why.")
@@ -48,6 +52,8 @@ def command(
     engine: Any,
     solver: str,
     strategy: Any,
+    lock_from: str | None,
+    upto: int | None,
     relax: bool,
     conflict_picture: str | None,
     verbose: bool,
@@ -60,6 +66,7 @@ def command(
     from ..postproc.produce import ask, facts_of, produce
     from ..postproc.report import draw
     from .conflict import tell_conflict
+    from .kept import keeping
     from .progress import listening
     from .summary import summary
 
@@ -68,7 +75,7 @@ def command(
         output, plan_path, picture = f"{stem}.nc", f"{stem}.plan.json", f"{stem}.svg"
     expect_folders(Path(name) for name in (output, plan_path, picture) if name)
     given = read_given(**options)
-    nest, profile = given.nest, given.profile
+    nest, profile = given.nest, keeping(given.profile, lock_from, upto)
     limits = SolveOptions(
         seed, work, time_limit, profile.machine.home, feeds_of(profile), gap, no_improvement, member_of(engine)
     )

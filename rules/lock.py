@@ -43,7 +43,7 @@ class Position(Kind):
 class Lock:
     """One entry of a profile's `locks`: what it is about (a contour, or a part), and what is decided of it.
 
-    `place` is where the profile says so.
+    `place` is where the profile says so, `reason` why it is locked, for one that stands in no profile.
     """
 
     contour: str | None = field(default=None, metadata=option(Text(), "id of the contour that is locked"))
@@ -61,6 +61,7 @@ class Lock:
     )
     zone: int | None = field(default=None, metadata=option(Number(1, whole=True), "zone of the part"))
     place: Place | None = field(default=None, compare=False)
+    reason: str = field(default="", compare=False)
 
     def wrong(self) -> str | None:
         """What is wrong with the lock by itself, None for a good one."""
@@ -78,7 +79,7 @@ class Lock:
     @property
     def because(self) -> str:
         """The reason that sentences give."""
-        return "locked by the operator" + (f" ({self.place})" if self.place else "")
+        return self.reason or "locked by the operator" + (f" ({self.place})" if self.place else "")
 
 
 def check_locks(locks: tuple[Lock, ...], nest: Nest) -> None:
