@@ -11,7 +11,6 @@ from scipy.spatial import KDTree
 from ..closure import immediate
 from ..problem import Problem
 from .legs import Legs
-from .lists import flatten
 
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
@@ -43,10 +42,11 @@ def make_orders(problem: Problem, legs: Legs) -> Orders:
     """The orders of a problem."""
     n = problem.n
     direct = immediate(problem.before)
-    covers_first, covers = flatten([np.flatnonzero(direct[:, j]).tolist() for j in range(n)])
-    covered_first, covered = flatten([np.flatnonzero(direct[i]).tolist() for i in range(n)])
+    sooner, later = np.nonzero(direct)
     _, block = np.unique(problem.block, return_inverse=True)
-    block_first, in_block = flatten([np.flatnonzero(block == b).tolist() for b in range(block.max(initial=-1) + 1)])
+    covers_first, covers = _grouped(later, sooner, n)
+    covered_first, covered = _grouped(sooner, later, n)
+    block_first, in_block = _grouped(block, np.arange(n), int(block.max(initial=-1)) + 1)
     may_follow = ~problem.before.T & (~problem.before | direct)
     np.fill_diagonal(may_follow, False)
     return Orders(
@@ -61,6 +61,12 @@ def make_orders(problem: Problem, legs: Legs) -> Orders:
         near=_nearest(legs, may_follow, forward=True),
         near_in=_nearest(legs, may_follow.T, forward=False),
     )
+
+
+def _grouped(key: Ints, value: Ints, groups: int) -> tuple[Ints, Ints]:
+    """The values with key 0, then those with key 1 …, in the order given: `first` and `flat` (see `lists`)."""
+    by = np.argsort(key, kind="stable")
+    return np.searchsorted(key[by], np.arange(groups + 1)).astype(np.int64), value[by].astype(np.int64)
 
 
 def _nearest(legs: Legs, allowed: Bools, forward: bool) -> Ints:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from functools import partial
 
 import numpy as np
@@ -20,6 +20,8 @@ from .walker import Walker
 WORK_PER_S = 450_000_000  # elementary operations that a second of work stands for
 CHUNK = 20_000_000  # operations between two looks at the clock and at whether to stop
 WALKERS = 2
+FIRST = 0.25  # share of the first run that may go into the descent from the first route, and
+FIRST_DESCENT = 200_000  # the most operations a contour
 
 
 class Searcher:
@@ -71,29 +73,46 @@ class Searcher:
         """
         if self._problem.n == 0:
             return True
+        try:
+            with ThreadPoolExecutor(WALKERS) as pool:
+                return self._run(pool, max(1, int(work * WORK_PER_S)), time_s, progress)
+        except KeyboardInterrupt:
+            return False
+
+    def _run(self, pool: Executor, budget: int, time_s: float | None, progress: Progress | None) -> bool:
+        """See `run`; `budget` is in operations."""
         started_s, spent = time.monotonic(), 0
-        budget = max(1, int(work * WORK_PER_S))
         likely = budget if time_s is None else max(1, min(budget, int(time_s * WORK_PER_S)))
         schedule = Schedule.of(self._problem.n, likely)
-        with ThreadPoolExecutor(WALKERS) as pool:
-            try:
-                if not self._walkers[0].ready:
-                    list(pool.map(partial(Walker.begin, most=likely // 4), self._walkers))
-                    spent = self._walkers[0].work
-                while spent < budget:
-                    if progress is not None and not progress("search", self._best_cost(), None):
-                        return False
-                    pace = 1 / likely  # share of the whole that an operation takes
-                    if time_s is not None and spent > 0:
-                        pace = max(1 / budget, (time.monotonic() - started_s) / time_s / spent)
-                    if (done := pace * spent) >= 1.0:
-                        break
-                    chunk = min(CHUNK, budget - spent)
-                    part = schedule.part(done, done + pace * chunk)
-                    list(pool.map(partial(Walker.anneal, chunk=chunk, part=part), self._walkers))
-                    spent += chunk
-            except KeyboardInterrupt:
+        if not self._walkers[0].ready:
+            end_s = None if time_s is None else started_s + FIRST * time_s
+            if not self._begin(pool, int(FIRST * likely), end_s, progress):
                 return False
+            spent = self._walkers[0].work
+        while spent < budget:
+            if progress is not None and not progress("search", self._best_cost(), None):
+                return False
+            pace = 1 / likely  # share of the whole that an operation takes
+            if time_s is not None and spent > 0:
+                pace = max(1 / budget, (time.monotonic() - started_s) / max(time_s, 1e-9) / spent)
+            if (done := pace * spent) >= 1.0:
+                break
+            chunk = min(CHUNK, budget - spent)
+            part = schedule.part(done, done + pace * chunk)
+            list(pool.map(partial(Walker.anneal, chunk=chunk, part=part), self._walkers))
+            spent += chunk
+        return True
+
+    def _begin(self, pool: Executor, most: int, end_s: float | None, progress: Progress | None) -> bool:
+        """First routes, improved without going uphill; answers as `run` does."""
+        list(pool.map(Walker.start, self._walkers))
+        left = min(most, FIRST_DESCENT * self._problem.n)
+        while left > 0 and (end_s is None or time.monotonic() < end_s):
+            if progress is not None and not progress("search", self._best_cost(), None):
+                return False
+            list(pool.map(partial(Walker.descend, chunk=min(CHUNK, left)), self._walkers))
+            left -= CHUNK
+        list(pool.map(partial(Walker.measure, most=most), self._walkers))
         return True
 
     def stand_on(self, route: Sequence[int]) -> None:

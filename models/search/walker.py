@@ -11,7 +11,6 @@ from .state import BEST, CLIMBS, COST, LENGTH, PRICE, TRADED, TRADES, WORK, new_
 from .structs import for_kernels
 from .tables import Tables
 
-FIRST_DESCENT = 200_000  # operations a contour before the first annealing
 HOT, COLD = 2.0, 0.02  # temperatures, in typical rises of the cost
 LIVELY = 0.02  # share of exchanges taken at the first temperature, on plain problems
 FALL = 25.0  # by what the temperature falls there
@@ -53,21 +52,27 @@ class Walker:
 
     @property
     def ready(self) -> bool:
-        """Whether it has begun."""
+        """Whether its temperatures are known."""
         return self._hot > 0.0
 
-    def begin(self, most: int) -> None:
-        """Make a first route, improve it without going uphill for at most `most` operations, and look at its costs."""
-        number, n = self.arrays.number, self._fields.legs.n
+    def start(self) -> None:
+        """Make a first route, unless it stands on one."""
+        number = self.arrays.number
         if number[LENGTH] == 0:
             walk(self._tables, self._state, MAKE_ROUTE, 0, 1.0, 1.0)
-        number[PRICE] = 1 + 10 * int(number[COST]) // n
-        self._go(min(most, FIRST_DESCENT * n), 1.0, 1.0)
+        number[PRICE] = 1 + 10 * int(number[COST]) // self._fields.legs.n
+
+    def descend(self, chunk: int) -> None:
+        """Walk on for `chunk` operations without going uphill."""
+        self._go(chunk, 1.0, 1.0)
+
+    def measure(self, most: int) -> None:
+        """Choose the temperatures, by the rises of the cost so far or in at most about `most` operations."""
         if self._fields.arcs.plain:
-            self._hot = self._lively(most // LOOKS)
+            self._hot = self._lively(max(1, min(LOOK, most // LOOKS)))
             self._cold = self._hot / FALL
             return
-        rises = self.arrays.climb[: number[CLIMBS]]
+        rises = self.arrays.climb[: self.arrays.number[CLIMBS]]
         rise = max(1.0, float(np.median(rises))) if len(rises) else 1.0
         self._hot, self._cold = HOT * rise, COLD * rise
 
@@ -86,14 +91,14 @@ class Walker:
     def _go(self, chunk: int, hot: float, cold: float) -> None:
         walk(self._tables, self._state, GO_ON, self.work + chunk, hot, cold)
 
-    def _lively(self, most: int) -> float:
-        """The temperature at which so many exchanges that change the cost are taken as should be at first."""
+    def _lively(self, look: int) -> float:
+        """The temperature at which `LIVELY` of the exchanges are taken and change the cost, by looks of that length."""
         number, arcs = self.arrays.number, self._fields.arcs
         near = np.take_along_axis(arcs.cost, arcs.near, axis=1)
         temperature = 1.0 + 4.0 * float(np.median(near))
         for _ in range(LOOKS):
             tried, taken = int(number[TRADES]), int(number[TRADED])
-            self._go(min(most, LOOK), temperature, temperature)
+            self._go(look, temperature, temperature)
             if number[TRADED] - taken < LIVELY * (number[TRADES] - tried):
                 break
             temperature /= STEP
