@@ -36,7 +36,7 @@ def command(
     as_json: bool,
     **given: Any,
 ) -> int:
-    """Plan NEST at several prices of an overheat, simulate every plan, and say which of them no other beats."""
+    """Plan NEST at several prices of an overheat, simulate every plan, and say which of them are worth a choice."""
     if output and Path(output).suffix.lower() != ".png":
         raise InputError(f"cannot plot as {Path(output).suffix or output!r}: give a name ending in .png")
     from ..models.solution import SolveOptions
@@ -81,7 +81,7 @@ def _row(trade: Trade, on_front: bool) -> dict[str, Any]:
 def _table(rows: list[dict[str, Any]], limit_c: float) -> str:
     lines = [f"{'price, mm':>10} {f'over {limit_c:g} °C':>14} {'peak, °C':>9} {'idle, m':>9} {'time, s':>9}"]
     for row in rows:
-        mark = "" if row["front"] else "   beaten by another"
+        mark = "" if row["front"] else "   no better than another"
         mark += "" if row["lawful"] else "   the check refuses it"
         lines.append(
             f"{row['price_mm']:10g} {row['overheats']:14d} {row['peak_c']:9.1f} {row['idle_mm'] / 1000:9.3f} "

@@ -21,10 +21,13 @@ def front_png(trades: Sequence[Trade], limit_c: float) -> bytes:
     axes.plot([t.idle_mm / 1000 for t in best], [t.overheats for t in best], color="#c8442c", marker="o", label="front")
     others = [t for t in trades if t not in best]
     if others:
-        axes.scatter([t.idle_mm / 1000 for t in others], [t.overheats for t in others], color="grey", label="beaten")
+        places = [t.idle_mm / 1000 for t in others], [t.overheats for t in others]
+        axes.scatter(*places, color="grey", zorder=1, label="no better")
+    prices: dict[tuple[float, int], list[str]] = {}
     for trade in trades:
-        place = (trade.idle_mm / 1000, trade.overheats)
-        axes.annotate(f"{trade.price_mm:g} mm", place, xytext=(5, 5), textcoords="offset points", fontsize=8)
+        prices.setdefault((trade.idle_mm / 1000, trade.overheats), []).append(f"{trade.price_mm:g}")
+    for place, told in prices.items():
+        axes.annotate(f"{', '.join(told)} mm", place, xytext=(5, 5), textcoords="offset points", fontsize=8)
     axes.set_xlabel("idle travel, m")
     axes.set_ylabel(f"points over {limit_c:g} °C")
     axes.set_title("what an overheat costs, and what that buys", fontsize=10, loc="left")
