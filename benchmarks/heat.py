@@ -28,6 +28,7 @@ from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.models.baselines.random_order import random_order
 from kerfwise.models.baselines.realtime import realtime_order
 from kerfwise.models.heat import simulate
+from kerfwise.models.heat.grid import Grid, make_grid
 from kerfwise.models.heat.pair_prices import ORDERS, PairPrices, fit_pair_prices
 from kerfwise.models.heat.route_path import RoutePaths
 from kerfwise.models.problem import Problem, make_problem
@@ -57,11 +58,12 @@ class Bench:
     statements: tuple[Statement, ...]
     problem: Problem
     paths: RoutePaths
+    grid: Grid
 
     def overheats(self, route: Sequence[int]) -> int:
         """By simulation of a route of candidates."""
         heat, thickness_mm = self.profile.heat, self.profile.material.thickness_mm
-        return simulate(self.facts.nest, self.paths.of(route), heat, thickness_mm).overheats
+        return simulate(self.facts.nest, self.paths.of(route), heat, thickness_mm, grid=self.grid).overheats
 
     def candidates(self, sites: Sequence[int]) -> list[int]:
         """The candidates that sites of the problem stand for."""
@@ -103,7 +105,7 @@ def bench(name: str, nest: Nest, profile: Profile) -> Bench:
     statements = state_rules(facts, profile).statements
     problem = make_problem(facts, statements, profile.machine.home, feeds)
     paths = RoutePaths(facts, profile.material.kerf_mm, feeds, profile.machine.home)
-    return Bench(name, profile, facts, statements, problem, paths)
+    return Bench(name, profile, facts, statements, problem, paths, make_grid(nest, profile.heat.grid_mm))
 
 
 def fitted(case: Bench) -> PairPrices:

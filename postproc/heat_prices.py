@@ -7,6 +7,7 @@ from dataclasses import replace
 from ..encoder.facts.facts import Facts
 from ..models.baselines.random_order import random_order
 from ..models.heat import simulate
+from ..models.heat.grid import make_grid
 from ..models.heat.pair_prices import ORDERS, PairPrices, fit_pair_prices
 from ..models.heat.route_path import RoutePaths
 from ..models.problem import make_problem
@@ -29,10 +30,13 @@ def pair_prices(facts: Facts, profile: Profile, stated: Stated) -> PairPrices:
     paths = RoutePaths(facts, profile.material.kerf_mm, feeds, machine.home)
     routes = [random_order(problem, seed, first_entry=True) for seed in range(ORDERS)]
     timed = [paths.of(problem.site_candidate[list(route)].tolist()) for route in routes]
+    grid = make_grid(facts.nest, heat.grid_mm)
     orders = [problem.site_contour[list(route)].tolist() for route in routes]
-    return fit_pair_prices(
-        facts.nest, heat, orders, lambda k: simulate(facts.nest, timed[k], heat, thickness_mm).overheats
-    )
+
+    def overheats(k: int) -> int:
+        return simulate(facts.nest, timed[k], heat, thickness_mm, grid=grid).overheats
+
+    return fit_pair_prices(facts.nest, heat, orders, overheats)
 
 
 def with_heat_prices(facts: Facts, profile: Profile, stated: Stated) -> Stated:

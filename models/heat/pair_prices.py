@@ -73,7 +73,7 @@ def fit_pair_prices(
 ) -> PairPrices:
     """Prices that explain the overheats of these orders (contour numbers) best.
 
-    `overheats` simulates the order of that number; several are asked for at once.
+    `overheats` simulates the order of that number; several are asked for at once, by threads.
     """
     first, second = near_pairs(nest, heat)
     with ThreadPoolExecutor() as pool:

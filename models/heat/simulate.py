@@ -17,7 +17,12 @@ LEAST_BAND_STEPS = 1.5
 
 
 def simulate(
-    nest: Nest, path: TimedPath, heat: Heat, thickness_mm: float, look: tuple[float, Look] | None = None
+    nest: Nest,
+    path: TimedPath,
+    heat: Heat,
+    thickness_mm: float,
+    look: tuple[float, Look] | None = None,
+    grid: Grid | None = None,
 ) -> HeatResult:
     """Simulate a program and count what gets too hot.
 
@@ -34,13 +39,16 @@ def simulate(
     look
         Seconds and a function: it is called with the time and the temperatures (nx, ny), °C, whenever so many seconds
         have passed.
+    grid
+        That of `make_grid`, where several programs of one nest are simulated: it is made once then, and may be shared
+        by threads.
 
     Raises
     ------
     InputError
         If the grid is too fine for the sheet, or the logical scheme would not be stable.
     """
-    grid = make_grid(nest, heat.grid_mm)
+    grid = make_grid(nest, heat.grid_mm) if grid is None else grid
     runner = run_logical if heat.model == "logical" else run_physical
     run = runner(grid, path, heat, thickness_mm, look)
     return made_result(heat.model, nest, grid, heat, run, kerf_band(grid, path, heat))
