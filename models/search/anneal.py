@@ -12,7 +12,7 @@ from .greedy import nearest_first
 from .literals import lean_on_sites
 from .price import span_price
 from .recreate import recreate
-from .rewire import rewire
+from .rewire import PER_TRIAL, rewire
 from .ruin import ruin
 from .sites import choose_sites, refresh_sites
 from .state import BEST, BROKEN, CLIMBS, COST, LAWLESS, LENGTH, PRICE, START, TAKEN, TRIES, WORK, State
@@ -21,7 +21,7 @@ from .tables import Tables
 Ints = NDArray[np.int64]
 
 DEAREST = 1 << 40  # the most that a broken statement counts, µm
-BATCH = 8  # exchanges a contour between two ruins, where they are quick
+EXCHANGES = 4  # work on exchanges for one of ruins, where they are quick
 MOST = 12  # contours taken out at once
 SWAPS = 0.9  # share of swaps among the moves tried: they are much cheaper than to ruin and recreate
 GO_ON, MAKE_ROUTE, TAKE_ROUTE = 0, 1, 2  # what to do before a walk
@@ -45,8 +45,9 @@ def walk(tables: Tables, state: State, first: int, until: int, hot: float, cold:
         temperature = hot * (cold / hot) ** done
         limit = -temperature * np.log(1.0 - share(state.random))
         if tables.arcs.plain > 0:
-            rewire(tables, state, temperature, BATCH * tables.legs.n)
+            before = state.number[WORK]
             _settle(tables, state, _shuffle(tables, state), limit)
+            rewire(tables, state, temperature, EXCHANGES * (state.number[WORK] - before) // PER_TRIAL)
         elif share(state.random) < SWAPS:
             state.number[WORK] += 60
             if swap_towards(tables, state, limit):

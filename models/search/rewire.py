@@ -41,7 +41,7 @@ def rewire(tables: Tables, state: State, temperature: float, trials: int) -> Non
                 best = cost
                 for p in range(tables.legs.n):
                     state.best[p] = state.line[p + 1]
-    state.number[WORK] += PER_TRIAL * trials
+    state.number[WORK] += PER_TRIAL * trials + taken * tables.legs.n // 2
     state.number[TRADES] += trials
     state.number[TRADED] += taken
     state.number[BEST] = best

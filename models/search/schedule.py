@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-HEATS = (1.0, 2.0, 0.5)
+HEATS = (2.0, 4.0, 1.0)
+COOL = 2  # where to begin in them if time is short: less is lost by not going uphill
 SHORTEST = 1_000_000  # operations for an annealing, times n^1.5: what one contour asks for grows with their number
 
 
@@ -25,24 +26,27 @@ class Part:
 class Schedule:
     """`stages` annealings; the last takes half of all, the one before it a quarter, the first two the same.
 
+    `turn` is the number for the heat of the last one.
+
     Examples
     --------
-    >>> Schedule(3).part(0.25, 0.375)
+    >>> Schedule(3, 0).part(0.25, 0.375)
     Part(done=0.0, ahead=0.5, turn=1)
     """
 
     stages: int
+    turn: int
 
     @classmethod
     def of(cls, n: int, operations: int) -> Schedule:
         """As many as there is time for, for n contours."""
-        return cls(max(1, int(operations / (SHORTEST * n**1.5)).bit_length()))
+        stages = int(operations / (SHORTEST * n**1.5)).bit_length()
+        return cls(max(1, stages), 0 if stages else COOL)
 
     def part(self, done: float, ahead: float) -> Part:
         """What to do between two shares of the whole."""
         bounds = [0.0, *(2.0**-k for k in range(self.stages - 1, -1, -1))]
         stage = sum(done >= bound for bound in bounds[1:])
         start, stop = bounds[stage], bounds[stage + 1]
-        return Part(
-            (done - start) / (stop - start), min(1.0, (ahead - start) / (stop - start)), self.stages - 1 - stage
-        )
+        whole, turn = stop - start, self.turn + self.stages - 1 - stage
+        return Part((done - start) / whole, min(1.0, (ahead - start) / whole), turn)

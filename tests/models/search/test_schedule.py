@@ -1,0 +1,31 @@
+"""Annealings: how many there is time for, and what part of which is due when."""
+
+import pytest
+
+from kerfwise.models.search.schedule import COOL, SHORTEST, Part, Schedule
+
+
+@pytest.mark.parametrize(("times", "stages"), [(0.5, 1), (1.0, 1), (2.0, 2), (3.9, 2), (4.0, 3), (9.0, 4)])
+def test_as_many_as_there_is_time_for(times: float, stages: int) -> None:
+    assert Schedule.of(100, int(times * SHORTEST * 1000)).stages == stages
+
+
+def test_it_begins_cooler_where_time_is_short() -> None:
+    assert Schedule.of(100, 1) == Schedule(1, COOL)
+    assert Schedule(1, COOL).part(0.0, 1.0).heat(0) < Schedule(1, 0).part(0.0, 1.0).heat(0)
+
+
+def test_the_last_takes_half_and_the_first_two_the_same() -> None:
+    schedule = Schedule(3, 0)
+    begins = [k / 100 for k in range(100) if schedule.part(k / 100, k / 100).done == 0.0]
+    assert begins == [0.0, 0.25, 0.5]
+    assert [schedule.part(at, at).turn for at in begins] == [2, 1, 0]
+
+
+def test_a_part_ends_with_its_annealing() -> None:
+    assert Schedule(2, 0).part(0.25, 0.75) == Part(0.5, 1.0, 1)
+
+
+def test_walkers_differ_in_heat() -> None:
+    part = Schedule(1, 0).part(0.0, 0.1)
+    assert part.heat(0) != part.heat(1)
