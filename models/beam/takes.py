@@ -7,8 +7,8 @@ import numpy as np
 from ..problem import Problem
 from .tables import NEVER
 
-MOST_SITES = 6000
-"""More would make the table of moves larger than 150 MB."""
+MOST_SITES = 4000
+"""More would make the tables of moves, from both ends, larger than 400 MB."""
 
 
 def applies(problem: Problem) -> bool:
