@@ -6,6 +6,7 @@ What moves cross, and seconds, are not asked here (`whole` asks them): a clash f
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -38,6 +39,9 @@ class OrderModel:
             return False
         if (i, j) not in self.order:
             literal = self.model.new_bool_var("")
+            if not (i in self.position and j in self.position):
+                self.order[i, j], self.order[j, i] = literal, literal.negated()
+                return literal
             self.model.add(self.position[i] < self.position[j]).only_enforce_if(literal)
             self.model.add(self.position[j] < self.position[i]).only_enforce_if(literal.negated())
             self.order[i, j], self.order[j, i] = literal, literal.negated()
@@ -57,6 +61,9 @@ def build(facts: Facts, groups: Sequence[Group]) -> OrderModel:
     contour_of = [c.contour for c in facts.candidates]
     mentioned = sorted({k for group in groups for k in contours_of(group, contour_of)})
     lags = any(isinstance(s, Lag) for group in groups for s in group.statements)
+    if not lags:
+        loose = _loose(groups)
+        mentioned = [k for k in mentioned if k not in loose]
     places = facts.n if lags else len(mentioned)
     built = OrderModel(facts)
     built.position.update((k, built.model.new_int_var(0, places - 1, "")) for k in mentioned)
@@ -67,6 +74,27 @@ def build(facts: Facts, groups: Sequence[Group]) -> OrderModel:
         for statement in group.statements:
             _ask(built, statement, holds)
     return built
+
+
+def _loose(groups: Sequence[Group]) -> set[int]:
+    """Contours only asked to come before or after one other: first or last of all, they are in no one's way."""
+    partners: dict[int, set[int]] = defaultdict(set)
+    firm: set[int] = set()
+    for s in (s for group in groups for s in group.statements):
+        match s:
+            case AtLeast():
+                for literal in s.literals:
+                    if isinstance(literal, Before):
+                        partners[literal.i].add(literal.j)
+                        partners[literal.j].add(literal.i)
+            case Precede(i, j) | Lag(i, j):
+                firm |= {i, j}
+            case Contiguous(contours):
+                firm |= set(contours)
+            case NoGood(out, left):
+                firm |= out | left
+    loose = {k for k, of in partners.items() if k not in firm and len(of) == 1 and k not in of}
+    return {k for k in loose if not partners[k] & loose}
 
 
 def _ask(built: OrderModel, statement: Asked, holds: IntVar) -> None:

@@ -22,7 +22,7 @@ from .order_model import NotAnswered
 
 QUESTION = 3.0
 """Work, as `SolveOptions` counts it, for one question; past it the question counts as not answered."""
-ALL_QUESTIONS = 90.0
+ALL_QUESTIONS = 45.0
 """Work for all questions together; past it a contradiction is told as far as it has been shrunk."""
 
 
