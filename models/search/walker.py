@@ -12,7 +12,7 @@ from .structs import for_kernels
 from .tables import Tables
 
 HOT, COLD = 1.0, 0.01  # temperatures, in typical rises of the cost
-LIVELY = 0.006  # share of exchanges taken at the first temperature, on plain problems
+LIVELY = 0.01  # share of exchanges taken at the first temperature, on plain problems
 FALL = 25.0  # by what the temperature falls there
 LOOK = 200_000  # operations for a look at how many are taken
 LOOKS = 40
