@@ -11,6 +11,7 @@ from numba import get_num_threads, set_num_threads
 from .crossed import Crossed
 from .kernels import successors, sweep
 from .local import Floats, Ints, Local, Masks
+from .prune import Pruner
 
 THREADS = get_num_threads()
 WORTH_SHARING = 3e6
@@ -50,13 +51,21 @@ class Layer:
 
 
 def sweep_layers(
-    local: Local, travel: Floats, crossed: Crossed, entrance: Floats, limit: float, rest: Floats, budget: Budget
+    local: Local,
+    travel: Floats,
+    crossed: Crossed,
+    entrance: Floats,
+    limit: float,
+    rest: Floats,
+    pruner: Pruner | None,
+    budget: Budget,
 ) -> list[Layer]:
     """All layers of a stretch, the first the empty set with the values at its entrance.
 
     `travel` has a row for every way in and then for every site, a column for every site; `entrance` the cost so far
     of every way in. States that cost more than `limit` less `rest` (a bound on what each contour still adds, the last
-    element for all that follows the stretch) are dropped: they cannot be part of a better plan.
+    element for all that follows the stretch), or less what `pruner` knows, are dropped: they cannot be part of a better
+    plan.
     """
     ways = len(entrance)
     row_of = np.append(ways + local.first[:-1], 0)
@@ -71,14 +80,13 @@ def sweep_layers(
             entrance,
         )
     ]
-    for _ in local.contours:
+    for depth in range(1, len(local.contours) + 1):
         last = layers[-1]
         lowest = _lowest(last)
         alive = np.flatnonzero(lowest + _rest(last.ideals, rest) <= limit)
         grown, cut, source = successors(last.ideals, alive, local.needs, local.mates)
         order = np.lexsort((cut, grown))
         grown, cut, source = grown[order], cut[order], source[order]
-        ideals, at = np.unique(grown, return_index=True)
         state = np.concatenate([[0], np.cumsum(size[cut])])
         width = np.diff(last.state[last.ideal_entry])
         additions = float((width[source] * size[cut]).sum())
@@ -91,8 +99,25 @@ def sweep_layers(
             local.cond_weight, local.cond_bound, local.cond_cost, local.soft_mask, local.soft_cost, crossed.mask,
             crossed.price, values,
         )  # fmt: skip
-        layers.append(Layer(ideals, np.append(at, len(cut)), cut, source, state, values))
+        whole = len(values)
+        if pruner is not None:
+            pruner.prune(grown, cut, state, local.first, values, depth, limit)
+        layers.append(_living(grown, cut, source, state, values))
+        budget.states += whole - len(layers[-1].values)
     return layers
+
+
+def _living(grown: Masks, cut: Ints, source: Ints, state: Ints, values: Floats) -> Layer:
+    """A layer of the entries that have a state of finite value."""
+    if not len(cut):
+        return Layer(grown, np.array([0]), cut, source, state, values)
+    alive = np.isfinite(np.minimum.reduceat(values, state[:-1]))
+    values = values[np.repeat(alive, np.diff(state))]
+    state = np.append(0, np.cumsum(np.diff(state)[alive]))
+    ideals, at = np.unique(grown[alive], return_index=True)
+    return Layer(
+        ideals, np.append(at, len(at) and alive.sum()).astype(np.int64), cut[alive], source[alive], state, values
+    )
 
 
 def _lowest(layer: Layer) -> Floats:

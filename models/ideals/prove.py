@@ -6,15 +6,21 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..bounds import Completion, complete
 from ..problem import Problem
 from ..solution import Incumbent, Progress
 from .crossed import Crossed, add_settled, cross
 from .lattice import Budget, Layer, TooLarge, sweep_layers, walk_back
 from .local import MOST_CONTOURS, Floats, Ints, Local, localise
+from .prune import Pruner
 from .series import series
 
 ADDITIONS_PER_S = 4e8
-MOST_STATES = 600_000_000
+MOST_STATES = 350_000_000
+PLAIN, BOUND = 0.05, 0.4
+"""Shares of the work for a try without the bound by walks, which most proofs do not need, and for that bound."""
+MOST_SITES = 1500
+"""With more, the bound takes too long."""
 HOME = -1
 
 
@@ -58,7 +64,24 @@ def prove(problem: Problem, incumbent: Incumbent | None, work: float, progress: 
     if not fits(problem):
         return None
     known = incumbent.cost if incumbent else None
-    budget = Budget(work * ADDITIONS_PER_S, MOST_STATES, lambda: progress is None or progress("ideals", known, None))
+
+    def go() -> bool:
+        return progress is None or progress("ideals", known, None)
+
+    bounded = known is not None and problem.m <= MOST_SITES
+    plain = work * PLAIN if bounded else work
+    proof = _attempt(problem, known, None, Budget(plain * ADDITIONS_PER_S, MOST_STATES, go), plain)
+    if proof is not None or known is None or not bounded or not go():
+        return proof
+    bound = complete(problem, float(known), work * BOUND)
+    left = max(0.0, work - plain - bound.work)
+    proof = _attempt(problem, known, bound, Budget(left * ADDITIONS_PER_S, MOST_STATES, go), left)
+    return None if proof is None else Proof(proof.incumbent, plain + bound.work + proof.work)
+
+
+def _attempt(
+    problem: Problem, known: int | None, bound: Completion | None, budget: Budget, work: float
+) -> Proof | None:
     limit = np.inf if known is None else float(known)
     least = _least_in(problem)
     stretches: list[_Stretch] = []
@@ -69,10 +92,11 @@ def prove(problem: Problem, incumbent: Incumbent | None, work: float, progress: 
             rows = np.concatenate([ways, local.sites])
             travel = _travel(problem, rows, local.sites)
             crossed = cross(problem, local, earlier, rows, travel)
+            pruner = None if bound is None else Pruner.of(bound, local, earlier)
             earlier |= frozenset(group)
             later = sum(least[c] for c in range(problem.n) if c not in earlier)
             rest = np.array([*(least[c] for c in group), later])
-            layers = sweep_layers(local, travel, crossed, costs, limit, rest, budget)
+            layers = sweep_layers(local, travel, crossed, costs, limit, rest, pruner, budget)
             stretches.append(_Stretch(local, ways, travel, crossed, layers))
             end = layers[-1]
             if not len(end.contour) or not np.isfinite(end.values).any():
