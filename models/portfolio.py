@@ -12,6 +12,7 @@ from . import beam
 from .cpsat import solve_cpsat
 from .engines import Member
 from .ideals import fits, prove
+from .ideals.series import series
 from .problem import Problem
 from .search import Searcher
 from .solution import Incumbent, SolveOptions
@@ -25,8 +26,13 @@ DENSE = 0.15
 """Share of the pairs of contours that hard orders decide, from which on the sets that can occur are few."""
 BEAM_DENSE, BEAM_SPARSE = 0.5, 0.1
 """Share of what is left for the beam, which proves where orders are dense and guides where they are not."""
-SEARCH = 0.6
-"""Share of what is left, where nothing is proven, for more search; CP-SAT has the rest."""
+SEARCH, SEARCH_PLAIN = 0.6, 0.9
+"""Share of what is left, where nothing is proven, for more search; CP-SAT has the rest.
+
+CP-SAT has more where it alone can prove anything: where statements look further back than a state does.
+"""
+LONGEST = 36
+"""Contours in a stretch up to which the ideals are tried before the beam, if there is one stretch only."""
 
 
 @dataclass(slots=True)
@@ -78,7 +84,7 @@ class _Run:
             share = BEAM_DENSE if self._density() >= DENSE else BEAM_SPARSE
             self._beam(self._left() * (1.0 if self.options.member else share))
         if not self._over() and self.options.member is None:
-            self._search(self._left() * SEARCH)
+            self._search(self._left() * (SEARCH if self._carried() else SEARCH_PLAIN))
         if not self._over() and self._takes("cp-sat", "nothing is proven yet"):
             self._cpsat(self._left())
         return self.known
@@ -111,7 +117,12 @@ class _Run:
         if not fits(self.problem):
             self.known.notes.append("ideals: left out, the sets that can occur are too many or do not say enough")
             return False
-        return self._takes("ideals", "the sets that can occur may be few enough for a proof")
+        stretches = series(self.problem)
+        longest = max(map(len, stretches))
+        if self.options.member is None and len(stretches) == 1 and longest > LONGEST and beam.applies(self.problem):
+            self.known.notes.append(f"ideals: left to the beam, there is one stretch of {longest} contours")
+            return False
+        return self._takes("ideals", f"{len(stretches)} stretches one after the other, of {longest} contours at most")
 
     def _ideals(self, share: float) -> None:
         before = self.known.work
@@ -129,6 +140,10 @@ class _Run:
         """Share of the pairs of contours that hard orders decide."""
         n = self.problem.n
         return float(self.problem.before.sum()) / max(1, n * (n - 1) // 2)
+
+    def _carried(self) -> bool:
+        """Whether CP-SAT alone can hold all that is asked."""
+        return not beam.applies(self.problem)
 
     def _beam_applies(self) -> bool:
         if self.options.member not in (None, "beam"):
