@@ -20,8 +20,11 @@ from .watch import Watch
 
 FIRST = 0.03
 """Share of the work for a first look by the search."""
-PROOF = 0.45
-"""Share that the proof by ideals may take, where it fits; most take next to nothing."""
+PROOF, PROOF_SMALL = 0.45, 0.9
+"""Share that the proof by ideals may take, where it fits; most take next to nothing.
+
+On small problems the search has found the best plan long since, and only the proof is left to do.
+"""
 DENSE = 0.15
 """Share of the pairs of contours that hard orders decide, from which on the sets that can occur are few."""
 BEAM_DENSE, BEAM_SPARSE = 0.5, 0.1
@@ -79,7 +82,8 @@ class _Run:
         if self._takes("search", "it finds the first plan"):
             self._search(self._left() * (1.0 if self.options.member else FIRST))
         if not self._over() and self._ideals_fit():
-            self._ideals(self._left() * (1.0 if self.options.member else PROOF))
+            share = PROOF_SMALL if self.problem.n <= LONGEST else PROOF
+            self._ideals(self._left() * (1.0 if self.options.member else share))
         if not self._over() and self._beam_applies():
             share = BEAM_DENSE if self._density() >= DENSE else BEAM_SPARSE
             self._beam(self._left() * (1.0 if self.options.member else share))

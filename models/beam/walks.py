@@ -82,10 +82,11 @@ def priced_walks(
         count_visits(owner, contour, step, second_step, visits)
         if waited > PATIENCE:
             price, length, waited = best_price, SHORTER * length, 0
-        drift = INERTIA * drift + (1 - INERTIA) * (1 - visits)
-        if not drift.any():
+        if (visits == 1).all():
             break
-        price = np.rint((price + length * max(target - bound, 1.0) / (drift @ drift) * drift) * GRAIN) / GRAIN
+        drift = INERTIA * drift + (1 - INERTIA) * (1 - visits)
+        price = price + length * max(target - bound, 1.0) / max(1.0, float(drift @ drift)) * drift
+        price = np.rint(np.clip(price, -target, target) * GRAIN) / GRAIN
     look_ahead(
         arc_from, arc_to, arc_cost, owner, best_price, earliest, latest, least, contour, step, second, second_step
     )

@@ -29,6 +29,8 @@ MOST_NUMBERS = 60_000_000
 """Of all tables together."""
 GRAIN = 64.0
 """Prices are multiples of 1 / 64: sums of them and of whole costs are then exact in doubles, below 10¹⁴."""
+DEAREST = 1e12
+"""Prices stay within this, so that sums stay exact."""
 PATIENCE = 8
 """Rounds without a better bound after which the steps become shorter."""
 SHORTEST = 0.002
@@ -106,7 +108,8 @@ def complete(
                 break
         heading = missing + INERTIA * heading
         aim = (1.05 * abs(bound) if target is None else target) - reached
-        price = np.rint((price + step * max(aim, 1.0) / (heading @ heading) * heading) * GRAIN) / GRAIN
+        price = price + step * max(aim, 1.0) / max(1.0, float(heading @ heading)) * heading
+        price = np.rint(np.clip(price, -DEAREST, DEAREST) * GRAIN) / GRAIN
     return Completion(best, best_price, memory.near, bound, spent * cost / ADDITIONS_PER_S)
 
 

@@ -86,7 +86,7 @@ def test_rules_that_clash_are_named_and_drawn_and_give_way_only_when_told(
     ended = kerfwise("solve", NEST, "-p", profile, "-o", "out.nc")
     assert ended.code == 1
     assert "NC20-14#2.outer" in ended.err
-    assert "level-ahead: part#5.outer is cut before NC20-14#2.outer" in ended.err
+    assert "inner-before-outer: NC20-14#2.hole1 is cut before NC20-14#2.outer" in ended.err
     assert sorted(p.name for p in tmp_path.iterdir()) == ["e1x_6.conflict.svg", "plant.yaml"]
 
     given_way = kerfwise("solve", NEST, "-p", profile, "-o", "out.nc", "--relax")

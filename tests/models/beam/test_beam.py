@@ -58,6 +58,17 @@ def test_same_optimum_with_every_bound(drawn: Problem) -> None:
     assert found.incumbent.cost == found.bound == best.cost
 
 
+def test_walks_that_visit_everything_once_end_the_pricing() -> None:
+    """Prices that went on along what was left of the last direction, which fades, once grew beyond all measure."""
+    here = [(0.0, 0.0)]
+    tiny = problem(
+        [here * 3, here * 3, here, here], ends_mm=[here * 3, here * 3, [(0.0, 1.0)], here], pairs=[(0, 1), (0, 2)]
+    )
+    found = beam(tiny, Incumbent((0, 3, 6, 7), 1001), first_width=widening.WORTH_PRICING)
+    assert found.incumbent is not None
+    assert found.incumbent.cost == found.bound == 1000
+
+
 @settings(max_examples=100, deadline=None)
 @given(problems(), st.integers(1, 4))
 def test_a_narrow_beam_claims_no_more_than_it_knows(drawn: Problem, width: int) -> None:
