@@ -14,6 +14,10 @@ from .local import Floats, Ints, Local, Masks
 from .prune import Pruner
 
 THREADS = get_num_threads()
+SORTING = 100.0
+"""Additions that it takes as long as to find and sort one entry of a layer."""
+NUMBERS_AN_ENTRY = 8
+"""Numbers of 8 bytes that an entry takes while its layer is being made."""
 WORTH_SHARING = 3e6
 """Additions below which a layer is done sooner by one thread than by several that must first be woken."""
 
@@ -35,6 +39,12 @@ class Budget:
         self.additions -= additions
         self.states -= states
         if self.additions < 0 or self.states < 0 or not self.go():
+            raise TooLarge
+
+    def expect(self, entries: float) -> None:
+        """Pay for sorting the entries that a layer will have, or raise `TooLarge` if they will not fit in memory."""
+        self.take(SORTING * entries, 0)
+        if NUMBERS_AN_ENTRY * entries > self.states:
             raise TooLarge
 
 
@@ -80,11 +90,14 @@ def sweep_layers(
             entrance,
         )
     ]
+    growth = float(len(local.contours))  # new sets of every set, as many as there were in the layer before
     for depth in range(1, len(local.contours) + 1):
         last = layers[-1]
         lowest = _lowest(last)
         alive = np.flatnonzero(lowest + _rest(last.ideals, rest) <= limit)
+        budget.expect(len(alive) * growth)
         grown, cut, source = successors(last.ideals, alive, local.needs, local.mates)
+        growth = len(cut) / max(1, len(alive))
         order = np.lexsort((cut, grown))
         grown, cut, source = grown[order], cut[order], source[order]
         state = np.concatenate([[0], np.cumsum(size[cut])])
