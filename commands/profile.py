@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from ..rules.profile import load_profile
+from ..rules.profile_text import profile_yaml
 
 
 @click.group()
@@ -26,4 +27,4 @@ def check(profile: str) -> None:
 @click.argument("profile", metavar="PROFILE")
 def show(profile: str) -> None:
     """Print PROFILE as YAML with every default filled in."""
-    click.echo(load_profile(profile).show(), nl=False)
+    click.echo(profile_yaml(load_profile(profile)), nl=False)

@@ -26,7 +26,6 @@ from .heat_section import Heat
 from .lock import Lock
 from .own import Own, Thresholds, as_rule, own_pairs
 from .profile_reader import Given, read_given
-from .profile_text import profile_yaml
 from .registry import RULES
 from .rule import Rule
 from .sections import Drawing, Leads, Machine, Material, Objective, RuleSetting, default_settings
@@ -158,10 +157,6 @@ class Profile:
             margin_mm=drawing.margin_mm,
             join_tolerance_mm=drawing.join_tolerance_mm,
         )
-
-    def show(self) -> str:
-        """The profile as YAML with every default filled in, units and a comment each; it loads as the same profile."""
-        return profile_yaml(self)
 
     def _thresholds(self) -> Thresholds:
         return Thresholds(

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import yaml
 
 from .kinds import LENGTH, Text
+from .lock import Lock
 from .option import options_of
+from .profile import Profile
 from .registry import RULES
 from .sections import SECTIONS, RuleSetting
-
-if TYPE_CHECKING:
-    from .lock import Lock
-    from .profile import Profile
 
 COMMENT_COLUMN = 44
 

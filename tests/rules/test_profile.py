@@ -16,6 +16,7 @@ from kerfwise.rules.catalogue.zone_order import ZoneOrderOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.option import options_of
 from kerfwise.rules.profile import DEFAULT, Profile, load_profile, shipped_profiles
+from kerfwise.rules.profile_text import profile_yaml
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.sections import Machine, Material, RuleSetting
 
@@ -81,19 +82,21 @@ def test_empty_file_is_all_defaults(tmp_path: Path) -> None:
 @pytest.mark.parametrize("given", [*shipped_profiles(), "own"])
 def test_what_show_prints_loads_as_the_same_profile(given: str, tmp_path: Path) -> None:
     profile = load_profile(write(tmp_path, PLANT) if given == "own" else given)
-    again = load_profile(write(tmp_path, profile.show(), "shown.yaml"))
+    again = load_profile(write(tmp_path, profile_yaml(profile), "shown.yaml"))
     assert again == profile
-    assert again.show() == profile.show()
+    assert profile_yaml(again) == profile_yaml(profile)
 
 
 def test_comparison_of_profiles_can_fail(tmp_path: Path) -> None:
     profile = load_profile(write(tmp_path, PLANT))
-    other = load_profile(write(tmp_path, profile.show().replace("zone_contours: 6", "zone_contours: 7"), "other.yaml"))
+    other = load_profile(
+        write(tmp_path, profile_yaml(profile).replace("zone_contours: 6", "zone_contours: 7"), "other.yaml")
+    )
     assert other != profile
 
 
 def test_show_has_every_key_with_a_comment() -> None:
-    lines = Profile("plant").show().splitlines()
+    lines = profile_yaml(Profile("plant")).splitlines()
     values = [line for line in lines if re.match(r"\s+[a-z_]+: ", line)]
     assert all("  # " in line for line in values)
     for rule in RULES.values():
@@ -105,7 +108,7 @@ def test_show_has_every_key_with_a_comment() -> None:
 
 
 def test_show_of_a_lock_and_a_weight(tmp_path: Path) -> None:
-    shown = load_profile(write(tmp_path, PLANT)).show()
+    shown = profile_yaml(load_profile(write(tmp_path, PLANT)))
     assert "  - {contour: P2.hole1, position: 7, entry: [3.0, 4.0], direction: ccw}\n" in shown
     assert "    weight: 250 mm                            # cost of breaking it once, in idle travel\n" in shown
 

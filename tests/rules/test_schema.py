@@ -12,6 +12,7 @@ import yaml
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.profile import Profile, load_profile, shipped_profiles
+from kerfwise.rules.profile_text import profile_yaml
 from kerfwise.rules.schema import profile_schema
 
 VALIDATOR = jsonschema.Draft202012Validator(profile_schema())
@@ -44,11 +45,11 @@ def test_schema_is_a_schema() -> None:
 @pytest.mark.parametrize("name", shipped_profiles())
 def test_shipped_profiles_and_what_show_prints_are_valid(name: str) -> None:
     VALIDATOR.validate(data(shipped_profiles()[name].read_text(encoding="utf-8")))
-    VALIDATOR.validate(data(load_profile(name).show()))
+    VALIDATOR.validate(data(profile_yaml(load_profile(name))))
 
 
 def test_bare_profile_is_valid() -> None:
-    VALIDATOR.validate(data(Profile("plant").show()))
+    VALIDATOR.validate(data(profile_yaml(Profile("plant"))))
 
 
 @pytest.mark.parametrize(
