@@ -10,7 +10,7 @@ from ..models.heat import TimedPath
 from ..models.heat.timed_path import in_order, torch_on
 from ..models.plan import Plan
 from ..rules.profile import Profile
-from .check.nc_reader import NcProgram
+from .check.nc_program import NcProgram
 from .dialects import load_dialect
 from .plan_paths import outside, toolpaths
 

@@ -15,7 +15,8 @@ from ..models.timing.motion import Motion
 from ..models.timing.report import TimeReport, report_times
 from ..models.timing.run import Job, Run
 from ..rules.profile import Profile
-from .check.nc_reader import NcProgram, read_nc
+from .check.nc_program import NcProgram
+from .check.nc_reader import read_nc
 from .plan_paths import outside, toolpaths
 from .program import count_blocks
 

@@ -12,11 +12,12 @@ from ...rules.rule import Violation
 from .coverage import coverage, once_each
 from .judge import judge
 from .metal import gouges, off_sheet
-from .nc_reader import NcProgram, read_nc
+from .nc_reader import read_nc
 from .program_rules import judgement
 from .rebuild import rebuild
 from .relaxed import Relaxed, read_relaxed, relaxed_warnings
 from .result import CheckResult, Judgement, Measured
+from .running import judge_running
 from .runs_from_cuts import runs_from_cuts
 from .torch_run import TorchRun
 from .totals import Claims, claims_kept, idle_mm, totals
@@ -53,10 +54,10 @@ def check_program(nest: Nest, nc_text: str, profile: Profile, file: str = "") ->
     InputError
         With the line, for a program that is malformed or says something the reader does not understand.
     """
-    program = read_nc(nc_text, profile.machine.travel_mm_s, file)
+    program = read_nc(nc_text, profile.machine.travel_mm_s, file, profile.machine.home)
     built = rebuild(nest, program, profile.material.kerf_mm, profile.machine.home)
     judged, warnings = _judge_paths(nest, built.cuts, built.runs, built.violations, profile)
-    judged.append(judgement("torch-off-travel", _hot(program)))
+    judged += judge_running(nest, program, profile)
     relaxed = read_relaxed(nest, program.comments)
     rules = judge(nest, once_each(nest, built.cuts), profile, relaxed)
     warnings += relaxed_warnings(relaxed)
@@ -87,12 +88,3 @@ def _measured(runs: Sequence[TorchRun], idle_mm: float) -> Measured:
 
 def _of(rule: str, faults: Sequence[Violation]) -> list[Violation]:
     return [fault for fault in faults if fault.rule == rule]
-
-
-def _hot(program: NcProgram) -> list[Violation]:
-    rapids = [
-        (hot.line, f"line {hot.line}: the torch is on during a rapid of {hot.length_mm:.1f} mm")
-        for hot in program.hot_rapids
-    ]
-    faults = [(line, f"line {line}: {text}") for line, text in program.faults]
-    return [Violation("torch-off-travel", (), text) for _, text in sorted(rapids + faults)]

@@ -12,7 +12,7 @@ from ...encoder.geometry.segment import Point
 from ...encoder.nest import Contour
 from ...rules.rule import Violation
 from .matching import Match
-from .nc_reader import Burn
+from .nc_program import Burn
 from .program_rules import tolerance_mm
 from .splitting import Pieces, split
 from .torch_run import TorchRun, line_of

@@ -13,11 +13,16 @@ from ...encoder.errors import InputError
 from ...encoder.geometry.curve import Curve
 from ...encoder.geometry.segment import Point, Segment
 from .nc_arcs import arc_by_centre, arc_by_radius
+from .nc_modes import Modes
+from .nc_program import Burn, Fault, NcProgram, Stretch
 from .nc_words import Block, read_blocks
 
 _MOTION = {0.0, 1.0, 2.0, 3.0, 80.0}
 _SILENT_G = {17.0, 40.0, 49.0, 54.0, 61.0, 61.1, 64.0, 92.1, 94.0, 97.0}
 _SILENT_M = {0.0, 1.0, 7.0, 8.0, 9.0, 48.0, 49.0, 50.0, 51.0, 52.0, 53.0, 66.0, 67.0, 68.0, 190.0}
+_HALTS = {0.0, 1.0}
+_OUTPUTS = {67.0, 68.0}
+_SPEED_OUTPUT = 3.0
 _REFUSED_G = {
     18.0: "arcs outside the XY plane are not checked",
     19.0: "arcs outside the XY plane are not checked",
@@ -27,49 +32,6 @@ _REFUSED_G = {
     42.1: "the control would shift the path by its own kerf, which the program does not show",
 }
 _TORCH_BITS = {62.0, 63.0, 64.0, 65.0}
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Burn:
-    """One stretch with a tool on, rapids left out: torch $0, others mark.
-
-    `line` is where it begins, `comment` the last comment before it. Times in s from the program's start. `travels_mm`
-    are the moves with no tool on since the burn before.
-    """
-
-    tool: int
-    line: int
-    path: Curve
-    start_s: float
-    end_s: float
-    comment: str
-    travels_mm: tuple[float, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class HotRapid:
-    """A rapid with a tool on."""
-
-    line: int
-    length_mm: float
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class NcProgram:
-    """What a program does. `idle_mm` is all travel with no tool on; `faults` are (line, sentence).
-
-    `homing_mm` are the moves after the last burn, `blocks` the lines that are more than comments, and `moving_s` the
-    time with a tool on at the program's own feeds, s.
-    """
-
-    burns: tuple[Burn, ...]
-    hot_rapids: tuple[HotRapid, ...]
-    faults: tuple[tuple[int, str], ...]
-    comments: tuple[str, ...]
-    idle_mm: float
-    homing_mm: tuple[float, ...]
-    blocks: int
-    moving_s: float
 
 
 def read_nc(text: str, travel_mm_s: float = 100.0, file: str = "", home: Point = (0.0, 0.0)) -> NcProgram:
@@ -100,14 +62,16 @@ def read_nc(text: str, travel_mm_s: float = 100.0, file: str = "", home: Point =
         raise InputError("the program has no end: expected M2 or M30", file=file or None, line=line or None)
     machine.close()
     if machine.on:
-        machine.faults.append((line, "the program ends with the torch on"))
+        machine.fault(line, "torch-off-travel", "the program ends with the torch on")
     return NcProgram(
         tuple(machine.burns),
         tuple(machine.hot_rapids),
+        tuple(machine.slow_travel),
         tuple(machine.faults),
         tuple(machine.comments),
         machine.idle_mm,
         tuple(machine.travels_mm),
+        machine.at,
         machine.blocks,
         machine.moving_s,
     )
@@ -123,6 +87,9 @@ class _Open:
     rows: list[tuple[float, float, float]]
     comment: str
     travels_mm: tuple[float, ...]
+    pierce_s: float = 0.0
+    paused_s: float = 0.0
+    feeds_mm_s: set[float] = field(default_factory=set)
 
 
 @dataclass(slots=True)
@@ -145,8 +112,10 @@ class _Machine:
     comment: str = ""
     open: _Open | None = None
     burns: list[Burn] = field(default_factory=list)
-    hot_rapids: list[HotRapid] = field(default_factory=list)
-    faults: list[tuple[int, str]] = field(default_factory=list)
+    hot_rapids: list[Stretch] = field(default_factory=list)
+    slow_travel: list[Stretch] = field(default_factory=list)
+    faults: list[Fault] = field(default_factory=list)
+    modes: Modes = field(default_factory=Modes)
     comments: list[str] = field(default_factory=list)
     travels_mm: list[float] = field(default_factory=list)
 
@@ -169,16 +138,25 @@ class _Machine:
             self._mode(code, block)
         if motions:
             self.motion = None if motions[0] == 80.0 else motions[0]
+        self.modes.said(block, self.unit_mm)
         if any(letter in words for letter in "XYIJR") and 4.0 not in block.g:
+            if missing := self.modes.missing():
+                self.fault(block.line, "program-state", f"it moves before it has said {missing}")
             self._move(block)
         if 2.0 in block.m or 30.0 in block.m:
             self.ended = True
+
+    def fault(self, line: int, rule: str, text: str) -> None:
+        """Note what the program does wrong."""
+        self.faults.append(Fault(line, rule, text))
 
     def _tool(self, code: float, block: Block) -> None:
         tool = int(block.words.get("$", 0))
         if code == 3.0:
             if self.on:
-                self.faults.append((block.line, f"tool ${tool} is started while ${self.on[0]} is on"))
+                self.fault(block.line, "torch-off-travel", f"tool ${tool} is started while ${self.on[0]} is on")
+            if block.words.get("S", 0.0) <= 0:
+                self.fault(block.line, "program-state", f"tool ${tool} is started without S1, which turns it on")
             if tool not in self.on:
                 self.on.append(tool)
             if self.open is None:
@@ -187,6 +165,10 @@ class _Machine:
             self.on = [] if tool == -1 else [t for t in self.on if t != tool]
             if self.open is not None and self.open.tool not in self.on:
                 self.close()
+        elif code in _HALTS and self.open is not None:
+            self.fault(block.line, "torch-off-travel", f"M{code:g} halts the program while tool ${self.on[0]} is on")
+        elif code in _OUTPUTS:
+            self._output(code, block)
         elif code in _TORCH_BITS:
             raise InputError(
                 f"M{code:g} can stop the torch while the path goes on; this is not checked", line=block.line
@@ -197,7 +179,19 @@ class _Machine:
     def _dwell(self, block: Block) -> None:
         if "P" not in block.words or block.words["P"] < 0:
             raise InputError("G4 without its time: expected P and seconds", line=block.line)
-        self.clock_s += block.words["P"]
+        wait_s = block.words["P"]
+        self.clock_s += wait_s
+        if self.open is not None and self.open.rows:
+            self.open.paused_s += wait_s
+        elif self.open is not None:
+            self.open.pierce_s += wait_s
+
+    def _output(self, code: float, block: Block) -> None:
+        if "E" not in block.words or "Q" not in block.words:
+            raise InputError(f"M{code:g} without E and Q", line=block.line)
+        share = block.words["Q"]
+        if block.words["E"] == _SPEED_OUTPUT and share not in (0.0, 100.0):
+            self.fault(block.line, "feeds", f"M{code:g} E3 Q{share:g} has the torch move at {share:g} % of its feed")
 
     def _mode(self, code: float, block: Block) -> None:
         if code in _REFUSED_G:
@@ -225,7 +219,7 @@ class _Machine:
             raise InputError(f"G{self.motion:g} with no feed: expected an F word before", line=block.line)
         for segment in (Segment(self.at, (x, y)),) if self.motion == 1.0 else self._arc((x, y), block):
             if segment.length_mm > 0:
-                self._feed(segment)
+                self._feed(segment, block.line)
         self.at = (x, y)
 
     def _rapid(self, end: Point, block: Block) -> None:
@@ -233,7 +227,7 @@ class _Machine:
         self.clock_s += length / self.travel_mm_s
         tool = self.open.tool if self.open is not None else None
         if tool is not None and length > 0:
-            self.hot_rapids.append(HotRapid(block.line, length))
+            self.hot_rapids.append(Stretch(block.line, length))
             self.close()
         self.at = end
         if tool is None:
@@ -241,12 +235,14 @@ class _Machine:
         elif self.open is None:
             self._begin(tool, block.line)
 
-    def _feed(self, segment: Segment) -> None:
+    def _feed(self, segment: Segment, line: int) -> None:
         self.clock_s += segment.length_mm / self.feed_mm_s
         if self.open is None:
             self._idle(segment.length_mm)
+            self.slow_travel.append(Stretch(line, segment.length_mm))
         else:
             self.moving_s += segment.length_mm / self.feed_mm_s
+            self.open.feeds_mm_s.add(self.feed_mm_s)
             self.open.rows.append((*segment.start, segment.bulge))
 
     def _idle(self, length_mm: float) -> None:
@@ -262,7 +258,13 @@ class _Machine:
         if self.open is not None:
             path = Curve.of([*self.open.rows, (*self.at, 0.0)], closed=False)
             o = self.open
-            self.burns.append(Burn(o.tool, o.line, path, o.start_s, self.clock_s, o.comment, o.travels_mm))
+            feeds_mm_s = tuple(sorted(o.feeds_mm_s))
+            self.burns.append(
+                Burn(
+                    o.tool, o.line, path, o.start_s, self.clock_s, o.comment, o.travels_mm, o.pierce_s, o.paused_s,
+                    feeds_mm_s,
+                )
+            )  # fmt: skip
             self.open = None
 
     def _arc(self, end: Point, block: Block) -> tuple[Segment, ...]:

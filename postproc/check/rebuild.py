@@ -16,7 +16,7 @@ from ...rules.rule import Violation
 from .cut_from_burn import cut_from_burn
 from .matching import Matcher
 from .names import folded
-from .nc_reader import Burn, NcProgram
+from .nc_program import Burn, NcProgram
 from .torch_run import TorchRun, line_of
 
 _CUT = re.compile(r"(?:CUT|MARK) \d+ (?P<contour>.+?) ZONE (?P<zone>\d+)\b", re.IGNORECASE)

@@ -3,6 +3,8 @@
 import re
 from collections.abc import Callable
 
+import pytest
+
 from kerfwise.postproc.check import CheckResult, report
 from kerfwise.postproc.checking import check_program
 from kerfwise.postproc.program import write_program
@@ -37,7 +39,7 @@ def test_torch_left_on_during_a_rapid() -> None:
 
 def test_torch_left_on_at_the_end() -> None:
     result = check(re.sub(r"N\d+ M5 \$0\n\(HOME\)\n.*\n.*\nN\d+ M5 \$-1\n", "", PROGRAM))
-    assert result.broken() == ("torch-off-travel",)
+    assert result.broken() == ("torch-off-travel", "returns-home")
     assert "the program ends with the torch on" in report(result)
 
 
@@ -89,14 +91,15 @@ def test_kerf_not_allowed_for() -> None:
 
 
 def test_something_cut_that_is_not_in_the_nest() -> None:
-    extra = "G0 X560 Y100\nM3 $0 S1\nG1 X580 Y100\nX580 Y120\nM5 $0\n(HOME)"
+    extra = "G0 X560 Y100\nM3 $0 S1\nG4 P0.5\nG1 X580 Y100 F2500\nX580 Y120\nM5 $0\n(HOME)"
     result = check(PROGRAM.replace("(HOME)", extra))
     assert result.broken() == ("every-contour-once",)
     assert "burns along no contour of the nest, at X 560.0 to 580.0, Y 100.0 to 120.0" in report(result)
 
 
 def test_a_pierce_without_a_path() -> None:
-    assert check(PROGRAM.replace("(HOME)", "G0 X560 Y100\nM3 $0 S1\nM5 $0\n(HOME)")).broken() == ("every-contour-once",)
+    pierce = "G0 X560 Y100\nM3 $0 S1\nG4 P0.5\nM5 $0\n(HOME)"
+    assert check(PROGRAM.replace("(HOME)", pierce)).broken() == ("every-contour-once",)
 
 
 def test_a_mark_cut_through_and_a_contour_only_marked() -> None:
@@ -106,7 +109,7 @@ def test_a_mark_cut_through_and_a_contour_only_marked() -> None:
     assert "A.mark1 is a mark, but the torch cuts through it" in report(result)
     only_marked = in_cut("C.hole1", lambda lines: [line.replace("$0", "$1") for line in lines])
     result = check(only_marked)
-    assert result.broken() == ("every-contour-once",)
+    assert result.broken() == ("every-contour-once", "feeds", "pierce-delay")
     assert "C.hole1 is only marked, not cut" in report(result)
 
 
@@ -120,3 +123,58 @@ def test_a_comment_that_names_another_contour_is_a_warning() -> None:
     assert result.ok
     assert len(result.warnings) == 1
     assert "the comment names D.outer, but E.outer is cut" in result.warnings[0]
+
+
+def test_feeds_other_than_the_profile_says() -> None:
+    result = check(in_cut("E.outer", lambda lines: [line.replace("F2500", "F2750") for line in lines]))
+    assert result.broken() == ("feeds",)
+    assert "it cuts at 2750 mm/min, the profile says 2500 mm/min" in report(result)
+    assert check(PROGRAM.replace("F6000", "F3000")).broken() == ("feeds",)
+    assert check(PROGRAM.replace("M68 E3 Q0", "M68 E3 Q60")).broken() == ("feeds",)
+    slow = check(in_cut("E.outer", lambda lines: [lines[0].replace("G0", "G1"), *lines[1:]]))
+    assert slow.broken() == ("feeds",)
+    assert "at cutting feed with the torch off" in report(slow)
+
+
+def test_pierces_too_short_too_long_and_in_the_middle() -> None:
+    wait = "G4 P0.5"
+    for other, says in (("", "0 s"), ("G4 P0.25", "0.25 s"), ("G4 P1", "1 s")):
+        result = check(in_cut("E.outer", lambda lines, other=other: [line.replace(wait, other) for line in lines]))  # type: ignore[misc]
+        assert result.broken() == ("pierce-delay",)
+        assert f"the torch stands for {says} before it moves, the profile asks for 0.5 s" in report(result)
+    result = check(in_cut("E.outer", lambda lines: [*lines[:6], wait, *lines[6:]]))
+    assert result.broken() == ("pierce-delay",)
+    halted = check(in_cut("E.outer", lambda lines: [*lines[:6], "M0", *lines[6:]]))
+    assert halted.broken() == ("torch-off-travel",)
+
+
+def test_the_way_home_is_missing() -> None:
+    result = check(re.sub(r"(?<=\(HOME\)\n).*\n", "", PROGRAM))
+    assert result.broken() == ("returns-home",)
+    assert "the program ends at (481.350, 76.800), the machine's home is (0, 0)" in report(result)
+
+
+@pytest.mark.parametrize(
+    ("word", "says"),
+    [
+        ("G21", "its units (G21 or G20)"),
+        ("G90 ", "how it counts (G90 or G91)"),
+        ("G17 ", "the plane of arcs (G17)"),
+        ("G91.1 ", "how it counts their centres (G91.1 or G90.1)"),
+        ("G40 ", "that the control leaves the kerf alone (G40)"),
+        ("G94", "what F means (G94)"),
+        (" P0.05", "how near the control keeps to the path (G61, or G64 with a P of at most 0.05 mm)"),
+    ],
+)
+def test_nothing_is_left_to_the_state_of_the_control(word: str, says: str) -> None:
+    result = check(PROGRAM.replace(word, "", 1))
+    assert result.broken() == ("program-state",)
+    assert f"it moves before it has said {says}" in report(result)
+
+
+def test_rounded_corners_and_a_tool_that_does_not_start() -> None:
+    assert check(PROGRAM.replace("G64 P0.05", "G64 P0.5")).broken() == ("program-state",)
+    assert check(in_cut("E.outer", lambda lines: ["G64", *lines])).broken() == ("program-state",)
+    result = check(in_cut("E.outer", lambda lines: [line.replace(" S1", "") for line in lines]))
+    assert result.broken() == ("program-state",)
+    assert "tool $0 is started without S1" in report(result)

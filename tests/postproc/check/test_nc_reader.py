@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.postproc.check.nc_program import NcProgram
 from kerfwise.postproc.check.nc_reader import read_nc
 from kerfwise.tests.tools import canon
 
@@ -39,18 +40,30 @@ def test_full_circles_radius_arcs_and_absolute_centres() -> None:
     assert [round(sum(s.sweep_rad for s in b.path.segments) / math.pi, 9) for b in burns] == [-2, 1, -1.5, 0.5]
 
 
+def torch_faults(program: NcProgram) -> list[tuple[int, str]]:
+    return [(fault.line, fault.text) for fault in program.faults if fault.rule == "torch-off-travel"]
+
+
 def test_a_torch_left_on_during_a_rapid_makes_two_burns() -> None:
     program = read_nc("G21 F600\nM3 $0\nG1 X10\nG0 X20\nM3 $0\nG1 X30\nM5 $0\nM2\n")
     assert [b.path.as_rows() for b in program.burns] == [[[0, 0], [10, 0]], [[20, 0], [30, 0]]]
     assert [(hot.line, hot.length_mm) for hot in program.hot_rapids] == [(4, 10)]
-    assert program.faults == ((5, "tool $0 is started while $0 is on"),)
+    assert torch_faults(program) == [(5, "tool $0 is started while $0 is on")]
     assert program.idle_mm == 0
+
+
+def test_waits_feeds_and_slow_travel() -> None:
+    program = read_nc("G21 F600\nG1 X5\nM3 $0 S1\nG4 P0.5\nG1 X10\nG4 P2\nG1 X20 F300\nM5 $0\nG4 P9\nM2\n")
+    (burn,) = program.burns
+    assert (burn.pierce_s, burn.paused_s, burn.feeds_mm_s) == (0.5, 2.0, (5.0, 10.0))
+    assert [(slow.line, slow.length_mm) for slow in program.slow_travel] == [(2, 5.0)]
+    assert program.end == (20.0, 0.0)
 
 
 def test_a_torch_on_at_the_end_and_tools() -> None:
     program = read_nc("G21 F600\nM3 $1\nG1 X10\nM5 $-1\nM3 $0\nG1 X20\nM2\n")
     assert [b.tool for b in program.burns] == [1, 0]
-    assert program.faults == ((7, "the program ends with the torch on"),)
+    assert torch_faults(program) == [(7, "the program ends with the torch on")]
 
 
 @pytest.mark.parametrize(

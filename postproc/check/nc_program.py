@@ -1,0 +1,66 @@
+"""What a program does, as the check's reader found it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...encoder.geometry.curve import Curve
+from ...encoder.geometry.segment import Point
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Burn:
+    """One stretch with a tool on, rapids left out: torch $0, others mark.
+
+    `line` is where it begins, `comment` the last comment before it. Times in s from the program's start. `travels_mm`
+    are the moves with no tool on since the burn before. The tool stands for `pierce_s` before it moves and for
+    `paused_s` later on; `feeds_mm_s` are the speeds it moves at.
+    """
+
+    tool: int
+    line: int
+    path: Curve
+    start_s: float
+    end_s: float
+    comment: str
+    travels_mm: tuple[float, ...] = ()
+    pierce_s: float = 0.0
+    paused_s: float = 0.0
+    feeds_mm_s: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """Moves that are not as they should be: rapids with a tool on, or travel at cutting feed."""
+
+    line: int
+    length_mm: float
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """What a program does wrong by itself, whatever it cuts: the line, the rule it breaks, and a sentence."""
+
+    line: int
+    rule: str
+    text: str
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class NcProgram:
+    """What a program does. `idle_mm` is all travel with no tool on, `slow_travel` the part of it at cutting feed.
+
+    `homing_mm` are the moves after the last burn, `end` is where they lead, `blocks` the lines that are more than
+    comments, and `moving_s` the time with a tool on at the program's own feeds, s.
+    """
+
+    burns: tuple[Burn, ...]
+    hot_rapids: tuple[Stretch, ...]
+    slow_travel: tuple[Stretch, ...]
+    faults: tuple[Fault, ...]
+    comments: tuple[str, ...]
+    idle_mm: float
+    homing_mm: tuple[float, ...]
+    end: Point
+    blocks: int
+    moving_s: float

@@ -1,0 +1,77 @@
+"""How a program has the machine run: its feeds, its waits at pierces, its torch on travel, and its way home."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import shapely
+
+from ...encoder.geometry.segment import Point
+from ...encoder.nest import Nest
+from ...rules.profile import Profile
+from ...rules.rule import Violation
+from ..dialects import load_dialect
+from .nc_program import Burn, NcProgram
+from .program_rules import TOLERANCE_MM, judgement
+from .result import Judgement
+
+_FEED_SHARE, _WAIT_S = 1e-3, 2e-3
+
+
+def judge_running(nest: Nest, program: NcProgram, profile: Profile) -> list[Judgement]:
+    """What a program does with the machine, whichever contours it cuts."""
+    found = {
+        "torch-off-travel": [
+            (hot.line, f"the torch is on during a rapid of {hot.length_mm:.1f} mm") for hot in program.hot_rapids
+        ],
+        "program-state": [],
+        "feeds": list(_feeds(program, profile)),
+        "pierce-delay": list(_waits(nest, program.burns, profile)),
+        "returns-home": list(_home(program, profile.machine.home)),
+    }
+    for fault in program.faults:
+        found[fault.rule].append((fault.line, fault.text))
+    return [
+        judgement(rule, [Violation(rule, (), f"line {line}: {text}" if line else text) for line, text in sorted(lines)])
+        for rule, lines in found.items()
+    ]
+
+
+def _feeds(program: NcProgram, profile: Profile) -> Iterator[tuple[int, str]]:
+    machine = profile.machine
+    for burn in program.burns:
+        asked = machine.cut_feed_mm_s if burn.tool == 0 else machine.mark_feed_mm_s
+        for feed in burn.feeds_mm_s:
+            if abs(feed - asked) > _FEED_SHARE * asked:
+                does = "cuts" if burn.tool == 0 else "marks"
+                yield burn.line, f"it {does} at {feed * 60:.0f} mm/min, the profile says {asked * 60:.0f} mm/min"
+    for slow in program.slow_travel:
+        yield slow.line, f"it travels {slow.length_mm:.1f} mm at cutting feed with the torch off"
+
+
+def _waits(nest: Nest, burns: Sequence[Burn], profile: Profile) -> Iterator[tuple[int, str]]:
+    """Pierces too short or too long. A torch that comes in from the sheet's edge pierces nothing and does not wait."""
+    if not burns:
+        return
+    machine = profile.machine
+    waits = load_dialect(machine.dialect).pierce_dwell == "program"
+    points = shapely.points(np.array([burn.path.vertices[0, :2] for burn in burns]))
+    sheet = shapely.make_valid(nest.sheet.polygon)
+    inside, near = (shapely.contains(shapely.buffer(sheet, by), points) for by in (-TOLERANCE_MM, TOLERANCE_MM))
+    for burn, pierced, maybe in zip(burns, inside.tolist(), near.tolist(), strict=True):
+        marks = burn.tool != 0
+        asked_s = machine.mark_time_s if marks else machine.pierce_time_s
+        allowed = {asked_s if waits else 0.0} if marks or pierced else {asked_s, 0.0} if maybe and waits else {0.0}
+        if all(abs(burn.pierce_s - s) > _WAIT_S for s in allowed):
+            says = " or ".join(f"{s:g} s" for s in sorted(allowed))
+            yield burn.line, f"the torch stands for {burn.pierce_s:g} s before it moves, the profile asks for {says}"
+        if burn.paused_s > 0:
+            yield burn.line, f"the torch stands still for {burn.paused_s:g} s in the middle of its path"
+
+
+def _home(program: NcProgram, home: Point) -> Iterator[tuple[int, str]]:
+    if math.dist(program.end, home) > TOLERANCE_MM:
+        x, y = program.end
+        yield 0, f"the program ends at ({x:.3f}, {y:.3f}), the machine's home is ({home[0]:g}, {home[1]:g})"
