@@ -14,7 +14,7 @@ from .given import given_options, note_if_others, program_text, read_given
 @click.argument("made", metavar="PLAN.json|OUT.nc")
 def command(made: str, **given: Any) -> int:
     """Judge a plan or an NC program of NEST by every rule; exit 1 if a hard one is broken."""
-    from ..models.plan import read_plan
+    from ..models.plan_reader import read_plan
     from ..postproc.check import check_program, report
     from ..postproc.checking import check_plan
 

@@ -21,7 +21,7 @@ def command(plan: str, contour: str, everything: bool, as_data: bool, **given: A
     """Say what holds CONTOUR (such as P3.outer) in its place, why it is entered so, and what moving it would cost."""
     from ..models.conflict import state_relaxed
     from ..models.explain import as_json, as_text, explain
-    from ..models.plan import read_plan
+    from ..models.plan_reader import read_plan
     from ..postproc.produce import facts_of
     from ..rules.state import state_rules
 

@@ -49,7 +49,7 @@ def command(made: str, model: Any, as_json: bool, output: str | None, frames: st
 
 
 def _path(made: str, nest: Nest, profile: Profile) -> TimedPath:
-    from ..models.plan import read_plan
+    from ..models.plan_reader import read_plan
     from ..postproc.heat_path import path_of_plan, path_of_program
     from ..postproc.timed import read_program
 

@@ -17,7 +17,7 @@ def keeping(profile: Profile, lock_from: str | None, upto: int | None) -> Profil
         If one is given without the other, or the plan cannot be read or has fewer cuts.
     """
     from ..models.kept import kept_locks
-    from ..models.plan import read_plan
+    from ..models.plan_reader import read_plan
 
     if lock_from is None and upto is None:
         return profile

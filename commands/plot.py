@@ -15,7 +15,7 @@ from .given import given_options, note_if_others, read_given
 @click.option("-o", "--output", required=True, metavar="OUT.svg|.png|.html", help="Where to draw.")
 def command(plan: str | None, output: str, **given: Any) -> None:
     """Draw NEST, or the plan PLAN.json of it: order, zones, pierces, leads, directions and idle travel."""
-    from ..models.plan import read_plan
+    from ..models.plan_reader import read_plan
     from ..postproc.report import plot
 
     asked = read_given(**given)

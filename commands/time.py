@@ -23,7 +23,7 @@ _FEEDS_DIFFER = 0.01
 @click.argument("made", metavar="PLAN.json|OUT.nc")
 def command(made: str, as_json: bool, **given: Any) -> None:
     """Say how long a plan or an NC program of NEST takes by the profile's time model, and what it costs."""
-    from ..models.plan import read_plan
+    from ..models.plan_reader import read_plan
     from ..models.timing.choose import machine_feeds
     from ..models.timing.constant import ConstantFeed
     from ..models.timing.cost import cost_of

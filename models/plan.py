@@ -5,11 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, Literal
 
 from ..encoder.cut import Cut, CutSequence, Side
-from ..encoder.errors import InputError
 from ..encoder.geometry.curve import Curve
 from .timing.report import TimeReport
 
@@ -164,79 +162,3 @@ def _cut_row(order: int, planned: PlannedCut) -> dict[str, Any]:
         "because": list(planned.because),
     }
     return row | ({"excused": list(cut.excused)} if cut.excused else {})
-
-
-def read_plan(path: str | Path) -> Plan:
-    """Read a kerfwise-plan/1 file.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is not JSON, or lacks something the format asks for.
-    """
-    try:
-        data = json.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"cannot read the plan: {error.strerror}", file=path) from None
-    except UnicodeDecodeError:
-        raise InputError("not a plan: the file is not UTF-8 text", file=path) from None
-    except json.JSONDecodeError as error:
-        message = f"not a plan: expected JSON as solve writes it with --plan ({error.msg})"
-        raise InputError(message, file=path, line=error.lineno, column=error.colno) from None
-    if not isinstance(data, dict) or data.get("format") != FORMAT:
-        raise InputError(f'not a plan: expected "format": "{FORMAT}"', file=path)
-    try:
-        return _plan_of(data)
-    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
-        raise InputError(f"the plan is damaged: {error!r}", file=path) from None
-
-
-def _plan_of(data: dict[str, Any]) -> Plan:
-    def curve(rows: list[list[float]]) -> Curve | None:
-        return Curve.of(rows, closed=False) if rows else None
-
-    cuts = tuple(
-        PlannedCut(
-            Cut(
-                c["contour"],
-                (float(c["entry"][0]), float(c["entry"][1])),
-                c["direction"],
-                (float(c["pierce"][0]), float(c["pierce"][1])),
-                curve(c["lead_in"]),
-                curve(c["lead_out"]),
-                c["zone"],
-                c["start_s"],
-                c["end_s"],
-                tuple(c.get("excused", ())),
-            ),
-            c["part"],
-            c["kind"],
-            c["length_mm"],
-            tuple(c["because"]),
-        )
-        for c in sorted(data["cuts"], key=lambda c: int(c["order"]))
-    )
-    return Plan(
-        nest=data["nest"],
-        profile=data["profile"],
-        start_side=data["start_side"],
-        start_side_because=data["start_side_because"],
-        cuts=cuts,
-        totals=Totals(**data["totals"]),
-        solve=SolveReport(**data["solve"]),
-        rules=tuple(
-            RuleReport(
-                r["id"],
-                r["strength"],
-                r["holds"],
-                tuple((tuple(e["contours"]), e["why"]) for e in r["exceptions"]),
-            )
-            for r in data["rules"]
-        ),
-        dropped=tuple(Dropped(d["rule"], tuple(d["contours"]), d["why"]) for d in data["dropped"]),
-        time=_time_of(data["time"]) if "time" in data else None,
-    )
-
-
-def _time_of(data: dict[str, Any]) -> TimeReport:
-    return TimeReport(**{name: data[name] for name in TimeReport.__slots__})

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 from itertools import islice
 
-from jsonschema import Draft202012Validator, ValidationError
+from jsonschema import Draft202012Validator
 
 from ..errors import InputError
+from ..json_words import said
 from .json_place import places, spoken
 from .limits import LIMIT_MM
 
 MOST_ERRORS = 20
-NAMES = {"object": "an object", "array": "a list", "string": "a text", "number": "a number"}
 
 
 @cache
@@ -47,7 +46,7 @@ def check_schema(document: object, text: str) -> None:
         path = list(error.absolute_path)
         if len(path) > 1 and path[0] == "parts":
             path[1] = numbers[int(path[1])]
-        found.append((path, _said(error)))
+        found.append((path, said(error)))
     if found:
         raise _refusal(found, text, ids)
 
@@ -80,36 +79,3 @@ def _plain_vertex(row: object) -> bool:
     if not isinstance(row, list) or not 2 <= len(row) <= 3:
         return False
     return all(type(x) in (int, float) and -LIMIT_MM <= x <= LIMIT_MM for x in row)
-
-
-def _said(error: ValidationError) -> str:
-    """The schema's complaint about one value, in the file's own terms."""
-    given, bound = _short(error.instance), error.validator_value
-    match error.validator:
-        case "required":
-            return error.message.replace(" is a required property", " missing")
-        case "oneOf":
-            return "expected either 'width' and 'height', or 'outline'"
-        case "const":
-            return f"{given} given, expected {bound!r}"
-        case "enum" if isinstance(bound, list):
-            return f"{given} given, expected one of {', '.join(bound)}"
-        case "type":
-            return f"{given} given, expected {NAMES[str(bound)]}"
-        case "minItems" | "minLength" if not error.instance:
-            return "nothing in it"
-        case "minItems" | "maxItems" if isinstance(error.instance, list):
-            words = {"minItems": "at least", "maxItems": "at most"}
-            return f"{len(error.instance)} given, expected {words[error.validator]} {bound}"
-        case "minimum" | "maximum" | "exclusiveMinimum":
-            words = {"minimum": "at least", "maximum": "at most", "exclusiveMinimum": "over"}
-            return f"{given} given, expected {words[error.validator]} {bound}"
-    return error.message
-
-
-def _short(value: object) -> str:
-    names: Mapping[type, str] = {dict: "an object", list: "a list"}
-    if isinstance(value, list) and len(value) <= 3 and not any(isinstance(x, list | dict) for x in value):
-        return json.dumps(value)
-    text = names.get(type(value)) or json.dumps(value)
-    return text if len(text) <= 40 else text[:37] + "…"

@@ -7,7 +7,8 @@ from dataclasses import replace
 import pytest
 
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.plan import Plan, read_plan
+from kerfwise.models.plan import Plan
+from kerfwise.models.plan_reader import read_plan
 from kerfwise.postproc.checking import check_plan
 from kerfwise.postproc.program import write_program
 from kerfwise.postproc.timed import job_of_plan, job_of_program, read_program, time_job, with_times

@@ -12,7 +12,8 @@ from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.make_plan import make_plan
-from kerfwise.models.plan import Plan, read_plan
+from kerfwise.models.plan import Plan
+from kerfwise.models.plan_reader import read_plan
 from kerfwise.models.solution import SolveOptions
 from kerfwise.models.solve import solve
 from kerfwise.postproc.checking import check_plan, check_program, report_of

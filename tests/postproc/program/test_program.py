@@ -11,7 +11,7 @@ from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.plan import read_plan
+from kerfwise.models.plan_reader import read_plan
 from kerfwise.postproc.blocks import comment, path_blocks
 from kerfwise.postproc.dialects import load_dialect
 from kerfwise.postproc.program import write_program
