@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
+from functools import lru_cache
 
 import numpy as np
 
@@ -13,11 +14,15 @@ from .placement import host_holes, places
 FRAME = -1
 STEP_MM, LEAST_SPOTS = 2.0, 160
 
-Graph = Mapping[int, set[int]]
+Graph = Mapping[int, Set[int]]
 
 
-def holding(nest: Nest, web_mm: float, edge_band_mm: float, frame_share: float) -> tuple[dict[int, set[int]], set[int]]:
-    """Part number → parts in the same place that it faces or that face it; and the parts that hang on the frame."""
+@lru_cache(maxsize=2)
+def holding(nest: Nest, web_mm: float, edge_band_mm: float, frame_share: float) -> tuple[Graph, frozenset[int]]:
+    """Part number → parts in the same place that it faces or that face it; and the parts that hang on the frame.
+
+    Remembered for the last nest: a plan and its program ask for the same.
+    """
     at = places(nest, host_holes(nest))
     place = [at[part.id] for part in nest.parts]
     spots = []
@@ -38,7 +43,7 @@ def holding(nest: Nest, web_mm: float, edge_band_mm: float, frame_share: float) 
     steady = np.bincount(every.part[(faced == EDGE) | (faced == SOLID)], minlength=len(nest.parts))
     count = np.bincount(every.part, minlength=len(nest.parts))
     framed.update(np.flatnonzero(steady >= frame_share * count).tolist())
-    return joined, framed
+    return joined, frozenset(framed)
 
 
 def clusters(joined: Graph) -> Iterator[list[int]]:
@@ -63,7 +68,7 @@ def clusters(joined: Graph) -> Iterator[list[int]]:
 
 
 def cut_off(
-    cluster: Sequence[int], joined: Graph, framed: set[int], cut_at: Mapping[int, int]
+    cluster: Sequence[int], joined: Graph, framed: Set[int], cut_at: Mapping[int, int]
 ) -> Iterator[tuple[int, list[int]]]:
     """Position of each cut that leaves parts of the cluster on an island, and these parts.
 

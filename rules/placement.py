@@ -6,6 +6,7 @@ Plain shapely on purpose, and nothing from the facts that models are built on: a
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 
 import numpy as np
 import shapely
@@ -16,10 +17,11 @@ from ..encoder.nest import Contour, Nest, Part
 Ints = NDArray[np.int64]
 
 
-def host_holes(nest: Nest) -> dict[str, Contour]:
+@lru_cache(maxsize=2)
+def host_holes(nest: Nest) -> Mapping[str, Contour]:
     """Part id → the hole of another part that it lies in, for every part that lies in one (the smallest, if nested).
 
-    A part may touch the hole it lies in: a point well inside the part decides.
+    A part may touch the hole it lies in: a point well inside the part decides. Remembered for the last nest.
     """
     holes = [hole for part in nest.parts for hole in part.holes]
     if not holes:

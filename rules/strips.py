@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -147,8 +148,16 @@ class Metal:
         return ends > 1
 
 
-def strips_and_islands(nest: Nest, order: Sequence[str], strip_mm: float, web_mm: float) -> Iterator[Cutting]:
-    """What lies badly after each cut of an order of contour ids, told once a part; numbers are those of parts."""
+@lru_cache(maxsize=4)
+def strips_and_islands(nest: Nest, order: tuple[str, ...], strip_mm: float, web_mm: float) -> tuple[Cutting, ...]:
+    """What lies badly after each cut of an order of contour ids, told once a part; numbers are those of parts.
+
+    Remembered for the last few orders: the plan that is found is looked at again as a plan, and as a program.
+    """
+    return tuple(_badly(nest, order, strip_mm, web_mm))
+
+
+def _badly(nest: Nest, order: Sequence[str], strip_mm: float, web_mm: float) -> Iterator[Cutting]:
     number = {part.outer.id: k for k, part in enumerate(nest.parts)}
     grounds, where = _grounds(nest, strip_mm, web_mm)
     in_place = {part: p for ground in grounds.values() for p, part in enumerate(ground.parts)}

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable
 from functools import cached_property
+
+import numpy as np
 
 from ...encoder.cut import CutSequence
 from ...encoder.nest import Nest
@@ -23,27 +24,60 @@ class Forcing:
         self.nest, self.cuts, self.profile = nest, cuts, profile
 
     def __call__(self, contour: str) -> frozenset[str]:
-        own = self._run(contour)
-        inside = self._back(self._directly[contour] & own, lambda name: self._directly[name] & own)
-        outside = self._back(self._before(own), lambda name: self._before(self._run(name)) | self._run(name))
-        return inside | (outside - own)
+        own = self._runs.get(contour, (contour,))
+        inside = self._inside(contour, frozenset(own))
+        before = self._before[self._number[contour]] if contour in self._number else 0
+        bits = np.unpackbits(
+            np.frombuffer(before.to_bytes(len(self._groups) // 8 + 1, "little"), np.uint8), bitorder="little"
+        )
+        outside = (name for k in np.flatnonzero(bits).tolist() for name in self._groups[k])
+        return frozenset(inside) | (frozenset(outside) - frozenset(own))
 
-    def _back(self, start: Iterable[str], onward: Callable[[str], Iterable[str]]) -> frozenset[str]:
-        """Everything that can be reached, the start too."""
-        waiting = list(start)
-        seen = set(waiting)
-        while waiting:
-            new = set(onward(waiting.pop())) - seen
+    def _inside(self, contour: str, own: frozenset[str]) -> list[str]:
+        """What the orders put before a contour within the run that it is cut in."""
+        reached = [name for name in self._directly[contour] if name in own]
+        seen = set(reached)
+        for name in reached:
+            new = (self._directly[name] & own) - seen
             seen |= new
-            waiting += new
-        return frozenset(seen)
+            reached += new
+        return reached
 
-    def _before(self, run: frozenset[str]) -> frozenset[str]:
-        """What some order puts before a contour of the run, and so before all of it."""
-        return frozenset(name for member in run for name in self._directly[member]) - run
+    @cached_property
+    def _groups(self) -> list[tuple[str, ...]]:
+        """What is cut in one go, and every other contour by itself, in the order of the cuts."""
+        at = self.cuts.positions()
+        names = {*at, *self._directly, *(name for before in self._directly.values() for name in before)}
+        groups = {self._runs.get(name, (name,)) for name in names}
+        return sorted(groups, key=lambda group: (min(at.get(name, 0) for name in group), group))
 
-    def _run(self, contour: str) -> frozenset[str]:
-        return self._runs.get(contour, frozenset({contour}))
+    @cached_property
+    def _number(self) -> dict[str, int]:
+        """Contour → the number of its group."""
+        return {name: k for k, group in enumerate(self._groups) for name in group}
+
+    @cached_property
+    def _before(self) -> list[int]:
+        """For each group all the groups that must go before it, a bit each.
+
+        Groups are gone through in the order of the cuts, which what is kept of the orders follows: once is enough,
+        but where a run is torn apart and so on a cycle.
+        """
+        straight = [
+            {self._number[b] for name in group for b in self._directly[name]} - {k}
+            for k, group in enumerate(self._groups)
+        ]
+        before = [0] * len(self._groups)
+        changed = True
+        while changed:
+            changed = False
+            for k, others in enumerate(straight):
+                reached = before[k]
+                for other in others:
+                    reached |= before[other] | 1 << other
+                if reached != before[k]:
+                    before[k], changed = reached, True
+        return before
 
     @cached_property
     def _directly(self) -> dict[str, set[str]]:
@@ -61,11 +95,11 @@ class Forcing:
         return {rule: s for rule, s in self.profile.settings().items() if s.strength == "hard"}
 
     @cached_property
-    def _runs(self) -> dict[str, frozenset[str]]:
+    def _runs(self) -> dict[str, tuple[str, ...]]:
         """Contour → all that is cut in one go with it."""
         book = self.profile.rulebook()
         return {
-            name: frozenset(run)
+            name: tuple(sorted(run))
             for rule, setting in self._hard.items()
             for run in book[rule].together(self.nest, setting.options)
             for name in run

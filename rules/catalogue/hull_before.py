@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import shapely
@@ -58,17 +59,23 @@ class HullBefore(OrderRule[NoOptions]):
     def pairs(self, nest: Nest, cuts: CutSequence, options: NoOptions) -> list[Ids]:
         if not nest.parts:
             return []
-        outlines = [part.outer.line for part in nest.parts]
-        hulls = shapely.convex_hull(outlines)
-        centroids = shapely.centroid([part.outer.polygon for part in nest.parts])
-        inside, hull = shapely.STRtree(hulls).query(centroids, "dwithin", distance=ON_HULL_MM)
-        within = shapely.contains([nest.parts[k].outer.polygon for k in hull], centroids[inside])
-        pairs = same_place(nest, inside[~within], hull[~within])
-        hollow = {part.id for part in {b.id: b for _, b in pairs}.values() if _is_hollow(part.outer)}
-        return [(a.outer.id, b.outer.id) for a, b in pairs if b.id in hollow]
+        return list(_in_mouths(nest))
 
     def reason(self, before: str, after: str, start_side: Side | None) -> str:
         return f"it sits in the concavity of {after}, and would be left on an island once {after} is out"
+
+
+@lru_cache(maxsize=2)
+def _in_mouths(nest: Nest) -> tuple[Ids, ...]:
+    """Outer contours (before, after): the first sits in the concavity of the second. Remembered for the last nest."""
+    outlines = [part.outer.line for part in nest.parts]
+    hulls = shapely.convex_hull(outlines)
+    centroids = shapely.centroid([part.outer.polygon for part in nest.parts])
+    inside, hull = shapely.STRtree(hulls).query(centroids, "dwithin", distance=ON_HULL_MM)
+    within = shapely.contains([nest.parts[k].outer.polygon for k in hull], centroids[inside])
+    pairs = same_place(nest, inside[~within], hull[~within])
+    hollow = {part.id for part in {b.id: b for _, b in pairs}.values() if _is_hollow(part.outer)}
+    return tuple((a.outer.id, b.outer.id) for a, b in pairs if b.id in hollow)
 
 
 def _is_hollow(outer: Contour) -> bool:

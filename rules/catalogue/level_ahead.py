@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -62,17 +63,23 @@ class LevelAhead(OrderRule[NoOptions]):
     def pairs(self, nest: Nest, cuts: CutSequence, options: NoOptions) -> list[Ids]:
         if cuts.start_side is None or not nest.parts:
             return []
-        outlines = [part.outer.line for part in nest.parts]
-        xmin, ymin, xmax, ymax = shapely.total_bounds(outlines).tolist()
-        reach = np.array(AWAY[cuts.start_side]) * (xmax - xmin + ymax - ymin + 1)
-        start = shapely.get_coordinates(shapely.centroid([part.outer.polygon for part in nest.parts]))
-        rays = shapely.linestrings(np.stack([start, start + reach], axis=1))
-        ahead, met = shapely.STRtree(outlines).query(rays, "dwithin", distance=GRAZE_MM)
-        within = shapely.contains([nest.parts[k].outer.polygon for k in met], shapely.points(start[ahead]))
-        return [(a.outer.id, b.outer.id) for a, b in same_place(nest, ahead[~within], met[~within])]
+        return list(_ahead(nest, cuts.start_side))
 
     def reason(self, before: str, after: str, start_side: Side | None) -> str:
         return (
             f"it lies between {after} and the {start_side} side, where cutting starts, and would be left on an island "
             "behind the torch"
         )
+
+
+@lru_cache(maxsize=2)
+def _ahead(nest: Nest, start_side: Side) -> tuple[Ids, ...]:
+    """Outer contours (before, after) whose shadow the centroid of the first lies in; remembered for the last nest."""
+    outlines = [part.outer.line for part in nest.parts]
+    xmin, ymin, xmax, ymax = shapely.total_bounds(outlines).tolist()
+    reach = np.array(AWAY[start_side]) * (xmax - xmin + ymax - ymin + 1)
+    start = shapely.get_coordinates(shapely.centroid([part.outer.polygon for part in nest.parts]))
+    rays = shapely.linestrings(np.stack([start, start + reach], axis=1))
+    ahead, met = shapely.STRtree(outlines).query(rays, "dwithin", distance=GRAZE_MM)
+    within = shapely.contains([nest.parts[k].outer.polygon for k in met], shapely.points(start[ahead]))
+    return tuple((a.outer.id, b.outer.id) for a, b in same_place(nest, ahead[~within], met[~within]))

@@ -79,7 +79,7 @@ class NoNarrowStrips(Rule[NoNarrowStripsOptions]):
 
     def no_goods(self, nest: Nest, order: Sequence[str], options: NoNarrowStripsOptions) -> list[NoGoodIds]:
         found = []
-        for cutting in strips_and_islands(nest, order, options.narrow_mm, options.web_mm):
+        for cutting in strips_and_islands(nest, tuple(order), options.narrow_mm, options.web_mm):
             out = tuple(nest.parts[k].outer.id for k in cutting.out)
             left = tuple(nest.parts[k].outer.id for k in cutting.left)
             sentence = f"{' or '.join(left)} is cut before the last of {_listed(out)}: {_where(cutting, left, 'them')}"
@@ -88,7 +88,7 @@ class NoNarrowStrips(Rule[NoNarrowStripsOptions]):
 
     def violations(self, nest: Nest, cuts: CutSequence, options: NoNarrowStripsOptions) -> list[Violation]:
         at = cuts.positions()
-        order = [cut.contour for cut in cuts]
+        order = tuple(cut.contour for cut in cuts)
         found = []
         for cutting in strips_and_islands(nest, order, options.narrow_mm, options.web_mm):
             left = tuple(nest.parts[k].outer.id for k in cutting.left)
