@@ -132,8 +132,7 @@ class Metal:
             if max(px1 - px0, py1 - py0) > reach or not shapely.dwithin(piece, self.grown[p], 1e-6):
                 continue
             on_it = left[shapely.intersects(piece, self.inner[left])]
-            elsewhere = np.setdiff1d(np.flatnonzero(~self.out), on_it)
-            if len(on_it) and len(elsewhere):
+            if len(on_it) and (elsewhere := np.setdiff1d(np.flatnonzero(~self.out), on_it)).size:
                 border = gone[shapely.dwithin(self.grown[gone], piece, 1e-6)]
                 fewer, more = sorted((on_it, elsewhere), key=len)
                 other = min(more.tolist(), key=lambda k: (self.areas[k].distance(self.areas[p]), k))

@@ -106,7 +106,7 @@ def _point(label: Label) -> shapely.Point | None:
 
 
 def _in_hole(area: shapely.Geometry, label: Label, wanted_mm: float) -> Place | None:
-    leads = [curve.line(0.5).buffer(0.2 * wanted_mm, quad_segs=2) for curve in label.obstacles]
+    leads = [curve.line(0.5).buffer(0.2 * wanted_mm, quad_segs=2) for curve in label.obstacles if curve.segments]
     clear = area.difference(shapely.union_all(leads)) if leads else area
     return find_room(area if clear.is_empty else clear, label.text, wanted_mm, _point(label))
 
