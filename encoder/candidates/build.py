@@ -11,7 +11,7 @@ from ..errors import InputError
 from ..geometry.curve import Curve
 from ..nest import Nest
 from .approaches import Approaches
-from .candidate import Candidate, LeadOptions
+from .candidate import IN_PROFILE, Candidate, LeadOptions
 from .joints import Joints, Outline
 from .lead_in import least_clearance_mm
 from .lead_out import lead_outs
@@ -75,17 +75,19 @@ def _check(options: LeadOptions, nest: Nest) -> None:
     if idle:
         raise InputError(f"no direction is given to cut a contour of this kind in: {', '.join(idle)}")
     if options.entries < 1:
-        raise InputError(f"entries must be at least 1, not {options.entries}")
+        raise InputError(f"leads.entries must be at least 1, not {options.entries}")
     if options.lead != "none" and options.lead_in_min_mm <= 0:
-        raise InputError(f"lead_in_min_mm must be more than 0, not {options.lead_in_min_mm:g}")
+        raise InputError(f"{IN_PROFILE['lead_in_min_mm']} must be more than 0 mm, not {options.lead_in_min_mm:g} mm")
     if options.lead != "none" and options.lead_in_min_mm > options.lead_in_mm:
         raise InputError(
-            f"lead_in_min_mm, {options.lead_in_min_mm:g}, is more than lead_in_mm, {options.lead_in_mm:g}: lower it"
+            f"{IN_PROFILE['lead_in_min_mm']}, {options.lead_in_min_mm:g} mm, is more than {IN_PROFILE['lead_in_mm']}, "
+            f"{options.lead_in_mm:g} mm: lower it"
         )
     if options.lead != "none" and options.lead_in_mm < shortest_mm:
         raise InputError(
-            f"lead_in_mm, {options.lead_in_mm:g}, does not bring the pierce pierce_clearance_mm, "
-            f"{options.pierce_clearance_mm:g}, away from the contour: it must be at least {shortest_mm:g}"
+            f"{IN_PROFILE['lead_in_mm']}, {options.lead_in_mm:g} mm, does not bring the pierce "
+            f"{IN_PROFILE['pierce_clearance_mm']}, {options.pierce_clearance_mm:g} mm, away from the contour: "
+            f"it must be at least {shortest_mm:g} mm"
         )
 
 

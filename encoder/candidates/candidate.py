@@ -14,6 +14,15 @@ from ..nest import Kind
 LeadKind = Literal["line", "arc", "none"]
 
 
+IN_PROFILE = {
+    "kerf_mm": "material.kerf",
+    "lead_in_mm": "leads.lead_in",
+    "lead_in_min_mm": "leads.lead_in_min",
+    "pierce_clearance_mm": "rules.pierce.clearance",
+}
+"""What the people who read messages know these options as."""
+
+
 @dataclass(frozen=True, slots=True)
 class LeadOptions:
     """How torch paths join a contour. Lengths in mm, measured along the lead.

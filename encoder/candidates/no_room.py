@@ -12,7 +12,7 @@ from ..compensation import compensated
 from ..errors import InputError
 from ..geometry.curve import FloatArray
 from .approaches import Approaches, ways
-from .candidate import LeadOptions
+from .candidate import IN_PROFILE, LeadOptions
 from .joints import Joints, Outline
 from .lead_in import lead_ins, least_clearance_mm, shapes
 from .lead_shapes import shaped
@@ -64,21 +64,22 @@ def _reasons(
             gap_mm = math.floor(gap_mm * 100 + 1e-3) / 100
             why = (
                 f"the best spot for a pierce near it is {gap_mm:g} mm from {what}, "
-                f"pierce_clearance_mm asks for {clearance_mm:g}"
+                f"{IN_PROFILE['pierce_clearance_mm']} asks for {clearance_mm:g} mm"
             )
             if gap_mm > options.kerf_mm / 2 + 0.01:
-                frees.append(f"pierce_clearance_mm ≤ {gap_mm:g}")
+                frees.append(f"{IN_PROFILE['pierce_clearance_mm']} ≤ {gap_mm:g} mm")
         elif led:
             why = (
-                f"no lead from lead_in_min_mm, {options.lead_in_min_mm:g}, to lead_in_mm, {options.lead_in_mm:g}, "
+                f"no lead from {IN_PROFILE['lead_in_min_mm']}, {options.lead_in_min_mm:g} mm, to "
+                f"{IN_PROFILE['lead_in_mm']}, {options.lead_in_mm:g} mm, "
                 f"keeps half the kerf, {options.kerf_mm / 2:g} mm, away from what is around it"
             )
         else:
             why = (
                 "without a lead the pierce lies on the torch's path, and all of that is nearer to others than "
-                f"pierce_clearance_mm, {clearance_mm:g}"
+                f"{IN_PROFILE['pierce_clearance_mm']}, {clearance_mm:g} mm"
             )
-        frees += [f"{name} ≤ {values[k]:g}" for name, values in freed.items() if k in values]
+        frees += [f"{IN_PROFILE[name]} ≤ {values[k]:g} mm" for name, values in freed.items() if k in values]
         remedy = f"{' or '.join(frees)} would free it" if frees else "it needs more room in the nest"
         reasons[k] = f"{why}; {remedy}"
     return reasons

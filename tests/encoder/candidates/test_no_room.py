@@ -8,6 +8,7 @@ import re
 import pytest
 
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
+from kerfwise.encoder.candidates.candidate import IN_PROFILE
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.tests.nests import circle, nest, part, rect
@@ -23,8 +24,8 @@ def test_every_contour_without_room_is_named_with_its_place_and_what_would_free_
     drawn = nest(400, 300, part("A", rect(100, 100, 80, 80), [circle(140, 140, 20), circle(115, 115, 1.9)]))
     assert told(drawn, LeadOptions(pierce_clearance_mm=2.0)) == (
         "a contour of the nest cannot be cut as the options ask\n"
-        "  - A.hole2 at (113.1, 115.0): the best spot for a pierce near it is 1.9 mm from A.hole2, pierce_clearance_mm "
-        "asks for 2; pierce_clearance_mm ≤ 1.9 would free it"
+        "  - A.hole2 at (113.1, 115.0): the best spot for a pierce near it is 1.9 mm from A.hole2, "
+        "rules.pierce.clearance asks for 2 mm; rules.pierce.clearance ≤ 1.9 mm would free it"
     )
 
 
@@ -33,16 +34,16 @@ def test_a_gap_is_told_from_both_sides() -> None:
     drawn = nest(400, 300, host, part("G", rect(112.1, 112.1, 75.8, 75.8)))
     text = told(drawn, LeadOptions())
     assert re.findall(r"- (\S+) at", text) == ["H.hole1", "G.outer"]
-    assert "pierce_clearance_mm ≤" in text
-    assert "lead_in_min_mm ≤ 0.25" in text
-    assert "kerf_mm ≤" in text
+    assert "rules.pierce.clearance ≤" in text
+    assert "leads.lead_in_min ≤ 0.25 mm" in text
+    assert "material.kerf ≤" in text
 
 
 @pytest.mark.parametrize("name", ["pierce_clearance_mm", "lead_in_min_mm", "kerf_mm"])
 def test_what_is_said_to_free_it_does(name: str) -> None:
     host = part("H", rect(100, 100, 100, 100), [rect(110, 110, 80, 80)])
     drawn = nest(400, 300, host, part("G", rect(112.1, 112.1, 75.8, 75.8)))
-    values = [float(v) for v in re.findall(rf"{name} ≤ ([\d.]+)", told(drawn, LeadOptions()))]
+    values = [float(v) for v in re.findall(rf"{re.escape(IN_PROFILE[name])} ≤ ([\d.]+) mm", told(drawn, LeadOptions()))]
     assert len(values) == 2
     assert build_candidates(drawn, dataclasses.replace(LeadOptions(), **{name: min(values)}))
 
@@ -56,7 +57,7 @@ def test_a_contour_that_others_enclose_needs_room() -> None:
     host = part("H", rect(100, 100, 100, 100), [rect(110, 110, 80, 80)])
     drawn = nest(400, 300, host, part("G", rect(110, 110, 80, 80)))
     text = told(drawn, LeadOptions())
-    assert "G.outer at (110.0, 110.0): no lead from lead_in_min_mm, 1, to lead_in_mm, 6, keeps half the kerf" in text
+    assert "G.outer at (110.0, 110.0): no lead from leads.lead_in_min, 1 mm, to leads.lead_in, 6 mm, keeps" in text
     assert "it needs more room in the nest" in text
 
 
@@ -71,18 +72,18 @@ def test_without_a_lead_the_path_itself_needs_the_room() -> None:
     drawn = nest(400, 300, host, part("G", rect(112, 112, 76, 76)))
     text = told(drawn, LeadOptions(lead="none", pierce_clearance_mm=2.0))
     assert "G.outer at (112.0, 112.0): without a lead the pierce lies on the torch's path" in text
-    assert "pierce_clearance_mm ≤ 1 would free it" in text
+    assert "rules.pierce.clearance ≤ 1 mm would free it" in text
     assert build_candidates(drawn, LeadOptions(lead="none", pierce_clearance_mm=1.0))
 
 
 @pytest.mark.parametrize(
     ("options", "text"),
     [
-        (LeadOptions(lead_in_mm=2.0, pierce_clearance_mm=5.0), "lead_in_mm, 2, .* at least 4.25"),
-        (LeadOptions(lead_in_mm=2.0, lead_in_min_mm=3.0), "lead_in_min_mm, 3, is more than lead_in_mm, 2"),
-        (LeadOptions(lead_in_min_mm=0.0), "lead_in_min_mm must be more than 0"),
+        (LeadOptions(lead_in_mm=2.0, pierce_clearance_mm=5.0), "leads.lead_in, 2 mm, .* at least 4.25 mm"),
+        (LeadOptions(lead_in_mm=2.0, lead_in_min_mm=3.0), "leads.lead_in_min, 3 mm, is more than leads.lead_in, 2 mm"),
+        (LeadOptions(lead_in_min_mm=0.0), "leads.lead_in_min must be more than 0 mm"),
         (LeadOptions(directions={"outer": (), "hole": ("cw",), "mark": ("cw",)}), "no direction is given .*: outer"),
-        (LeadOptions(entries=0), "entries must be at least 1"),
+        (LeadOptions(entries=0), "leads.entries must be at least 1"),
     ],
 )
 def test_options_that_cannot_go_together_are_told_at_once(options: LeadOptions, text: str) -> None:
