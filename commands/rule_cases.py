@@ -41,7 +41,7 @@ def cases_of(rule: str) -> tuple[Any, ...]:
     except ModuleNotFoundError:
         found = None
     if found is None:
-        raise InputError("the cases of rules are part of the tests of a source checkout of kerfwise; this is none")
+        raise InputError("the cases of rules are not installed beside kerfwise: install it anew, or run a checkout")
     if importlib.util.find_spec(f"{package}.cases.{name}") is None:
         raise InputError(f"rule {rule} has no cases: expected the file tests/rules/cases/{name}.py")
     cases: tuple[Any, ...] = importlib.import_module(f"{package}.cases.{name}").CASES

@@ -76,13 +76,17 @@ def _draw(rule: str, path: Path) -> None:
 
 @command.command()
 @click.argument("name")
-@click.option("--into", metavar="DIR", type=click.Path(path_type=Path), help="Another source checkout than this one.")
+@click.option("--into", metavar="DIR", type=click.Path(path_type=Path), help="The source checkout, if not this one.")
 def new(name: str, into: Path | None) -> None:
     """Write the three files of a rule NAME, with an example in them that works: change it into your own."""
-    from ..rules.new_rule import new_rule
+    from ..rules.new_rule import is_checkout, new_rule
 
-    for path in new_rule(name, into or Path(__file__).parents[1]):
+    running = Path(__file__).parents[1]
+    root = into or (running if is_checkout(running) else Path.cwd())
+    for path in new_rule(name, root):
         click.echo(f"written: {path}")
+    if root.resolve() != running:
+        click.echo(f"this kerfwise runs from elsewhere; to have it run from there: pip install -e {root.resolve()}")
     click.echo(f"next: kerfwise rules test {name}, then docs/writing-a-rule.md")
 
 

@@ -19,6 +19,11 @@ FILES = {
 """Template → where what is made of it goes in a checkout."""
 
 
+def is_checkout(root: Path) -> bool:
+    """Whether there are the sources of kerfwise, and not a copy that an installation has made of them."""
+    return (root / "pyproject.toml").is_file() and (root / "rules/catalogue").is_dir()
+
+
 def new_rule(name: str, root: Path) -> tuple[Path, ...]:
     """Write the files of a rule called `name` into the checkout at `root`, and say which they are.
 
@@ -31,9 +36,9 @@ def new_rule(name: str, root: Path) -> tuple[Path, ...]:
     module = name.replace("-", "_")
     paths = {template: root / place.format(module=module) for template, place in FILES.items()}
     for path in paths.values():
-        if not path.parent.is_dir():
+        if not is_checkout(root) or not path.parent.is_dir():
             raise InputError(
-                f"{path.parent} is not there: a rule is written into a source checkout of kerfwise; name it with --into"
+                f"{root} is no source checkout of kerfwise, where rules are written: go to one, or name it with --into"
             )
         if path.exists():
             raise InputError("the file is there already; choose another name, or remove it", file=path)

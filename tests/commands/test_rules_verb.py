@@ -77,17 +77,19 @@ def test_case_that_fails_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
 def checkout(root: Path) -> Path:
     for place in FILES.values():
         (root / place).parent.mkdir(parents=True)
+    (root / "pyproject.toml").touch()
     return root
 
 
 def test_new_rule_is_three_files(tmp_path: Path) -> None:
     out = said("new", "bars-last", "--into", str(checkout(tmp_path)))
-    made = sorted(str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*") if p.is_file())
+    made = sorted(str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*.*") if p.suffix in (".py", ".mzn"))
     assert made == [
         "models/minizinc/rules/bars_last.mzn",
         "rules/catalogue/bars_last.py",
         "tests/rules/cases/bars_last.py",
     ]
+    assert f"pip install -e {tmp_path.resolve()}" in out
     assert "next: kerfwise rules test bars-last" in out
     assert "class BarsLast(OrderRule[NoOptions]):" in (tmp_path / made[1]).read_text(encoding="utf-8")
     assert "bars_last_holds =" in (tmp_path / made[0]).read_text(encoding="utf-8")
@@ -99,7 +101,7 @@ def test_nothing_is_overwritten(tmp_path: Path) -> None:
     taken.write_text("mine", encoding="utf-8")
     with pytest.raises(InputError, match="the file is there already"):
         new_rule("bars-last", tmp_path)
-    assert [p for p in tmp_path.rglob("*") if p.is_file()] == [taken]
+    assert [p for p in tmp_path.rglob("*") if p.suffix in (".py", ".mzn")] == [taken]
 
 
 NAMES = {
@@ -118,5 +120,5 @@ def test_names_that_a_rule_cannot_have(name: str, tmp_path: Path) -> None:
 
 
 def test_a_checkout_is_needed(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="is not there: a rule is written into a source checkout"):
+    with pytest.raises(InputError, match="is no source checkout of kerfwise"):
         new_rule("bars-last", tmp_path)
