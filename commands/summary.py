@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..models.plan import Dropped, Plan
 from ..postproc.check import CheckResult, report
-from ..rules.statements import EXEMPTION_MM
+from ..rules.statements import EXEMPTION_MM, RELAXED_MM
 
 
 def summary(plan: Plan, verdict: CheckResult) -> str:
@@ -16,20 +16,32 @@ def summary(plan: Plan, verdict: CheckResult) -> str:
         proof = f"proven optimal (by {solve.proved_by})"
     elif solve.bound is not None and solve.gap is not None:
         proof = f"at most {solve.gap:.2%} above the best possible (bound {solve.bound / 1000:.3f} m)"
-    excuses, rest_mm = divmod(solve.objective, EXEMPTION_MM)
-    objective = f"objective {rest_mm / 1000:.3f} m"
-    if excuses:
-        objective += f" and {excuses:.0f} excuses, the fewest there can be where the plan is optimal"
     lines = [
         f"{len(plan.cuts)} contours, {totals.pierces} pierces, cut {totals.cut_mm / 1000:.3f} m, "
         f"idle {totals.idle_mm / 1000:.3f} m, {minutes} min {seconds:02d} s",
-        f"{objective}, found by {solve.found_by}, {proof}",
+        f"{_objective(plan)}, found by {solve.found_by}, {proof}",
         f"start side {plan.start_side} (because: {plan.start_side_because}), "
         f"{max((p.cut.zone for p in plan.cuts), default=0)} zones",
     ]
     for dropped in plan.dropped:
         lines.append(f"{_left_out(dropped)}, {dropped.why}")
     return "\n".join([*lines, report(verdict)])
+
+
+def _objective(plan: Plan) -> str:
+    """What the plan costs; excuses and relaxed statements, which weigh more than any travel, are counted apart."""
+    excuses = plan.solve.excuses
+    rest_mm = plan.solve.objective - excuses * EXEMPTION_MM
+    relaxed = 0.0
+    if any(dropped.relaxed for dropped in plan.dropped):
+        relaxed, rest_mm = divmod(rest_mm, RELAXED_MM)
+    text = f"objective {rest_mm / 1000:.3f} m"
+    if excuses:
+        fewest = ", the fewest there can be" if plan.solve.status == "optimal" else ""
+        text += f" and {excuses} excuse{'s' if excuses > 1 else ''}{fewest}"
+    if relaxed:
+        text += f" and {relaxed:.0f} relaxed statement{'s' if relaxed > 1 else ''}"
+    return text
 
 
 def _left_out(dropped: Dropped) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from ..encoder.facts.facts import Facts
 from ..rules.state import Stated
@@ -20,15 +20,25 @@ def excused(facts: Facts, stated: Stated, route: Sequence[int]) -> dict[str, tup
     for about in stated.exempt:
         for name in about.contours:
             rules[name].add(about.rule)
+    for condition, name in _used(facts, stated, route):
+        rules[name].add(condition.about.rule)
+    return {name: tuple(sorted(of)) for name, of in rules.items()}
+
+
+def excuses_used(facts: Facts, stated: Stated, route: Sequence[int]) -> int:
+    """How many statements that weigh EXEMPTION_MM a route breaks, each of which its objective holds."""
+    return sum(1 for _ in _used(facts, stated, route))
+
+
+def _used(facts: Facts, stated: Stated, route: Sequence[int]) -> Iterator[tuple[Condition, str]]:
     contour_of = [c.contour for c in facts.candidates]
     asked = _excusable(stated, contour_of)
     already: set[int] = set()
     for c in route:
         for condition, name in asked.get(contour_of[c], ()):
             if condition.when in (None, c) and not condition.met(already):
-                rules[name].add(condition.about.rule)
+                yield condition, name
         already.add(contour_of[c])
-    return {name: tuple(sorted(of)) for name, of in rules.items()}
 
 
 def _excusable(stated: Stated, contour_of: list[int]) -> dict[int, list[tuple[Condition, str]]]:

@@ -10,7 +10,7 @@ from ..encoder.facts.facts import Facts
 from ..encoder.nest import Contour
 from ..rules.profile import Profile
 from ..rules.state import Stated
-from .excused import excused
+from .excused import excused, excuses_used
 from .plan import Dropped, Plan, PlannedCut, SolveReport, Totals
 from .reasons import reasons
 from .solution import Solution
@@ -82,6 +82,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
             seed,
             solution.found_by,
             solution.proved_by,
+            excuses_used(facts, stated, solution.route),
         ),
         dropped=(
             *(Dropped(d.rule, d.contours, d.why) for d in stated.dropped),

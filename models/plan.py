@@ -19,13 +19,17 @@ Status = Literal["optimal", "feasible"]
 
 @dataclass(frozen=True, eq=False)
 class PlannedCut:
-    """A cut with what the plan says of it: its part, kind, torch-on length and the reasons for its place."""
+    """A cut with what the plan says of it: its part, kind, torch-on length and the reasons for its place.
+
+    The torch waits over the pierce, off, for `dwell_s` before the cut begins, so that metal may cool.
+    """
 
     cut: Cut
     part: str
     kind: str
     length_mm: float
     because: tuple[str, ...] = ()
+    dwell_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +49,7 @@ class SolveReport:
 
     `objective` and `bound` are in mm of idle travel (soft rules weigh in at their weights); `gap` is
     (objective - bound) / objective. `proved_by` names the engine behind the bound, `found_by` the one behind the plan.
+    `excuses` is how many hard statements the plan could not keep: each weighs 1000 m in the objective.
     """
 
     engine: str
@@ -56,6 +61,7 @@ class SolveReport:
     seed: int
     found_by: str = ""
     proved_by: str = ""
+    excuses: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -123,6 +123,8 @@ class IdleTravel:
 
 EXEMPTION_MM = 1e6
 """Weight of a hard statement that may be excused: more than any plan travels, so excuses are fewest before all else."""
+RELAXED_MM = 2 * EXEMPTION_MM
+"""What breaking a relaxed statement costs: more than anything a rule excuses by itself."""
 
 Statement = Precede | Forbid | AtLeast | Contiguous | Lag | NoGood | Crossing | IdleTravel
 """Every `weight` of None makes a statement hard; a number makes breaking it cost that much, in mm of idle travel."""

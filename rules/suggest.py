@@ -43,7 +43,7 @@ def unknown(what: str, given: str, valid: Iterable[str]) -> str:
     """
     names = sorted(valid)
     guess = nearest(given, names)
-    hint = f": did you mean {guess!r}?" if guess else ":"
+    hint = f": did you mean {guess!r}?" if guess else ""
     listed = ", ".join(names) if len(names) <= 20 else f"{', '.join(names[:20])}, …"
     return f"unknown {what} {given!r}{hint} (valid: {listed})" if names else f"unknown {what} {given!r}"
 

@@ -9,7 +9,7 @@ from typing import Any
 from ortools.sat.python.cp_model import OPTIMAL, CpModel
 
 from ...rules.rule import Rule
-from ...rules.statements import EXEMPTION_MM, About, Statement
+from ...rules.statements import RELAXED_MM, About, Statement
 from .core import Core
 from .group import Group
 from .order_model import NotAnswered, quiet_solver
@@ -18,8 +18,6 @@ NEVER = ("inner-before-outer",)
 """Rules that cannot be broken at all, whatever their strengths: metal that has dropped cannot be cut."""
 LAST = "locks"
 """The rule that gives way only where all others together do not help."""
-RELAXED_MM = 2 * EXEMPTION_MM
-"""What breaking a relaxed statement costs: more than anything a rule excuses by itself."""
 UNITS_A_MM = 1000
 MOST_ASKED = 12_000
 """How many groups are asked about in all: each contradiction that is looked for asks about every group once."""

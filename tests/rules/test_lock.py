@@ -23,7 +23,7 @@ ROW = nest(300, 100, part("P1", rect(10, 10, 60, 80)), part("P2", rect(80, 10, 6
             Lock(contour="P1.outer", before="P3.outer"),
             "lock: unknown contour 'P3.outer': did you mean 'P2.outer'? (valid: P1.outer, P2.outer)",
         ),
-        (Lock(part="Q", zone=1), "lock: unknown part 'Q': (valid: P1, P2)"),
+        (Lock(part="Q", zone=1), "lock: unknown part 'Q' (valid: P1, P2)"),
         (Lock(contour="P1.outer", position=3), "lock: position 3, but the nest has 2 contours only"),
     ],
 )

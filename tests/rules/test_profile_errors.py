@@ -52,7 +52,7 @@ MISTAKES = {
     ),
     "prices: {gas_hour: -1}": "1:20: prices.gas_hour: expected a number of at least 0, got '-1'",
     "material: {kerf: 1,5}": (
-        "1:20: material: unknown key '5': (valid: kerf, name, thickness); decimals are written with a point"
+        "1:20: material: unknown key '5' (valid: kerf, name, thickness); decimals are written with a point"
     ),
     "material:\n  kerf: 1,5 mm": (
         f"2:9: material.kerf: expected {LENGTH}, got '1,5 mm': write decimals with a point, 1.5 mm"
@@ -72,7 +72,7 @@ MISTAKES = {
     ),
     "rules: {locks: off}": "1:16: rules.locks: expected one of hard, got 'off'",
     "rules: {locks: {locks: []}}": (
-        "1:17: rules.locks: unknown key 'locks': (valid: entry_tolerance, strength, weight)"
+        "1:17: rules.locks: unknown key 'locks' (valid: entry_tolerance, strength, weight)"
     ),
     "locks: {contour: P1.outer}": "1:8: locks: expected a list, got a mapping",
     "locks:\n  - first": "2:5: locks[1]: expected a mapping (key: value), got 'first'",

@@ -68,7 +68,7 @@ MISTAKES = {
     ),
     "- {file: none.mzn}": "1:10: own_rules[1].file: there is no file 'none.mzn'",
     "- {file: rule.txt}": "1:10: own_rules[1].file: expected a MiniZinc file such as plant_rule.mzn, got 'rule.txt'",
-    "- {file: none.mzn, select: {}}": "1:20: own_rules[1]: unknown key of a rule in a file 'select':",
+    "- {file: none.mzn, select: {}}": "1:20: own_rules[1]: unknown key of a rule in a file 'select' (valid: ",
 }
 
 
