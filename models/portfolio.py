@@ -8,18 +8,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from . import beam
+from . import beam, ideals
 from .cpsat import solve_cpsat
 from .engines import Member
-from .ideals import fits, prove
-from .ideals.series import series
 from .problem import Problem
 from .search import Searcher
 from .solution import Incumbent, SolveOptions
 from .watch import Watch
 
-FIRST = 0.03
-"""Share of the work for a first look by the search."""
+FIRST, FIRST_S, FIRST_MOST = 0.03, 0.9, 0.6
+"""Share of the work for a first look by the search; as many seconds at the least, but no more than this share."""
 PROOF, PROOF_SMALL = 0.45, 0.9
 """Share that the proof by ideals may take, where it fits; most take next to nothing.
 
@@ -34,8 +32,15 @@ SEARCH, SEARCH_PLAIN = 0.6, 0.9
 
 CP-SAT has more where it alone can prove anything: where statements look further back than a state does.
 """
+AT_ONCE_S, AT_ONCE = 1.5, 0.5
+"""A sweep over all sets is begun with, before any search, if it takes no longer, and no more than this share."""
+SURE = 0.4
+"""Share of what is left that a sweep over all sets may take so that nothing else is tried before it."""
+COUNTED = 2e7
+"""Entries that are counted beforehand at the most, where there are `COUNTED_S` seconds or more."""
+COUNTED_S = 30.0
 LONGEST = 36
-"""Contours in a stretch up to which the ideals are tried before the beam, if there is one stretch only."""
+"""Contours in a stretch up to which a bound may make the ideals few, if there is one stretch only."""
 
 
 @dataclass(slots=True)
@@ -76,11 +81,17 @@ class _Run:
         self.problem, self.options, self.watch = problem, options, watch
         self.known = Known()
         self.searcher: Searcher | None = None
+        self.tried = False
         self.began_s = watch.seconds
 
     def whole(self) -> Known:
-        if self._takes("search", "it finds the first plan"):
-            self._search(self._left() * (1.0 if self.options.member else FIRST))
+        self._count()
+        if self._at_once():
+            self._ideals(self._left())
+        if not self._over() and self._takes("search", "it finds the first plan"):
+            left = self._left()
+            first = min(FIRST_MOST * left, max(FIRST * left, FIRST_S))
+            self._search(left if self.options.member else first)
         if not self._over() and self._ideals_fit():
             share = PROOF_SMALL if self.problem.n <= LONGEST else PROOF
             self._ideals(self._left() * (1.0 if self.options.member else share))
@@ -115,22 +126,49 @@ class _Run:
         self.known.offer(self.searcher.best, "search")
         self.known.work += share
 
-    def _ideals_fit(self) -> bool:
+    def _count(self) -> None:
+        """Count the sets that can occur, as far as there is a use for it."""
+        self.count: ideals.Count | None = None
         if self.options.member not in (None, "ideals"):
+            return
+        if not ideals.fits(self.problem):
+            self.known.notes.append(
+                "ideals: left out, the sets that can occur do not say enough, or sites are too many"
+            )
+            return
+        self.count = ideals.count_sets(self.problem, COUNTED * min(1.0, self._left() / COUNTED_S))
+        self.known.work += self.count.work
+
+    def _at_once(self) -> bool:
+        count, most_s = self.count, min(AT_ONCE_S, AT_ONCE * self._left())
+        if count is None or not (self.options.member or (count.in_memory and count.seconds <= most_s)):
             return False
-        if not fits(self.problem):
-            self.known.notes.append("ideals: left out, the sets that can occur are too many or do not say enough")
+        self.known.notes.append(f"ideals: {'swept at once' if self.options.member is None else 'asked for'}, {count}")
+        self.tried = True
+        return True
+
+    def _ideals_fit(self) -> bool:
+        if self.count is None or self.tried:
             return False
-        stretches = series(self.problem)
-        longest = max(map(len, stretches))
-        if self.options.member is None and len(stretches) == 1 and longest > LONGEST and beam.applies(self.problem):
-            self.known.notes.append(f"ideals: left to the beam, there is one stretch of {longest} contours")
+        few = self.count.stretches > 1 or self.count.longest <= LONGEST
+        if not self._sure() and not few and beam.applies(self.problem):
+            self.known.notes.append(f"ideals: left to the beam, {self.count}")
             return False
-        return self._takes("ideals", f"{len(stretches)} stretches one after the other, of {longest} contours at most")
+        self.known.notes.append(f"ideals: {self.count}")
+        return True
+
+    def _sure(self) -> bool:
+        """Whether a sweep over all sets fits well into what is left."""
+        return self.count is not None and self.count.in_memory and self.count.seconds <= SURE * self._left()
+
+    def _bounded(self) -> bool:
+        """Whether a bound by walks saves more than it takes."""
+        return self.count is None or not self._sure() or self.count.mostly_additions
 
     def _ideals(self, share: float) -> None:
         before = self.known.work
-        proof = prove(self.problem, self.known.incumbent, share, self.watch)
+        limit_s = None if self.options.time_s is None else share
+        proof = ideals.prove(self.problem, self.known.incumbent, share, self.watch, self._bounded(), limit_s)
         self.known.work = before + (share if proof is None else proof.work)
         if proof is None:
             self.known.notes.append("ideals: too many sets for the limit, nothing is proven")

@@ -1,5 +1,6 @@
 """An exact dynamic program over ideals: the set already cut and the last site (Held and Karp 1962; Salii 2019)."""
 
-from .prove import Proof, fits, prove
+from .count import Count, count_sets
+from .prove import Proof, applies, fits, prove
 
-__all__ = ["Proof", "fits", "prove"]
+__all__ = ["Count", "Proof", "applies", "count_sets", "fits", "prove"]

@@ -1,58 +1,42 @@
-"""Moves over parts that may be out, as the sweep needs them: a mask of contours for every move of a stretch."""
+"""Moves over parts that may be out, as the sweep needs them: a set of contours for every move of a stretch."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ..bits import Masks, words
 from ..crossings import FORBIDDEN
 from ..problem import Problem
-from .local import Floats, Ints, Local, Masks
+from .local import Ints, Local
 
 HOME = -1
+UNLAWFUL = 1 << 48
+"""What an unlawful move costs: more than any plan, and sums of it still fit."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Crossed:
-    """`mask[r, c]`: the contours of the stretch that the move from row r to column c crosses; each costs `price`.
+def cross(problem: Problem, local: Local, earlier: frozenset[int], rows: Ints, travel: Ints) -> Masks:
+    """The contours of a stretch that every move crosses, (rows, columns, words), no rows where nothing is crossed.
 
-    No rows at all where nothing is crossed.
+    What parts cut `earlier` cost is settled, and added to `travel` at once. `rows` are the sites of the rows of
+    `travel` (`HOME` for home), its columns the sites of the stretch.
     """
-
-    mask: Masks
-    price: float
-
-    def cost(self, rows: Ints, column: int, ideal: int) -> Floats:
-        """What the moves from `rows` to `column` cost when the contours of `ideal` are out."""
-        if not len(self.mask):
-            return np.zeros(len(rows))
-        out = self.mask[rows, column] & np.uint64(ideal)
-        count: Floats = np.bitwise_count(out).astype(np.float64)
-        count[count > 0] *= self.price
-        return count
-
-
-def cross(problem: Problem, local: Local, earlier: frozenset[int], rows: Ints, travel: Floats) -> Crossed:
-    """The masks of a stretch; what parts cut `earlier` cost is settled, and added to `travel` at once.
-
-    `rows` are the sites of the rows of `travel` (`HOME` for home), its columns the sites of the stretch.
-    """
-    crossings = problem.crossings
+    crossings, width = problem.crossings, words(len(local.contours))
     if not len(crossings):
-        return Crossed(np.zeros((0, 0), dtype=np.uint64), 0.0)
+        return np.zeros((0, 0, width), dtype=np.uint64)
     add_settled(problem, earlier, rows, local.sites, travel)
-    mask = np.zeros(travel.shape, dtype=np.uint64)
+    mask = np.zeros((*travel.shape, width), dtype=np.uint64)
     number = np.full(problem.n, -1, dtype=np.int64)
     number[list(local.contours)] = np.arange(len(local.contours))
     row, column, chosen = _places(problem, rows, local.sites)
-    bit = number[crossings.over[chosen]]
-    inside = bit >= 0
-    np.bitwise_or.at(mask, (row[inside], column[inside]), np.uint64(1) << bit[inside].astype(np.uint64))
-    return Crossed(mask, _price(problem))
+    place = number[crossings.over[chosen]]
+    inside = place >= 0
+    place = place[inside]
+    bit = np.uint64(1) << (place % 64).astype(np.uint64)
+    np.bitwise_or.at(mask, (row[inside], column[inside], place // 64), bit)
+    return mask
 
 
-def add_settled(problem: Problem, out: frozenset[int], rows: Ints, columns: Ints, travel: Floats) -> None:
+def add_settled(problem: Problem, out: frozenset[int], rows: Ints, columns: Ints, travel: Ints) -> None:
     """Add to `travel` what the moves cost for the contours of `out`, which are cut before all of them."""
     if not len(problem.crossings):
         return
@@ -60,12 +44,15 @@ def add_settled(problem: Problem, out: frozenset[int], rows: Ints, columns: Ints
     is_out[list(out)] = True
     row, column, chosen = _places(problem, rows, columns)
     settled = is_out[problem.crossings.over[chosen]]
-    np.add.at(travel, (row[settled], column[settled]), _price(problem))
+    np.add.at(travel, (row[settled], column[settled]), price(problem))
 
 
-def _price(problem: Problem) -> float:
+def price(problem: Problem) -> int:
+    """What crossing one contour costs."""
+    if not len(problem.crossings):
+        return 0
     cost = int(problem.crossings.cost[0])
-    return np.inf if cost == FORBIDDEN else float(cost)
+    return UNLAWFUL if cost == FORBIDDEN else cost
 
 
 def _places(problem: Problem, rows: Ints, columns: Ints) -> tuple[Ints, Ints, Ints]:

@@ -1,63 +1,101 @@
-"""One stretch of the order, translated to bit masks: what the sweep over its ideals works on."""
+"""One stretch of the order, translated to sets of bits: what the sweep over its ideals works on."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bits import Masks, masks_of
+from ..closure import immediate
 from ..problem import Problem
 
-Masks = NDArray[np.uint64]
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
-MOST_CONTOURS = 63
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Local:
-    """A group of k contours with local numbers; masks have bit i set for local contour i.
+class Orders(NamedTuple):
+    """What may be cut when, of k contours with local numbers; sets in w words (see `bits`).
 
-    `needs[i]` must be cut before i; `mates[i]` is i's contiguous block (0 for none). Sites of contour i are the
-    columns `first[i]` … `first[i+1] - 1`. Condition q of contour i (`cond_of[i]` ≤ q < `cond_of[i+1]`) concerns site
-    column `cond_site[q]` (-1: all) and asks `cond_weight` over `cond_member` to reach `cond_bound`; `cond_cost` is
-    infinite for a hard one. `soft_mask`, `soft_cost` are groups that cost when they are left before they are whole.
+    `needs` (k, w) must be out before a contour; `opens[open_from[i]:open_from[i + 1]]` are the contours that may only
+    just become possible once i is out. `block` (k) is the contiguous block of a contour, -1 where it stands alone,
+    `block_mask` (b, w) who is in a block. `size` (k) is the number of sites, `noise` (k) random words whose exclusive
+    or over a set is its hash.
     """
 
-    contours: tuple[int, ...]
-    sites: Ints
-    first: Ints
     needs: Masks
-    mates: Masks
+    open_from: Ints
+    opens: Ints
+    block: Ints
+    block_mask: Masks
+    size: Ints
+    noise: Masks
+
+
+class Terms(NamedTuple):
+    """What a step costs beside its move, for given sets; costs are whole, those of hard conditions `HARD`.
+
+    Condition q of contour i (`cond_of[i]` ≤ q < `cond_of[i+1]`) concerns site column `cond_site[q]` (-1: all) and asks
+    `cond_weight` over `cond_member` to reach `cond_bound`. `soft_mask`, `soft_cost` are groups that cost when they are
+    left before they are whole, `soft_has` (g, k) says who is in them.
+    """
+
+    site_cost: Ints
     cond_of: Ints
     cond_site: Ints
     cond_from: Ints
     cond_member: Ints
     cond_weight: Ints
     cond_bound: Ints
-    cond_cost: Floats
+    cond_cost: Ints
     soft_mask: Masks
-    soft_cost: Floats
-    site_cost: Floats
+    soft_cost: Ints
+    soft_has: NDArray[np.bool_]
 
-    @property
-    def full(self) -> int:
-        """The mask of all contours."""
-        return (1 << len(self.contours)) - 1
+
+HARD = 1 << 60
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Local:
+    """A group of k contours; sites of contour i are the columns `first[i]` … `first[i+1] - 1`, `sites` says which."""
+
+    contours: tuple[int, ...]
+    sites: Ints
+    first: Ints
+    orders: Orders
+    terms: Terms
+
+
+def orders_of(problem: Problem, contours: tuple[int, ...]) -> Orders:
+    """The orders within a group of contours."""
+    k = len(contours)
+    chosen = list(contours)
+    before = problem.before[np.ix_(chosen, chosen)]
+    sooner, later = np.nonzero(immediate(before))
+    numbers, block, sized = np.unique(problem.block[chosen], return_inverse=True, return_counts=True)
+    shared = np.flatnonzero(sized > 1)
+    renumbered = np.full(len(numbers), -1, dtype=np.int64)
+    renumbered[shared] = np.arange(len(shared))
+    return Orders(
+        needs=masks_of([np.flatnonzero(before[:, i]).tolist() for i in range(k)], k),
+        open_from=np.searchsorted(sooner, np.arange(k + 1)).astype(np.int64),
+        opens=later.astype(np.int64),
+        block=renumbered[block],
+        block_mask=masks_of([np.flatnonzero(block == b).tolist() for b in shared], k),
+        size=(problem.first[1:] - problem.first[:-1])[chosen],
+        noise=np.random.default_rng(0).integers(0, 2**64, k, dtype=np.uint64),
+    )
 
 
 def localise(problem: Problem, contours: tuple[int, ...], earlier: frozenset[int]) -> Local:
     """Translate the group `contours`, of which all of `earlier` are cut before and all others after."""
-    number = {c: k for k, c in enumerate(contours)}
+    k = len(contours)
+    number = {c: i for i, c in enumerate(contours)}
     sites = np.array([s for c in contours for s in problem.sites(c)], dtype=np.int64)
-    column = {int(s): k for k, s in enumerate(sites)}
-    first = np.cumsum([0, *(len(problem.sites(c)) for c in contours)]).astype(np.int64)
-
-    def mask(members: list[int]) -> int:
-        return sum(1 << number[c] for c in members if c in number)
-
-    blocks = {int(b): np.flatnonzero(problem.block == b).tolist() for b in np.unique(problem.block[list(contours)])}
+    column = {int(s): i for i, s in enumerate(sites)}
     rows = []
     for condition in problem.conditions:
         if condition.contour not in number:
@@ -69,29 +107,23 @@ def localise(problem: Problem, contours: tuple[int, ...], earlier: frozenset[int
                 -1 if condition.when is None else column[condition.when],
                 [(number[c], w) for c, w in pairs if c in number],
                 condition.bound - sum(w for c, w in pairs if c in earlier),
-                np.inf if condition.cost is None else float(condition.cost),
+                HARD if condition.cost is None else condition.cost,
             )
         )
     rows.sort(key=lambda row: row[0])
-    groups = [g for g in problem.soft_groups if g.contours[0] in number]
-    return Local(
-        contours=contours,
-        sites=sites,
-        first=first,
-        needs=np.array([mask(np.flatnonzero(problem.before[:, c]).tolist()) for c in contours], dtype=np.uint64),
-        mates=np.array([_mate_mask(mask(blocks[int(problem.block[c])])) for c in contours], dtype=np.uint64),
-        cond_of=np.searchsorted([r[0] for r in rows], np.arange(len(contours) + 1)).astype(np.int64),
+    groups = [[number[c] for c in g.contours] for g in problem.soft_groups if g.contours[0] in number]
+    terms = Terms(
+        site_cost=problem.site_cost[sites],
+        cond_of=np.searchsorted([r[0] for r in rows], np.arange(k + 1)).astype(np.int64),
         cond_site=np.array([r[1] for r in rows], dtype=np.int64),
         cond_from=np.cumsum([0, *(len(r[2]) for r in rows)]).astype(np.int64),
         cond_member=np.array([m for r in rows for m, _ in r[2]], dtype=np.int64),
         cond_weight=np.array([w for r in rows for _, w in r[2]], dtype=np.int64),
         cond_bound=np.array([r[3] for r in rows], dtype=np.int64),
-        cond_cost=np.array([r[4] for r in rows], dtype=np.float64),
-        soft_mask=np.array([mask(list(g.contours)) for g in groups], dtype=np.uint64),
-        soft_cost=np.array([g.cost for g in groups], dtype=np.float64),
-        site_cost=problem.site_cost[sites].astype(np.float64),
+        cond_cost=np.array([r[4] for r in rows], dtype=np.int64),
+        soft_mask=masks_of(groups, k),
+        soft_cost=np.array([g.cost for g in problem.soft_groups if g.contours[0] in number], dtype=np.int64),
+        soft_has=np.array([np.isin(np.arange(k), g) for g in groups], dtype=np.bool_).reshape(-1, k),
     )
-
-
-def _mate_mask(mask: int) -> int:
-    return mask if mask & (mask - 1) else 0
+    first = np.cumsum([0, *(len(problem.sites(c)) for c in contours)]).astype(np.int64)
+    return Local(contours, sites, first, orders_of(problem, contours), terms)

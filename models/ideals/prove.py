@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,19 +11,19 @@ import numpy as np
 from ..bounds import Completion, complete
 from ..problem import Problem
 from ..solution import Incumbent, Progress
-from .crossed import Crossed, add_settled, cross
-from .lattice import Budget, Layer, TooLarge, sweep_layers, walk_back
-from .local import MOST_CONTOURS, Floats, Ints, Local, localise
-from .prune import Pruner
+from .budget import Budget, TooLarge
+from .count import ADDITIONS_PER_S
+from .crossed import HOME
+from .lattice import THREADS, Layer, Stretch, sweep_layers, walk_back
+from .local import localise
+from .prune import least_in, least_rest, walked_rest
 from .series import series
+from .stretches import dearest, entrance_of, make_moves, never, way_home
 
-ADDITIONS_PER_S = 4e8
-MOST_STATES = 350_000_000
-PLAIN, BOUND = 0.05, 0.4
-"""Shares of the work for a try without the bound by walks, which most proofs do not need, and for that bound."""
-MOST_SITES = 1500
-"""With more, the bound takes too long."""
-HOME = -1
+BOUND = 0.4
+"""Share of the work, or the time, for the bound by walks."""
+MOST_SITES, MOST_SITES_BOUND = 4000, 1500
+"""Sites of a stretch: with more the table of moves is too large; sites altogether: the bound takes too long."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,15 +37,6 @@ class Proof:
     work: float = field(default=0.0, compare=False)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Stretch:
-    local: Local
-    entrance: Ints
-    travel: Floats
-    crossed: Crossed
-    layers: list[Layer]
-
-
 def applies(problem: Problem) -> bool:
     """Whether the cost of a step depends on nothing but the set already cut and the last site."""
     short = all(lag.cuts <= 1 and lag.seconds == 0 for lag in problem.lags)
@@ -52,103 +45,90 @@ def applies(problem: Problem) -> bool:
 
 
 def fits(problem: Problem) -> bool:
-    """Whether a proof is worth a try: it applies, and no stretch has more contours than a mask has bits."""
-    return applies(problem) and 0 < max(map(len, series(problem)), default=0) <= MOST_CONTOURS
+    """Whether a proof is worth a try: it applies, and the moves of every stretch fit in a table."""
+    size = np.diff(problem.first)
+    return applies(problem) and 0 < max((int(size[list(g)].sum()) for g in series(problem)), default=0) <= MOST_SITES
 
 
-def prove(problem: Problem, incumbent: Incumbent | None, work: float, progress: Progress | None = None) -> Proof | None:
-    """Solve exactly, or return None if the budget (`work`, seconds or so) does not suffice.
+def prove(
+    problem: Problem,
+    incumbent: Incumbent | None,
+    work: float,
+    progress: Progress | None = None,
+    bounded: bool = True,
+    time_s: float | None = None,
+) -> Proof | None:
+    """Solve exactly, or return None if the budget does not suffice.
 
-    An incumbent makes it faster, never different: states that cannot lead to a plan as cheap are dropped.
+    Parameters
+    ----------
+    problem
+        Anything; where a state cannot hold what is asked, the answer is None.
+    incumbent
+        Makes it faster, never different: states that cannot lead to a plan as cheap are dropped.
+    work
+        Deterministic limit, in seconds or so.
+    progress
+        Asked now and then whether to go on.
+    bounded
+        Whether to look for a bound by walks beforehand, which drops far more states and takes its time.
+    time_s
+        Wall-clock time, s, of which the bound takes no more than its share.
     """
     if not fits(problem):
         return None
     known = incumbent.cost if incumbent else None
+    began_s = time.monotonic()
 
     def go() -> bool:
         return progress is None or progress("ideals", known, None)
 
-    bounded = known is not None and problem.m <= MOST_SITES
-    plain = work * PLAIN if bounded else work
-    proof = _attempt(problem, known, None, Budget(plain * ADDITIONS_PER_S, MOST_STATES, go), plain)
-    if proof is not None or known is None or not bounded or not go():
-        return proof
-    bound = complete(problem, float(known), work * BOUND)
-    left = max(0.0, work - plain - bound.work)
-    proof = _attempt(problem, known, bound, Budget(left * ADDITIONS_PER_S, MOST_STATES, go), left)
-    return None if proof is None else Proof(proof.incumbent, plain + bound.work + proof.work)
+    def pricing(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+        return go() and (time_s is None or time.monotonic() - began_s < BOUND * time_s)
+
+    bound, spent = None, 0.0
+    if bounded and known is not None and problem.m <= MOST_SITES_BOUND:
+        bound = complete(problem, float(known), work * BOUND, pricing)
+        spent = bound.work
+    with ThreadPoolExecutor(THREADS) as threads:
+        return _attempt(problem, known, bound, Budget.of(max(0.0, work - spent), go), threads, work)
 
 
 def _attempt(
-    problem: Problem, known: int | None, bound: Completion | None, budget: Budget, work: float
+    problem: Problem, known: int | None, bound: Completion | None, budget: Budget, threads: Executor, work: float
 ) -> Proof | None:
-    limit = np.inf if known is None else float(known)
-    least = _least_in(problem)
-    stretches: list[_Stretch] = []
-    ways, costs, earlier = np.array([HOME]), np.zeros(1), frozenset[int]()
+    limit = dearest(problem) if known is None else known
+    least = least_in(problem) if bound is None else []
+    swept: list[tuple[Stretch, list[Layer]]] = []
+    ways, costs, earlier = np.array([HOME]), entrance_of([0], limit), frozenset[int]()
+    total = None
     try:
         for group in series(problem):
             local = localise(problem, group, earlier)
-            rows = np.concatenate([ways, local.sites])
-            travel = _travel(problem, rows, local.sites)
-            crossed = cross(problem, local, earlier, rows, travel)
-            pruner = None if bound is None else Pruner.of(bound, local, earlier)
+            moves = make_moves(problem, local, earlier, ways, limit)
+            rests = least_rest(local, earlier, least) if bound is None else walked_rest(local, earlier, bound)
+            stretch = Stretch(local, moves, rests, limit, never(limit))
+            layers = sweep_layers(stretch, costs, budget, threads)
+            swept.append((stretch, layers))
             earlier |= frozenset(group)
-            later = sum(least[c] for c in range(problem.n) if c not in earlier)
-            rest = np.array([*(least[c] for c in group), later])
-            layers = sweep_layers(local, travel, crossed, costs, limit, rest, pruner, budget)
-            stretches.append(_Stretch(local, ways, travel, crossed, layers))
-            end = layers[-1]
-            if not len(end.contour) or not np.isfinite(end.values).any():
-                return Proof(None, work - budget.additions / ADDITIONS_PER_S)
-            ways = np.concatenate([local.sites[local.first[c] : local.first[c + 1]] for c in end.contour])
-            costs = end.values
+            last, costs = layers[-1].contour, layers[-1].values
+            if not (costs < stretch.never).any():
+                break
+            ways = np.concatenate([local.sites[local.first[c] : local.first[c + 1]] for c in last])
+        else:
+            total = costs + way_home(problem, ways)
     except TooLarge:
         return None
-    total = costs + _way_home(problem, ways)
+    spent = work - budget.additions / ADDITIONS_PER_S
+    if total is None or total.min() > limit:
+        return Proof(None, spent)
     best = int(np.argmin(total))
-    if not np.isfinite(total[best]):
-        return Proof(None, work - budget.additions / ADDITIONS_PER_S)
-    route = Incumbent(_route(stretches, best), round(float(total[best])))
-    return Proof(route, work - budget.additions / ADDITIONS_PER_S)
+    return Proof(Incumbent(_route(swept, best), int(total[best])), spent)
 
 
-def _route(stretches: list[_Stretch], state: int) -> tuple[int, ...]:
+def _route(swept: list[tuple[Stretch, list[Layer]]], state: int) -> tuple[int, ...]:
     route: list[int] = []
-    for stretch in reversed(stretches):
-        columns, state = walk_back(stretch.local, stretch.layers, stretch.travel, stretch.crossed, state)
+    for stretch, layers in reversed(swept):
+        columns, state = walk_back(stretch, layers, state)
         route = [int(stretch.local.sites[c]) for c in columns] + route
     return tuple(route)
-
-
-def _travel(problem: Problem, rows: Ints, columns: Ints) -> Floats:
-    """Cost of going from the end of each row's site to the pierce of each column's, `HOME` for the machine's home."""
-    travel = problem.travel(*(np.where(sites == HOME, problem.m, sites) for sites in (rows, columns))).astype(
-        np.float64
-    )
-    for lag in problem.lags:
-        cost = np.inf if lag.weight is None else float(round(lag.weight * 1000))
-        for i, j in ((lag.first, lag.second), (lag.second, lag.first)):
-            left = np.flatnonzero((rows != HOME) & (problem.site_contour[rows] == i))
-            right = np.flatnonzero((columns != HOME) & (problem.site_contour[columns] == j))
-            if lag.cuts == 1:
-                travel[np.ix_(left, right)] += cost
-    return travel
-
-
-def _way_home(problem: Problem, ways: Ints) -> Floats:
-    """Cost of the last move, with all parts out."""
-    home = _travel(problem, ways, np.array([HOME]))
-    everything = frozenset(range(problem.n))
-    add_settled(problem, everything, ways, np.array([HOME]), home)
-    return home[:, 0]
-
-
-def _least_in(problem: Problem) -> list[float]:
-    """For every contour a lower bound on the travel that leads to it."""
-    least = []
-    for contour in range(problem.n):
-        sites = np.array(problem.sites(contour))
-        others = np.flatnonzero(~problem.before[contour][problem.site_contour] & (problem.site_contour != contour))
-        least.append(float(problem.travel(np.append(others, problem.m), sites).min()))
-    return least

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from importlib import import_module
-from unittest.mock import patch
 
 import numpy as np
 from hypothesis import assume, given, settings
@@ -50,16 +48,15 @@ def test_an_incumbent_changes_nothing_but_the_work(drawn: Problem) -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(problems())
-def test_pruned_by_walks_it_finds_the_same(drawn: Problem) -> None:
+def test_with_and_without_the_bound_by_walks_it_finds_the_same(drawn: Problem) -> None:
     tiny = replace(drawn, general=(), lags=())
     free = prove(tiny, None, work=10)
     assume(free is not None and free.incumbent is not None)
     assert free is not None
     assert free.incumbent is not None
-    with patch.object(import_module("kerfwise.models.ideals.prove"), "PLAIN", 0.0):
-        assert prove(tiny, free.incumbent, work=0.1) == free
-        dearer = Incumbent(free.incumbent.route, free.incumbent.cost + 7)
-        assert prove(tiny, dearer, work=0.1) == free
+    dearer = Incumbent(free.incumbent.route, free.incumbent.cost + 7)
+    assert prove(tiny, dearer, work=10, bounded=False) == free
+    assert prove(tiny, dearer, work=10, bounded=True) == free
 
 
 def zones(count: int, size: int, sites: int) -> Problem:

@@ -1,0 +1,47 @@
+"""What a proof may spend: additions, and bytes that are kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from .count import ADDITIONS_PER_S, BYTES_AN_ENTRY, MOST_BYTES, price
+from .sets import Growth
+
+BYTES_A_NEW_ENTRY, BYTES_A_NEW_SET = 38, 44
+"""What an entry, and a set, take on top while their layer is being made; sets of one word, 16 more for each other."""
+
+
+class TooLarge(Exception):
+    """There are more ideals than the budget allows; nothing is proven."""
+
+
+@dataclass(slots=True)
+class Budget:
+    """What may still be spent; `bytes` are those that are free."""
+
+    additions: float
+    bytes: float
+    go: Callable[[], bool]
+
+    @staticmethod
+    def of(work: float, go: Callable[[], bool]) -> Budget:
+        """So many deterministic seconds, as long as `go` says so."""
+        return Budget(work * ADDITIONS_PER_S, MOST_BYTES, go)
+
+    def expect(self, ahead: Growth, words: int, width: int) -> None:
+        """Pay for the next layer before it is made, of values `width` bytes wide; `TooLarge` if it is too much."""
+        self.additions -= price(ahead.additions, ahead.entries, ahead.states)
+        making = BYTES_A_NEW_ENTRY + BYTES_A_NEW_SET + 16 * (words - 1)
+        taken = ahead.entries * (making + BYTES_AN_ENTRY) + ahead.states * width
+        if self.additions < 0 or taken > self.bytes or not self.go():
+            raise TooLarge
+
+    def keep(self, entries: int, states: int, width: int) -> None:
+        """A layer is made, and kept."""
+        self.bytes -= entries * BYTES_AN_ENTRY + states * width
+
+    def check(self) -> None:
+        """`TooLarge` if it is time to stop."""
+        if not self.go():
+            raise TooLarge
