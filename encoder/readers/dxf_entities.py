@@ -28,6 +28,7 @@ from ..errors import InputError
 from ..geometry.curve import Curve
 from .arcs import FLATTEN_MM, fitted
 from .limits import LIMIT_MM, checked_curve
+from .unclamped import Unclamped
 
 ANNOTATION = frozenset(
     (
@@ -98,7 +99,7 @@ def curve(entity: DXFGraphic, scale: float) -> Curve | None:
             return _ellipse(entity.construction_tool(), scale)
         case Spline():
             spline = entity.construction_tool()
-            return _flattened(spline, spline.control_points, scale)
+            return _flattened(spline if spline.is_clamped else Unclamped(spline), spline.control_points, scale)
         case Polyline() if entity.is_3d_polyline:
             return _polyline(OCS(), [(*v.dxf.location, 0.0) for v in entity.vertices], entity.is_closed, 1.0, scale)
         case Arc() | Circle() | LWPolyline():
@@ -159,7 +160,9 @@ def _ellipse(ellipse: ConstructionEllipse, scale: float) -> Curve | None:
     return _flattened(ellipse, [ellipse.center, ellipse.center + ellipse.major_axis], scale)
 
 
-def _flattened(drawn: BSpline | ConstructionEllipse | Path, control: Iterable[Vec3], scale: float) -> Curve | None:
+def _flattened(
+    drawn: BSpline | Unclamped | ConstructionEllipse | Path, control: Iterable[Vec3], scale: float
+) -> Curve | None:
     """Fitted arcs through a curve that DXF draws and no machine can; `control` points bound its extent."""
     for p in control:  # flattening a curve of astronomic size would never end
         if not max(abs(p.x), abs(p.y), abs(p.z)) * scale <= LIMIT_MM:

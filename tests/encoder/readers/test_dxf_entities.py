@@ -5,7 +5,10 @@ from pathlib import Path
 from typing import Any
 
 import ezdxf
+import numpy as np
 import pytest
+import shapely
+from scipy.interpolate import BSpline
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Contour
@@ -149,6 +152,26 @@ def test_a_spline_becomes_arcs_close_to_it(tmp_path: Path) -> None:
     drawn = [(p.x, p.y) for p in spline.flattening(0.0005)]
     assert max(contour.curve.project(p)[1] for p in drawn[::7]) <= 0.011
     assert len(contour.curve.segments) < len(drawn) / 10
+
+
+@pytest.mark.parametrize("first_knot", [0.0, -3.0])
+def test_a_closed_spline_is_drawn_between_its_ends_only(tmp_path: Path, first_knot: float) -> None:
+    """Its knots are not repeated at the ends, as CAD systems write closed splines."""
+    corners = [(50, 50, 0), (150, 20, 0), (250, 100, 0), (150, 180, 0), (50, 150, 0)]
+    knots = [first_knot + k for k in range(12)]
+
+    def draw(space: Any) -> None:
+        spline = space.add_spline()
+        spline.set_closed(corners)
+        spline.knots = knots
+
+    contour = only(tmp_path, draw)
+    around = BSpline(knots, [c[:2] for c in (*corners, *corners[:3])], 3)
+    drawn = around(np.linspace(knots[3], knots[8], 400))
+    assert np.allclose(drawn[0], drawn[-1])
+    assert max(contour.curve.project(p)[1] for p in drawn.tolist()) <= 0.011
+    assert contour.polygon.area == pytest.approx(shapely.Polygon(drawn).area, rel=1e-3)
+    assert arcs(contour) == len(contour.curve.segments) < 60
 
 
 def test_nested_blocks_scaled_and_mirrored(tmp_path: Path) -> None:
