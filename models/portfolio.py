@@ -32,12 +32,13 @@ SEARCH, SEARCH_PLAIN = 0.6, 0.9
 
 CP-SAT has more where it alone can prove anything: where statements look further back than a state does.
 """
-AT_ONCE_S, AT_ONCE = 1.5, 0.5
+AT_ONCE_S, AT_ONCE = 1.5, 0.6
 """A sweep over all sets is begun with, before any search, if it takes no longer, and no more than this share."""
 SURE = 0.4
 """Share of what is left that a sweep over all sets may take so that nothing else is tried before it."""
-COUNTED = 2e7
-"""Entries that are counted beforehand at the most, where there are `COUNTED_S` seconds or more."""
+COUNTED, COUNTED_FEW = 2e7, 5e6
+"""Entries that are counted beforehand at the most, where there are `COUNTED_S` seconds or more; and where contours are
+so few that a bound is tried anyway."""
 COUNTED_S = 30.0
 LONGEST = 36
 """Contours in a stretch up to which a bound may make the ideals few, if there is one stretch only."""
@@ -88,7 +89,7 @@ class _Run:
         self._count()
         if self._at_once():
             self._ideals(self._left())
-        if not self._over() and self._takes("search", "it finds the first plan"):
+        if self._wanting() and self._takes("search", "it finds the first plan"):
             left = self._left()
             first = min(FIRST_MOST * left, max(FIRST * left, FIRST_S))
             self._search(left if self.options.member else first)
@@ -110,6 +111,10 @@ class _Run:
             return False
         self.known.notes.append(f"{member}: {why if forced is None else 'asked for'}")
         return True
+
+    def _wanting(self) -> bool:
+        """Whether there is no plan at all, or time for a better one."""
+        return not self.known.proven and (self.known.incumbent is None or not self.watch.stopped)
 
     def _over(self) -> bool:
         return self.known.proven or self.watch.stopped
@@ -136,7 +141,8 @@ class _Run:
                 "ideals: left out, the sets that can occur do not say enough, or sites are too many"
             )
             return
-        self.count = ideals.count_sets(self.problem, COUNTED * min(1.0, self._left() / COUNTED_S))
+        most = COUNTED_FEW if self.problem.n <= LONGEST else COUNTED
+        self.count = ideals.count_sets(self.problem, most * min(1.0, self._left() / COUNTED_S))
         self.known.work += self.count.work
 
     def _at_once(self) -> bool:
@@ -161,14 +167,11 @@ class _Run:
         """Whether a sweep over all sets fits well into what is left."""
         return self.count is not None and self.count.in_memory and self.count.seconds <= SURE * self._left()
 
-    def _bounded(self) -> bool:
-        """Whether a bound by walks saves more than it takes."""
-        return self.count is None or not self._sure() or self.count.mostly_additions
-
     def _ideals(self, share: float) -> None:
         before = self.known.work
         limit_s = None if self.options.time_s is None else share
-        proof = ideals.prove(self.problem, self.known.incumbent, share, self.watch, self._bounded(), limit_s)
+        stages = ideals.STAGES[:1] if self._sure() else ideals.STAGES
+        proof = ideals.prove(self.problem, self.known.incumbent, share, self.watch, stages, limit_s)
         self.known.work = before + (share if proof is None else proof.work)
         if proof is None:
             self.known.notes.append("ideals: too many sets for the limit, nothing is proven")

@@ -29,6 +29,11 @@ class Budget:
         """So many deterministic seconds, as long as `go` says so."""
         return Budget(work * ADDITIONS_PER_S, MOST_BYTES, go)
 
+    @property
+    def seconds(self) -> float:
+        """What is left of the work."""
+        return self.additions / ADDITIONS_PER_S
+
     def expect(self, ahead: Growth, words: int, width: int) -> None:
         """Pay for the next layer before it is made, of values `width` bytes wide; `TooLarge` if it is too much."""
         self.additions -= price(ahead.additions, ahead.entries, ahead.states)

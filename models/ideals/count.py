@@ -47,11 +47,6 @@ class Count:
         return price(self.additions, self.entries, self.states) / ADDITIONS_PER_S
 
     @property
-    def mostly_additions(self) -> bool:
-        """Whether most of the time goes into the inner loop, as contours have many sites."""
-        return self.additions > price(0.0, self.entries, self.states)
-
-    @property
     def in_memory(self) -> bool:
         """Whether all is counted and can be kept."""
         return self.whole and self.entries * BYTES_AN_ENTRY + self.states * BYTES_A_STATE <= SHARE_KEPT * MOST_BYTES

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from concurrent.futures import Executor, ThreadPoolExecutor
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,17 +12,15 @@ import numpy as np
 from ..bounds import Completion, complete
 from ..problem import Problem
 from ..solution import Incumbent, Progress
+from .attempt import attempt
 from .budget import Budget, TooLarge
-from .count import ADDITIONS_PER_S
-from .crossed import HOME
-from .lattice import THREADS, Layer, Stretch, sweep_layers, walk_back
-from .local import localise
-from .prune import least_in, least_rest, walked_rest
+from .lattice import THREADS
 from .series import series
-from .stretches import dearest, entrance_of, make_moves, never, way_home
 
-BOUND = 0.4
-"""Share of the work, or the time, for the bound by walks."""
+STAGES = (0.03, 0.1, 0.4)
+"""Shares of the work, or the time, for the bound by walks: a quick one first, as a sweep often is short even so."""
+AS_GOOD_AS_IT_GETS = 0.8
+"""A bound that took no more than this of its share will not become better with more."""
 MOST_SITES, MOST_SITES_BOUND = 4000, 1500
 """Sites of a stretch: with more the table of moves is too large; sites altogether: the bound takes too long."""
 
@@ -30,7 +29,7 @@ MOST_SITES, MOST_SITES_BOUND = 4000, 1500
 class Proof:
     """The best route there is; `incumbent` is None where no lawful route exists at all.
 
-    `work` is what the proof took, in deterministic seconds (`ADDITIONS_PER_S` additions each).
+    `work` is what the proof took, in deterministic seconds (`count.ADDITIONS_PER_S` additions each).
     """
 
     incumbent: Incumbent | None
@@ -55,7 +54,7 @@ def prove(
     incumbent: Incumbent | None,
     work: float,
     progress: Progress | None = None,
-    bounded: bool = True,
+    stages: tuple[float, ...] = STAGES,
     time_s: float | None = None,
 ) -> Proof | None:
     """Solve exactly, or return None if the budget does not suffice.
@@ -70,65 +69,58 @@ def prove(
         Deterministic limit, in seconds or so.
     progress
         Asked now and then whether to go on.
-    bounded
-        Whether to look for a bound by walks beforehand, which drops far more states and takes its time.
+    stages
+        Shares of the work for a bound by walks, which takes its time and drops far more states.
     time_s
         Wall-clock time, s, of which the bound takes no more than its share.
     """
     if not fits(problem):
         return None
     known = incumbent.cost if incumbent else None
-    began_s = time.monotonic()
 
     def go() -> bool:
         return progress is None or progress("ideals", known, None)
 
-    def pricing(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
-        return go() and (time_s is None or time.monotonic() - began_s < BOUND * time_s)
+    purse = _Purse(problem, known, work, go)
+    if not stages or known is None or problem.m > MOST_SITES_BOUND:
+        return purse.sweep(None, work)
+    for share in stages:
+        until_s = np.inf if time_s is None else time.monotonic() + share * time_s
 
-    bound, spent = None, 0.0
-    if bounded and known is not None and problem.m <= MOST_SITES_BOUND:
-        bound = complete(problem, float(known), work * BOUND, pricing)
-        spent = bound.work
-    with ThreadPoolExecutor(THREADS) as threads:
-        return _attempt(problem, known, bound, Budget.of(max(0.0, work - spent), go), threads, work)
+        def pricing(engine: str, cost_um: int | None, bound_um: int | None, until_s: float = until_s) -> bool:
+            return go() and time.monotonic() < until_s
 
-
-def _attempt(
-    problem: Problem, known: int | None, bound: Completion | None, budget: Budget, threads: Executor, work: float
-) -> Proof | None:
-    limit = dearest(problem) if known is None else known
-    least = least_in(problem) if bound is None else []
-    swept: list[tuple[Stretch, list[Layer]]] = []
-    ways, costs, earlier = np.array([HOME]), entrance_of([0], limit), frozenset[int]()
-    total = None
-    try:
-        for group in series(problem):
-            local = localise(problem, group, earlier)
-            moves = make_moves(problem, local, earlier, ways, limit)
-            rests = least_rest(local, earlier, least) if bound is None else walked_rest(local, earlier, bound)
-            stretch = Stretch(local, moves, rests, limit, never(limit))
-            layers = sweep_layers(stretch, costs, budget, threads)
-            swept.append((stretch, layers))
-            earlier |= frozenset(group)
-            last, costs = layers[-1].contour, layers[-1].values
-            if not (costs < stretch.never).any():
-                break
-            ways = np.concatenate([local.sites[local.first[c] : local.first[c + 1]] for c in last])
-        else:
-            total = costs + way_home(problem, ways)
-    except TooLarge:
-        return None
-    spent = work - budget.additions / ADDITIONS_PER_S
-    if total is None or total.min() > limit:
-        return Proof(None, spent)
-    best = int(np.argmin(total))
-    return Proof(Incumbent(_route(swept, best), int(total[best])), spent)
+        bound = complete(problem, float(known), share * work, pricing)
+        purse.left -= bound.work
+        last = share == stages[-1] or bound.work <= AS_GOOD_AS_IT_GETS * share * work
+        proof = purse.sweep(bound, purse.left if last else min(purse.left, share * work))
+        if proof is not None or last or not go():
+            return proof
+    return None
 
 
-def _route(swept: list[tuple[Stretch, list[Layer]]], state: int) -> tuple[int, ...]:
-    route: list[int] = []
-    for stretch, layers in reversed(swept):
-        columns, state = walk_back(stretch, layers, state)
-        route = [int(stretch.local.sites[c]) for c in columns] + route
-    return tuple(route)
+@dataclass(slots=True)
+class _Purse:
+    """Sweeps of a problem, paid from `work` seconds of which `left` are left."""
+
+    problem: Problem
+    known: int | None
+    work: float
+    go: Callable[[], bool]
+    left: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.left = self.work
+
+    def sweep(self, bound: Completion | None, most: float) -> Proof | None:
+        """What a sweep of no more than so many seconds proves."""
+        budget = Budget.of(max(0.0, most), self.go)
+        best: Incumbent | None = None
+        with ThreadPoolExecutor(THREADS) as threads:
+            try:
+                best = attempt(self.problem, self.known, bound, budget, threads)
+                swept = True
+            except TooLarge:
+                swept = False
+        self.left -= most - max(0.0, budget.seconds)
+        return Proof(best, self.work - self.left) if swept else None

@@ -55,8 +55,8 @@ def test_with_and_without_the_bound_by_walks_it_finds_the_same(drawn: Problem) -
     assert free is not None
     assert free.incumbent is not None
     dearer = Incumbent(free.incumbent.route, free.incumbent.cost + 7)
-    assert prove(tiny, dearer, work=10, bounded=False) == free
-    assert prove(tiny, dearer, work=10, bounded=True) == free
+    assert prove(tiny, dearer, work=10, stages=()) == free
+    assert prove(tiny, dearer, work=10) == free
 
 
 def zones(count: int, size: int, sites: int) -> Problem:
