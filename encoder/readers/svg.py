@@ -14,6 +14,7 @@ from .foreign import FOREIGN_ERRORS
 from .options import ReadOptions
 from .svg_page import page_of
 from .svg_paths import curves
+from .svg_sound import sound
 
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 
@@ -34,7 +35,7 @@ def read_svg(data: bytes, options: ReadOptions) -> Drawing:
         When the file is no SVG or a shape in it cannot be understood.
     """
     try:
-        svg = svgelements.SVG.parse(io.BytesIO(data), reify=True, ppi=96)
+        svg = svgelements.SVG.parse(io.BytesIO(sound(data)), reify=True, ppi=96)
     except FOREIGN_ERRORS as error:
         raise InputError(f"not an SVG file that can be read: {error}") from error
     if not isinstance(svg, svgelements.SVG):

@@ -96,7 +96,9 @@ def test_hidden_shapes_writing_and_patterns_are_passed_over(tmp_path: Path) -> N
     body = """<rect x="20" y="20" width="40" height="40"/><text x="5" y="5">A</text>
     <g style="display:none"><rect x="100" width="40" height="40"/></g>
     <rect x="200" width="40" height="40" visibility="hidden"/>
-    <clipPath id="c"><rect x="300" width="40" height="40"/></clipPath>"""
+    <clipPath id="c"><rect x="300" width="40" height="40"/></clipPath>
+    <mask id="m"><rect x="310" width="4" height="4"/></mask><pattern id="p"><circle cx="320" r="4"/></pattern>
+    <marker id="a"><path d="M0 0 5 0 0 5z"/></marker>"""
     assert list(areas(read(tmp_path, SHEET + body))) == ["P1.outer"]
 
 
@@ -141,6 +143,14 @@ def test_an_offset_view_box(tmp_path: Path) -> None:
         (f'<svg {NAMESPACES}><symbol id="s"><rect width="1" height="1"/></symbol></svg>', "holds <symbol> elements"),
         (f'<svg {NAMESPACES}><path d="M 0 0 C 1e300 0 0 1e300 5 5 Z"/></svg>', "kilometre"),
         (f'<svg {NAMESPACES}><rect width="1e9" height="1e9"/></svg>', "kilometre"),
+        (f'<svg {NAMESPACES}><path id="p7" d="M1 1 Q zz"/></svg>', "the <path> 'p7' cannot be read: Q is followed by"),
+        (f'<svg {NAMESPACES}><path d="M1 1 L5 5 7"/></svg>', "the <path> cannot be read: L is followed by '5 5 7'"),
+        (f'<svg {NAMESPACES}><path d="L1 1 5 5"/></svg>', "begins with 'L1 1 5 5', expected M"),
+        (f'<svg {NAMESPACES}><path d="M1 1 h5 x3"/></svg>', "h is followed by '5 x3', expected 1 numbers"),
+        (f'<svg {NAMESPACES}><path d="M1 1 a5 5 0 2 0 1 1"/></svg>', "expected 7 numbers or a multiple"),
+        (f'<svg {NAMESPACES}><rect x="NaN" width="5" height="5"/></svg>', "x is 'NaN', expected a length"),
+        (f'<svg {NAMESPACES}><circle r="wide"/></svg>', "the <circle> cannot be read: r is 'wide'"),
+        (f'<svg {NAMESPACES}><polygon points="1,1 5;1 5,5"/></svg>', "its points '1,1 5;1 5,5' are no list of numbers"),
         ("plain text", "not an SVG file that can be read"),
     ],
 )
