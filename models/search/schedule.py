@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+SHORT = 50_000  # operations for a single annealing, times n^1.5: with less there is no time for several
 HEATS = (2.0, 4.0, 1.0)
 COOL = 2  # where to begin in them if time is short: less is lost by not going uphill
+ANNEALED = 0.5  # share for annealings that begin anew, where what they find is then bred from
 SHORTEST = 1_000_000  # operations for an annealing, times n^1.5: what one contour asks for grows with their number
 
 
@@ -17,6 +19,20 @@ class Part:
     ahead: float
     turn: int
 
+    def annealing(self, count: int) -> tuple[int, Part] | None:
+        """Which of `count` equal annealings it is in, and the part of that; None if it begins after them.
+
+        Examples
+        --------
+        >>> Part(0.375, 0.5, 0).annealing(2)
+        (1, Part(done=0.5, ahead=1.0, turn=1))
+        """
+        done, ahead = count * self.done / ANNEALED, count * self.ahead / ANNEALED
+        number = int(done)
+        if number >= count:
+            return None
+        return number, Part(done - number, min(1.0, ahead - number), self.turn + number)
+
     def heat(self, walker: int) -> float:
         """Factor on the temperatures; walkers differ."""
         return HEATS[(self.turn + walker) % len(HEATS)]
@@ -26,7 +42,7 @@ class Part:
 class Schedule:
     """`stages` annealings; the last takes half of all, the one before it a quarter, the first two the same.
 
-    `turn` is the number for the heat of the last one.
+    `turn` is the number for the heat of the last one. `short` says that there is time for one at the most.
 
     Examples
     --------
@@ -36,12 +52,13 @@ class Schedule:
 
     stages: int
     turn: int
+    short: bool = False
 
     @classmethod
     def of(cls, n: int, operations: int) -> Schedule:
         """As many as there is time for, for n contours."""
         stages = int(operations / (SHORTEST * n**1.5)).bit_length()
-        return cls(max(1, stages), 0 if stages else COOL)
+        return cls(max(1, stages), 0 if stages else COOL, operations < SHORT * n**1.5)
 
     def part(self, done: float, ahead: float) -> Part:
         """What to do between two shares of the whole."""

@@ -12,7 +12,9 @@ import numpy as np
 from ..evaluate import broken, route_cost
 from ..problem import Problem
 from ..solution import Incumbent, Progress
-from .schedule import Schedule
+from .generations import CHILD, Generations
+from .merge import mergeable
+from .schedule import Part, Schedule
 from .structs import for_kernels
 from .tables import make_tables
 from .walker import Walker
@@ -39,7 +41,8 @@ class Searcher:
         self._problem = problem
         fields = make_tables(problem)
         tables = for_kernels(fields)
-        self._walkers = [Walker(tables, fields, seed, k) for k in range(WALKERS)]
+        self._walkers = [Walker(tables, fields, (seed, k)) for k in range(WALKERS)]
+        self._generations = Generations(problem, self._walkers, seed) if mergeable(problem) else None
 
     @property
     def best(self) -> Incumbent | None:
@@ -49,8 +52,9 @@ class Searcher:
         cost = self._best_cost()
         if cost is None:
             return None
-        finder = next(walker for walker in self._walkers if walker.cost == cost)
-        found = Incumbent(tuple(finder.arrays.best.tolist()), cost)
+        elite = next(walker.best for walker in self._walkers if walker.cost == cost)
+        assert elite is not None
+        found = Incumbent(tuple(elite.route.tolist()), cost)
         assert cost == route_cost(self._problem, found.route)
         return found
 
@@ -99,9 +103,18 @@ class Searcher:
                 break
             chunk = min(CHUNK, budget - spent)
             part = schedule.part(done, done + pace * chunk)
-            list(pool.map(partial(Walker.anneal, chunk=chunk, part=part), self._walkers))
-            spent += chunk
+            if self._generations is None or schedule.short:
+                self._anneal(pool, chunk, part)
+                spent += chunk
+            else:
+                most = max(CHUNK, min(budget - spent, int(CHILD / pace)))
+                spent += self._generations.step(pool, chunk, part, most, partial(self._anneal, pool))
         return True
+
+    def _anneal(self, pool: Executor, chunk: int, part: Part) -> None:
+        """Walk on through part of an annealing; one walker is hotter than the other."""
+        heats = [part.heat(k) for k in range(WALKERS)]
+        list(pool.map(lambda walker, heat: walker.anneal(chunk, part, heat), self._walkers, heats))
 
     def _begin(self, pool: Executor, most: int, end_s: float | None, progress: Progress | None) -> bool:
         """First routes, improved without going uphill; answers as `run` does."""

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .anneal import GO_ON, MAKE_ROUTE, TAKE_ROUTE, walk
+from .pool import Elite
 from .schedule import Part
-from .state import BEST, CLIMBS, COST, LENGTH, PRICE, TRADED, TRADES, WORK, new_state
+from .state import BEST, BROKEN, CLIMBS, COST, LENGTH, PRICE, TRADED, TRADES, WORK, new_state
 from .structs import for_kernels
 from .tables import Tables
 
@@ -26,24 +27,55 @@ class Walker:
     ----------
     tables, fields
         The problem as kernels take it, and as it was made.
-    seed, number
-        What random numbers come from, and what tells walkers apart.
+    seed
+        What random numbers come from.
+    like
+        A walker whose temperatures suit this one, too.
     """
 
-    def __init__(self, tables: Tables, fields: Tables, seed: int, number: int) -> None:
+    def __init__(self, tables: Tables, fields: Tables, seed: tuple[int, ...], like: Walker | None = None) -> None:
         self._tables = tables
         self._fields = fields
-        self._number = number
-        self.arrays = new_state(fields, (seed, number))
+        self.arrays = new_state(fields, seed)
         self._state = for_kernels(self.arrays)
         self.arrays.number[PRICE] = 1
-        self._hot = self._cold = 0.0
+        self._hot: float = 0.0 if like is None else like._hot
+        self._cold: float = 0.0 if like is None else like._cold
+        self._taken: Elite | None = None
+
+    @property
+    def best(self) -> Elite | None:
+        """The best lawful route so far."""
+        now = self._best_now()
+        if self._taken is None or (now is not None and now.cost < self._taken.cost):
+            return now
+        return self._taken
 
     @property
     def cost(self) -> int | None:
         """Cost of the best lawful route so far, µm."""
+        now = int(self.arrays.number[BEST])
+        if self._taken is None:
+            return now if now >= 0 else None
+        return min(self._taken.cost, now) if now >= 0 else self._taken.cost
+
+    def take(self) -> Elite | None:
+        """The best lawful route since `forget`, or `take`; it is remembered, but the next one may be worse."""
+        now, self._taken = self._best_now(), self.best
+        self.forget()
+        return now
+
+    def forget(self) -> None:
+        """Count from the route we stand on as the best, if it is lawful."""
+        self._taken, state = self.best, self.arrays
+        lawful = state.number[BROKEN] == 0
+        state.number[BEST] = state.number[COST] if lawful else -1
+        if lawful:
+            state.best[:] = state.site_now[state.order_now]
+
+    def _best_now(self) -> Elite | None:
         cost = int(self.arrays.number[BEST])
-        return cost if cost >= 0 else None
+        return Elite(cost, self.arrays.best.copy()) if cost >= 0 else None
 
     @property
     def work(self) -> int:
@@ -76,10 +108,14 @@ class Walker:
         rise = max(1.0, float(np.median(rises))) if len(rises) else 1.0
         self._hot, self._cold = HOT * rise, COLD * rise
 
-    def anneal(self, chunk: int, part: Part) -> None:
-        """Walk on for `chunk` operations through a part of an annealing."""
-        hot, fall = self._hot * part.heat(self._number), self._cold / self._hot
+    def anneal(self, chunk: int, part: Part, heat: float) -> None:
+        """Walk on for `chunk` operations through a part of an annealing, `heat` times as hot as is usual."""
+        hot, fall = self._hot * heat, self._cold / self._hot
         self._go(chunk, hot * fall**part.done, hot * fall**part.ahead)
+
+    def cool(self, operations: int) -> None:
+        """A whole annealing."""
+        self._go(operations, self._hot, self._cold)
 
     def stand_on(self, sites: NDArray[np.int64]) -> None:
         """Go on from a lawful route."""

@@ -2,7 +2,7 @@
 
 import pytest
 
-from kerfwise.models.search.schedule import COOL, SHORTEST, Part, Schedule
+from kerfwise.models.search.schedule import ANNEALED, COOL, SHORT, SHORTEST, Part, Schedule
 
 
 @pytest.mark.parametrize(("times", "stages"), [(0.5, 1), (1.0, 1), (2.0, 2), (3.9, 2), (4.0, 3), (9.0, 4)])
@@ -11,7 +11,7 @@ def test_as_many_as_there_is_time_for(times: float, stages: int) -> None:
 
 
 def test_it_begins_cooler_where_time_is_short() -> None:
-    assert Schedule.of(100, 1) == Schedule(1, COOL)
+    assert Schedule.of(100, 1) == Schedule(1, COOL, short=True)
     assert Schedule(1, COOL).part(0.0, 1.0).heat(0) < Schedule(1, 0).part(0.0, 1.0).heat(0)
 
 
@@ -29,3 +29,16 @@ def test_a_part_ends_with_its_annealing() -> None:
 def test_walkers_differ_in_heat() -> None:
     part = Schedule(1, 0).part(0.0, 0.1)
     assert part.heat(0) != part.heat(1)
+
+
+def test_annealings_that_begin_anew_take_equal_shares_and_leave_the_rest() -> None:
+    begun = [Part(k / 100, (k + 1) / 100, 0).annealing(2) for k in range(100)]
+    numbers = [None if now is None else now[0] for now in begun]
+    half = int(50 * ANNEALED)
+    assert numbers == [0] * half + [1] * half + [None] * (100 - 2 * half)
+    assert begun[half] == (1, Part(0.0, pytest.approx(1 / half), 1))
+
+
+def test_there_is_no_time_for_several_if_there_is_none_for_one() -> None:
+    assert Schedule.of(100, SHORT * 1000 - 1).short
+    assert not Schedule.of(100, SHORT * 1000).short
