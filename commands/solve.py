@@ -62,6 +62,7 @@ def command(
     """Turn NEST into a cutting program that keeps every hard rule of the profile, checked before it is written."""
     from ..models.solution import SolveOptions
     from ..models.timing.choose import feeds_of
+    from ..postproc.dialects import load_dialect
     from ..postproc.files import expect_folders, write_files
     from ..postproc.produce import ask, facts_of, produce
     from ..postproc.report import draw
@@ -76,6 +77,7 @@ def command(
     expect_folders(Path(name) for name in (output, plan_path, picture) if name)
     given = read_given(**options)
     nest, profile = given.nest, keeping(given.profile, lock_from, upto)
+    load_dialect(profile.machine.dialect)  # a file of the plant's own may be wrong: better said now than at the end
     limits = SolveOptions(
         seed, work, time_limit, profile.machine.home, feeds_of(profile), gap, no_improvement, member_of(engine)
     )

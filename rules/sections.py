@@ -9,6 +9,7 @@ from typing import Any
 from ..encoder.candidates.candidate import LeadKind
 from ..encoder.geometry.segment import Point
 from ..encoder.readers.units import MM_PER
+from .dialect_kind import DialectName
 from .heat_section import Heat
 from .kinds import DURATION, LENGTH, SPEED, Choice, Flag, Number, PointXY, Text, over_zero
 from .option import option
@@ -24,7 +25,8 @@ class Machine:
     """What the machine can do, and the language its control speaks."""
 
     dialect: str = field(
-        default="linuxcnc-qtplasmac", metadata=option(Choice(("linuxcnc-qtplasmac",)), "language of the NC program")
+        default="linuxcnc-qtplasmac",
+        metadata=option(DialectName(("linuxcnc-qtplasmac",)), "language of the NC program"),
     )
     home: Point = field(default=(0.0, 0.0), metadata=option(PointXY(), "where the torch starts and returns to"))
     cut_feed_mm_s: float = field(default=2500 / 60, metadata=option(SPEED, "speed while cutting"))

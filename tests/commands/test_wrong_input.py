@@ -94,3 +94,16 @@ def test_rules_that_clash_are_named_and_drawn_and_give_way_only_when_told(
     assert "relaxed: " in given_way.out
     assert "(RELAXED " in (tmp_path / "out.nc").read_text()
     assert kerfwise("check", NEST, "out.nc", "-p", profile).code == 0
+
+
+def test_a_dialect_file_of_the_plants_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    shipped = (Path(package.__file__).parent / "postproc/dialects/linuxcnc-qtplasmac.yaml").read_text()
+    Path("plant.yaml").write_text("machine: {dialect: shop.yaml}\n")
+    refused(kerfwise("solve", NEST, "-p", "plant.yaml"), "shop.yaml: cannot read the dialect")
+    Path("shop.yaml").write_text(shipped.replace("pierce_dwell: program", "pierce_dwell: machine"))
+    ended = kerfwise("solve", NEST, "-p", "plant.yaml", "--work", "0.5", "-o", "cut.nc")
+    assert ended.code == 0, ended.err
+    assert "G4 P" not in Path("cut.nc").read_text()
+    assert kerfwise("check", NEST, "cut.nc", "-p", "plant.yaml").code == 0
+    assert kerfwise("check", NEST, "cut.nc").code == 1
