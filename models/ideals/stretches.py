@@ -58,14 +58,19 @@ def make_moves(problem: Problem, local: Local, earlier: frozenset[int], ways: In
 def travel_between(problem: Problem, rows: Ints, columns: Ints) -> Ints:
     """Cost of going from the end of each row's site to the pierce of each column's, `HOME` for the machine's home."""
     travel = problem.travel(*(np.where(sites == HOME, problem.m, sites) for sites in (rows, columns)))
+    left, right = _contours(problem, rows), _contours(problem, columns)
+    here, there = set(left.tolist()), set(right.tolist())
     for lag in problem.lags:
         cost = UNLAWFUL if lag.weight is None else round(lag.weight * 1000)
         for i, j in ((lag.first, lag.second), (lag.second, lag.first)):
-            left = np.flatnonzero((rows != HOME) & (problem.site_contour[rows] == i))
-            right = np.flatnonzero((columns != HOME) & (problem.site_contour[columns] == j))
-            if lag.cuts == 1:
-                travel[np.ix_(left, right)] += cost
+            if lag.cuts == 1 and i in here and j in there:
+                travel[np.ix_(left == i, right == j)] += cost
     return travel
+
+
+def _contours(problem: Problem, sites: Ints) -> Ints:
+    """The contour of every site, `HOME` for home."""
+    return np.where(sites == HOME, HOME, problem.site_contour[sites])
 
 
 def way_home(problem: Problem, ways: Ints) -> Ints:
