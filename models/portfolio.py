@@ -127,6 +127,8 @@ class _Run:
     def _search(self, share: float) -> None:
         if self.searcher is None:
             self.searcher = Searcher(self.problem, self.options.seed)
+        elif self.known.incumbent is not None and self.known.found_by != "search":
+            self.searcher.stand_on(self.known.incumbent.route)
         self.searcher.run(share, self.options.time_s and share, self.watch)
         self.known.offer(self.searcher.best, "search")
         self.known.work += share

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from ..bits import words
 from ..evaluate import route_cost
 from ..problem import Problem
 from ..solution import Incumbent, Progress
 from .purse import Empty, Purse
-from .tables import words
 from .widening import Widening
 
 FIRST_WIDTH = 16

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from .tables import HARD, NEVER, Floats, Ints, Masks, Shorts, Tables
-
-ONE = np.uint64(1)
-LOW = np.uint64(63)
+from ..bits import LOW, ONE, Masks, has, missing, place
+from .tables import HARD, NEVER, Floats, Ints, Shorts, Tables
 
 
 @njit(cache=True, nogil=True)
@@ -57,7 +55,7 @@ def expand(  # pragma: no cover - compiled
             while bits:
                 low = bits & (~bits + ONE)
                 bits ^= low
-                k = w * 64 + _place(low)
+                k = w * 64 + place(low)
                 if pending[at] >= 0 and tables.block[k] != pending[at]:
                     continue
                 for d in range(tables.first[k], tables.first[k + 1]):
@@ -65,7 +63,7 @@ def expand(  # pragma: no cover - compiled
                     parent[count] = -1
                     count += 1
         for g in range(len(incomplete)):
-            incomplete[g] = _missing(tables.soft_mask[g], mask)
+            incomplete[g] = missing(tables.soft_mask[g], mask)
         for x in range(node_from[at], node_from[at + 1]):
             last, have = site[x], value[x]
             row = tables.travel[last]
@@ -174,7 +172,7 @@ def gather(  # pragma: no cover - compiled
         new_ready[count, word] &= ~bit
         for e in range(tables.open_from[k], tables.open_from[k + 1]):
             j = tables.opens[e]
-            if not _missing(tables.needs[j], new_masks[count]):
+            if not missing(tables.needs[j], new_masks[count]):
                 new_ready[count, j >> 6] |= ONE << (np.uint64(j) & LOW)
         for b in range(len(price)):
             new_rest[count, b] = rest[source, b] - price[b, k]
@@ -186,39 +184,6 @@ def gather(  # pragma: no cover - compiled
 
 
 @njit(cache=True, nogil=True)
-def _place(bit: np.uint64) -> int:  # pragma: no cover - compiled
-    """The number of the only bit that is set."""
-    place = 0
-    if bit & np.uint64(0xFFFFFFFF00000000):
-        place += 32
-    if bit & np.uint64(0xFFFF0000FFFF0000):
-        place += 16
-    if bit & np.uint64(0xFF00FF00FF00FF00):
-        place += 8
-    if bit & np.uint64(0xF0F0F0F0F0F0F0F0):
-        place += 4
-    if bit & np.uint64(0xCCCCCCCCCCCCCCCC):
-        place += 2
-    if bit & np.uint64(0xAAAAAAAAAAAAAAAA):
-        place += 1
-    return place
-
-
-@njit(cache=True, nogil=True)
-def _missing(wanted: Masks, mask: Masks) -> bool:  # pragma: no cover - compiled
-    """Whether some of the wanted contours are not in the set."""
-    for w in range(len(wanted)):  # noqa: SIM110 - numba has no generators here
-        if wanted[w] & ~mask[w]:
-            return True
-    return False
-
-
-@njit(cache=True, nogil=True)
-def _has(mask: Masks, k: int) -> bool:  # pragma: no cover - compiled
-    return bool(mask[k >> 6] >> (np.uint64(k) & LOW) & ONE)
-
-
-@njit(cache=True, nogil=True)
 def _surcharge(tables: Tables, k: int, d: int, mask: Masks) -> int:  # pragma: no cover - compiled
     """What the conditions make cutting contour k at site d cost when a set is out; `HARD` if it is not lawful."""
     cost = 0
@@ -227,7 +192,7 @@ def _surcharge(tables: Tables, k: int, d: int, mask: Masks) -> int:  # pragma: n
             continue
         total = 0
         for e in range(tables.member_from[q], tables.member_from[q + 1]):
-            if _has(mask, tables.member[e]):
+            if has(mask, tables.member[e]):
                 total += tables.weight[e]
         if total < tables.cond_bound[q]:
             if tables.cond_cost[q] == HARD:
@@ -243,7 +208,7 @@ def _crossing(tables: Tables, leave: int, reach: int, mask: Masks) -> int:  # pr
     cost = 0
     if move >= 0:
         for e in range(tables.cross_from[move], tables.cross_from[move + 1]):
-            if _has(mask, tables.cross_over[e]):
+            if has(mask, tables.cross_over[e]):
                 if tables.cross_cost[e] == HARD:
                     return HARD
                 cost += tables.cross_cost[e]

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bits import Masks, words
 from .bound import Bound
-from .tables import Floats, Ints, Masks, Shorts, Tables, words
+from .tables import Floats, Ints, Shorts, Tables
 
 
 @dataclass(frozen=True, eq=False, slots=True)

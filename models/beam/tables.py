@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bits import Masks, masks_of
 from ..crossings import FORBIDDEN
 from ..problem import Problem
 
-Masks = NDArray[np.uint64]
 Ints = NDArray[np.int64]
 Shorts = NDArray[np.int32]
 Floats = NDArray[np.float64]
@@ -119,20 +119,6 @@ def way_home(problem: Problem, travel: Ints) -> Floats:
     last = (rows.reach == problem.m) & (rows.leave < problem.m)
     np.add.at(cost, rows.leave[last], np.where(rows.cost[last] == FORBIDDEN, np.inf, rows.cost[last]))
     return cost
-
-
-def masks_of(sets: list[tuple[int, ...]] | list[list[int]], n: int) -> Masks:
-    """Sets of contours as rows of words, (len(sets), words)."""
-    masks = np.zeros((len(sets), words(n)), dtype=np.uint64)
-    for row, members in zip(masks, sets, strict=True):
-        for k in members:
-            row[k // 64] |= np.uint64(1 << k % 64)
-    return masks
-
-
-def words(n: int) -> int:
-    """Words that a set of n contours takes."""
-    return max(1, -(-n // 64))
 
 
 def _opens(problem: Problem) -> tuple[Ints, Ints]:

@@ -10,6 +10,8 @@ from .sets import Growth
 
 BYTES_A_NEW_ENTRY, BYTES_A_NEW_SET = 38, 44
 """What an entry, and a set, take on top while their layer is being made; sets of one word, 16 more for each other."""
+NEW_SETS_A_SET = 4
+"""How many new sets a set leads to at the most, where there are many."""
 
 
 class TooLarge(Exception):
@@ -34,11 +36,18 @@ class Budget:
         """What is left of the work."""
         return self.additions / ADDITIONS_PER_S
 
-    def expect(self, ahead: Growth, words: int, width: int) -> None:
-        """Pay for the next layer before it is made, of values `width` bytes wide; `TooLarge` if it is too much."""
+    def expect(self, ahead: Growth, sets: int, words: int, width: int) -> None:
+        """Pay for the layer after one of so many sets before it is made; values are `width` bytes wide.
+
+        Raises
+        ------
+        TooLarge
+            If it is more than is left of either, or it is time to stop.
+        """
         self.additions -= price(ahead.additions, ahead.entries, ahead.states)
-        making = BYTES_A_NEW_ENTRY + BYTES_A_NEW_SET + 16 * (words - 1)
-        taken = ahead.entries * (making + BYTES_AN_ENTRY) + ahead.states * width
+        new_sets = min(ahead.entries, NEW_SETS_A_SET * sets)
+        taken = ahead.entries * (BYTES_A_NEW_ENTRY + BYTES_AN_ENTRY) + ahead.states * width
+        taken += new_sets * (BYTES_A_NEW_SET + 16 * (words - 1))
         if self.additions < 0 or taken > self.bytes or not self.go():
             raise TooLarge
 

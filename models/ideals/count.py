@@ -20,7 +20,7 @@ COUNTED_FASTER = 3
 """How many times faster an entry is counted."""
 BYTES_AN_ENTRY, BYTES_A_STATE = 10, 4
 """What is kept of every layer, for the way back."""
-MOST_BYTES = 2_600_000_000
+MOST_BYTES = 3_000_000_000
 """What the layers may take, that which is being made included."""
 SHARE_KEPT = 0.7
 """Of it, what the layers that are made may take."""

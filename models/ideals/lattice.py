@@ -65,7 +65,7 @@ def sweep_layers(stretch: Stretch, entrance: Costs, budget: Budget, threads: Exe
     wide = entrance.itemsize
     for depth in range(1, len(local.contours) + 1):
         ahead = growth(orders, sets, alive)
-        budget.expect(ahead, sets.masks.shape[1], wide)
+        budget.expect(ahead, len(sets), sets.masks.shape[1], wide)
         grown, contour, target, entry_from = grow(orders, sets, alive, ahead.entries)
         ideal_entry, last, source, place, new_begin = arrange(
             contour, target, entry_from, alive, len(grown), orders.size

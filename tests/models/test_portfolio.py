@@ -37,6 +37,15 @@ def test_a_forced_member_is_the_only_one_that_speaks() -> None:
     assert found(six, "search").proved_by == ""
 
 
+def test_it_says_how_many_sets_there_are_and_what_it_makes_of_that() -> None:
+    few = found(problem([[(float(x), 0.0)] for x in range(5)]))
+    assert few.notes == [
+        "ideals: swept at once, 31 sets, 80 states, 1 stretches one after the other, of 5 contours at most"
+    ]
+    many = found(scattered(1, contours=45, sites=1), work=0.5)
+    assert many.notes[1].startswith("ideals: left to the beam, more than ")
+
+
 def test_what_the_ideals_cannot_hold_is_carried_by_cp_sat() -> None:
     apart = problem([[(float(x), 0.0)] for x in range(5)], lags=[Lag(0, 1, ABOUT, cuts=2), Lag(2, 3, ABOUT, cuts=1)])
     known = found(apart)

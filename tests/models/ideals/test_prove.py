@@ -15,6 +15,7 @@ from kerfwise.models.problem import Problem, SoftGroup
 from kerfwise.models.solution import Incumbent
 from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.brute import cheapest
+from kerfwise.tests.models.ideals.chains import chains
 from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered
 
 
@@ -105,3 +106,52 @@ def test_no_contours_at_all_is_not_a_proof() -> None:
     assert series(empty) == []
     assert prove(empty, None, work=1) is None
     assert np.size(empty.before) == 0
+
+
+def cheapest_of_chains(two: Problem) -> int:
+    """The least cost of two chains, contours 0, 2, 4 … and 1, 3, 5 …, by how far each is cut and the last site."""
+    half = two.n // 2
+    best = {(0, 0, two.m): 0}
+    for done in range(two.n):
+        grown: dict[tuple[int, int, int], int] = {}
+        for (a, b, last), cost in best.items():
+            for place, chain in ((a, 0), (b, 1)):
+                if place == half:
+                    continue
+                sites = list(two.sites(2 * place + chain))
+                for site, leg in zip(sites, two.legs([last] * len(sites), sites), strict=True):
+                    key = (a + 1 - chain, b + chain, site)
+                    grown[key] = min(grown.get(key, 1 << 60), cost + int(leg))
+        best = grown
+        assert all(a + b == done + 1 for a, b, _ in best)
+    return min(cost + int(two.legs([last], [two.m])[0]) for (_, _, last), cost in best.items())
+
+
+def test_more_contours_in_a_stretch_than_a_word_has_bits() -> None:
+    two = chains(2, 35)
+    proof = prove(two, None, work=10)
+    assert proof is not None
+    assert proof.incumbent is not None
+    assert broken(two, proof.incumbent.route) == ()
+    assert proof.incumbent.cost == route_cost(two, proof.incumbent.route) == cheapest_of_chains(two)
+    assert prove(two, Incumbent(proof.incumbent.route, proof.incumbent.cost + 1), work=10) == proof
+
+
+def test_costs_that_need_wide_integers() -> None:
+    far = problem([[(400_000.0 * (x % 3), 300_000.0 * (x % 2))] for x in range(6)], pairs=[(3, 0)])
+    proof, best = prove(far, None, work=10), cheapest(far)
+    assert proof is not None
+    assert proof.incumbent is not None
+    assert best is not None
+    assert proof.incumbent.cost == best.cost > 2**31
+
+
+def test_it_stops_when_it_is_told_to() -> None:
+    asked: list[str] = []
+
+    def stop(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+        asked.append(engine)
+        return len(asked) < 5
+
+    assert prove(scattered(1, 16, 2), None, 10, stop) is None
+    assert asked == ["ideals"] * 5
