@@ -15,8 +15,8 @@ from .given import given_options, note_if_others, program_text, read_given
 def command(made: str, **given: Any) -> int:
     """Judge a plan or an NC program of NEST by every rule; exit 1 if a hard one is broken."""
     from ..models.plan_reader import read_plan
-    from ..postproc.check import check_program, report
-    from ..postproc.checking import check_plan
+    from ..postproc.check import report
+    from ..postproc.checking import check_plan, check_program
 
     asked = read_given(**given)
     if made.endswith(".json"):

@@ -44,13 +44,30 @@ class Cut:
         return x, y
 
 
+@dataclass(frozen=True, slots=True)
+class HotSpot:
+    """Where and when a simulation found metal hottest while one cut had its effect: °C, mm, s from the start.
+
+    `part` is the id of the part that the place lies on, "" between parts.
+    """
+
+    peak_c: float
+    at: Point
+    at_s: float
+    part: str = ""
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class CutSequence(Sequence[Cut]):
-    """The cuts in order, with what a rule needs to judge them and cannot see in one cut alone."""
+    """The cuts in order, with what a rule needs to judge them and cannot see in one cut alone.
+
+    `hot_spots` is what a simulation of these very cuts has measured, in order of time; None if nobody has made one.
+    """
 
     cuts: tuple[Cut, ...]
     start_side: Side | None = None
     home: Point = (0.0, 0.0)
+    hot_spots: tuple[HotSpot, ...] | None = None
 
     @overload
     def __getitem__(self, key: int) -> Cut: ...

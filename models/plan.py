@@ -167,4 +167,6 @@ def _cut_row(order: int, planned: PlannedCut) -> dict[str, Any]:
         "end_s": round(cut.end_s, 3),
         "because": list(planned.because),
     }
+    if planned.dwell_s:
+        row["dwell_s"] = round(planned.dwell_s, 3)
     return row | ({"excused": list(cut.excused)} if cut.excused else {})

@@ -104,6 +104,7 @@ def _plain(cut: object) -> bool:
         and all(isinstance(row, list) and 2 <= len(row) <= 3 and _plain_row(row) for key in _PATHS for row in cut[key])
         and all(abs(cut[key]) <= 1e12 for key in ("length_mm", "start_s", "end_s"))
         and all(isinstance(text, str) for text in texts)
+        and "dwell_s" not in cut
     )
 
 
@@ -139,6 +140,7 @@ def _plan_of(data: dict[str, Any]) -> Plan:
             c["kind"],
             c["length_mm"],
             tuple(c["because"]),
+            c.get("dwell_s", 0.0),
         )
         for c in sorted(data["cuts"], key=itemgetter("order"))
     )

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
+from ..encoder.cut import HotSpot
+from ..encoder.errors import InputError
 from ..encoder.nest import Nest
 from ..models.plan import Plan, RuleReport
+from ..rules.catalogue.t_max import TMaxOptions
 from ..rules.own import PREFIX as OWN
 from ..rules.profile import Profile
 from ..rules.registry import RULES
-from .check import CheckResult, Claims, Relaxed, check_cuts, check_program
+from ..rules.sections import RuleSetting
+from .check import CheckResult, Claims, Heating, Relaxed, Thermometer, check_cuts
+from .check import check_program as check_nc
 
-__all__ = ["check_plan", "check_program", "judge", "report_of"]
+__all__ = ["check_plan", "check_program", "judge", "report_of", "thermometer_of"]
 
 
 def check_plan(nest: Nest, plan: Plan, profile: Profile) -> CheckResult:
@@ -28,7 +34,45 @@ def check_plan(nest: Nest, plan: Plan, profile: Profile) -> CheckResult:
         {rule.id: rule.holds for rule in plan.rules},
     )
     relaxed = tuple(Relaxed(dropped.rule, dropped.contours) for dropped in plan.dropped if dropped.relaxed)
-    return check_cuts(nest, plan.sequence(profile.machine.home), profile, claims, relaxed)
+    thermometer = thermometer_of(nest, profile)
+    return check_cuts(nest, plan.sequence(profile.machine.home), profile, claims, relaxed, thermometer)
+
+
+def check_program(nest: Nest, nc_text: str, profile: Profile, file: str = "") -> CheckResult:
+    """Judge an NC program by geometry, the profile and, where a rule asks for it, temperatures.
+
+    Raises
+    ------
+    InputError
+        With the line, for a program that is malformed or says something the reader does not understand.
+    """
+    return check_nc(nest, nc_text, profile, file, thermometer_of(nest, profile))
+
+
+def thermometer_of(nest: Nest, profile: Profile) -> Thermometer | None:
+    """What measures the temperatures of a sheet by simulation; None where no rule asks for any."""
+    setting = profile.settings().get("t-max")
+    if setting is None:
+        return None
+
+    def measure(stretches: Sequence[Heating]) -> tuple[HotSpot, ...] | None:
+        from ..models.heat.timed_path import in_order, torch_on
+        from ..models.heat.watch import hot_spots
+
+        try:
+            path = in_order([torch_on(s.name, s.points, s.begin_s, s.end_s, s.pierce_s) for s in stretches], 0.0)
+        except InputError:  # times that contradict each other are judged as such
+            return None
+        heat = replace(profile.heat, model="physical")
+        return hot_spots(nest, path, heat, profile.material.thickness_mm, limit_c(setting))
+
+    return measure
+
+
+def limit_c(setting: RuleSetting) -> float:
+    """The limit of the rule t-max, °C."""
+    assert isinstance(setting.options, TMaxOptions)
+    return setting.options.most_c
 
 
 def judge(nest: Nest, plan: Plan, program: str, profile: Profile) -> CheckResult:

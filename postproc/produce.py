@@ -12,11 +12,12 @@ from ..models.baselines import Strategy
 from ..models.engines import Engine
 from ..models.make_plan import make_plan
 from ..models.plan import Plan
-from ..models.solution import Progress, SolveOptions
+from ..models.solution import Progress, Solution, SolveOptions
 from ..rules.afterthoughts import afterthoughts
 from ..rules.lock import check_locks
 from ..rules.profile import Profile
 from ..rules.state import Stated, state_rules
+from ..rules.statements import Statement
 from .check import CheckResult
 from .checking import judge, report_of
 from .program import write_program
@@ -93,23 +94,53 @@ def produce(
     RulesConflict
         If no lawful plan exists, or none was found.
     """
+    facts = asked.facts
+    engine_named = engine if strategy == "ours" else "cp-sat"
+
+    def attempt(share: float, further: tuple[Statement, ...]) -> Solution:
+        part = replace(limits, work=limits.work * share, time_s=limits.time_s and limits.time_s * share)
+        return _solved(asked, further, profile, part, progress, engine, solver, strategy)
+
+    def planned(solution: Solution) -> Plan:
+        seen = afterthoughts(facts, profile)([facts.candidates[c].contour for c in solution.route])
+        stated = replace(asked.stated, statements=(*asked.stated.statements, *seen))
+        plan = make_plan(facts, profile, stated, solution, engine_named, limits.seed)
+        return with_times(plan, facts.nest, profile)
+
+    if "t-max" in profile.settings():
+        from .cooling import Cooler
+
+        again = strategy == "ours" and engine != "minizinc"  # the others cannot be asked for more than the rules state
+        solution, plan = Cooler(facts, profile, asked.stated.statements, attempt, planned).find(again)
+    else:
+        solution = attempt(1.0, ())
+        plan = planned(solution)
+    program = write_program(plan, facts.nest, profile)
+    verdict = judge(facts.nest, plan, program, profile)
+    return Produced(replace(plan, rules=report_of(verdict)), program, verdict, solution.notes)
+
+
+def _solved(
+    asked: Asked,
+    further: tuple[Statement, ...],
+    profile: Profile,
+    limits: SolveOptions,
+    progress: Progress | None,
+    engine: Engine,
+    solver: str,
+    strategy: Strategy,
+) -> Solution:
+    """What the engine makes of the statements and further ones; MiniZinc and plain strategies know no further ones."""
     facts, stated = asked.facts, asked.stated
     refine = afterthoughts(facts, profile)
     if strategy != "ours":
         from .strategies import solve_by
 
-        engine, solution = "cp-sat", solve_by(strategy, facts, profile, stated.statements, limits, progress)
-    elif engine == "minizinc":
+        return solve_by(strategy, facts, profile, stated.statements, limits, progress)
+    if engine == "minizinc":
         from ..models.minizinc import solve_minizinc
 
-        solution = solve_minizinc(facts, profile, stated, limits, solver, refine)
-    else:
-        from ..models.solve import solve
+        return solve_minizinc(facts, profile, stated, limits, solver, refine)
+    from ..models.solve import solve
 
-        solution = solve(facts, stated.statements, limits, progress, refine)
-    seen = afterthoughts(facts, profile)([facts.candidates[c].contour for c in solution.route])
-    stated = replace(stated, statements=(*stated.statements, *seen))
-    plan = with_times(make_plan(facts, profile, stated, solution, engine, limits.seed), facts.nest, profile)
-    program = write_program(plan, facts.nest, profile)
-    verdict = judge(facts.nest, plan, program, profile)
-    return Produced(replace(plan, rules=report_of(verdict)), program, verdict, solution.notes)
+    return solve(facts, (*stated.statements, *further), limits, progress, refine)

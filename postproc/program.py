@@ -84,6 +84,8 @@ def _cut(order: int, made: Toolpath, profile: Profile, dialect: Dialect) -> Iter
         dialect, f"{'MARK' if mark else 'CUT'} {order}", cut.contour, f"ZONE {cut.zone} {cut.direction.upper()}"
     )
     yield rapid_block(made.path.point_at(0.0), dialect)
+    if made.planned.dwell_s > 0:  # metal cools, the torch being off
+        yield dialect.dwell.format(seconds=number(made.planned.dwell_s, 3))
     yield dialect.mark_on if mark else dialect.torch_on
     dwell_s = machine.mark_time_s if mark else machine.pierce_time_s
     if dialect.pierce_dwell == "program" and dwell_s > 0 and not made.edge_start:

@@ -52,7 +52,8 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
     paths = toolpaths(plan, nest, profile)
     runs, at = [], profile.machine.home
     for made in paths:
-        runs.append(Run(made.path, made.marks, not made.edge_start, (math.dist(at, _start(made.path)),)))
+        travels_mm = (math.dist(at, _start(made.path)),)
+        runs.append(Run(made.path, made.marks, not made.edge_start, travels_mm, made.planned.dwell_s))
         at = _end(made.path)
     return Job(tuple(runs), (math.dist(at, profile.machine.home),), count_blocks(paths, profile))
 
@@ -61,7 +62,7 @@ def job_of_program(program: NcProgram, nest: Nest) -> Job:
     """What a program does, as the check reads it; the nest tells which cuts come in from the sheet's edge."""
     edge_starts = outside(nest, [_start(burn.path) for burn in program.burns])
     runs = (
-        Run(burn.path, burn.tool != 0, not edge_start, burn.travels_mm)
+        Run(burn.path, burn.tool != 0, not edge_start, burn.travels_mm, burn.wait_s)
         for burn, edge_start in zip(program.burns, edge_starts, strict=True)
     )
     return Job(tuple(runs), program.homing_mm, program.blocks)

@@ -68,7 +68,7 @@ class Quantity(Kind):
     example: str = "1.5"
 
     def read(self, node: yaml.Node) -> float:
-        found = re.fullmatch(rf"\s*({_NUMBER})\s*((?:[a-z/%][a-z0-9/%]*)?)\s*", _text(node, self))
+        found = re.fullmatch(rf"\s*({_NUMBER})\s*((?:[a-z/%°][A-Za-z0-9/%]*)?)\s*", _text(node, self))
         if found is None:
             raise self.refuse(node)
         number, unit = found[1], found[2] or self.bare
@@ -98,7 +98,8 @@ class Quantity(Kind):
         least = "" if self.at_least is None else f" of at least {self.at_least:g}"
         least = f" over {self.above:g}" if self.above is not None else least
         others = ", ".join(u for u in self.units if u != self.bare)
-        return f"{self.name}{least} such as {self.example} or '{self.example} {self.bare}' (also {others})"
+        also = f" (also {others})" if others else ""
+        return f"{self.name}{least} such as {self.example} or '{self.example} {self.bare}'{also}"
 
 
 LENGTH = Quantity(
@@ -127,12 +128,33 @@ ACCELERATION = Quantity(
     at_least=None,
     above=0.0,
 )
+TEMPERATURE = Quantity("a temperature", {"°C": Fraction(1)}, "°C", at_least=-273.15, example="115")
 DURATION = Quantity("a time", {"s": Fraction(1), "ms": Fraction(1, 1000), "min": Fraction(60)}, "s", example="0.5")
 
 
 def over_zero(quantity: Quantity) -> Quantity:
     """The same quantity, but zero is refused."""
     return dataclasses.replace(quantity, at_least=None, above=0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class OrWord(Kind):
+    """A quantity, or the word that stands for None: what the profile says elsewhere."""
+
+    quantity: Quantity
+    none: str
+
+    def read(self, node: yaml.Node) -> float | None:
+        return None if _text(node, self).strip() == self.none else self.quantity.read(node)
+
+    def write(self, value: float | None) -> str:
+        return self.none if value is None else self.quantity.write(value)
+
+    def schema(self) -> dict[str, Any]:
+        return {"anyOf": [{"const": self.none}, *self.quantity.schema()["anyOf"]]}
+
+    def expected(self) -> str:
+        return f"{self.quantity.expected()}, or {self.none!r}"
 
 
 @dataclass(frozen=True, slots=True)

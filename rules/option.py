@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from .kinds import Kind, Quantity
+from .kinds import Kind, Number, Quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,10 +48,15 @@ def options_of(owner: Any) -> tuple[Option, ...]:
     [('reach_mm', 'reach', 'mm', 25.0)]
     """
     return tuple(
-        Option(f.name, re.sub(r"_(mm_s2|mm_s|mm|s)$", "", f.name), f.metadata["kind"], f.metadata["help"], f.default)
+        Option(f.name, _key(f.name, f.metadata["kind"]), f.metadata["kind"], f.metadata["help"], f.default)
         for f in dataclasses.fields(owner)
         if "kind" in f.metadata
     )
+
+
+def _key(name: str, kind: Kind) -> str:
+    """The field's name without the unit that its values may state; a bare number of °C keeps its `_c`."""
+    return re.sub(r"_(mm_s2|mm_s|mm|s)$" if isinstance(kind, Number) else r"_(mm_s2|mm_s|mm|s|c)$", "", name)
 
 
 @dataclass(frozen=True, slots=True)

@@ -98,6 +98,7 @@ class Profile:
             "web_mm": self._options("part-rigidity", PartRigidityOptions).web_mm,
             "edge_band_mm": self._options("start-side", StartSideOptions).edge_band_mm,
             "thickness_mm": self.material.thickness_mm,
+            "heat_limit_c": self.heat.limit_c,
         }
         unset = [f.name for f in dataclasses.fields(options) if "kind" not in f.metadata]
         return dataclasses.replace(options, **{name: shared[name] for name in unset})

@@ -56,7 +56,7 @@ def _of_burn(xy: Floats, at_s: Floats, grid: Grid) -> tuple[NDArray[np.generic],
     nx, ny = grid.shape
     scaled = np.ascontiguousarray((xy - (grid.x0_mm, grid.y0_mm)) / grid.step_mm)
     steps = np.abs(np.diff(scaled, axis=0))
-    doses = int(np.ceil(np.hypot(steps[:, 0], steps[:, 1]) / SPACING).sum()) + 2 * len(xy)
+    doses = int(np.ceil(np.hypot(steps[:, 0], steps[:, 1]) / SPACING).sum()) + 4 * len(xy)
     cuts = int(np.ceil(steps.sum())) + 2 * len(xy)
     dose, point = np.zeros((doses, 2)), np.full((doses, 2), -1, dtype=np.int64)
     cut, link = np.zeros(cuts), np.zeros((cuts, 2), dtype=np.int64)
@@ -73,6 +73,21 @@ def _flat(x: float, y: float, nx: int, ny: int) -> int:
     return i * ny + j if 0 <= i < nx and 0 <= j < ny else -1
 
 
+@compiled
+def _stand(
+    x: float, y: float, when_s: float, took_s: float, nx: int, ny: int, dose: Floats, point: Ints, made: int
+) -> int:
+    """A torch that stands heats the four points around it, the nearer the more: a pierce has no sides yet."""
+    i, j = int(np.floor(x)), int(np.floor(y))
+    for di in range(2):
+        for dj in range(2):
+            share = (x - i if di else 1 - x + i) * (y - j if dj else 1 - y + j)
+            dose[made, 0], dose[made, 1] = when_s, took_s * share
+            point[made, 0] = _flat(float(i + di), float(j + dj), nx, ny)
+            made += 1
+    return made
+
+
 @entry
 def _fill(
     xy: Floats, at_s: Floats, nx: int, ny: int, dose: Floats, point: Ints, cut: Floats, link: Ints
@@ -87,7 +102,9 @@ def _fill(
         if length > 0:
             tx, ty = dx / length, dy / length
         pieces = max(1, int(np.ceil(length / SPACING)))
-        if took > 0:
+        if took > 0 and length == 0:
+            made = _stand(x0, y0, at_s[k] + 0.5 * took, took, nx, ny, dose, point, made)
+        elif took > 0:
             for p in range(pieces):
                 f = (p + 0.5) / pieces
                 x, y = x0 + f * dx, y0 + f * dy

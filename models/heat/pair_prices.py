@@ -26,7 +26,7 @@ ORDERS = 240
 """Random orders that the prices are fitted to."""
 PENALTIES = (1.0, 3.0, 10.0, 30.0, 100.0)
 FOLDS = 5
-NEAR_BANDS = 4.5
+NEAR_BANDS = 6.0
 """Contours nearer than so many bands of the kerf heat each other."""
 LEAST = 0.05
 """Prices under so many overheats are noise."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from copy import copy
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from ...rules.materials import MATERIALS
 from .events import Events, events_of
 from .grid import Grid
 from .result import Run
-from .stepping import Field, Law, new_plate, run_steps, swapped
+from .stepping import Field, Law, Plate, new_plate, run_steps, swapped
 from .timed_path import TimedPath
 
 Look = Callable[[float, Field], None]
@@ -78,6 +79,26 @@ class Simulation:
         if run_steps(self._plate, self._law, events, steps, self.now_s):
             self._plate = swapped(self._plate)
         self.now_s += steps * self._law.step_s
+
+    def copy(self) -> Simulation:
+        """The same sheet once more: what is done to the one does nothing to the other."""
+        other = copy(self)
+        plate = self._plate
+        other._plate = plate._replace(**{name: getattr(plate, name).copy() for name in Plate._fields})
+        return other
+
+    def cool_down(self) -> None:
+        """Take all heat away, as an endless wait would; what is cut stays cut."""
+        for array in (self._plate.now, self._plate.following, self._plate.warm, self._plate.warm_next):
+            array[:] = 0
+
+    def forget_peaks(self) -> None:
+        """Peaks count from now on."""
+        self._plate.peak[:] = self._plate.now
+
+    def peak_c(self) -> Field:
+        """The highest temperatures since `forget_peaks`, (nx, ny), °C."""
+        return self._plate.peak[1:-1, 1:-1] + self._ambient
 
     def temperature_c(self) -> Field:
         """Temperatures now, (nx, ny), °C."""

@@ -11,7 +11,7 @@ from .motion import Motion
 
 @dataclass(frozen=True, slots=True)
 class TimeReport:
-    """Seconds that a program cuts (and marks), moves idle and pierces, by the model that `model` names.
+    """Seconds that a program cuts (and marks), moves idle, pierces, and waits for metal to cool, by the model named.
 
     `nc_blocks` is the number n of blocks of the program, comments left out.
 
@@ -26,11 +26,12 @@ class TimeReport:
     cut_s: float
     idle_s: float
     pierce_s: float
+    dwell_s: float = 0.0
 
     @property
     def total_s(self) -> float:
         """The whole program, s."""
-        return self.cut_s + self.idle_s + self.pierce_s
+        return self.cut_s + self.idle_s + self.pierce_s + self.dwell_s
 
     @property
     def idle_share(self) -> float:
@@ -46,10 +47,11 @@ class TimeReport:
             "total_s": round(self.total_s, 3),
             "idle_share": round(self.idle_share, 6),
             "nc_blocks": self.nc_blocks,
+            **({"dwell_s": round(self.dwell_s, 3)} if self.dwell_s else {}),
             "model": self.model,
         }
 
 
 def report_times(times: Times, motion: Motion, nc_blocks: int) -> TimeReport:
     """What is said of these times."""
-    return TimeReport(motion.words, nc_blocks, times.cut_s, times.idle_s, times.pierce_s)
+    return TimeReport(motion.words, nc_blocks, times.cut_s, times.idle_s, times.pierce_s, times.dwell_s)

@@ -11,14 +11,15 @@ from ...encoder.geometry.curve import Curve
 class Run:
     """One open torch-on path from where the torch is switched on to where it goes off.
 
-    `travels_mm` are the lengths of the idle moves that lead to it. `marks` says that it only marks; `pierced` is False
-    where it comes in from the sheet edge.
+    The torch waits for `wait_s` before it is lit. `travels_mm` are the lengths of the idle moves that lead to it.
+    `marks` says that it only marks; `pierced` is False where it comes in from the sheet edge.
     """
 
     path: Curve
     marks: bool = False
     pierced: bool = True
     travels_mm: tuple[float, ...] = ()
+    wait_s: float = 0.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)

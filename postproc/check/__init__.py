@@ -1,6 +1,7 @@
 """The independent check of plans and programs."""
 
 from .check import check_cuts, check_program
+from .heating import Heating, Thermometer
 from .relaxed import Relaxed
 from .report import report
 from .result import CheckResult, Excused, Judgement, Measured
@@ -10,9 +11,11 @@ __all__ = [
     "CheckResult",
     "Claims",
     "Excused",
+    "Heating",
     "Judgement",
     "Measured",
     "Relaxed",
+    "Thermometer",
     "check_cuts",
     "check_program",
     "report",

@@ -10,6 +10,7 @@ from ...encoder.nest import Nest
 from ...rules.profile import Profile
 from ...rules.rule import Violation
 from .coverage import coverage, once_each
+from .heating import Thermometer, heatings_of_cuts, heatings_of_program, measured
 from .judge import judge
 from .metal import gouges, off_sheet
 from .nc_reader import read_nc
@@ -29,15 +30,17 @@ def check_cuts(
     profile: Profile,
     claims: Claims | None = None,
     relaxed: Sequence[Relaxed] = (),
+    thermometer: Thermometer | None = None,
 ) -> CheckResult:
     """Judge a plan's cuts, and what the plan says of them, where that is given.
 
     The torch's paths are made anew from the nest, the kerf and the leads. `relaxed` are the statements that the plan
-    says it has let go.
+    says it has let go. Without a thermometer no temperature is judged.
     """
     runs, faults = runs_from_cuts(nest, cuts, profile.material.kerf_mm)
     judged, warnings = _judge_paths(nest, cuts, runs, faults, profile)
-    rules = judge(nest, once_each(nest, cuts), profile, relaxed)
+    felt = measured(once_each(nest, cuts), heatings_of_cuts(nest, cuts, runs, profile), thermometer)
+    rules = judge(nest, felt, profile, relaxed)
     warnings += relaxed_warnings(relaxed)
     if claims is not None:
         broken, told = claims_kept(claims, rules)
@@ -46,7 +49,9 @@ def check_cuts(
     return CheckResult((*judged, *rules), tuple(warnings), _measured(runs, idle_mm(nest, cuts)))
 
 
-def check_program(nest: Nest, nc_text: str, profile: Profile, file: str = "") -> CheckResult:
+def check_program(
+    nest: Nest, nc_text: str, profile: Profile, file: str = "", thermometer: Thermometer | None = None
+) -> CheckResult:
     """Judge an NC program: what it burns is read with a reader of its own and matched with the nest.
 
     Raises
@@ -59,7 +64,8 @@ def check_program(nest: Nest, nc_text: str, profile: Profile, file: str = "") ->
     judged, warnings = _judge_paths(nest, built.cuts, built.runs, built.violations, profile)
     judged += judge_running(nest, program, profile)
     relaxed = read_relaxed(nest, program.comments)
-    rules = judge(nest, once_each(nest, built.cuts), profile, relaxed)
+    felt = measured(once_each(nest, built.cuts), heatings_of_program(nest, program, profile), thermometer)
+    rules = judge(nest, felt, profile, relaxed)
     warnings += relaxed_warnings(relaxed)
     return CheckResult((*judged, *rules), (*built.warnings, *warnings), _measured(built.runs, program.idle_mm))
 

@@ -13,8 +13,8 @@ class Burn:
     """One stretch with a tool on, rapids left out: torch $0, others mark.
 
     `line` is where it begins, `comment` the last comment before it. Times in s from the program's start. `travels_mm`
-    are the moves with no tool on since the burn before. The tool stands for `pierce_s` before it moves and for
-    `paused_s` later on; `feeds_mm_s` are the speeds it moves at.
+    are the moves with no tool on since the burn before, `wait_s` is how long it has stood still since, off. The tool
+    stands for `pierce_s` before it moves and for `paused_s` later on; `feeds_mm_s` are the speeds it moves at.
     """
 
     tool: int
@@ -27,6 +27,7 @@ class Burn:
     pierce_s: float = 0.0
     paused_s: float = 0.0
     feeds_mm_s: tuple[float, ...] = ()
+    wait_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -63,6 +63,8 @@ def read_nc(text: str, travel_mm_s: float = 100.0, file: str = "", home: Point =
     machine.close()
     if machine.on:
         machine.fault(line, "torch-off-travel", "the program ends with the torch on")
+    if machine.wait_s > 0:
+        machine.fault(line, "pierce-delay", f"the torch stands still for {machine.wait_s:g} s after the last cut")
     return NcProgram(
         tuple(machine.burns),
         tuple(machine.hot_rapids),
@@ -90,6 +92,7 @@ class _Open:
     pierce_s: float = 0.0
     paused_s: float = 0.0
     feeds_mm_s: set[float] = field(default_factory=set)
+    wait_s: float = 0.0
 
 
 @dataclass(slots=True)
@@ -118,6 +121,7 @@ class _Machine:
     modes: Modes = field(default_factory=Modes)
     comments: list[str] = field(default_factory=list)
     travels_mm: list[float] = field(default_factory=list)
+    wait_s: float = 0.0
 
     def run(self, block: Block) -> None:
         self.blocks += bool(block.g or block.m or block.words)
@@ -185,6 +189,8 @@ class _Machine:
             self.open.paused_s += wait_s
         elif self.open is not None:
             self.open.pierce_s += wait_s
+        else:
+            self.wait_s += wait_s
 
     def _output(self, code: float, block: Block) -> None:
         if "E" not in block.words or "Q" not in block.words:
@@ -250,8 +256,9 @@ class _Machine:
         self.travels_mm.append(length_mm)
 
     def _begin(self, tool: int, line: int) -> None:
-        self.open = _Open(tool, line, self.clock_s, [], self.comment, tuple(self.travels_mm))
+        self.open = _Open(tool, line, self.clock_s, [], self.comment, tuple(self.travels_mm), wait_s=self.wait_s)
         self.travels_mm.clear()
+        self.wait_s = 0.0
 
     def close(self) -> None:
         """End the burn that is going on, if any; one that did not move is a hole and is kept."""
@@ -262,7 +269,7 @@ class _Machine:
             self.burns.append(
                 Burn(
                     o.tool, o.line, path, o.start_s, self.clock_s, o.comment, o.travels_mm, o.pierce_s, o.paused_s,
-                    feeds_mm_s,
+                    feeds_mm_s, o.wait_s,
                 )
             )  # fmt: skip
             self.open = None

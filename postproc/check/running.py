@@ -10,6 +10,7 @@ import shapely
 
 from ...encoder.geometry.segment import Point
 from ...encoder.nest import Nest
+from ...rules.catalogue.t_max import TMaxOptions
 from ...rules.profile import Profile
 from ...rules.rule import Violation
 from ..dialects import load_dialect
@@ -57,6 +58,7 @@ def _waits(nest: Nest, burns: Sequence[Burn], profile: Profile) -> Iterator[tupl
         return
     machine = profile.machine
     waits = load_dialect(machine.dialect).pierce_dwell == "program"
+    cooling_s = _longest_dwell_s(profile)
     points = shapely.points(np.array([burn.path.vertices[0, :2] for burn in burns]))
     sheet = shapely.make_valid(nest.sheet.polygon)
     inside, near = (shapely.contains(shapely.buffer(sheet, by), points) for by in (-TOLERANCE_MM, TOLERANCE_MM))
@@ -67,8 +69,17 @@ def _waits(nest: Nest, burns: Sequence[Burn], profile: Profile) -> Iterator[tupl
         if all(abs(burn.pierce_s - s) > _WAIT_S for s in allowed):
             says = " or ".join(f"{s:g} s" for s in sorted(allowed))
             yield burn.line, f"the torch stands for {burn.pierce_s:g} s before it moves, the profile asks for {says}"
+        if burn.wait_s > cooling_s + _WAIT_S:
+            most = f"{cooling_s:g} s at most" if cooling_s else "no such wait"
+            yield burn.line, f"the torch waits for {burn.wait_s:g} s before it is lit, the profile allows {most}"
         if burn.paused_s > 0:
             yield burn.line, f"the torch stands still for {burn.paused_s:g} s in the middle of its path"
+
+
+def _longest_dwell_s(profile: Profile) -> float:
+    """How long the torch may wait for metal to cool, off, s."""
+    setting = profile.settings().get("t-max")
+    return setting.options.allowed_dwell_s if setting is not None and isinstance(setting.options, TMaxOptions) else 0.0
 
 
 def _home(program: NcProgram, home: Point) -> Iterator[tuple[int, str]]:

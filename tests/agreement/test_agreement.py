@@ -37,7 +37,7 @@ def test_the_cases_are_of_every_size_and_every_rule() -> None:
     cases = [judged_case(seed) for seed in range(30)]
     assert {case.facts.n for case in cases} == {5, 6, 7, 8, 9}
     hard = {name for case in cases for name, setting in case.profile.rules.items() if setting.strength == "hard"}
-    assert hard == set(RULES)
+    assert hard == set(RULES) - {"t-max"}, "temperatures are simulated, not stated"
     soft = {name for case in cases for name, setting in case.profile.rules.items() if setting.strength == "soft"}
     assert soft >= {name for name, rule in RULES.items() if "soft" in rule.strengths} - {"no-narrow-strips"}
     assert any(case.profile.locks for case in cases)

@@ -37,7 +37,7 @@ def test_only_near_contours_are_pairs() -> None:
     assert [(marked.contours[i].id, marked.contours[j].id) for i, j in zip(first, second, strict=True)] == [
         ("A.outer", "B.outer")
     ]
-    assert len(near_pairs(ROW, replace(HEAT, kerf_band_mm=2.0, grid_mm=4.0))[0]) == 0
+    assert len(near_pairs(ROW, replace(HEAT, kerf_band_mm=2.0, grid_mm=3.0))[0]) == 0
 
 
 def test_what_orders_cost_is_found_again() -> None:

@@ -93,6 +93,10 @@ def _shape(shape: str, name: str, x: int, y: int, rng: np.random.Generator) -> l
             return [part(name, rect(x, y, 30, 30)), part(f"{name}b", rect(x, y + 40, 30, 30))]
 
 
+SIMULATED = "t-max"
+"""The rule of which no engine knows more than what a simulation says afterwards: it is off."""
+
+
 def random_profile(rng: np.random.Generator, drawn: Nest) -> Profile:
     """The default profile with other strengths, weights, options and locks."""
     base = load_profile()
@@ -107,8 +111,10 @@ def random_profile(rng: np.random.Generator, drawn: Nest) -> Profile:
         "no-islands": NoIslandsOptions(frame_share=float(rng.choice([0.1, 0.5, 1.0]))),
         "part-rigidity": PartRigidityOptions(head_weight_mm=float(rng.choice([0, 25, 60]))),
     }
-    rules = {}
+    rules = {SIMULATED: base.rules[SIMULATED]}
     for name, rule in RULES.items():
+        if name == SIMULATED:
+            continue
         strength = str(rng.choice(rule.strengths))
         weight = float(rng.choice([3.5, 40, 400])) if strength == "soft" else None
         rules[name] = RuleSetting(strength, weight, options.get(name, base.rules[name].options))  # type: ignore[arg-type]

@@ -14,8 +14,8 @@ from kerfwise.rules.state import Stated
 from kerfwise.rules.statements import About, AtLeast, Before, Contiguous, Forbid, Lag, NoGood, Pick, Precede, Statement
 from kerfwise.tests.models.minizinc.cases import profile_of
 
-AFTERWARDS = {"no-narrow-strips"}
-"""Rules that state nothing beforehand: geometry adds to a finished order what they ask."""
+AFTERWARDS = {"no-narrow-strips", "t-max"}
+"""Rules that state nothing beforehand: geometry, or a simulation, adds to a finished order what they ask."""
 ABOUT = About("own:mine", (), "")
 
 

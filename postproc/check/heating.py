@@ -1,0 +1,102 @@
+"""What the torch does to the sheet, as the check has read it: for whoever simulates temperatures.
+
+The check judges t-max without a line of the models: it hands its own reading of the plan or program to a thermometer
+and takes back temperatures, as a shop measures a sheet that it did not plan. The physics behind the thermometer is that
+of `kerfwise heat`. A second heat equation would prove nothing: the limit is meant for the figures of this one, which
+has tests of its own against solutions in closed form and against its energies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import ops
+
+from ...encoder.cut import Cut, CutSequence, HotSpot
+from ...encoder.nest import Nest
+from ...rules.profile import Profile
+from ..dialects import load_dialect
+from .nc_program import NcProgram
+from .torch_run import TorchRun
+
+_CHORD_MM = 0.05
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Heating:
+    """One stretch with the torch on: it stands at the first of `points` (k, 2), mm, for `pierce_s`, then moves evenly.
+
+    `cut_s` is when the cut that it belongs to begins by the plan's, or the program's, own clock.
+    """
+
+    name: str
+    points: NDArray[np.float64]
+    begin_s: float
+    end_s: float
+    pierce_s: float
+    cut_s: float
+
+
+Thermometer = Callable[[Sequence[Heating]], tuple[HotSpot, ...] | None]
+"""Simulates the sheet: the hottest place of each stretch, None where times contradict each other."""
+
+
+def measured(cuts: CutSequence, heatings: Iterator[Heating], thermometer: Thermometer | None) -> CutSequence:
+    """The cuts with the temperatures that they lead to, where there is a thermometer."""
+    if thermometer is None:
+        return cuts
+    stretches = list(heatings)
+    spots = thermometer(stretches)
+    if spots is None:
+        return cuts
+    timed = (replace(spot, at_s=stretch.cut_s) for spot, stretch in zip(spots, stretches, strict=True))
+    return replace(cuts, hot_spots=tuple(timed))
+
+
+def heatings_of_cuts(nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], profile: Profile) -> Iterator[Heating]:
+    """The stretches of a plan, at the times that it states; marks heat nothing worth speaking of."""
+    for run in runs:
+        if run.marks or run.contour is None:
+            continue
+        cut = cuts[run.position - 1]
+        points = np.concatenate([shapely.get_coordinates(line) for line in _in_order(run, cut)])
+        pierce_s = profile.machine.pierce_time_s if _pierced(nest, cut.pierce) else 0.0
+        yield Heating(run.name, points, cut.start_s, max(cut.start_s, cut.end_s), pierce_s, cut.start_s)
+
+
+def heatings_of_program(nest: Nest, program: NcProgram, profile: Profile) -> Iterator[Heating]:
+    """The stretches of a program at its own feeds, with the waits that it makes or leaves to the machine."""
+    unsaid_s = profile.machine.pierce_time_s if load_dialect(profile.machine.dialect).pierce_dwell == "machine" else 0.0
+    late_s = 0.0
+    for burn in program.burns:
+        if burn.tool != 0:
+            continue
+        begin_s = burn.start_s + late_s
+        x, y = burn.path.vertices[0, :2].tolist()
+        if unsaid_s and _pierced(nest, (x, y)):
+            late_s += unsaid_s
+        pierce_s = burn.pierce_s + (burn.start_s + late_s - begin_s)
+        points = burn.path.flatten(_CHORD_MM)
+        yield Heating(f"line {burn.line}", points, begin_s, burn.end_s + late_s, pierce_s, burn.start_s)
+
+
+def _pierced(nest: Nest, point: tuple[float, float]) -> bool:
+    return bool(shapely.contains_xy(nest.sheet.polygon, *point))
+
+
+def _in_order(run: TorchRun, cut: Cut) -> Iterator[shapely.LineString]:
+    """Lead-in, the ring once round from where the torch joins it, the way the cut goes, lead-out."""
+    if run.lead_in is not None:
+        yield run.lead_in
+    ring = run.loop
+    if shapely.is_ccw(shapely.LinearRing(ring)) != (cut.direction == "ccw"):
+        ring = ring.reverse()
+    first = shapely.get_point(run.lead_in, -1) if run.lead_in is not None else shapely.Point(cut.pierce)
+    along_mm = ring.project(first)
+    yield from (ops.substring(ring, a, b) for a, b in ((along_mm, ring.length), (0.0, along_mm)) if b > a)
+    if run.lead_out is not None:
+        yield run.lead_out

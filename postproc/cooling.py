@@ -1,0 +1,208 @@
+"""Plans that keep the rule t-max: simulated, planned anew where they get too hot, and given waits where those may be.
+
+What heated a place is known only of a whole order, so it comes back afterwards (Verkhoturov et al. choose by simulated
+temperatures as well): for each burn that was too hot, the near contour cut last before it shall lie further away in
+time, at a price for each second that is missing, and near contours shall not all be out before it where it is too hot
+even on a cold sheet. These are attempts and no statements of the rule: they may well forbid orders that keep to the
+limit, so the price of the plan, and what is proven of it, are those without them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import shapely
+
+from ..encoder.facts.facts import Facts
+from ..models.evaluate import route_cost
+from ..models.heat.grid import Grid, make_grid
+from ..models.heat.pacing import Pace, pace
+from ..models.heat.pair_prices import NEAR_BANDS
+from ..models.heat.timed_path import TimedPath
+from ..models.plan import Plan
+from ..models.problem import UM_PER_MM, make_problem
+from ..models.solution import Solution
+from ..models.timing.choose import feeds_of
+from ..rules.afterthoughts import afterthoughts
+from ..rules.catalogue.t_max import TMaxOptions
+from ..rules.profile import Profile
+from ..rules.statements import About, Lag, NoGood, Statement
+from .heat_path import path_of_plan, path_of_program
+from .program import write_program
+from .timed import read_program, with_times
+from .too_hot import said, too_hot
+
+ROUNDS = 5
+"""Orders tried, the first included."""
+FIRST = 0.5
+"""Share of the limits for the first of them."""
+MARGIN_K = 1.0
+"""How far below the limit plans aim: the check makes the torch's paths in its own way, and a point of the grid that
+comes to lie on the other side of the kerf makes half a kelvin."""
+SOON_S = 30.0
+"""Where a shorter wait would do, something else is to be cut meanwhile; where not, kerfs hold the heat back, and the
+contour is to be cut before they are all there."""
+LONGEST_S = 3600.0
+"""Waits longer than this are not looked for."""
+REPEATS = 4
+_WHY = " (t-max)"
+
+Attempt = Callable[[float, tuple[Statement, ...]], Solution]
+"""Solves with a share of the limits, and further statements."""
+Planned = Callable[[Solution], Plan]
+"""Makes the plan of a solution, with its times."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Tried:
+    """A solution, its plan, and the waits that the plan needs."""
+
+    solution: Solution
+    plan: Plan
+    pace: Pace
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Cooler:
+    """Finds a plan that keeps the rule t-max by the facts and profile given."""
+
+    facts: Facts
+    profile: Profile
+    statements: tuple[Statement, ...]
+    attempt: Attempt
+    planned: Planned
+
+    def find(self, again: bool = True) -> tuple[Solution, Plan]:
+        """The first plan that keeps to the limit as it is; else, of those that waits make keep it, the one done first.
+
+        `again` says that other orders may be asked for.
+
+        Raises
+        ------
+        RulesConflict
+            If none does: with the temperature of the coolest, and the waits that would do.
+        """
+        grid = make_grid(self.facts.nest, self.profile.heat.grid_mm)
+        tried: list[Tried] = []
+        asked: tuple[Statement, ...] = ()
+        for k in range(ROUNDS if again else 1):
+            share = 1.0 if not again else FIRST if k == 0 else (1 - FIRST) / (ROUNDS - 1)
+            found = self._tried(self.attempt(share, asked), grid)
+            tried.append(found)
+            more = tuple(s for s in self._demands(found) if s not in asked)
+            if not found.pace.heated or not more:
+                break
+            asked += more
+        kept = [one for one in tried if not one.pace.heated]
+        if not kept:
+            waiting = [self._with_waits(one, grid) for one in tried if self._allowed(one.pace)]
+            kept = [one for one in waiting if one is not None]
+        if not kept:
+            raise too_hot([one.pace for one in tried], self._options)
+        best = min(kept, key=lambda one: one.plan.totals.time_s)
+        if best.solution is tried[0].solution:
+            return best.solution, best.plan
+        solution = self._proven(best.solution, tried[0].solution)
+        report = self.planned(solution).solve
+        return solution, replace(best.plan, solve=report)
+
+    @property
+    def _options(self) -> TMaxOptions:
+        options = self.profile.settings()["t-max"].options
+        assert isinstance(options, TMaxOptions)
+        return options
+
+    def _tried(self, solution: Solution, grid: Grid) -> Tried:
+        """The plan of a solution, and the waits that it needs, however long."""
+        plan = self.planned(solution)
+        return Tried(solution, plan, self._pace(path_of_plan(plan, self.facts.nest, self.profile), grid))
+
+    def _pace(self, path: TimedPath, grid: Grid) -> Pace:
+        profile = self.profile
+        limit_c = self._options.most_c - MARGIN_K
+        return pace(self.facts.nest, path, profile.heat, profile.material.thickness_mm, limit_c, LONGEST_S, grid)
+
+    def _allowed(self, paced: Pace) -> bool:
+        """Whether the profile lets the torch wait as long as the order needs."""
+        return paced.possible and max(paced.waits.values(), default=0.0) <= self._options.allowed_dwell_s
+
+    def _with_waits(self, one: Tried, grid: Grid) -> Tried | None:
+        """The plan with its waits, by the plan's clock and by the program's; None if they get too long."""
+        nest, profile, plan = self.facts.nest, self.profile, one.plan
+        waits = dict(one.pace.waits)
+        for _ in range(REPEATS):
+            plan = with_times(_waiting(plan, waits, self._options.most_c), nest, profile)
+            written = read_program(write_program(plan, nest, profile), profile)
+            paces = [
+                self._pace(path, grid)
+                for path in (path_of_plan(plan, nest, profile), path_of_program(written, nest, profile))
+            ]
+            if not any(paced.heated for paced in paces):
+                return replace(one, plan=plan)
+            for contour in dict.fromkeys(name for paced in paces for name in paced.waits):
+                more_s = max(paced.waits.get(contour, 0.0) for paced in paces)
+                waits[contour] = waits.get(contour, 0.0) + more_s
+            if max(waits.values()) > self._options.allowed_dwell_s or not all(paced.possible for paced in paces):
+                return None
+        return None
+
+    def _proven(self, best: Solution, first: Solution) -> Solution:
+        """The solution at the price of the rules alone, with what is proven of them: further demands prove nothing."""
+        facts, machine = self.facts, self.profile.machine
+        order = [facts.candidates[c].contour for c in best.route]
+        rules = (*self.statements, *afterthoughts(facts, self.profile)(order))
+        problem = make_problem(facts, rules, machine.home, feeds_of(self.profile))
+        cost_mm = route_cost(problem, problem.candidate_site[list(best.route)].tolist()) / UM_PER_MM
+        bound = None if first.bound is None else min(first.bound, cost_mm)
+        optimal = bound is not None and cost_mm <= bound
+        return replace(
+            best,
+            objective=cost_mm,
+            bound=bound,
+            status="optimal" if optimal else "feasible",
+            proved_by=first.proved_by if bound is not None else "",
+            seconds=first.seconds + best.seconds,
+            notes=(*first.notes, *best.notes),
+        )
+
+    def _demands(self, found: Tried) -> Iterator[Statement]:
+        """What would have kept the burns of a plan cooler."""
+        facts, heat = self.facts, self.profile.heat
+        contours, index = facts.nest.contours, facts.nest.index
+        price_mm = self.profile.machine.travel_mm_s
+        near_mm = NEAR_BANDS * max(heat.kerf_band_mm, heat.grid_mm)
+        cuts = [planned.cut for planned in found.plan.cuts]
+        position = {cut.contour: k for k, cut in enumerate(cuts)}
+        for hot in found.pace.heated:
+            k = position[hot.contour]
+            spot = shapely.Point(hot.spot.at)
+            near = [
+                cut
+                for cut in cuts[:k]
+                if (contour := contours[index[cut.contour]]).kind != "mark" and contour.line.dwithin(spot, near_mm)
+            ]
+            if not near:
+                continue
+            last, sentence = near[-1], said(hot)
+            ids = (last.contour, hot.contour)
+            if hot.wait_s is not None and hot.wait_s <= SOON_S:
+                pause_s = float(math.ceil(cuts[k].start_s - last.end_s + hot.wait_s))
+                yield Lag(index[ids[0]], index[ids[1]], About("t-max", ids, sentence), seconds=pause_s, weight=price_mm)
+            else:
+                about = About("t-max", (*(cut.contour for cut in near), hot.contour), sentence)
+                out = frozenset(index[cut.contour] for cut in near)
+                yield NoGood(out, frozenset({index[hot.contour]}), about, SOON_S * price_mm)
+
+
+def _waiting(plan: Plan, waits: dict[str, float], limit_c: float) -> Plan:
+    """The plan with waits (contour id to s) before the torch is lit, each with its reason."""
+    cuts = []
+    for planned in plan.cuts:
+        wait_s = round(waits.get(planned.cut.contour, 0.0), 3)
+        because = tuple(text for text in planned.because if not text.endswith(_WHY))
+        if wait_s:
+            because += (f"waits {wait_s:g} s first: metal would get hotter than {limit_c:g} °C{_WHY}",)
+        cuts.append(replace(planned, dwell_s=wait_s, because=because))
+    return replace(plan, cuts=tuple(cuts))

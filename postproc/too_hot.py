@@ -1,0 +1,53 @@
+"""Why no plan keeps the rule t-max: how cool the coolest order gets, and which waits would do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..encoder.errors import RulesConflict
+from ..models.heat.pacing import Heated, Pace
+from ..rules.catalogue.t_max import TMaxOptions
+
+LISTED = 5
+"""Waits that are told one by one."""
+
+
+def too_hot(tried: Sequence[Pace], options: TMaxOptions) -> RulesConflict:
+    """The conflict, from the paces of the orders that were tried (at least one, and none of them allowed)."""
+    coolest = min(tried, key=_peak_c)
+    worst = max(coolest.heated, key=lambda hot: hot.spot.peak_c)
+    without = f"of {len(tried)} orders tried the coolest gets to {_peak_c(coolest):.1f} °C without waits: {said(worst)}"
+    paced = min(tried, key=lambda one: (not one.possible, one.peak_c if not one.possible else one.wait_s))
+    with_waits = _waits(paced, options) if paced.possible else _no_wait(paced)
+    message = f"t-max: no plan was found that keeps the metal at {options.most_c:g} °C or less"
+    return RulesConflict(message, (without, with_waits))
+
+
+def said(hot: Heated) -> str:
+    """One burn that is too hot, as a sentence."""
+    x, y = hot.spot.at
+    where = f"part {hot.spot.part}" if hot.spot.part else "the metal between parts"
+    return f"{hot.contour} makes {where} {hot.spot.peak_c:.1f} °C hot at ({x:.0f}, {y:.0f})"
+
+
+def _waits(paced: Pace, options: TMaxOptions) -> str:
+    listed = [f"{wait_s:.1f} s before {contour}" for contour, wait_s in paced.waits.items()]
+    more = f" and {len(listed) - LISTED} more" if len(listed) > LISTED else ""
+    allowed = f"longest_dwell is {options.longest_dwell_s:g} s" if options.dwells else "dwells are not allowed"
+    longest_s = max(paced.waits.values())
+    return (
+        f"waits of {paced.wait_s:.1f} s in all would keep it ({', '.join(listed[:LISTED])}{more}), but {allowed}: "
+        f"give t-max {{dwells: true, longest_dwell: {longest_s + 1:.0f} s}}"
+    )
+
+
+def _no_wait(paced: Pace) -> str:
+    alone = max((hot for hot in paced.heated if hot.wait_s is None), key=lambda hot: hot.least_c)
+    return (
+        f"no wait helps: the least temperature that was reached is {paced.peak_c:.1f} °C, with waits however long; "
+        f"{alone.contour} heats metal to {alone.least_c:.1f} °C on a cold sheet"
+    )
+
+
+def _peak_c(paced: Pace) -> float:
+    return max((hot.spot.peak_c for hot in paced.heated), default=paced.peak_c)

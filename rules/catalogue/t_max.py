@@ -1,0 +1,99 @@
+"""Rule t-max."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from ...encoder.cut import CutSequence, HotSpot
+from ...encoder.nest import Nest
+from ..kinds import DURATION, TEMPERATURE, Flag, OrWord
+from ..option import option
+from ..rule import Rule, Violation
+from ..statements import Statement
+
+if TYPE_CHECKING:
+    from ...encoder.facts.facts import Facts
+
+
+@dataclass(frozen=True, slots=True)
+class TMaxOptions:
+    """How hot metal may become, and whether the torch may wait for it to cool; `heat_limit_c` is `heat.limit_c`."""
+
+    limit_c: float | None = field(
+        default=None, metadata=option(OrWord(TEMPERATURE, "auto"), "no metal becomes hotter (auto: `heat.limit_c`)")
+    )
+    dwells: bool = field(
+        default=False, metadata=option(Flag(), "whether the torch may wait over a pierce for metal to cool")
+    )
+    longest_dwell_s: float = field(default=60.0, metadata=option(DURATION, "longest such wait"))
+    heat_limit_c: float = 115.0
+
+    @property
+    def most_c(self) -> float:
+        """The limit, °C."""
+        return self.heat_limit_c if self.limit_c is None else self.limit_c
+
+    @property
+    def allowed_dwell_s(self) -> float:
+        """The longest wait allowed, s."""
+        return self.longest_dwell_s if self.dwells else 0.0
+
+
+class TMax(Rule[TMaxOptions]):
+    """No metal outside the kerf's band becomes hotter than a limit.
+
+    ## What it does
+
+    The sheet is simulated as `kerfwise heat` does, always with the physical model and the data of the section `heat`;
+    no point of a part or of the skeleton that lies outside the kerf's band may become hotter than `limit`. An order
+    that fails is planned anew: what heated the place shall come earlier or later, at a price for each second that is
+    missing, a few times over. With `dwells: true` the torch may also wait before a pierce, off, up to `longest_dwell`:
+    of the orders tried, the one is taken whose program is done first. Waits stand in the plan (`dwell_s`) and in the
+    program (`G4` before the torch is lit), and count in its time; the objective does not see them. Where neither helps
+    there is no plan, and the answer says how hot the coolest one got, and which waits would do. The check simulates the
+    program as its own reader understands it.
+
+    ## Why
+
+    Verkhoturov et al. call a place that passes t_max overheated: metal that is held fast yields by its own expansion
+    there, and the part is bent when it is cold.
+
+    ## Wrong
+
+    Two narrow parts side by side, cut one right after the other: the web between them has no time to cool.
+
+    ## Right
+
+    The same parts with a wait, or with another part far away, between them.
+    """
+
+    id = "t-max"
+    sentence = "No metal outside the kerf's band becomes hotter than a limit."
+    source = "Verkhoturov et al."
+    Options = TMaxOptions
+    strengths = ("hard", "off")
+    default = "off"
+
+    def statements(self, facts: Facts, options: TMaxOptions) -> Sequence[Statement]:
+        return ()
+
+    def unjudged(self, nest: Nest, cuts: CutSequence, options: TMaxOptions) -> str | None:
+        known = cuts.hot_spots is not None or not cuts
+        return None if known else "the temperatures of these cuts have not been simulated"
+
+    def violations(self, nest: Nest, cuts: CutSequence, options: TMaxOptions) -> list[Violation]:
+        found = []
+        for spot in cuts.hot_spots or ():
+            k = sum(cut.start_s <= spot.at_s for cut in cuts)
+            if k and spot.peak_c > options.most_c:
+                contour, most = cuts[k - 1].contour, f"{options.most_c:g} °C at the most"
+                text = f"{contour} (cut {k}) makes {_where(spot)} {spot.peak_c:.1f} °C hot, not {most}"
+                found.append(Violation(self.id, (contour,), text, (k,)))
+        return found
+
+
+def _where(spot: HotSpot) -> str:
+    x, y = spot.at
+    return f"the metal at ({x:.0f}, {y:.0f}), {'on part ' + spot.part if spot.part else 'between parts'},"
