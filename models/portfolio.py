@@ -40,8 +40,9 @@ COUNTED, COUNTED_FEW = 2e7, 5e6
 """Entries that are counted beforehand at the most, where there are `COUNTED_S` seconds or more; and where contours are
 so few that a bound is tried anyway."""
 COUNTED_S = 30.0
-LONGEST = 36
-"""Contours in a stretch up to which a bound may make the ideals few, if there is one stretch only."""
+LONGEST, LONGEST_ZONE = 36, 63
+"""Contours in a stretch up to which a bound may make the ideals few; and in one of several, none of which is most of
+all."""
 
 
 @dataclass(slots=True)
@@ -158,9 +159,10 @@ class _Run:
     def _ideals_fit(self) -> bool:
         if self.count is None or self.tried:
             return False
-        few = self.count.stretches > 1 or self.count.longest <= LONGEST
-        if not self._sure() and not few and beam.applies(self.problem):
-            self.known.notes.append(f"ideals: left to the beam, {self.count}")
+        longest = self.count.longest
+        few = longest <= LONGEST or (longest <= LONGEST_ZONE and longest <= self.problem.n / 2)
+        if not self._sure() and not few:
+            self.known.notes.append(f"ideals: left to the others, {self.count}")
             return False
         self.known.notes.append(f"ideals: {self.count}")
         return True

@@ -43,7 +43,7 @@ def test_it_says_how_many_sets_there_are_and_what_it_makes_of_that() -> None:
         "ideals: swept at once, 31 sets, 80 states, 1 stretches one after the other, of 5 contours at most"
     ]
     many = found(scattered(1, contours=45, sites=1), work=0.5)
-    assert many.notes[1].startswith("ideals: left to the beam, more than ")
+    assert many.notes[1].startswith("ideals: left to the others, more than ")
 
 
 def test_what_the_ideals_cannot_hold_is_carried_by_cp_sat() -> None:
