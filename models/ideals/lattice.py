@@ -6,9 +6,10 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
+import numba
 import numpy as np
-from numba import get_num_threads
 
 from ..bits import masks_of
 from .budget import Budget
@@ -16,7 +17,8 @@ from .kernels import Costs, Moves, Rest, arrange, crossing, leaving, sweep
 from .local import Ints, Local
 from .sets import Sets, Shorts, Tinies, grow, growth
 
-THREADS = get_num_threads()
+_CONFIG: Any = numba.config
+THREADS = int(_CONFIG.NUMBA_NUM_THREADS)
 A_SHARE = 3e7
 """Additions that a thread does at a time, at the least."""
 LOOKS = 16
