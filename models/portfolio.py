@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from . import beam, ideals
+from .bounds import flow_bound
 from .cpsat import solve_cpsat
 from .engines import Member
 from .problem import Problem
@@ -27,6 +28,8 @@ DENSE = 0.15
 """Share of the pairs of contours that hard orders decide, from which on the sets that can occur are few."""
 BEAM_DENSE, BEAM_SPARSE = 0.5, 0.1
 """Share of what is left for the beam, which proves where orders are dense and guides where they are not."""
+FLOW = 0.15
+"""Share of what is left, where nothing is proven, for the bound by flows."""
 SEARCH, SEARCH_PLAIN = 0.6, 0.9
 """Share of what is left, where nothing is proven, for more search; CP-SAT has the rest.
 
@@ -100,6 +103,8 @@ class _Run:
         if not self._over() and self._beam_applies():
             share = BEAM_DENSE if self._density() >= DENSE else BEAM_SPARSE
             self._beam(self._left() * (1.0 if self.options.member else share))
+        if not self._over() and self.options.member is None:
+            self._flow(self._left() * FLOW)
         if not self._over() and self.options.member is None:
             self._search(self._left() * (SEARCH if self._carried() else SEARCH_PLAIN))
         if not self._over() and self._takes("cp-sat", "nothing is proven yet"):
@@ -211,6 +216,20 @@ class _Run:
             self.known.infeasible = True
         elif outcome.bound is not None:
             self.known.raise_bound(outcome.bound, "beam")
+
+    def _flow(self, share: float) -> None:
+        if self.known.incumbent is None:
+            return
+        limited, until_s = self.options.time_s is not None, self.watch.seconds + share
+
+        def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+            return self.watch(engine, cost_um, bound_um) and not (limited and self.watch.seconds >= until_s)
+
+        found = flow_bound(self.problem, self.known.incumbent, share, going)
+        self.known.work += found.work
+        if found.bound > 0:
+            self.known.notes.append("flow: a bound by linear programming")
+            self.known.raise_bound(found.bound, "flow")
 
     def _cpsat(self, share: float) -> None:
         limits = replace(self.options, work=share, time_s=self.options.time_s and share)

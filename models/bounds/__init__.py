@@ -1,6 +1,6 @@
 """Bounds on what every plan costs, from a state on or from the start."""
 
 from .completion import Completion, complete
-from .root import root_bound
+from .flow import FlowBound, flow_bound
 
-__all__ = ["Completion", "complete", "root_bound"]
+__all__ = ["Completion", "FlowBound", "complete", "flow_bound"]

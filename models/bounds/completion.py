@@ -9,8 +9,11 @@ Held and Karp 1971). Where a walk goes on from is where it came to, so sites are
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import Any, cast
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,6 +27,7 @@ Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
 
 ADDITIONS_PER_S = 6e8
+THREADS: int = cast(Any, numba.config).NUMBA_NUM_THREADS
 MOST_NEIGHBOURS = 7
 MOST_NUMBERS = 60_000_000
 """Of all tables together."""
@@ -90,7 +94,7 @@ def complete(
     bound, step, waited, spent = -np.inf, 1.0, 0, 0
     while True:
         spent += 1
-        look_back(back, lawful, price, first, earliest, latest, memory.carried, to_go, least)
+        _look_back(n, (back, lawful, price, first, earliest, latest, memory.carried, to_go, least))
         reached = walk_on(back, lawful, price, first, memory.carried, to_go, walk) + price.sum()
         if reached > bound or spent == 1:
             bound, best_price, waited = reached, price, 0
@@ -111,6 +115,16 @@ def complete(
         price = price + step * max(aim, 1.0) / max(1.0, float(heading @ heading)) * heading
         price = np.rint(np.clip(price, -DEAREST, DEAREST) * GRAIN) / GRAIN
     return Completion(best, best_price, memory.near, bound, spent * cost / ADDITIONS_PER_S)
+
+
+def _look_back(n: int, tables: tuple[NDArray[Any], ...]) -> None:
+    """The whole sweep, every place by all threads (numba's own would keep the process from forking later)."""
+    with ThreadPoolExecutor(THREADS) as threads:
+        for k in range(n, 0, -1):
+            parts = [threads.submit(look_back, k, part, THREADS, *tables) for part in range(1, THREADS)]
+            look_back(k, 0, THREADS, *tables)
+            for part in parts:
+                part.result()
 
 
 def _affordable(problem: Problem, most: int) -> int:

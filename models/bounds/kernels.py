@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 from numpy.typing import NDArray
 
 Ints = NDArray[np.int64]
@@ -11,62 +11,63 @@ Shorts = NDArray[np.int16]
 Floats = NDArray[np.float64]
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True, nogil=True)
 def look_back(  # pragma: no cover - compiled
-    back: Floats, lawful: NDArray[np.bool_], price: Floats, first: Ints, earliest: Ints, latest: Ints,
-    carried: Shorts, to_go: Floats, least: Floats
+    k: int, part: int, parts: int, back: Floats, lawful: NDArray[np.bool_], price: Floats, first: Ints,
+    earliest: Ints, latest: Ints, carried: Shorts, to_go: Floats, least: Floats
 ) -> None:  # fmt: skip
-    """Fill `to_go[k, M, s]`: the least of all walks that go on from site s, the k-th, to the end and remember M.
+    """Fill `to_go[k, M, s]` for every `parts`-th contour from `part` on, `to_go[k + 1]` given.
+
+    It is the least of all walks that go on from site s, the k-th, to the end and remember M.
 
     `back[t, s]` is what coming to t from s costs (home last), `price[c]` what is paid out at contour c, which may be
     the k-th for `earliest[c]` ≤ k ≤ `latest[c]`. Where remembering less costs no more, `to_go` is infinite.
     `least[k, A, s]` is the least over all memories M within A.
     """
     n, m, memories = len(first) - 1, len(back) - 1, carried.shape[2]
-    for k in range(n, 0, -1):
-        for a in prange(n):
-            if k < earliest[a] or k > latest[a]:
-                to_go[k, :, first[a] : first[a + 1]] = np.inf
-                least[k, :, first[a] : first[a + 1]] = np.inf
-                continue
+    for a in range(part, n, parts):
+        if k < earliest[a] or k > latest[a]:
             to_go[k, :, first[a] : first[a + 1]] = np.inf
-            if k == n:
-                to_go[k, 0, first[a] : first[a + 1]] = back[m, first[a] : first[a + 1]]
-            else:
-                ahead = np.empty(memories)
-                for b in range(n):
-                    if not lawful[a, b] or k + 1 < earliest[b] or k + 1 > latest[b]:
-                        continue
-                    for t in range(first[b], first[b + 1]):
-                        ahead[:] = np.inf
-                        for before in range(memories):
-                            after = carried[a, b, before]
-                            if after >= 0:
-                                ahead[after] = min(ahead[after], to_go[k + 1, before, t])
-                        row = back[t]
-                        for after in range(memories):
-                            if ahead[after] < np.inf:
-                                cost = ahead[after] - price[b]
-                                here = to_go[k, after]
-                                for s in range(first[a], first[a + 1]):
-                                    total = row[s] + cost
-                                    here[s] = min(here[s], total)
-            for s in range(first[a], first[a + 1]):
-                for memory in range(memories):
-                    best = np.inf
-                    bit = 1
-                    while bit < memories:
-                        if memory & bit:
-                            best = min(best, least[k, memory ^ bit, s])
-                        bit <<= 1
-                    if to_go[k, memory, s] < best:
-                        best = to_go[k, memory, s]
-                    else:
-                        to_go[k, memory, s] = np.inf
-                    least[k, memory, s] = best
+            least[k, :, first[a] : first[a + 1]] = np.inf
+            continue
+        to_go[k, :, first[a] : first[a + 1]] = np.inf
+        if k == n:
+            to_go[k, 0, first[a] : first[a + 1]] = back[m, first[a] : first[a + 1]]
+        else:
+            ahead = np.empty(memories)
+            for b in range(n):
+                if not lawful[a, b] or k + 1 < earliest[b] or k + 1 > latest[b]:
+                    continue
+                for t in range(first[b], first[b + 1]):
+                    ahead[:] = np.inf
+                    for before in range(memories):
+                        after = carried[a, b, before]
+                        if after >= 0:
+                            ahead[after] = min(ahead[after], to_go[k + 1, before, t])
+                    row = back[t]
+                    for after in range(memories):
+                        if ahead[after] < np.inf:
+                            cost = ahead[after] - price[b]
+                            here = to_go[k, after]
+                            for s in range(first[a], first[a + 1]):
+                                total = row[s] + cost
+                                here[s] = min(here[s], total)
+        for s in range(first[a], first[a + 1]):
+            for memory in range(memories):
+                best = np.inf
+                bit = 1
+                while bit < memories:
+                    if memory & bit:
+                        best = min(best, least[k, memory ^ bit, s])
+                    bit <<= 1
+                if to_go[k, memory, s] < best:
+                    best = to_go[k, memory, s]
+                else:
+                    to_go[k, memory, s] = np.inf
+                least[k, memory, s] = best
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def walk_on(  # pragma: no cover - compiled
     back: Floats, lawful: NDArray[np.bool_], price: Floats, first: Ints, carried: Shorts, to_go: Floats, walk: Ints
 ) -> float:  # fmt: skip

@@ -47,7 +47,7 @@ def test_it_says_how_many_sets_there_are_and_what_it_makes_of_that() -> None:
 
 
 def test_what_the_ideals_cannot_hold_is_carried_by_cp_sat() -> None:
-    apart = problem([[(float(x), 0.0)] for x in range(5)], lags=[Lag(0, 1, ABOUT, cuts=2), Lag(2, 3, ABOUT, cuts=1)])
+    apart = problem([[(float(x), 0.0)] for x in range(5)], lags=[Lag(3, 4, ABOUT, cuts=3), Lag(0, 1, ABOUT, cuts=1)])
     known = found(apart)
     best = cheapest(apart)
     assert best is not None
@@ -74,3 +74,9 @@ def test_the_better_plan_and_the_better_bound_are_kept() -> None:
     assert (known.found_by, known.bound_um, known.proved_by, known.proven) == ("search", 7, "ideals", False)
     known.offer(Incumbent((0, 1), 7), "cp-sat")
     assert (known.found_by, known.proven) == ("cp-sat", True)
+
+
+def test_a_flow_bounds_what_neither_state_nor_order_proves() -> None:
+    apart = problem([[(float(x), 0.0)] for x in range(5)], lags=[Lag(0, 1, ABOUT, cuts=2)])
+    known = found(apart)
+    assert (known.bound_um, known.proved_by, known.proven) == (8000, "flow", True)

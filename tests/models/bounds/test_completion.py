@@ -6,12 +6,12 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kerfwise.models.bounds import Completion, complete, root_bound
-from kerfwise.models.bounds.root import merged
+from kerfwise.models.bounds import Completion, complete
+from kerfwise.models.bounds.merged import merged
 from kerfwise.models.evaluate import route_cost
 from kerfwise.models.problem import Problem
 from kerfwise.tests.models.brute import cheapest, lawful
-from kerfwise.tests.models.problems import problem, problems, scattered
+from kerfwise.tests.models.problems import problems, scattered
 
 
 def to_go(bound: Completion, tiny: Problem, route: tuple[int, ...], k: int) -> float:
@@ -47,25 +47,17 @@ def test_no_plan_costs_less_from_any_state_on(tiny: Problem, neighbours: int) ->
 
 @settings(max_examples=40, deadline=None)
 @given(problems(contours=4))
-def test_root_bounds_whole_plans_merged_or_not(tiny: Problem) -> None:
+def test_contours_for_all_their_sites_cost_no_more(tiny: Problem) -> None:
     best = cheapest(tiny)
-    if best is None:
-        return
-    for posed in (tiny, merged(tiny)):
-        bound = root_bound(posed, best.cost, 0.0001)
-        assert bound is not None
-        assert bound <= best.cost
-
-
-def test_no_contours_cost_the_way_from_home_to_home() -> None:
-    assert root_bound(problem([]), None, 1) == 0
+    if best is not None:
+        assert complete(merged(tiny), best.cost, 0.0001).root <= best.cost
 
 
 def test_a_walk_that_remembers_all_is_a_plan() -> None:
     tiny = scattered(3, 5, 2)
     best = cheapest(tiny)
     assert best is not None
-    assert root_bound(tiny, best.cost, 0.5) == best.cost
+    assert np.ceil(complete(tiny, best.cost, 0.5).root) == best.cost
 
 
 def test_remembering_more_bounds_better() -> None:
