@@ -22,6 +22,7 @@ def command(plan: str, contour: str, everything: bool, as_data: bool, **given: A
     from ..models.conflict import state_relaxed
     from ..models.explain import as_json, as_text, explain
     from ..models.plan_reader import read_plan
+    from ..postproc.heat_prices import with_heat_prices
     from ..postproc.produce import facts_of
     from ..rules.state import state_rules
 
@@ -29,5 +30,8 @@ def command(plan: str, contour: str, everything: bool, as_data: bool, **given: A
     made = read_plan(plan)
     facts = facts_of(asked.nest, asked.profile)
     state = state_relaxed if any(dropped.relaxed for dropped in made.dropped) else state_rules
-    told = explain(facts, asked.profile, state(facts, asked.profile, reads_files=True), made, contour)
+    stated = state(facts, asked.profile, reads_files=True)
+    if asked.profile.objective.heat:
+        stated = with_heat_prices(facts, asked.profile, stated)
+    told = explain(facts, asked.profile, stated, made, contour)
     click.echo(as_json(told) if as_data else as_text(told, everything))

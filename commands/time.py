@@ -37,11 +37,13 @@ def command(made: str, as_json: bool, **given: Any) -> None:
         note_if_others(plan, asked)
     else:
         program = read_program(program_text(made), profile, made)
-        job = job_of_program(program, nest)
+        own_feeds = profile.time.model == "constant"
+        job = job_of_program(program, nest, own_feeds)
         set_s = sum(ConstantFeed(machine_feeds(profile)).run_s(run.path, run.marks) for run in job.runs)
         if abs(program.moving_s - set_s) > _FEEDS_DIFFER * set_s:
             note = f"at its own feeds the program cuts for {program.moving_s:.1f} s, at the profile's for {set_s:.1f} s"
-            click.echo(f"note: {note}; the times below are by the profile", err=True)
+            taken = "its own" if own_feeds else "the profile's model"
+            click.echo(f"note: {note}; the times below are by {taken}", err=True)
     timed = time_job(job, profile)
     cost = cost_of(timed.times, profile.prices)
     click.echo(json.dumps(_data(timed, cost)) if as_json else _table(timed, cost))

@@ -58,11 +58,21 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
     return Job(tuple(runs), (math.dist(at, profile.machine.home),), count_blocks(paths, profile))
 
 
-def job_of_program(program: NcProgram, nest: Nest) -> Job:
-    """What a program does, as the check reads it; the nest tells which cuts come in from the sheet's edge."""
+def job_of_program(program: NcProgram, nest: Nest, own_feeds: bool = False) -> Job:
+    """What a program does, as the check reads it; the nest tells which cuts come in from the sheet's edge.
+
+    With its own feeds every path takes as long as the program's F words say.
+    """
     edge_starts = outside(nest, [_start(burn.path) for burn in program.burns])
     runs = (
-        Run(burn.path, burn.tool != 0, not edge_start, burn.travels_mm, burn.wait_s)
+        Run(
+            burn.path,
+            burn.tool != 0,
+            not edge_start,
+            burn.travels_mm,
+            burn.wait_s,
+            burn.moving_s if own_feeds else None,
+        )
         for burn, edge_start in zip(program.burns, edge_starts, strict=True)
     )
     return Job(tuple(runs), program.homing_mm, program.blocks)

@@ -12,7 +12,7 @@ from ...rules.statements import About
 from ...rules.suggest import unknown
 from ..plan import Plan
 from .entry import Entry, explain_entry
-from .holding import Hold, chain, holds, others
+from .holding import HeatPrice, Hold, chain, heat_prices, holds, others
 from .moves import Move, explain_moves
 from .setting import make_setting
 
@@ -22,7 +22,8 @@ class Explanation:
     """What there is to say of one contour; places count from 1.
 
     `previous` and `following` are its neighbours in the plan, "" for the machine's home. `earlier` and `later` hold
-    it, nearest first; the chains lead on from there to the ends of the plan. `also` are statements of other kinds.
+    it, nearest first; the chains lead on from there to the ends of the plan. `also` are statements of other kinds,
+    `heat` prices on orders that overheat metal.
     """
 
     contour: str
@@ -39,6 +40,7 @@ class Explanation:
     entry: Entry
     moves: tuple[Move, ...]
     notes: tuple[str, ...]
+    heat: tuple[HeatPrice, ...] = ()
 
 
 def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour: str) -> Explanation:
@@ -71,4 +73,5 @@ def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour:
         explain_entry(setting, number),
         explain_moves(setting, number),
         setting.notes,
+        heat_prices(setting, number),
     )

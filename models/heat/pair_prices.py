@@ -22,6 +22,9 @@ from ...rules.statements import About, Precede
 
 Floats = NDArray[np.float64]
 
+HEAT = "objective.heat"
+"""What these prices are told by, in place of a rule."""
+
 ORDERS = 240
 """Random orders that the prices are fitted to."""
 PENALTIES = (1.0, 3.0, 10.0, 30.0, 100.0)
@@ -52,7 +55,7 @@ class PairPrices:
                 before, after = (j, i) if more > 0 else (i, j)
                 names = nest.contours[before].id, nest.contours[after].id
                 sentence = f"{names[0]} is cut before {names[1]}, or {abs(more):.2g} more points overheat"
-                found.append(Precede(before, after, About("objective", names, sentence), abs(more) * price_mm))
+                found.append(Precede(before, after, About(HEAT, names, sentence), abs(more) * price_mm))
         return tuple(found)
 
 

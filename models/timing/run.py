@@ -12,7 +12,8 @@ class Run:
     """One open torch-on path from where the torch is switched on to where it goes off.
 
     The torch waits for `wait_s` before it is lit. `travels_mm` are the lengths of the idle moves that lead to it.
-    `marks` says that it only marks; `pierced` is False where it comes in from the sheet edge.
+    `marks` says that it only marks; `pierced` is False where it comes in from the sheet edge. `moving_s` is how long it
+    takes at feeds of its own, as a program states them; None where the model of motion says so.
     """
 
     path: Curve
@@ -20,6 +21,7 @@ class Run:
     pierced: bool = True
     travels_mm: tuple[float, ...] = ()
     wait_s: float = 0.0
+    moving_s: float | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)

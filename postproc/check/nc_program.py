@@ -29,6 +29,11 @@ class Burn:
     feeds_mm_s: tuple[float, ...] = ()
     wait_s: float = 0.0
 
+    @property
+    def moving_s(self) -> float:
+        """How long the tool moves, at the program's own feeds, s."""
+        return self.end_s - self.start_s - self.pierce_s - self.paused_s
+
 
 @dataclass(frozen=True, slots=True)
 class Stretch:

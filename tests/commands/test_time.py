@@ -91,6 +91,7 @@ def test_a_program_whose_feeds_are_not_the_profiles_is_noted(files: tuple[Path, 
     other = kerfwise("time", NEST, files[1])
     assert other.code == 0
     assert other.err.startswith("note: at its own feeds the program cuts for 57.0 s, at the profile's for 136.8 s")
+    assert other.out.startswith("cut          57.0 s")
     assert kerfwise("time", NEST, files[1], "-p", LASER).err == ""
 
 

@@ -56,7 +56,7 @@ def test_prices_become_soft_orders() -> None:
     dear = [s for s in stated if s.weight is not None and s.weight > 100]
     assert [(s.before, s.after) for s in dear] == [(0, 1), (3, 2)]
     assert dear[0].weight == pytest.approx(800, rel=0.08)
-    assert dear[0].about.rule == "objective"
+    assert dear[0].about.rule == "objective.heat"
     assert dear[0].about.contours == ("A.outer", "B.outer")
     assert "A.outer is cut before B.outer" in dear[0].about.sentence
     condition = of_soft_precede(dear[0], 800_000)
