@@ -30,7 +30,7 @@ def test_the_best_plan_so_far_is_written_and_the_exit_code_is_130(
 
     monkeypatch.setattr(Ear, "__call__", press_once_there_is_a_plan)
     program = tmp_path / "out.nc"
-    ended = kerfwise("solve", NEST, "-p", profile, "-o", program)
+    ended = kerfwise("solve", NEST, "-p", profile, "-o", program, "--engine", "search")
     assert presses
     assert ended.code == 130
     assert "proven" not in ended.out.splitlines()[1] or "no bound is proven" in ended.out
