@@ -47,6 +47,8 @@ contour is to be cut before they are all there."""
 LONGEST_S = 3600.0
 """Waits longer than this are not looked for."""
 REPEATS = 4
+RAISE = 4.0
+"""How much dearer a demand becomes that an order has not met."""
 _WHY = " (t-max)"
 
 Attempt = Callable[[float, tuple[Statement, ...]], Solution]
@@ -86,15 +88,20 @@ class Cooler:
         """
         grid = make_grid(self.facts.nest, self.profile.heat.grid_mm)
         tried: list[Tried] = []
-        asked: tuple[Statement, ...] = ()
+        asked: dict[tuple[str, ...], Lag | NoGood] = {}
         for k in range(ROUNDS if again else 1):
             share = 1.0 if not again else FIRST if k == 0 else (1 - FIRST) / (ROUNDS - 1)
-            found = self._tried(self.attempt(share, asked), grid)
+            found = self._tried(self.attempt(share, tuple(asked.values())), grid)
             tried.append(found)
-            more = tuple(s for s in self._demands(found) if s not in asked)
-            if not found.pace.heated or not more:
+            if not found.pace.heated:
                 break
-            asked += more
+            for demand in self._demands(found):
+                again_asked = asked.get(demand.about.contours)
+                if again_asked is not None and again_asked.weight is not None:  # it was not worth the price
+                    demand = replace(demand, weight=again_asked.weight * RAISE)
+                asked[demand.about.contours] = demand
+            if not asked:
+                break
         kept = [one for one in tried if not one.pace.heated]
         if not kept:
             waiting = [self._with_waits(one, grid) for one in tried if self._allowed(one.pace)]
@@ -167,7 +174,7 @@ class Cooler:
             notes=(*first.notes, *best.notes),
         )
 
-    def _demands(self, found: Tried) -> Iterator[Statement]:
+    def _demands(self, found: Tried) -> Iterator[Lag | NoGood]:
         """What would have kept the burns of a plan cooler."""
         facts, heat = self.facts, self.profile.heat
         contours, index = facts.nest.contours, facts.nest.index

@@ -12,6 +12,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan_reader import read_plan
 from kerfwise.models.solution import SolveOptions
 from kerfwise.models.timing.choose import feeds_of
+from kerfwise.postproc import cooling
 from kerfwise.postproc.checking import check_plan, check_program
 from kerfwise.postproc.produce import Produced, ask, facts_of, produce
 from kerfwise.postproc.timed import job_of_program, read_program, time_job
@@ -46,6 +47,12 @@ def order(plan: Produced) -> list[str]:
 COOL, HOT = plant(1000.0), plant(88.4, dwells=True)
 
 
+@pytest.fixture
+def one_order(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No other order is asked for, so that nothing but a wait can help."""
+    monkeypatch.setattr(cooling, "ROUNDS", 1)
+
+
 def test_a_limit_that_is_far_away_changes_nothing() -> None:
     free = replace(COOL, rules={**COOL.rules, "t-max": RuleSetting("off", None, TMaxOptions())})
     plain, limited = made(TRIO, free), made(TRIO, COOL)
@@ -55,7 +62,7 @@ def test_a_limit_that_is_far_away_changes_nothing() -> None:
     assert all(planned.dwell_s == 0 for planned in limited.plan.cuts)
 
 
-def test_waits_stand_in_plan_and_program_and_are_counted(tmp_path: object) -> None:
+def test_waits_stand_in_plan_and_program_and_are_counted(one_order: None, tmp_path: object) -> None:
     found = made(PAIR, HOT)
     first, second = found.plan.cuts
     assert (first.dwell_s, found.verdict.ok) == (0.0, True)
@@ -74,7 +81,7 @@ def test_waits_stand_in_plan_and_program_and_are_counted(tmp_path: object) -> No
     assert [p.dwell_s for p in read_plan(file).cuts] == [0.0, pytest.approx(second.dwell_s)]
 
 
-def test_the_check_misses_a_wait_that_is_gone_and_refuses_one_that_is_too_long() -> None:
+def test_the_check_misses_a_wait_that_is_gone_and_refuses_one_that_is_too_long(one_order: None) -> None:
     found = made(PAIR, HOT)
     wait = re.search(rf"N\d+ G4 P{found.plan.cuts[1].dwell_s:g}\n", found.program)
     assert wait is not None
@@ -92,7 +99,7 @@ def _at_once(planned: object) -> object:
     return replace(planned, cut=moved, dwell_s=0.0)  # type: ignore[type-var]
 
 
-def test_without_waits_the_answer_says_which_would_do() -> None:
+def test_without_waits_the_answer_says_which_would_do(one_order: None) -> None:
     with pytest.raises(
         RulesConflict, match=r"t-max: no plan was found that keeps the metal at 88.4 °C or less"
     ) as found:
@@ -127,7 +134,7 @@ def _from_above(profile: Profile) -> Profile:
     return replace(profile, machine=replace(profile.machine, home=(0.0, 160.0)))
 
 
-def test_waits_hold_by_every_model_of_time() -> None:
+def test_waits_hold_by_every_model_of_time(one_order: None) -> None:
     limited = replace(HOT, time=Time("acceleration", acceleration_mm_s2=2000.0))
     found = made(PAIR, limited)
     assert found.verdict.ok
