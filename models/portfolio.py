@@ -6,15 +6,17 @@ plan is proven.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 from . import beam, ideals
 from .bounds import flow_bound
 from .cpsat import solve_cpsat
 from .engines import Member
+from .ideals.windows import polish
+from .known import Known
 from .problem import Problem
 from .search import Searcher
-from .solution import Incumbent, SolveOptions
+from .solution import Progress, SolveOptions
 from .watch import Watch
 
 FIRST, FIRST_S, FIRST_MOST = 0.03, 0.9, 0.6
@@ -35,6 +37,8 @@ SEARCH, SEARCH_PLAIN = 0.6, 0.9
 
 CP-SAT has more where it alone can prove anything: where statements look further back than a state does.
 """
+WINDOWS = 0.3
+"""Share of what is then left, where nothing is proven, for windows of the best plan in their best order."""
 AT_ONCE_S, AT_ONCE = 1.5, 0.6
 """A sweep over all sets is begun with, before any search, if it takes no longer, and no more than this share."""
 SURE = 0.4
@@ -46,34 +50,6 @@ COUNTED_S = 30.0
 LONGEST, LONGEST_ZONE = 36, 63
 """Contours in a stretch up to which a bound may make the ideals few; and in one of several, none of which is most of
 all."""
-
-
-@dataclass(slots=True)
-class Known:
-    """What is known of a problem so far, who found it, and what was chosen why."""
-
-    incumbent: Incumbent | None = None
-    found_by: str = ""
-    bound_um: int = 0
-    proved_by: str = ""
-    infeasible: bool = False
-    work: float = 0.0
-    notes: list[str] = field(default_factory=list)
-
-    @property
-    def proven(self) -> bool:
-        """Whether nothing is left to find out."""
-        return self.infeasible or (self.incumbent is not None and self.bound_um >= self.incumbent.cost)
-
-    def offer(self, incumbent: Incumbent | None, engine: str) -> None:
-        """Take an incumbent if it is better."""
-        if incumbent is not None and (self.incumbent is None or incumbent.cost < self.incumbent.cost):
-            self.incumbent, self.found_by = incumbent, engine
-
-    def raise_bound(self, bound_um: int, engine: str) -> None:
-        """Take a bound if it is better."""
-        if bound_um > self.bound_um or (bound_um == self.bound_um == 0 and not self.proved_by):
-            self.bound_um, self.proved_by = bound_um, engine
 
 
 def run_portfolio(problem: Problem, options: SolveOptions, watch: Watch) -> Known:
@@ -107,6 +83,7 @@ class _Run:
             self._flow(self._left() * FLOW)
         if not self._over() and self.options.member is None:
             self._search(self._left() * (SEARCH if self._carried() else SEARCH_PLAIN))
+            self._windows(self._left() * WINDOWS)
         if not self._over() and self._takes("cp-sat", "nothing is proven yet"):
             self._cpsat(self._left())
         return self.known
@@ -220,16 +197,27 @@ class _Run:
     def _flow(self, share: float) -> None:
         if self.known.incumbent is None:
             return
+        found = flow_bound(self.problem, self.known.incumbent, share, self._within(share))
+        self.known.work += found.work
+        if found.bound > 0:
+            self.known.notes.append("flow: a bound by linear programming")
+            self.known.raise_bound(found.bound, "flow")
+
+    def _windows(self, share: float) -> None:
+        if self.known.incumbent is None or self._over():
+            return
+        polished = polish(self.problem, self.known.incumbent, share, self._within(share))
+        self.known.offer(polished.incumbent, "windows")
+        self.known.work += polished.work
+
+    def _within(self, share: float) -> Progress:
+        """To be asked whether to go on, no longer than so many seconds where seconds are counted."""
         limited, until_s = self.options.time_s is not None, self.watch.seconds + share
 
         def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
             return self.watch(engine, cost_um, bound_um) and not (limited and self.watch.seconds >= until_s)
 
-        found = flow_bound(self.problem, self.known.incumbent, share, going)
-        self.known.work += found.work
-        if found.bound > 0:
-            self.known.notes.append("flow: a bound by linear programming")
-            self.known.raise_bound(found.bound, "flow")
+        return going
 
     def _cpsat(self, share: float) -> None:
         limits = replace(self.options, work=share, time_s=self.options.time_s and share)

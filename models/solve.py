@@ -9,7 +9,8 @@ from ..encoder.errors import RulesConflict
 from ..encoder.facts.facts import Facts
 from ..rules.statements import Statement
 from .evaluate import broken, route_cost
-from .portfolio import Known, run_portfolio
+from .known import Known
+from .portfolio import run_portfolio
 from .problem import UM_PER_MM, Problem, make_problem
 from .simplify import simplify
 from .solution import Incumbent, Progress, Solution, SolveOptions

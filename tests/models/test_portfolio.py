@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from kerfwise.models.engines import Member
-from kerfwise.models.portfolio import Known, run_portfolio
+from kerfwise.models.known import Known
+from kerfwise.models.portfolio import run_portfolio
 from kerfwise.models.problem import Problem
 from kerfwise.models.solution import Incumbent, SolveOptions
 from kerfwise.models.watch import Watch
