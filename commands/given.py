@@ -15,6 +15,7 @@ from ..rules.profile import DEFAULT, Profile, load_profile
 
 if TYPE_CHECKING:
     from ..models.plan import Plan
+    from ..postproc.check.nc_program import NcProgram
 
 Verb = Callable[..., Any]
 
@@ -65,6 +66,24 @@ def note_if_others(plan: Plan, given: Given) -> None:
     for what, stands, now in (("nest", plan.nest, given.nest.sha256), ("profile", plan.profile, given.profile.sha256)):
         if stands.get("sha256") != now:
             click.echo(f"note: the {what} is not the one the plan was made with (its sha256 differs)", err=True)
+
+
+def read_program_of(path: str, given: Given) -> NcProgram:
+    """An NC program of the nest; cuts that are along none of its contours are told on standard error.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read or understood, or is one of another nest.
+    """
+    from ..postproc.of_nest import cuts_elsewhere
+    from ..postproc.timed import read_program
+
+    program = read_program(program_text(path), given.profile, path)
+    if elsewhere := cuts_elsewhere(program, given.nest, given.profile.material.kerf_mm, path):
+        text = f"{elsewhere} of {len(program.burns)} cuts of the program run along no contour of the nest"
+        click.echo(f"note: {text}", err=True)
+    return program
 
 
 def program_text(path: str) -> str:

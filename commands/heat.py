@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..encoder.errors import InputError
-from .given import given_options, program_text, read_given
+from .given import Given, given_options, note_if_others, read_given, read_program_of
 
 if TYPE_CHECKING:
     from ..encoder.nest import Nest
@@ -33,29 +33,35 @@ def command(made: str, model: Any, as_json: bool, output: str | None, frames: st
     """Simulate how hot a plan or an NC program makes the sheet of NEST, and count the points that get too hot."""
     if output and Path(output).suffix.lower() != ".png":
         raise InputError(f"cannot draw temperatures as {Path(output).suffix or output!r}: give a name ending in .png")
-    from ..postproc.files import write_files
+    from ..postproc.files import expect_folders, make_folder, write_files
     from ..postproc.report.heat_map import peak_map
+
+    expect_folders(Path(name) for name in (output, frames) if name)
 
     asked = read_given(**given)
     nest, profile = asked.nest, asked.profile
     if model:
         profile = replace(profile, heat=replace(profile.heat, model=model))
-    path = _path(made, nest, profile)
+    path = _path(made, asked)
     result, files = _simulated(nest, path, profile, Path(frames) if frames else None)
     if output:
         files[Path(output)] = peak_map(nest, result, profile.heat.ambient_c)
+    if frames:
+        make_folder(Path(frames))
     write_files(files)
     click.echo(json.dumps(_data(result)) if as_json else _table(result))
 
 
-def _path(made: str, nest: Nest, profile: Profile) -> TimedPath:
+def _path(made: str, given: Given) -> TimedPath:
     from ..models.plan_reader import read_plan
     from ..postproc.heat_path import path_of_plan, path_of_program
-    from ..postproc.timed import read_program
 
     if made.endswith(".json"):
-        return path_of_plan(read_plan(made), nest, profile)
-    return path_of_program(read_program(program_text(made), profile, made), nest, profile)
+        plan = read_plan(made)
+        path = path_of_plan(plan, given.nest, given.profile)
+        note_if_others(plan, given)
+        return path
+    return path_of_program(read_program_of(made, given), given.nest, given.profile)
 
 
 def _simulated(
@@ -69,7 +75,6 @@ def _simulated(
     heat, files = profile.heat, dict[Path, str | bytes]()
     if frames is None or path.end_s <= 0:
         return simulate(nest, path, heat, profile.material.thickness_mm), files
-    frames.mkdir(parents=True, exist_ok=True)
     picture = HeatPicture(nest, make_grid(nest, heat.grid_mm), heat.ambient_c, heat.limit_c)
 
     def look(now_s: float, field: Any) -> None:

@@ -23,6 +23,11 @@ def summary(plan: Plan, verdict: CheckResult) -> str:
         f"start side {plan.start_side} (because: {plan.start_side_because}), "
         f"{max((p.cut.zone for p in plan.cuts), default=0)} zones",
     ]
+    if plan.waits:
+        longest = max(plan.waits, key=lambda planned: planned.dwell_s)
+        all_told = f"{len(plan.waits)}, {plan.wait_s:.1f} s in all"
+        longest_told = f"the longest {longest.dwell_s:.1f} s before {longest.cut.contour}"
+        lines.append(f"waits for metal to cool: {all_told}, {longest_told}")
     for dropped in plan.dropped:
         lines.append(f"{_left_out(dropped)}, {dropped.why}")
     return "\n".join([*lines, report(verdict)])

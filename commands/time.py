@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .given import given_options, note_if_others, program_text, read_given
+from .given import given_options, note_if_others, read_given, read_program_of
 
 if TYPE_CHECKING:
     from ..models.timing.cost import Cost
@@ -27,7 +27,7 @@ def command(made: str, as_json: bool, **given: Any) -> None:
     from ..models.timing.choose import machine_feeds
     from ..models.timing.constant import ConstantFeed
     from ..models.timing.cost import cost_of
-    from ..postproc.timed import job_of_plan, job_of_program, read_program, time_job
+    from ..postproc.timed import job_of_plan, job_of_program, time_job
 
     asked = read_given(**given)
     nest, profile = asked.nest, asked.profile
@@ -36,7 +36,7 @@ def command(made: str, as_json: bool, **given: Any) -> None:
         job = job_of_plan(plan, nest, profile)
         note_if_others(plan, asked)
     else:
-        program = read_program(program_text(made), profile, made)
+        program = read_program_of(made, asked)
         own_feeds = profile.time.model == "constant"
         job = job_of_program(program, nest, own_feeds)
         set_s = sum(ConstantFeed(machine_feeds(profile)).run_s(run.path, run.marks) for run in job.runs)
@@ -63,6 +63,7 @@ def _table(timed: Timed, cost: Cost | None) -> str:
         ("cut", said.cut_s, f"{job.on_mm / 1000:.3f} m"),
         ("idle", said.idle_s, f"{job.idle_mm / 1000:.3f} m, {said.idle_share:.1%} of the time"),
         ("pierce", said.pierce_s, f"{job.pierces} pierces"),
+        *([("wait", said.dwell_s, "for metal to cool, the torch off")] if said.dwell_s else []),
         ("total", said.total_s, f"{said.nc_blocks} NC blocks, {said.model}"),
     ]
     lines = [f"{name:7} {seconds:9.1f} s   {text}" for name, seconds, text in rows]

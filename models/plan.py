@@ -14,6 +14,8 @@ from .timing.report import TimeReport
 FORMAT = "kerfwise-plan/1"
 RELAXED = "relaxed: "
 """How the reason of a statement begins that a planner has let go because the hard rules cannot all hold."""
+WAITS = "waits "
+"""How the reason of a wait begins, among the reasons of a cut."""
 Status = Literal["optimal", "feasible"]
 
 
@@ -30,6 +32,11 @@ class PlannedCut:
     length_mm: float
     because: tuple[str, ...] = ()
     dwell_s: float = 0.0
+
+    @property
+    def waits_because(self) -> str:
+        """Why the torch waits; "" if it does not, or the plan does not say."""
+        return next((text for text in self.because if text.startswith(WAITS)), "") if self.dwell_s > 0 else ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +112,16 @@ class Plan:
     rules: tuple[RuleReport, ...] = ()
     dropped: tuple[Dropped, ...] = field(default=())
     time: TimeReport | None = None
+
+    @property
+    def waits(self) -> tuple[PlannedCut, ...]:
+        """The cuts before which the torch waits for metal to cool, in order."""
+        return tuple(planned for planned in self.cuts if planned.dwell_s > 0)
+
+    @property
+    def wait_s(self) -> float:
+        """How long it waits altogether, s."""
+        return sum(planned.dwell_s for planned in self.cuts)
 
     def sequence(self, home: tuple[float, float] = (0.0, 0.0)) -> CutSequence:
         """The bare cuts, as rules judge them."""

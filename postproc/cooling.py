@@ -10,7 +10,7 @@ limit, so the price of the plan, and what is proven of it, are those without the
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import shapely
@@ -18,10 +18,10 @@ import shapely
 from ..encoder.facts.facts import Facts
 from ..models.evaluate import route_cost
 from ..models.heat.grid import Grid, make_grid
-from ..models.heat.pacing import Pace, pace
+from ..models.heat.pacing import Heated, Pace, pace
 from ..models.heat.pair_prices import NEAR_BANDS
 from ..models.heat.timed_path import TimedPath
-from ..models.plan import Plan
+from ..models.plan import WAITS, Plan
 from ..models.problem import UM_PER_MM, make_problem
 from ..models.solution import Solution
 from ..models.timing.choose import feeds_of
@@ -49,7 +49,6 @@ LONGEST_S = 3600.0
 REPEATS = 4
 RAISE = 4.0
 """How much dearer a demand becomes that an order has not met."""
-_WHY = " (t-max)"
 
 Attempt = Callable[[float, tuple[Statement, ...]], Solution]
 """Solves with a share of the limits, and further statements."""
@@ -139,8 +138,9 @@ class Cooler:
         """The plan with its waits, by the plan's clock and by the program's; None if they get too long."""
         nest, profile, plan = self.facts.nest, self.profile, one.plan
         waits = dict(one.pace.waits)
+        heated = {hot.contour: hot for hot in one.pace.heated}
         for _ in range(REPEATS):
-            plan = with_times(_waiting(plan, waits, self._options.most_c), nest, profile)
+            plan = with_times(_waiting(plan, waits, heated, self._options.most_c), nest, profile)
             written = read_program(write_program(plan, nest, profile), profile)
             paces = [
                 self._pace(path, grid)
@@ -151,6 +151,7 @@ class Cooler:
             for contour in dict.fromkeys(name for paced in paces for name in paced.waits):
                 more_s = max(paced.waits.get(contour, 0.0) for paced in paces)
                 waits[contour] = waits.get(contour, 0.0) + more_s
+            heated = {hot.contour: hot for paced in paces for hot in paced.heated} | heated
             if max(waits.values()) > self._options.allowed_dwell_s or not all(paced.possible for paced in paces):
                 return None
         return None
@@ -203,13 +204,14 @@ class Cooler:
                 yield NoGood(out, frozenset({index[hot.contour]}), about, SOON_S * price_mm)
 
 
-def _waiting(plan: Plan, waits: dict[str, float], limit_c: float) -> Plan:
-    """The plan with waits (contour id to s) before the torch is lit, each with its reason."""
+def _waiting(plan: Plan, waits: dict[str, float], heated: Mapping[str, Heated], limit_c: float) -> Plan:
+    """The plan with waits (contour id to s) before the torch is lit, each with its reason: what would get too hot."""
     cuts = []
     for planned in plan.cuts:
         wait_s = round(waits.get(planned.cut.contour, 0.0), 3)
-        because = tuple(text for text in planned.because if not text.endswith(_WHY))
+        because = tuple(text for text in planned.because if not text.startswith(WAITS))
         if wait_s:
-            because += (f"waits {wait_s:g} s first: metal would get hotter than {limit_c:g} °C{_WHY}",)
+            without, asked = said(heated[planned.cut.contour]), f"{limit_c:g} °C, less {MARGIN_K:g} K to be sure"
+            because += (f"{WAITS}{wait_s:g} s first: without, {without}; t-max asks for {asked}",)
         cuts.append(replace(planned, dwell_s=wait_s, because=because))
     return replace(plan, cuts=tuple(cuts))

@@ -23,6 +23,20 @@ def expect_folders(paths: Iterable[Path]) -> None:
             raise InputError(f"cannot write: there is no folder {str(path.parent)!r}", file=path)
 
 
+def make_folder(path: Path) -> None:
+    """Make a folder, unless it is there.
+
+    Raises
+    ------
+    InputError
+        If it cannot be made, or a file is in its place.
+    """
+    try:
+        path.mkdir(exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot make a folder there: {error.strerror}", file=path) from None
+
+
 def write_files(contents: Mapping[Path, str | bytes]) -> None:
     """Write all files, or none: each is written beside its place and renamed once all are on disk.
 

@@ -43,7 +43,10 @@ def path_of_plan(plan: Plan, nest: Nest, profile: Profile) -> TimedPath:
 
 
 def path_of_program(program: NcProgram, nest: Nest, profile: Profile) -> TimedPath:
-    """Where the torch burns by a program, at its own feeds; rapids, and pierces that it does not time, as profiled."""
+    """Where the torch burns by a program, at its own feeds and for its own waits.
+
+    Rapids are as profiled, and so are pierces where the dialect leaves them to the machine.
+    """
     machine = profile.machine
     waits = load_dialect(machine.dialect).pierce_dwell == "machine"
     burns, late_s = [], 0.0
@@ -51,10 +54,9 @@ def path_of_program(program: NcProgram, nest: Nest, profile: Profile) -> TimedPa
     for burn, edge_start in zip(program.burns, edge_starts, strict=True):
         if burn.tool != 0:
             continue
-        pierce_s = 0.0 if edge_start else machine.pierce_time_s
-        begin_s, end_s = burn.start_s + late_s, burn.end_s + late_s
-        if waits:
-            late_s, end_s = late_s + pierce_s, end_s + pierce_s
+        begin_s, unsaid_s = burn.start_s + late_s, machine.pierce_time_s if waits and not edge_start else 0.0
+        late_s += unsaid_s
+        pierce_s, end_s = burn.pierce_s + unsaid_s, burn.end_s + late_s
         named = _CUT.search(burn.comment)
         name = named["contour"] if named else f"line {burn.line}"
         burns.append(torch_on(name, burn.path.flatten(_CHORD_MM), begin_s, end_s, pierce_s))

@@ -47,6 +47,8 @@ def _header(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect) -> Itera
     yield comment(dialect, f"ESTIMATED TIME {seconds_text(totals.time_s)}")
     if plan.time is not None:
         yield comment(dialect, "TIME MODEL", plan.time.model.upper())
+    if plan.waits:
+        yield comment(dialect, f"WAITS FOR METAL TO COOL {len(plan.waits)}, {seconds_text(plan.wait_s)}")
     yield comment(dialect, f"START SIDE {plan.start_side.upper()}")
     for planned in plan.cuts:
         for rule in planned.cut.excused:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from ..encoder.facts.facts import Facts
 from ..models.heat import simulate
+from ..models.heat.pair_prices import PairPrices
 from ..models.plan import Plan
 from ..models.solution import Progress, SolveOptions
 from ..rules.profile import Profile
@@ -34,37 +35,71 @@ class Trade:
         """Its idle travel."""
         return self.plan.totals.idle_mm
 
+    @property
+    def lawful(self) -> bool:
+        """Whether the check takes it."""
+        return self.made.verdict.ok
+
     def beats(self, other: Trade) -> bool:
         """Whether it is no worse in either and better in one."""
         mine, theirs = (self.overheats, self.idle_mm), (other.overheats, other.idle_mm)
         return mine != theirs and mine[0] <= theirs[0] and mine[1] <= theirs[1]
 
 
-def trade_offs(
-    facts: Facts, profile: Profile, prices_mm: Sequence[float], limits: SolveOptions, progress: Progress | None = None
-) -> Iterator[Trade]:
-    """A plan for each price, as it is found; the nest is simulated many times over first.
+class TradeOff:
+    """Plans of one nest at prices of an overheat.
+
+    Parameters
+    ----------
+    facts
+        Of the nest.
+    profile
+        Its own price of an overheat is not looked at.
+    limits
+        Of each plan.
 
     Raises
     ------
     RulesConflict
-        If no lawful plan exists, or none was found.
+        If hard orders contradict each other.
     """
-    free = replace(profile, objective=replace(profile.objective, heat=0.0))
-    stated = ask(facts, free).stated
-    of_pairs = pair_prices(facts, profile, stated)
-    for price_mm in prices_mm:
-        statements = (*stated.statements, *of_pairs.statements(facts.nest, price_mm)) if price_mm else stated.statements
-        made = produce(Asked(facts, replace(stated, statements=statements)), free, limits, progress)
+
+    def __init__(self, facts: Facts, profile: Profile, limits: SolveOptions) -> None:
+        self._facts, self._limits = facts, limits
+        self._profile = replace(profile, objective=replace(profile.objective, heat=0.0))
+        self._stated = ask(facts, self._profile).stated
+        self._prices: PairPrices | None = None
+
+    def fit(self) -> None:
+        """Find out which orders overheat metal: the nest is simulated many times over, once for all prices."""
+        if self._prices is None and self._profile.heat.absorbed_power_w:
+            self._prices = pair_prices(self._facts, self._profile, self._stated)
+
+    def at(self, price_mm: float, progress: Progress | None = None) -> Trade:
+        """The plan at a price, simulated.
+
+        Raises
+        ------
+        RulesConflict
+            If no lawful plan exists, or none was found.
+        """
+        facts, profile, stated = self._facts, self._profile, self._stated
+        if price_mm:
+            self.fit()
+        priced = self._prices.statements(facts.nest, price_mm) if price_mm and self._prices is not None else ()
+        made = produce(
+            Asked(facts, replace(stated, statements=(*stated.statements, *priced))), profile, self._limits, progress
+        )
         path = path_of_plan(made.plan, facts.nest, profile)
         found = simulate(facts.nest, path, profile.heat, profile.material.thickness_mm)
-        yield Trade(price_mm, made, found.overheats, found.peak_c)
+        return Trade(price_mm, made, found.overheats, found.peak_c)
 
 
 def front(trades: Sequence[Trade]) -> list[Trade]:
-    """Those that no other beats, by idle travel; of equal ones the first."""
+    """Those lawful ones that no other beats, by idle travel; of equal ones the first."""
     kept: list[Trade] = []
-    for trade in sorted(trades, key=lambda t: (t.idle_mm, t.overheats, t.price_mm)):
+    lawful = [trade for trade in trades if trade.lawful]
+    for trade in sorted(lawful, key=lambda t: (t.idle_mm, t.overheats, t.price_mm)):
         if not kept or trade.overheats < kept[-1].overheats:
             kept.append(trade)
     return kept

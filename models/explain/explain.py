@@ -23,7 +23,7 @@ class Explanation:
 
     `previous` and `following` are its neighbours in the plan, "" for the machine's home. `earlier` and `later` hold
     it, nearest first; the chains lead on from there to the ends of the plan. `also` are statements of other kinds,
-    `heat` prices on orders that overheat metal.
+    `heat` prices on orders that overheat metal. The torch waits for `dwell_s` before the contour is cut, and why.
     """
 
     contour: str
@@ -41,6 +41,8 @@ class Explanation:
     moves: tuple[Move, ...]
     notes: tuple[str, ...]
     heat: tuple[HeatPrice, ...] = ()
+    dwell_s: float = 0.0
+    waits_because: str = ""
 
 
 def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour: str) -> Explanation:
@@ -74,4 +76,6 @@ def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour:
         explain_moves(setting, number),
         setting.notes,
         heat_prices(setting, number),
+        plan.cuts[k].dwell_s,
+        plan.cuts[k].waits_because,
     )

@@ -35,6 +35,8 @@ def _lines(e: Explanation, everything: bool) -> Iterator[str]:
         f"{e.contour} is cut {_nth(e.place)} of {e.of}, in zone {e.zone}: after {e.previous or 'leaving home'}, "
         f"before {e.following or 'going home'}"
     )
+    if e.dwell_s:
+        yield e.waits_because or f"waits {e.dwell_s:g} s first, so that metal may cool"
     yield from _holds("not earlier", e.earlier, everything)
     yield from _holds("not later", e.later, everything)
     if e.also:

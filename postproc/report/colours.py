@@ -11,6 +11,7 @@ HOLE = "#9c3612"
 MARK = "#1971c2"
 PIERCE = "#d6001c"
 ALERT = "#e03131"
+WAIT = "#7b2cbf"
 PART = "#c5d7e6"
 
 _ZONES = ("#b3d1ea", "#f8d9a8", "#bfe0b4", "#dcc6e8", "#f3b9b0", "#f1e79f", "#aadfd6", "#d9c9b1")

@@ -95,6 +95,8 @@ def _totals(plan: Plan) -> list[str]:
         f"{t.pierces} pierces",
         f"time {duration(t.time_s)}",
     ]
+    if plan.waits:
+        facts.append(f"{duration(plan.wait_s)} of it waiting")
     if solve.status == "optimal":
         return [*facts, "proven optimal"]
     if solve.gap is None:
@@ -160,6 +162,7 @@ def _key(items: list[Item], x: float, end: float, y: float, kinds: frozenset[str
     """Samples with their names, as many as there is room for."""
     for kind, label in (
         ("pierce", "pierce and lead"),
+        ("wait", "waits for metal to cool"),
         ("outer", "outer contour"),
         ("hole", "hole"),
         ("mark", "mark"),
@@ -183,6 +186,8 @@ def _sample(kind: str, x: float, y: float) -> list[Item]:
             Dot(x + 11, y, 4.5, Style(fill=colours.PAGE, stroke=colours.INK, width=1.2)),
             Shape(cross, Style(stroke=colours.INK, width=1.2), closed=False),
         ]
+    if kind == "wait":
+        return [Dot(x + 11, y, 3, Style(fill=colours.PIERCE)), Dot(x + 11, y, 6, Style(stroke=colours.WAIT, width=2))]
     ink = {"pierce": colours.PIERCE, "outer": colours.OUTER, "hole": colours.HOLE, "mark": colours.MARK}[kind]
     sample: list[Item] = [Shape((line,), Style(stroke=ink, width=1.4), closed=False)]
     return [*sample, Dot(x + 2, y, 3, Style(fill=ink))] if kind == "pierce" else sample

@@ -33,6 +33,7 @@ def _rows(plan: Plan | None) -> list[dict[str, object]]:
             "length_mm": round(p.length_mm, 1),
             "start_s": round(p.cut.start_s, 1),
             "end_s": round(p.cut.end_s, 1),
+            "dwell_s": round(p.dwell_s, 1),
             "because": list(p.because),
         }
         for p in plan.cuts

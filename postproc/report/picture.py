@@ -26,6 +26,7 @@ from .labels import Label, place_labels
 from .metal import part_layer, sheet_layer, zone_layer, zone_map
 from .scene import Layer, Scene, Text
 from .view import View, Window
+from .waits import wait_layer
 
 _READABLE = 12.0  # pixels that a number should be high in a PNG
 _MAX_PIXELS = 4000.0
@@ -73,10 +74,14 @@ def make_scene(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), s
             pierce_layer(nest, view, cuts),
             home_layer(view, home),
         ]
-    kinds = frozenset({"pierce", "home", *(nest.contour(c.contour).kind for c in cuts)})
+    kinds = {"pierce", "home", *(nest.contour(c.contour).kind for c in cuts)}
     numbers = number_layer(nest, view, places, order)
     caption = spot.caption if spot else ""
-    layers += [numbers, header_layer(nest, plan, view, caption), footer_layer(view, clock, kinds)]
+    layers.append(numbers)
+    if plan is not None and plan.waits:
+        kinds.add("wait")
+        layers.append(wait_layer(view, plan.cuts, list(places.values())))
+    layers += [header_layer(nest, plan, view, caption), footer_layer(view, clock, frozenset(kinds))]
     return Scene(view.width, view.height, tuple(layers), nest_name(nest, plan), _enlargement(numbers, view))
 
 

@@ -13,13 +13,14 @@ from kerfwise.postproc.trade_off import Trade, front
 
 
 class _Made:
-    def __init__(self, idle_mm: float) -> None:
+    def __init__(self, idle_mm: float, ok: bool = True) -> None:
+        self.verdict, self.ok = self, ok
         self.plan = self
         self.totals = Totals(0.0, idle_mm, 0, 0.0, 0.0)
 
 
-def trade(price_mm: float, overheats: int, idle_mm: float) -> Trade:
-    return Trade(price_mm, cast(Produced, _Made(idle_mm)), overheats, 0.0)
+def trade(price_mm: float, overheats: int, idle_mm: float, ok: bool = True) -> Trade:
+    return Trade(price_mm, cast(Produced, _Made(idle_mm, ok)), overheats, 0.0)
 
 
 def test_beaten_plans_and_the_second_of_equals_are_not_on_the_front() -> None:
@@ -28,6 +29,11 @@ def test_beaten_plans_and_the_second_of_equals_are_not_on_the_front() -> None:
     )  # fmt: skip
     assert front([dear, twin, beaten, even, cheap]) == [cheap, even, dear]
     assert front([]) == []
+
+
+def test_a_plan_that_the_check_refuses_is_not_on_the_front() -> None:
+    lawful, unlawful = trade(0, 90, 1000), trade(10, 1, 500, ok=False)
+    assert front([unlawful, lawful]) == [lawful]
 
 
 @given(st.lists(st.tuples(st.integers(0, 20), st.integers(0, 20)), max_size=12))
