@@ -64,7 +64,7 @@ def command(
                 files[_file(plans, trade, "plan.json")] = trade.plan.to_json()
                 files[_file(plans, trade, "nc")] = trade.made.program
     if output:
-        files[Path(output)] = front_png(trades, profile.heat.limit_c)
+        files[Path(output)] = front_png(trades, profile.heat.limit_c, Path(options["nest"]).name)
     write_files(files)
     rows = [_row(trade, trade in best) for trade in trades]
     if as_json:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import shapely
 
+from ..encoder.errors import RulesConflict
 from ..encoder.facts.facts import Facts
 from ..models.evaluate import route_cost
 from ..models.heat.grid import Grid, make_grid
@@ -74,6 +75,8 @@ class Cooler:
     statements: tuple[Statement, ...]
     attempt: Attempt
     planned: Planned
+    going: Callable[[], bool] = lambda: True
+    """Asked between orders whether to go on: not once somebody has had enough."""
 
     def find(self, again: bool = True) -> tuple[Solution, Plan]:
         """The first plan that keeps to the limit as it is; else, of those that waits make keep it, the one done first.
@@ -90,9 +93,15 @@ class Cooler:
         asked: dict[tuple[str, ...], Lag | NoGood] = {}
         for k in range(ROUNDS if again else 1):
             share = 1.0 if not again else FIRST if k == 0 else (1 - FIRST) / (ROUNDS - 1)
-            found = self._tried(self.attempt(share, tuple(asked.values())), grid)
+            try:
+                solution = self.attempt(share, tuple(asked.values()))
+            except RulesConflict:
+                if not tried:
+                    raise
+                break  # the limits left no time for another order
+            found = self._tried(solution, grid)
             tried.append(found)
-            if not found.pace.heated:
+            if not found.pace.heated or not self.going():
                 break
             for demand in self._demands(found):
                 again_asked = asked.get(demand.about.contours)

@@ -111,7 +111,11 @@ def produce(
         from .cooling import Cooler
 
         again = strategy == "ours" and engine != "minizinc"  # the others cannot be asked for more than the rules state
-        solution, plan = Cooler(facts, profile, asked.stated.statements, attempt, planned).find(again)
+
+        def going() -> bool:
+            return progress is None or progress("t-max", None, None)
+
+        solution, plan = Cooler(facts, profile, asked.stated.statements, attempt, planned, going).find(again)
     else:
         solution = attempt(1.0, ())
         plan = planned(solution)

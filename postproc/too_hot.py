@@ -16,7 +16,8 @@ def too_hot(tried: Sequence[Pace], options: TMaxOptions) -> RulesConflict:
     """The conflict, from the paces of the orders that were tried (at least one, and none of them allowed)."""
     coolest = min(tried, key=_peak_c)
     worst = max(coolest.heated, key=lambda hot: hot.spot.peak_c)
-    without = f"of {len(tried)} orders tried the coolest gets to {_peak_c(coolest):.1f} °C without waits: {said(worst)}"
+    orders = f"of {len(tried)} orders tried the coolest" if len(tried) > 1 else "the one order tried"
+    without = f"{orders} gets to {_peak_c(coolest):.1f} °C without waits: {said(worst)}"
     paced = min(tried, key=lambda one: (not one.possible, one.peak_c if not one.possible else one.wait_s))
     with_waits = _waits(paced, options) if paced.possible else _no_wait(paced)
     message = f"t-max: no plan was found that keeps the metal at {options.most_c:g} °C or less"
@@ -35,6 +36,9 @@ def _waits(paced: Pace, options: TMaxOptions) -> str:
     more = f" and {len(listed) - LISTED} more" if len(listed) > LISTED else ""
     allowed = f"longest_dwell is {options.longest_dwell_s:g} s" if options.dwells else "dwells are not allowed"
     longest_s = max(paced.waits.values())
+    if longest_s <= options.allowed_dwell_s:  # enough by the plan's clock
+        allowed = f"by the program's own times it takes more than {allowed.replace(' is', ',')}"
+        longest_s = 1.5 * options.longest_dwell_s
     return (
         f"waits of {paced.wait_s:.1f} s in all would keep it ({', '.join(listed[:LISTED])}{more}), but {allowed}: "
         f"give t-max {{dwells: true, longest_dwell: {longest_s + 1:.0f} s}}"

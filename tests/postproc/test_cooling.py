@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
+import kerfwise.models.solve
+from kerfwise.encoder.cut import HotSpot
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.nest import Nest
+from kerfwise.models.heat.pacing import Heated, Pace
 from kerfwise.models.plan_reader import read_plan
 from kerfwise.models.solution import SolveOptions
 from kerfwise.models.timing.choose import feeds_of
@@ -16,6 +20,7 @@ from kerfwise.postproc import cooling
 from kerfwise.postproc.checking import check_plan, check_program
 from kerfwise.postproc.produce import Produced, ask, facts_of, produce
 from kerfwise.postproc.timed import job_of_program, read_program, time_job
+from kerfwise.postproc.too_hot import too_hot
 from kerfwise.rules.catalogue.t_max import TMaxOptions
 from kerfwise.rules.profile import Profile, load_profile
 from kerfwise.rules.sections import RuleSetting
@@ -70,7 +75,12 @@ def test_waits_stand_in_plan_and_program_and_are_counted(one_order: None, tmp_pa
     travel_s = found.plan.time.idle_s if found.plan.time else 0.0
     assert second.cut.start_s - first.cut.end_s == pytest.approx(second.dwell_s, abs=travel_s)
     assert found.program.count(f"G4 P{second.dwell_s:g}\n") == 1
-    assert "waits" in second.because[-1]
+    assert re.fullmatch(
+        rf"waits {second.dwell_s:g} s first: without, {second.cut.contour} makes (part [AB]|the metal between parts) "
+        r"[\d.]+ °C hot at \(\d+, \d+\); t-max asks for 88\.4 °C, less 1 K to be sure",
+        second.because[-1],
+    )
+    assert f"WAITS FOR METAL TO COOL 1, 0 H 0{int(second.dwell_s + 1) // 60} MIN" in found.program
     assert found.plan.time is not None
     assert found.plan.time.dwell_s == pytest.approx(second.dwell_s)
     assert found.plan.totals.time_s == pytest.approx(found.plan.time.total_s)
@@ -105,14 +115,50 @@ def test_without_waits_the_answer_says_which_would_do(one_order: None) -> None:
     ) as found:
         made(PAIR, plant(88.4))
     without, waits = found.value.reasons
-    assert re.fullmatch(
-        r"of \d orders? tried the coolest gets to [\d.]+ °C without waits: [AB]\.outer makes .*", without
-    )
+    assert re.fullmatch(r"the one order tried gets to [\d.]+ °C without waits: [AB]\.outer makes .*", without)
     assert re.search(
         r"waits of [\d.]+ s in all would keep it \([\d.]+ s before [AB]\.outer\), but dwells are not", waits
     )
     with pytest.raises(RulesConflict, match=r"but longest_dwell is 0\.5 s"):
         made(PAIR, plant(88.4, dwells=True, longest_s=0.5))
+
+
+def test_waits_that_are_too_short_by_the_programs_clock_alone() -> None:
+    hot = Heated("B.outer", HotSpot(95.0, (100.0, 80.0), 30.0, "A"), 40.0, 87.0)
+    error = too_hot([Pace((hot,), 87.0, {"B.outer": 40.0})], TMaxOptions(88.4, True, 40.0))
+    assert error.reasons == (
+        "the one order tried gets to 95.0 °C without waits: B.outer makes part A 95.0 °C hot at (100, 80)",
+        "waits of 40.0 s in all would keep it (40.0 s before B.outer), but by the program's own times it takes more "
+        "than longest_dwell, 40 s: give t-max {dwells: true, longest_dwell: 61 s}",
+    )
+
+
+def test_no_other_order_is_asked_for_once_somebody_has_had_enough() -> None:
+    asked: list[str] = []
+
+    def enough(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+        asked.append(engine)
+        return engine != "t-max"
+
+    profile = HOT
+    limits = SolveOptions(work=0.2, home_mm=profile.machine.home, feeds=feeds_of(profile))
+    found = produce(ask(facts_of(PAIR, profile), profile), profile, limits, enough)
+    assert found.verdict.ok
+    assert asked.count("t-max") == 1
+
+
+def test_where_another_order_is_not_found_in_time_the_first_may_wait(monkeypatch: pytest.MonkeyPatch) -> None:
+    solve = kerfwise.models.solve.solve
+    found: list[object] = []
+
+    def once(*given: Any) -> Any:
+        if found:
+            raise RulesConflict("no time left")
+        found.append(None)
+        return solve(*given)
+
+    monkeypatch.setattr("kerfwise.models.solve.solve", once)
+    assert made(PAIR, HOT).plan.waits
 
 
 def test_where_no_wait_helps_the_least_temperature_is_told() -> None:
