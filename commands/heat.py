@@ -14,12 +14,15 @@ from .given import Given, given_options, note_if_others, read_given, read_progra
 
 if TYPE_CHECKING:
     from ..encoder.nest import Nest
-    from ..models.heat import HeatResult, TimedPath
+    from ..models.heat import HeatResult, PartHeat, TimedPath
+    from ..rules.heat_section import Heat
     from ..rules.profile import Profile
 
 FRAMES = 60
 _SHOWN = 15
 """Parts that the table lists."""
+_POINT_STEPS_A_SECOND, _LONG_S = 5e8, 60.0
+"""What one core of a usual machine simulates at the least, and how long goes without saying."""
 
 
 @click.command()
@@ -43,6 +46,7 @@ def command(made: str, model: Any, as_json: bool, output: str | None, frames: st
     if model:
         profile = replace(profile, heat=replace(profile.heat, model=model))
     path = _path(made, asked)
+    _note_if_long(nest, path, profile.heat)
     result, files = _simulated(nest, path, profile, Path(frames) if frames else None)
     if output:
         files[Path(output)] = peak_map(nest, result, profile.heat.ambient_c)
@@ -62,6 +66,20 @@ def _path(made: str, given: Given) -> TimedPath:
         note_if_others(plan, given)
         return path
     return path_of_program(read_program_of(made, given), given.nest, given.profile)
+
+
+def _note_if_long(nest: Nest, path: TimedPath, heat: Heat) -> None:
+    """Say beforehand what a fine grid will cost: the work goes with the fourth power of its fineness."""
+    from ..models.heat.physical import point_steps
+
+    longest_s = point_steps(nest.sheet.polygon.area, path.end_s, heat) / _POINT_STEPS_A_SECOND
+    if heat.model == "physical" and heat.absorbed_power_w and longest_s > _LONG_S:
+        wider_mm = heat.grid_mm * (longest_s / _LONG_S) ** 0.25
+        click.echo(
+            f"note: a grid of {heat.grid_mm:g} mm takes up to about {longest_s / 60:.0f} min here, one of "
+            f"{wider_mm:.2g} mm a minute (heat.grid); Ctrl-C ends it",
+            err=True,
+        )
 
 
 def _simulated(
@@ -85,6 +103,10 @@ def _simulated(
     return simulate(nest, path, heat, profile.material.thickness_mm, (path.end_s / FRAMES, look)), files
 
 
+def _told(part: PartHeat) -> str:
+    return "-" if part.peak_c is None else f"{part.peak_c:.1f}"
+
+
 def _data(result: HeatResult) -> dict[str, Any]:
     error = result.energy_error
     return {
@@ -96,7 +118,12 @@ def _data(result: HeatResult) -> dict[str, Any]:
         "limit_c": result.limit_c,
         "above_s": round(result.above_s, 2),
         "parts": [
-            {"part": p.part, "peak_c": round(p.peak_c, 2), "overheats": p.overheats, "above_s": round(p.above_s, 2)}
+            {
+                "part": p.part,
+                "peak_c": None if p.peak_c is None else round(p.peak_c, 2),
+                "overheats": p.overheats,
+                "above_s": round(p.above_s, 2),
+            }
             for p in result.parts
         ],
     }
@@ -112,10 +139,12 @@ def _table(result: HeatResult) -> str:
     ]
     if result.energy_error is not None:
         lines.append(f"{'energy':10} {result.energy_error:.2e} of what was put in is not accounted for")
-    parts = sorted(result.parts, key=lambda p: (-p.overheats, -p.peak_c, p.part))
+    parts = sorted(result.parts, key=lambda p: (-p.overheats, -(p.peak_c or 0.0), p.part))
     width = max([4, *(len(p.part) for p in parts[:_SHOWN])])
     lines += ["", f"{'part':{width}} {'peak °C':>9} {'overheats':>10} {'too hot, s':>11}"]
-    lines += [f"{p.part:{width}} {p.peak_c:9.1f} {p.overheats:10d} {p.above_s:11.0f}" for p in parts[:_SHOWN]]
+    lines += [f"{p.part:{width}} {_told(p):>9} {p.overheats:10d} {p.above_s:11.0f}" for p in parts[:_SHOWN]]
     if len(parts) > _SHOWN:
         lines.append(f"… and {len(parts) - _SHOWN} cooler parts")
+    if unseen := sum(p.peak_c is None for p in parts):
+        lines.append(f"no point of {unseen} narrow part{'s' if unseen > 1 else ''} (-) lies outside the kerf's band")
     return "\n".join(lines)

@@ -35,6 +35,13 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
             _deepest(root, "heat", "limit_c"),
             f"heat.limit_c: {heat.limit_c:g} °C is not above ambient_c, {heat.ambient_c:g} °C: everything is too hot",
         )
+    hottest_c = rules["t-max"].options.limit_c
+    if rules["t-max"].strength != "off" and hottest_c is not None and hottest_c <= heat.ambient_c:
+        problems.add(
+            _deepest(root, "rules", "t-max", "limit"),
+            f"rules.t-max.limit: {hottest_c:g} °C is not above heat.ambient_c, {heat.ambient_c:g} °C: no metal is ever "
+            "so cool",
+        )
     if heat.logical_conduction * 8 > 1:
         problems.add(
             _deepest(root, "heat", "logical_conduction"),

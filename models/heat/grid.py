@@ -79,7 +79,11 @@ def make_grid(nest: Nest, step_mm: float) -> Grid:
     x0, y0, x1, y1 = nest.sheet.bounds
     nx, ny = math.ceil((x1 - x0) / step_mm + SHIFT_X), math.ceil((y1 - y0) / step_mm + SHIFT_Y)
     if nx * ny > MOST_POINTS:
-        raise InputError(f"heat.grid: {step_mm:g} mm makes {nx} x {ny} points of this sheet: give a wider grid")
+        least_mm = 1.06 * math.sqrt((x1 - x0) * (y1 - y0) / MOST_POINTS)
+        raise InputError(
+            f"heat.grid: {step_mm:g} mm makes {nx} x {ny} points of this sheet, more than fit in memory: give a wider "
+            f"grid, {least_mm:.2g} mm or more"
+        )
     shape = (nx, ny)
     metal = np.zeros(shape, dtype=np.bool_)
     part = np.full(shape, NO_PART, dtype=np.int32)

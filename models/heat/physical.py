@@ -26,6 +26,8 @@ Look = Callable[[float, Field], None]
 RATIO = 0.2
 """α Δt / Δx²: up to 1/4 is stable, less is nearer to the solution right beside the torch."""
 LONGEST_STEP_S = 1.0
+MOST_AT_ONCE = 2_000_000_000
+"""Points times steps in one call of the kernel, which Ctrl-C cannot interrupt: a second or two."""
 
 
 def time_step_s(heat: Heat) -> float:
@@ -40,6 +42,11 @@ def settling_s(heat: Heat) -> float:
     """
     band_mm = max(heat.kerf_band_mm, 2 * heat.grid_mm)
     return 2 * band_mm**2 / MATERIALS[heat.material].diffusivity_mm2_s
+
+
+def point_steps(sheet_mm2: float, end_s: float, heat: Heat) -> float:
+    """Points times steps that a program takes at most, if every point of the sheet were warm all the time."""
+    return sheet_mm2 / heat.grid_mm**2 * (end_s + settling_s(heat)) / time_step_s(heat)
 
 
 class Simulation:
@@ -75,10 +82,14 @@ class Simulation:
 
     def run(self, events: Events, until_s: float) -> None:
         """Go on, in whole steps, to `until_s` or just after, with the events that lie between."""
-        steps = max(0, math.ceil((until_s - self.now_s) / self._law.step_s - 1e-9))
-        if run_steps(self._plate, self._law, events, steps, self.now_s):
-            self._plate = swapped(self._plate)
-        self.now_s += steps * self._law.step_s
+        left = max(0, math.ceil((until_s - self.now_s) / self._law.step_s - 1e-9))
+        at_once = max(1, MOST_AT_ONCE // self._plate.now.size)
+        while left:
+            steps = min(left, at_once)
+            if run_steps(self._plate, self._law, events, steps, self.now_s):
+                self._plate = swapped(self._plate)
+            self.now_s += steps * self._law.step_s
+            left -= steps
 
     def copy(self) -> Simulation:
         """The same sheet once more: what is done to the one does nothing to the other."""

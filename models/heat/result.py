@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...encoder.nest import Nest
 from ...rules.heat_section import Heat, HeatModel
-from .grid import SCRAP, Bools, Grid
+from .grid import Bools, Grid
 
 Field = NDArray[np.float32]
 
@@ -31,10 +31,13 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class PartHeat:
-    """One part, outside the kerf's band: its highest temperature, points too hot, the longest that one stayed so."""
+    """One part, outside the kerf's band: its highest temperature, points too hot, the longest that one stayed so.
+
+    `peak_c` is None for a part that lies in the band with all its points: nothing is known of it.
+    """
 
     part: str
-    peak_c: float
+    peak_c: float | None
     overheats: int
     above_s: float
 
@@ -61,9 +64,8 @@ class HeatResult:
     energy_error: float | None
 
 
-def made_result(model: HeatModel, nest: Nest, grid: Grid, heat: Heat, run: Run, band: Bools) -> HeatResult:
-    """Count what a run has found; `band` are the points of the kerf's band."""
-    counted = grid.metal & ~band & (grid.part != SCRAP)
+def made_result(model: HeatModel, nest: Nest, grid: Grid, heat: Heat, run: Run, counted: Bools) -> HeatResult:
+    """Count what a run has found, among the points that are counted."""
     hot = counted & (run.peak_c > heat.limit_c)
     put_in = run.put_in_j
     return HeatResult(
@@ -88,8 +90,11 @@ def _by_part(nest: Nest, grid: Grid, heat: Heat, run: Run, counted: Bools, hot: 
     np.maximum.at(peak, of, run.peak_c[on_parts])
     np.maximum.at(longest, of, run.above_s[on_parts])
     count = np.bincount(of[hot[on_parts]], minlength=len(nest.parts))
-    rows = zip(nest.parts, peak.tolist(), count.tolist(), longest.tolist(), strict=True)
-    return tuple(PartHeat(part.id, *row) for part, *row in rows)
+    seen = np.bincount(of, minlength=len(nest.parts)) > 0
+    return tuple(
+        PartHeat(part.id, float(peak[k]) if seen[k] else None, int(count[k]), float(longest[k]))
+        for k, part in enumerate(nest.parts)
+    )
 
 
 def _highest(values: Field, counted: Bools, none: float) -> float:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import shapely
 
+from ...encoder.errors import InputError
 from ...encoder.nest import Nest
 from ...rules.heat_section import Heat
-from .grid import Grid, make_grid
+from .grid import SCRAP, Bools, Grid, make_grid
 from .logical import run_logical
 from .physical import Look, run_physical
 from .result import HeatResult, made_result
@@ -46,15 +47,29 @@ def simulate(
     Raises
     ------
     InputError
-        If the grid is too fine for the sheet, or the logical scheme would not be stable.
+        If the grid is too fine for the sheet or too coarse for its parts, or the logical scheme would not be stable.
     """
     grid = make_grid(nest, heat.grid_mm) if grid is None else grid
+    counted = counted_points(grid, path, heat)
     runner = run_logical if heat.model == "logical" else run_physical
     run = runner(grid, path, heat, thickness_mm, look)
-    return made_result(heat.model, nest, grid, heat, run, kerf_band(grid, path, heat))
+    return made_result(heat.model, nest, grid, heat, run, counted)
 
 
-def kerf_band(grid: Grid, path: TimedPath, heat: Heat) -> shapely.Geometry:
-    """The points too near to the torch's path to be counted."""
+def counted_points(grid: Grid, path: TimedPath, heat: Heat) -> Bools:
+    """The points whose temperature counts: of parts and of the skeleton, not too near to the torch's path.
+
+    Raises
+    ------
+    InputError
+        If there are none, though the torch heats the sheet.
+    """
     within_mm = max(heat.kerf_band_mm, LEAST_BAND_STEPS * heat.grid_mm)
-    return grid.near((shapely.LineString(burn.xy) for burn in path.burns), within_mm)
+    band = grid.near((shapely.LineString(burn.xy) for burn in path.burns), within_mm)
+    counted: Bools = grid.metal & ~band & (grid.part != SCRAP)
+    if path.burns and heat.absorbed_power_w and not counted.any():
+        raise InputError(
+            f"no point of the grid counts: all lie within {within_mm:g} mm of a cut; give a finer heat.grid than "
+            f"{heat.grid_mm:g} mm, or a narrower heat.kerf_band than {heat.kerf_band_mm:g} mm"
+        )
+    return counted

@@ -10,9 +10,9 @@ from ...encoder.cut import HotSpot
 from ...encoder.nest import Nest
 from ...rules.heat_section import Heat
 from .events import Events, events_of
-from .grid import SCRAP, Bools, Grid, make_grid
+from .grid import Bools, Grid, make_grid
 from .physical import Simulation, settling_s
-from .simulate import kerf_band
+from .simulate import counted_points
 from .timed_path import TimedPath, TorchOn
 
 
@@ -53,8 +53,7 @@ class Watch:
 def watch_of(nest: Nest, path: TimedPath, heat: Heat, thickness_mm: float, grid: Grid | None = None) -> Watch:
     """What has to be watched while a program runs."""
     grid = make_grid(nest, heat.grid_mm) if grid is None else grid
-    counted = grid.metal & ~kerf_band(grid, path, heat) & (grid.part != SCRAP)
-    return Watch(nest, grid, heat, thickness_mm, counted)
+    return Watch(nest, grid, heat, thickness_mm, counted_points(grid, path, heat))
 
 
 def hot_spots(nest: Nest, path: TimedPath, heat: Heat, thickness_mm: float, limit_c: float) -> tuple[HotSpot, ...]:

@@ -99,6 +99,9 @@ MISTAKES = {
         "'carbon-stel': did you mean 'carbon-steel'?"
     ),
     "heat: {limit_c: 15}": "1:17: heat.limit_c: 15 °C is not above ambient_c, 20 °C: everything is too hot",
+    "rules: {t-max: {strength: hard, limit: 15}}": (
+        "1:40: rules.t-max.limit: 15 °C is not above heat.ambient_c, 20 °C: no metal is ever so cool"
+    ),
     "heat:\n  logical_conduction: 0.2": (
         "2:23: heat.logical_conduction: 0.2 for each of 8 neighbours is more than a point has; the scheme is stable up "
         "to 0.125"

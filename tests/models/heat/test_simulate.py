@@ -84,3 +84,20 @@ def test_cuts_that_overlap_in_time_are_refused() -> None:
         in_order([torch_on("a", point, 0.0, 5.0), torch_on("b", point, 3.0, 6.0)], 6.0)
     with pytest.raises(InputError, match=r"a is said to end at 4 s, before it begins at 5 s"):
         torch_on("a", point, 5.0, 4.0)
+
+
+def test_a_part_that_lies_in_the_band_with_all_its_points_has_no_temperature() -> None:
+    plate = nest(400, 200, part("wide", rect(20, 20, 160, 160)), part("narrow", rect(220, 20, 14, 160)))
+    squares = [(20.0, 20.0), (180.0, 20.0), (180.0, 180.0), (20.0, 180.0)], [(220.0, 20.0), (234.0, 20.0),
+               (234.0, 180.0), (220.0, 180.0)]  # fmt: skip
+    path = rounds(squares, 40.0)
+    wide, narrow = simulate(plate, path, HEAT, 6.0).parts
+    assert wide.peak_c is not None
+    assert (narrow.peak_c, narrow.overheats) == (None, 0)
+
+
+def test_a_grid_that_is_too_coarse_for_the_nest_is_refused() -> None:
+    path = rounds([circle(100, 100, 39)], 10.0)
+    with pytest.raises(InputError, match=r"no point of the grid counts: all lie within 1500 mm of a cut"):
+        simulate(PLATE, path, replace(HEAT, grid_mm=1000.0), 6.0)
+    assert simulate(PLATE, path, replace(HEAT, grid_mm=1000.0, absorbed_power_w=0.0), 6.0).overheats == 0
