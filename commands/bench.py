@@ -9,16 +9,15 @@ import click
 
 from ..encoder.errors import InputError
 from ..models.engines import BUILT_IN
+from .numbers import AMOUNT_OVER_ZERO
 
 
 @click.command()
 @click.argument("files", nargs=-1, required=True, metavar="FILES…")
 @click.option("--engine", "engines", type=click.Choice(list(BUILT_IN)), multiple=True, default=("cp-sat",),
               show_default=True, help="May be given more than once: each runs on every file.")  # fmt: skip
-@click.option(
-    "--time-limit", type=click.FloatRange(min=0, min_open=True), metavar="S", help="Wall-clock seconds a run."
-)
-@click.option("--work", type=click.FloatRange(min=0, min_open=True), default=30.0, show_default=True,
+@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Wall-clock seconds a run.")
+@click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True,
               help="Deterministic limit a run, used without --time-limit.")  # fmt: skip
 @click.option("--seed", "seeds", type=click.IntRange(min=0), multiple=True, default=(1,), show_default=True,
               help="May be given more than once.")  # fmt: skip

@@ -36,10 +36,13 @@ def command(made: str, model: Any, as_json: bool, output: str | None, frames: st
     """Simulate how hot a plan or an NC program makes the sheet of NEST, and count the points that get too hot."""
     if output and Path(output).suffix.lower() != ".png":
         raise InputError(f"cannot draw temperatures as {Path(output).suffix or output!r}: give a name ending in .png")
-    from ..postproc.files import expect_folders, make_folder, write_files
+    from ..postproc.files import expect_folders, expect_place, make_folder, write_files
     from ..postproc.report.heat_map import peak_map
 
-    expect_folders(Path(name) for name in (output, frames) if name)
+    if output:
+        expect_folders([Path(output)])
+    if frames:
+        expect_place(Path(frames))
 
     asked = read_given(**given)
     nest, profile = asked.nest, asked.profile
@@ -70,16 +73,17 @@ def _path(made: str, given: Given) -> TimedPath:
 
 def _note_if_long(nest: Nest, path: TimedPath, heat: Heat) -> None:
     """Say beforehand what a fine grid will cost: the work goes with the fourth power of its fineness."""
+    from ..models.heat.grid import MOST_POINTS
     from ..models.heat.physical import point_steps
+    from ..postproc.report.furniture import duration
 
-    longest_s = point_steps(nest.sheet.polygon.area, path.end_s, heat) / _POINT_STEPS_A_SECOND
-    if heat.model == "physical" and heat.absorbed_power_w and longest_s > _LONG_S:
+    area_mm2 = nest.sheet.polygon.area
+    longest_s = point_steps(area_mm2, path.end_s, heat) / _POINT_STEPS_A_SECOND
+    refused = area_mm2 / heat.grid_mm**2 > MOST_POINTS
+    if heat.model == "physical" and heat.absorbed_power_w and longest_s > _LONG_S and not refused:
         wider_mm = heat.grid_mm * (longest_s / _LONG_S) ** 0.25
-        click.echo(
-            f"note: a grid of {heat.grid_mm:g} mm takes up to about {longest_s / 60:.0f} min here, one of "
-            f"{wider_mm:.2g} mm a minute (heat.grid); Ctrl-C ends it",
-            err=True,
-        )
+        took = f"a grid of {heat.grid_mm:g} mm takes up to about {duration(longest_s)} here"
+        click.echo(f"note: {took}, one of {wider_mm:.2g} mm a minute (heat.grid); Ctrl-C ends it", err=True)
 
 
 def _simulated(

@@ -46,11 +46,14 @@ def command(
         output, plans = f"{stem}.pareto.png", f"{stem}.pareto"
     from ..models.solution import SolveOptions
     from ..models.timing.choose import feeds_of
-    from ..postproc.files import expect_folders, make_folder, write_files
+    from ..postproc.files import expect_folders, expect_place, make_folder, write_files
     from ..postproc.report.front_plot import front_png
     from ..postproc.trade_off import front
 
-    expect_folders(Path(name) for name in (output, plans) if name)
+    if output:
+        expect_folders([Path(output)])
+    if plans:
+        expect_place(Path(plans))
     given = read_given(**options)
     profile = given.profile
     limits = SolveOptions(seed=seed, work=work, home_mm=profile.machine.home, feeds=feeds_of(profile))

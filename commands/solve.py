@@ -11,6 +11,7 @@ from ..encoder.errors import RulesConflict
 from ..models.baselines import STRATEGIES
 from ..models.engines import ENGINES, member_of
 from .given import given_options, read_given
+from .numbers import AMOUNT_OVER_ZERO, Amount
 
 
 @click.command()
@@ -18,15 +19,15 @@ from .given import given_options, read_given
 @click.option("-o", "--output", metavar="OUT.nc", help="The program. If no output is named: NEST.nc, .plan.json, .svg.")
 @click.option("--plan", "plan_path", metavar="PLAN.json", help="The plan.")
 @click.option("--picture", metavar="OUT.svg|.png|.html", help="A picture of the plan.")
-@click.option("--time-limit", type=click.FloatRange(min=0, min_open=True), metavar="S", help="Wall-clock seconds.")
-@click.option("--work", type=click.FloatRange(min=0, min_open=True), default=30.0, show_default=True, metavar="W",
+@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Wall-clock seconds.")
+@click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
               help="Deterministic limit, used without --time-limit: the same work gives the same bytes.")  # fmt: skip
 @click.option(
     "--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N", help="Seed of the search."
 )
-@click.option("--gap", type=click.FloatRange(min=0, max=1), metavar="G",
+@click.option("--gap", type=Amount(min=0, max=1), metavar="G",
               help="Stop at a plan proven this close to the best; 0.01 is 1 %.")  # fmt: skip
-@click.option("--no-improvement", type=click.FloatRange(min=0, min_open=True), metavar="S",
+@click.option("--no-improvement", type=AMOUNT_OVER_ZERO, metavar="S",
               help="Stop when S seconds have brought no better plan.")  # fmt: skip
 @click.option("--engine", type=click.Choice(list(ENGINES)), default="cp-sat", show_default=True,
               help="`kerfwise engines` says what each is.")  # fmt: skip

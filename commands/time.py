@@ -11,7 +11,9 @@ from .given import given_options, note_if_others, read_given, read_program_of
 
 if TYPE_CHECKING:
     from ..models.timing.cost import Cost
+    from ..models.timing.run import Job
     from ..postproc.timed import Timed
+    from ..rules.profile import Profile
 
 _FEEDS_DIFFER = 0.01
 """Share by which the program's own feeds may differ from the profile's before that is said."""
@@ -24,8 +26,6 @@ _FEEDS_DIFFER = 0.01
 def command(made: str, as_json: bool, **given: Any) -> None:
     """Say how long a plan or an NC program of NEST takes by the profile's time model, and what it costs."""
     from ..models.plan_reader import read_plan
-    from ..models.timing.choose import machine_feeds
-    from ..models.timing.constant import ConstantFeed
     from ..models.timing.cost import cost_of
     from ..postproc.timed import job_of_plan, job_of_program, time_job
 
@@ -37,16 +37,27 @@ def command(made: str, as_json: bool, **given: Any) -> None:
         note_if_others(plan, asked)
     else:
         program = read_program_of(made, asked)
-        own_feeds = profile.time.model == "constant"
-        job = job_of_program(program, nest, own_feeds)
-        set_s = sum(ConstantFeed(machine_feeds(profile)).run_s(run.path, run.marks) for run in job.runs)
-        if abs(program.moving_s - set_s) > _FEEDS_DIFFER * set_s:
-            note = f"at its own feeds the program cuts for {program.moving_s:.1f} s, at the profile's for {set_s:.1f} s"
-            taken = "its own" if own_feeds else "the profile's model"
-            click.echo(f"note: {note}; the times below are by {taken}", err=True)
+        by_itself = profile.time.model == "constant"
+        own, job = job_of_program(program, nest, profile), job_of_program(program, nest)
+        _note_if_its_times_differ(own, job, profile, "its own" if by_itself else "the profile's model")
+        job = own if by_itself else job
     timed = time_job(job, profile)
     cost = cost_of(timed.times, profile.prices)
     click.echo(json.dumps(_data(timed, cost)) if as_json else _table(timed, cost))
+
+
+def _note_if_its_times_differ(own: Job, job: Job, profile: Profile, taken: str) -> None:
+    """Say on standard error where a program moves or stands for other times than the profile's feeds make."""
+    from ..models.timing.choose import machine_feeds
+    from ..models.timing.clock import times_of
+    from ..models.timing.constant import ConstantFeed
+
+    feeds = machine_feeds(profile)
+    said, asked = (times_of(made, ConstantFeed(feeds), feeds) for made in (own, job))
+    for does, own_s, set_s in (("cuts", said.cut_s, asked.cut_s), ("pierces", said.pierce_s, asked.pierce_s)):
+        if abs(own_s - set_s) > _FEEDS_DIFFER * set_s:
+            note = f"by its own words the program {does} for {own_s:.1f} s, at the profile's feeds for {set_s:.1f} s"
+            click.echo(f"note: {note}; the times below are by {taken}", err=True)
 
 
 def _data(timed: Timed, cost: Cost | None) -> dict[str, Any]:

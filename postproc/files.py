@@ -23,13 +23,26 @@ def expect_folders(paths: Iterable[Path]) -> None:
             raise InputError(f"cannot write: there is no folder {str(path.parent)!r}", file=path)
 
 
+def expect_place(folder: Path) -> None:
+    """Say at once that a folder cannot be made.
+
+    Raises
+    ------
+    InputError
+        If there is no folder to make it in, or a file is in its place.
+    """
+    expect_folders([folder])
+    if folder.exists() and not folder.is_dir():
+        raise InputError("cannot make a folder there: it is a file", file=folder)
+
+
 def make_folder(path: Path) -> None:
     """Make a folder, unless it is there.
 
     Raises
     ------
     InputError
-        If it cannot be made, or a file is in its place.
+        If it cannot be made.
     """
     try:
         path.mkdir(exist_ok=True)

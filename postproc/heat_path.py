@@ -52,10 +52,11 @@ def path_of_program(program: NcProgram, nest: Nest, profile: Profile) -> TimedPa
     burns, late_s = [], 0.0
     edge_starts = outside(nest, [(float(b.path.vertices[0, 0]), float(b.path.vertices[0, 1])) for b in program.burns])
     for burn, edge_start in zip(program.burns, edge_starts, strict=True):
-        if burn.tool != 0:
-            continue
-        begin_s, unsaid_s = burn.start_s + late_s, machine.pierce_time_s if waits and not edge_start else 0.0
+        begin_s, marks = burn.start_s + late_s, burn.tool != 0
+        unsaid_s = (machine.mark_time_s if marks else machine.pierce_time_s) if waits and not edge_start else 0.0
         late_s += unsaid_s
+        if marks:
+            continue
         pierce_s, end_s = burn.pierce_s + unsaid_s, burn.end_s + late_s
         named = _CUT.search(burn.comment)
         name = named["contour"] if named else f"line {burn.line}"

@@ -25,7 +25,7 @@ def cuts_elsewhere(program: NcProgram, nest: Nest, kerf_mm: float, file: str = "
     Raises
     ------
     InputError
-        If all do, or the program says itself that it was made from another nest.
+        If most do, or the program says itself that it was made from another nest.
     """
     for found in filter(None, map(_MADE_FROM.fullmatch, program.comments)):
         sha = found["sha"].lower()
@@ -39,14 +39,16 @@ def cuts_elsewhere(program: NcProgram, nest: Nest, kerf_mm: float, file: str = "
         return len(program.burns)
     if not program.burns:
         raise InputError("the program cuts nothing: the torch is never on", file=file or None)
-    elsewhere = int((~along_contours(program.burns, nest, kerf_mm)).sum())
-    if elsewhere == len(program.burns):
+    along = along_contours(program.burns, nest, kerf_mm)
+    count, of_it = len(along), int(along.sum())
+    if of_it < count / 2:
+        share = f"only {of_it}" if of_it else "none"
         raise InputError(
-            f"none of the {len(program.burns)} cuts of the program runs along a contour of {nest.file or 'the nest'}: "
-            "is it the nest of this program?",
+            f"{share} of the {count} cuts of the program run along contours of {nest.file or 'the nest'}: is it the "
+            "nest of this program?",
             file=file or None,
         )
-    return elsewhere
+    return count - of_it
 
 
 def along_contours(burns: Sequence[Burn], nest: Nest, kerf_mm: float) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:

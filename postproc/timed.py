@@ -17,6 +17,7 @@ from ..models.timing.run import Job, Run
 from ..rules.profile import Profile
 from .check.nc_program import NcProgram
 from .check.nc_reader import read_nc
+from .dialects import load_dialect
 from .plan_paths import outside, toolpaths
 from .program import count_blocks
 
@@ -58,23 +59,22 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
     return Job(tuple(runs), (math.dist(at, profile.machine.home),), count_blocks(paths, profile))
 
 
-def job_of_program(program: NcProgram, nest: Nest, own_feeds: bool = False) -> Job:
+def job_of_program(program: NcProgram, nest: Nest, own: Profile | None = None) -> Job:
     """What a program does, as the check reads it; the nest tells which cuts come in from the sheet's edge.
 
-    With its own feeds every path takes as long as the program's F words say.
+    With a profile every path takes as long as the program's own F words and G4 say, and piercing as long as that
+    profile's machine does it for, where its dialect leaves that to the machine.
     """
     edge_starts = outside(nest, [_start(burn.path) for burn in program.burns])
-    runs = (
-        Run(
-            burn.path,
-            burn.tool != 0,
-            not edge_start,
-            burn.travels_mm,
-            burn.wait_s,
-            burn.moving_s if own_feeds else None,
-        )
-        for burn, edge_start in zip(program.burns, edge_starts, strict=True)
-    )
+    runs = []
+    for burn, edge_start in zip(program.burns, edge_starts, strict=True):
+        run = Run(burn.path, burn.tool != 0, not edge_start, burn.travels_mm, burn.wait_s)
+        if own is not None:
+            standing_s = burn.pierce_s + burn.paused_s
+            if load_dialect(own.machine.dialect).pierce_dwell == "machine" and not edge_start:
+                standing_s += own.machine.mark_time_s if run.marks else own.machine.pierce_time_s
+            run = replace(run, moving_s=burn.moving_s, standing_s=standing_s)
+        runs.append(run)
     return Job(tuple(runs), program.homing_mm, program.blocks)
 
 

@@ -1,0 +1,123 @@
+"""time, heat and pareto of what does not fit: one message, exit code 2, nothing written."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+import kerfwise as package
+from kerfwise.encoder.readers import read_nest
+from kerfwise.postproc.program import write_program
+from kerfwise.postproc.timed import with_times
+from kerfwise.rules.profile import load_profile
+from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.models.solved import proven_plan
+
+NESTS = Path(package.__file__).parent / "examples" / "nests"
+NEST, OTHER = NESTS / "e1x_6.json", NESTS / "plate40.json"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, made: tuple[str, str]) -> Path:
+    """Where the commands run, with a plan and a program of NEST."""
+    monkeypatch.chdir(tmp_path)
+    plan, program = made
+    Path("cut.json").write_text(plan)
+    Path("cut.nc").write_text(program)
+    Path("bare.nc").write_text(re.sub(r"\(NEST .*\)\n", "", program))
+    Path("empty.nc").write_text("")
+    Path("idle.nc").write_text("G21 G90\nG0 X5 Y5\nM2\n")
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def made() -> tuple[str, str]:
+    nest, plant = read_nest(NEST), load_profile()
+    plan = with_times(proven_plan(nest, plant)[2], nest, plant)
+    return plan.to_json(), write_program(plan, nest, plant)
+
+
+def refused(expected: str, verb: str, *argv: object) -> None:
+    before = sorted(path.name for path in Path.cwd().iterdir())
+    ended = kerfwise(verb, *argv)
+    assert (ended.code, ended.out) == (2, ""), ended.err
+    assert expected in ended.err
+    assert "Traceback" not in ended.err
+    assert sorted(path.name for path in Path.cwd().iterdir()) == before
+
+
+@pytest.mark.parametrize("verb", ["time", "heat"])
+@pytest.mark.parametrize(
+    ("nest", "made_of_it", "expected"),
+    [
+        (OTHER, "cut.json", "the plan was made from another nest"),
+        (OTHER, "cut.nc", "cut.nc: the program was made from another nest: it names e1x_6.json with sha256"),
+        (OTHER, "bare.nc", "bare.nc: only 1 of the 16 cuts of the program run along contours of"),
+        (NEST, "empty.nc", "empty.nc: the program has no end"),
+        (NEST, "idle.nc", "idle.nc: the program cuts nothing: the torch is never on"),
+        (NEST, "none.nc", "none.nc: cannot read the program: No such file"),
+        (NEST, "none.json", "none.json: cannot read the plan: No such file"),
+        (NEST, NEST, 'not a plan: expected "format"'),
+    ],
+)
+def test_what_was_not_made_from_the_nest(folder: Path, verb: str, nest: Path, made_of_it: str, expected: str) -> None:
+    refused(expected, verb, nest, made_of_it)
+
+
+def test_cuts_that_are_not_the_nests_are_noted(folder: Path) -> None:
+    Path("more.nc").write_text(
+        Path("bare.nc").read_text().replace("(HOME)", "G0 X50 Y2\nM3 $0 S1\nG4 P0.5\nG1 X600 F2500\nM5 $0")
+    )
+    for verb in ("time", "heat"):
+        ended = kerfwise(verb, NEST, "more.nc")
+        assert ended.code == 0, ended.err
+        assert "note: 1 of 17 cuts of the program run along no contour of the nest\n" in ended.err
+
+
+@pytest.mark.parametrize(
+    ("profile", "expected"),
+    [
+        ("heat: {material: carbon-stel}", "did you mean 'carbon-steel'?"),
+        ("heat: {absorbed_power_w: -5}", "expected a number of at least 0"),
+        ("heat: {limit_c: 20}", "heat.limit_c: 20 °C is not above ambient_c"),
+        ("heat: {grid: 0}", "expected a length over 0"),
+        (
+            "heat: {grid: 0.01 mm}",
+            "70001 x 30001 points of this sheet, more than fit in memory: give a wider grid, 0.0",
+        ),
+        ("heat: {grid: 10 m}", "no point of the grid counts: all lie within 15000 mm of a cut"),
+    ],
+)
+def test_profiles_that_cannot_be_simulated(folder: Path, profile: str, expected: str) -> None:
+    Path("plant.yaml").write_text(f"based_on: plasma-carbon-steel\n{profile}\n")
+    refused(expected, "heat", NEST, "cut.nc", "-p", "plant.yaml", "-o", "map.png", "--frames", "frames")
+
+
+def test_a_fine_grid_is_told_what_it_costs(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("kerfwise.commands.heat._POINT_STEPS_A_SECOND", 2e4)
+    ended = kerfwise("heat", NEST, "cut.nc")
+    assert ended.code == 0
+    assert re.match(r"note: a grid of 5 mm takes up to about 3 min \d+ s here, one of [\d.]+ mm a minute", ended.err)
+
+
+@pytest.mark.parametrize(
+    ("expected", "argv"),
+    [
+        ("give a name ending in .png", ("heat", NEST, "cut.nc", "-o", "map.svg")),
+        ("cannot write: there is no folder 'nowhere'", ("heat", NEST, "cut.nc", "-o", "nowhere/map.png")),
+        ("cannot write: there is no folder 'nowhere'", ("heat", NEST, "cut.nc", "--frames", "nowhere/frames")),
+        ("cannot make a folder there: it is a file", ("heat", NEST, "cut.nc", "--frames", "cut.nc")),
+        ("cannot write: there is no folder 'nowhere'", ("pareto", NEST, "-o", "nowhere/front.png")),
+        ("cannot make a folder there: it is a file", ("pareto", NEST, "--plans", "cut.nc")),
+        ("nan is not an amount", ("pareto", NEST, "--price", "nan")),
+        ("inf is not an amount", ("pareto", NEST, "--work", "inf")),
+        ("-3.0 is not in the range", ("pareto", NEST, "--price", "-3")),
+        ("nan is not an amount", ("solve", NEST, "--time-limit", "nan")),
+        ("nan is not an amount", ("solve", NEST, "--gap", "nan")),
+    ],
+)
+def test_wrong_usage(folder: Path, expected: str, argv: tuple[object, ...]) -> None:
+    verb, *rest = argv
+    refused(expected, str(verb), *rest)
