@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
+
+from .bits import Masks
 
 Bools = NDArray[np.bool_]
 Ints = NDArray[np.int64]
@@ -24,8 +27,10 @@ def close(n: int, pairs: list[tuple[int, int]], block: Ints) -> Bools:
     """
     between = np.zeros((n, n), dtype=np.bool_)
     inside = np.zeros((n, n), dtype=np.bool_)
-    for i, j in pairs:
-        (inside if block[i] == block[j] else between)[i, j] = True
+    sooner, later = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
+    together = block[sooner] == block[later]
+    inside[sooner[together], later[together]] = True
+    between[sooner[~together], later[~together]] = True
     names, member = np.unique(block, return_inverse=True)
     lifted = np.zeros((len(names), len(names)), dtype=np.bool_)
     rows, columns = np.nonzero(between)
@@ -36,20 +41,37 @@ def close(n: int, pairs: list[tuple[int, int]], block: Ints) -> Bools:
 def transitive(direct: Bools) -> Bools:
     """Transitive closure of a square relation; members of a cycle get a true diagonal (and perhaps no more)."""
     n = len(direct)
-    closed = direct.copy()
     _, label = connected_components(coo_matrix(direct), directed=True, connection="strong")
     on_cycle = np.bincount(label, minlength=n)[label] > 1
-    closed[on_cycle, on_cycle] = True
-    waiting = direct.sum(axis=1)
-    ready = np.flatnonzero(waiting == 0).tolist()
-    while ready:
-        j = ready.pop()
-        for i in np.flatnonzero(direct[:, j]):
-            closed[i] |= closed[j]
-            waiting[i] -= 1
-            if waiting[i] == 0:
-                ready.append(int(i))
-    return closed
+    closed = packed(direct)
+    _close(np.ascontiguousarray(direct.T), direct.sum(axis=1), closed)
+    bits = np.unpackbits(closed.astype("<u8", copy=False).view(np.uint8), axis=1, count=n, bitorder="little")
+    whole = bits.view(np.bool_)
+    whole[on_cycle, on_cycle] = True
+    return whole
+
+
+@njit(cache=True, nogil=True)
+def _close(sooner: Bools, waiting: Ints, closed: Masks) -> None:  # pragma: no cover - compiled
+    """Hand on what comes after every contour, the last first; `waiting` counts those after it that are not done."""
+    n = len(sooner)
+    ready = np.empty(n, np.int64)
+    count = 0
+    for j in range(n):
+        if waiting[j] == 0:
+            ready[count] = j
+            count += 1
+    while count > 0:
+        count -= 1
+        j = ready[count]
+        for i in range(n):
+            if sooner[j, i]:
+                for w in range(closed.shape[1]):
+                    closed[i, w] |= closed[j, w]
+                waiting[i] -= 1
+                if waiting[i] == 0:
+                    ready[count] = i
+                    count += 1
 
 
 def immediate(before: Bools) -> Bools:
@@ -61,13 +83,45 @@ def immediate(before: Bools) -> Bools:
     >>> immediate(chain).astype(int).tolist()
     [[0, 1, 0], [0, 0, 1], [0, 0, 0]]
     """
-    rank = before.sum(axis=0) + 1
-    sooner = np.ascontiguousarray(before.T)
+    rank = before.sum(axis=0)
+    latest_first = np.argsort(-rank, kind="stable").astype(np.int64)
     kept = np.zeros_like(before)
-    for j in range(len(before)):
-        left = np.where(sooner[j], rank, 0)
-        while left[i := int(left.argmax())]:
-            kept[i, j] = True
-            left[i] = 0
-            left[sooner[i]] = 0
+    _mark_immediate(np.ascontiguousarray(before.T), packed(before.T), latest_first, kept)
     return kept
+
+
+def packed(relation: Bools) -> Masks:
+    """The rows of a relation as sets of bits.
+
+    Examples
+    --------
+    >>> packed(np.array([[True, False, True]])).tolist()
+    [[5]]
+    """
+    rows, columns = relation.shape
+    padded = np.zeros((rows, max(1, -(-columns // 64)) * 8), dtype=np.uint8)
+    padded[:, : -(-columns // 8)] = np.packbits(relation, axis=1, bitorder="little")
+    return padded.view("<u8").astype(np.uint64, copy=False)
+
+
+@njit(cache=True, nogil=True)
+def _mark_immediate(
+    sooner: Bools, masks: Masks, latest_first: Ints, kept: Bools
+) -> None:  # pragma: no cover - compiled
+    """Of what comes before every contour, all that is not before another of them; those of the highest rank first."""
+    n = len(sooner)
+    covered = np.empty(masks.shape[1], np.uint64)
+    for j in range(n):
+        covered[:] = 0
+        left = sooner[j].sum()
+        for i in latest_first:
+            if left == 0:
+                break
+            if not sooner[j, i]:
+                continue
+            left -= 1
+            if covered[i >> 6] >> np.uint64(i & 63) & np.uint64(1):
+                continue
+            kept[i, j] = True
+            for w in range(len(covered)):
+                covered[w] |= masks[i, w]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..encoder.errors import InputError
 from ..rules.statements import Crossing
+from .crossed_areas import Moves, crossed_areas
 from .successors import Bools
 
 Ints = NDArray[np.int64]
@@ -49,12 +50,12 @@ class TooManyMoves(InputError):
 
 
 def find_crossings(
-    statements: Sequence[Crossing], lawful: Bools, first: Ints, ends_um: Ints, pierces_um: Ints
+    statements: Sequence[Crossing], before: Bools, lawful: Bools, first: Ints, ends_um: Ints, pierces_um: Ints
 ) -> Crossings:
-    """All crossings between contours that may follow each other.
+    """All crossings between contours that may follow each other, of areas that may be out by then.
 
-    `lawful` is the matrix of `successors.lawful_successors` (n + 1, n + 1), `first` the first site of every contour
-    and of home; `ends_um`, `pierces_um` (m + 1, 2) include home as their last row.
+    `before` (n, n) is the closed order, `lawful` the matrix of `successors.lawful_successors` (n + 1, n + 1), `first`
+    the first site of every contour and of home; `ends_um`, `pierces_um` (m + 1, 2) include home as their last row.
 
     Raises
     ------
@@ -69,17 +70,22 @@ def find_crossings(
             f"idle travel over parts that are out asks about {moves:,} moves, more than the {MOST_MOVES:,} that can be "
             f"looked at: switch {statements[0].about.rule} off or zone-order on in the profile"
         )
-    owner = np.repeat(np.arange(len(first) - 1), np.diff(first))
-    areas = shapely.STRtree(
-        shapely.buffer([shapely.transform(s.area, lambda xy: xy * UM_PER_MM) for s in statements], -GRAZE_UM)
-    )
-    found: list[tuple[Ints, Ints, Ints]] = []
-    for site in range(len(ends_um)):
-        ahead = np.flatnonzero(lawful[owner[site]][owner])
-        lines = shapely.linestrings(np.stack([np.broadcast_to(ends_um[site], (len(ahead), 2)), pierces_um[ahead]], 1))
-        which, met = areas.query(lines, predicate="intersects")
-        found.append((np.full(len(which), site), ahead[which], met))
-    leave, reach, area = (np.concatenate(column).astype(np.int64) for column in zip(*found, strict=True))
+    n = len(before)
     over = np.array([s.over for s in statements], dtype=np.int64)
+    late = np.vstack([before[:, over] | (np.arange(n)[:, None] == over), np.zeros(len(over), dtype=np.bool_)])
+    owner = np.repeat(np.arange(n + 1), sites)
+    ends, pierces = ends_um.astype(np.float64), pierces_um.astype(np.float64)
+    ahead = [np.flatnonzero(lawful[c][owner]) for c in range(n)]
+    left = [c for c in range(n) if len(ahead[c]) and sites[c]]
+    found = crossed_areas(
+        [
+            Moves(ends[first[c] : first[c + 1]], pierces[ahead[c]], owner[ahead[c]], np.flatnonzero(~before[c, over]))
+            for c in left
+        ],
+        shapely.buffer([shapely.transform(s.area, lambda xy: xy * UM_PER_MM) for s in statements], -GRAZE_UM),
+        late,
+    )
+    rows = [(first[c] + leave, ahead[c][reach], area) for c, (leave, reach, area) in zip(left, found, strict=True)]
+    leave, reach, area = (np.concatenate(column) for column in zip((_none(),) * 3, *rows, strict=True))
     price = [FORBIDDEN if s.weight is None else round(s.weight * UM_PER_MM) for s in statements]
     return Crossings(leave, reach, over[area], np.array(price, dtype=np.int64)[area], area)

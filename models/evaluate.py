@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 
 import numpy as np
 
@@ -48,10 +47,11 @@ def broken(problem: Problem, route: Sequence[int]) -> tuple[About, ...]:
     for i, j in zip(rows.tolist(), columns.tolist(), strict=True):
         names = (problem.ids[i], problem.ids[j])
         found.append(About("order", names, f"{names[0]} must be cut before {names[1]}"))
-    for block in np.unique(problem.block):
-        members = tuple(np.flatnonzero(problem.block == block).tolist())
-        if _pieces(order, members) > 1:
-            together = tuple(problem.ids[k] for k in members)
+    along = problem.block[order]
+    begun = along[np.flatnonzero(np.diff(along, prepend=-1))]  # the block of every piece of the order
+    for block, pieces in zip(*np.unique(begun, return_counts=True), strict=True):
+        if pieces > 1:
+            together = tuple(problem.ids[k] for k in np.flatnonzero(problem.block == block))
             found.append(About("contiguous", together, f"{', '.join(together)} must follow each other"))
     found += [about for cost, about in _broken_conditions(problem, route) if cost is None]
     times = times_ms(problem, route)
@@ -108,16 +108,14 @@ def _crossed(problem: Problem, route: Sequence[int]) -> list[int]:
     rows, m = problem.crossings, problem.m
     if not len(rows):
         return []
-    place = {int(problem.site_contour[s]): k for k, s in enumerate(route)}
-    moves = dict(zip(pairwise([m, *route, m]), range(len(route) + 1), strict=True))
-    crossed = []
-    for leave, reach, over, cost in zip(
-        rows.leave.tolist(), rows.reach.tolist(), rows.over.tolist(), rows.cost.tolist(), strict=True
-    ):
-        step = moves.get((leave, reach))
-        if step is not None and place[over] < step:
-            crossed.append(cost)
-    return crossed
+    stops = np.array([m, *route, m])
+    step, onward = np.full(m + 1, -1), np.full(m + 1, -1)
+    step[stops[:-1]], onward[stops[:-1]] = np.arange(len(stops) - 1), stops[1:]
+    place = np.zeros(problem.n, dtype=np.int64)
+    place[problem.site_contour[list(route)]] = np.arange(len(route))
+    taken = np.flatnonzero(onward[rows.leave] == rows.reach)
+    taken = taken[place[rows.over[taken]] < step[rows.leave[taken]]]
+    return [int(cost) for cost in rows.cost[taken]]
 
 
 def _pieces(order: Sequence[int], members: tuple[int, ...]) -> int:

@@ -97,8 +97,11 @@ class Problem:
 
     def successors(self) -> Bools:
         """Matrix (n + 1, n + 1): which contour may directly follow which; n is the machine's home."""
-        apart = [(lag.first, lag.second) for lag in self.lags if lag.weight is None and lag.cuts > 0]
-        return lawful_successors(self.before, self.block, apart)
+        return lawful_successors(self.before, self.block, self.apart())
+
+    def apart(self) -> list[tuple[int, int]]:
+        """Contours that may not follow each other, whichever comes first."""
+        return [(lag.first, lag.second) for lag in self.lags if lag.weight is None and lag.cuts > 0]
 
     def travel(self, leave: Ints | Sequence[int], reach: Ints | Sequence[int]) -> Ints:
         """Cost matrix of idle travel from the end of each site in `leave` (k,) to the pierce of each in `reach` (l,).
@@ -190,7 +193,9 @@ def _with_crossings(problem: Problem, statements: list[Crossing], earlier: Probl
         return replace(problem, crossings=earlier.crossings, left_out=earlier.left_out)
     sites = np.append(problem.first, problem.m + 1)
     try:
-        found = find_crossings(statements, problem.successors(), sites, problem.ends(), problem.pierces())
+        found = find_crossings(
+            statements, problem.before, problem.successors(), sites, problem.ends(), problem.pierces()
+        )
     except TooManyMoves as error:
         if any(s.weight is None for s in statements):
             raise
@@ -200,8 +205,11 @@ def _with_crossings(problem: Problem, statements: list[Crossing], earlier: Probl
 
 def _same_moves(one: Problem, other: Problem) -> bool:
     """Whether the same sites may follow each other in both."""
-    return np.array_equal(one.site_candidate, other.site_candidate) and np.array_equal(
-        one.successors(), other.successors()
+    return (
+        np.array_equal(one.site_candidate, other.site_candidate)
+        and np.array_equal(one.before, other.before)
+        and np.array_equal(one.block, other.block)
+        and one.apart() == other.apart()
     )
 
 

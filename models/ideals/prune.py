@@ -11,6 +11,9 @@ from ..problem import Problem
 from .kernels import Rest
 from .local import Ints, Local
 
+NOWHERE = 1e12
+"""Travel to a contour that nothing may come right before: more than any plan costs, but finite."""
+
 
 def least_rest(local: Local, earlier: frozenset[int], least: list[float]) -> Callable[[int], Rest]:
     """Every contour that is left must be travelled to, which costs `least`, whatever is cut last."""
@@ -41,10 +44,12 @@ def walked_rest(local: Local, earlier: frozenset[int], bound: Completion) -> Cal
 
 
 def least_in(problem: Problem) -> list[float]:
-    """For every contour a lower bound on the travel that leads to it."""
+    """For every contour a lower bound on the travel that leads to it from what may come right before."""
+    lawful = problem.successors()
+    owner = np.append(problem.site_contour, problem.n)
     least = []
     for contour in range(problem.n):
         sites: Ints = np.array(problem.sites(contour))
-        others = np.flatnonzero(~problem.before[contour][problem.site_contour] & (problem.site_contour != contour))
-        least.append(float(problem.travel(np.append(others, problem.m), sites).min()))
+        ways = problem.travel(np.flatnonzero(lawful[owner, contour]), sites)
+        least.append(float(ways.min(initial=NOWHERE)))
     return least

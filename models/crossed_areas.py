@@ -1,0 +1,136 @@
+"""Which areas straight moves cross, compiled by numba: millions of moves, a few areas near each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+import shapely
+from numba import njit
+from numpy.typing import NDArray
+
+Ints = NDArray[np.int64]
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+_CONFIG: Any = numba.config
+THREADS = int(_CONFIG.NUMBA_NUM_THREADS)
+SLOTS_AT_FIRST = 1 << 10
+
+
+class Areas(NamedTuple):
+    """Areas as edges: those of area a are `edges[edge_from[a]:edge_from[a + 1]]`, each x, y, x, y; `boxes` (a, 4)."""
+
+    boxes: Floats
+    edge_from: Ints
+    edges: Floats
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Moves:
+    """Moves from every one of `leave` (k, 2) to every one of `reach` (l, 2), points of the contours `owner` (l,).
+
+    `areas` are those that may be crossed.
+    """
+
+    leave: Floats
+    reach: Floats
+    owner: Ints
+    areas: Ints
+
+
+def crossed_areas(
+    groups: Sequence[Moves], areas: Sequence[shapely.Geometry], late: Bools
+) -> list[tuple[Ints, Ints, Ints]]:
+    """For every group of moves: where crossing ones leave and reach, as numbers in the group, and the area crossed.
+
+    `late[c, a]` says that area a is of no account to moves that reach contour c.
+
+    Examples
+    --------
+    >>> reach = np.array([[9.0, 0.0], [0.0, 9.0], [9.0, 0.0]])
+    >>> moves = Moves(np.array([[0.0, 0.0]]), reach, np.array([0, 0, 1]), np.array([0]))
+    >>> late = np.array([[False], [True]])
+    >>> [rows.tolist() for rows in crossed_areas([moves], [shapely.box(4, -1, 5, 1)], late)[0]]
+    [[0], [0], [0]]
+    """
+    tree = shapely.STRtree(areas)
+    made = _edges_of(areas)
+
+    def look(moves: Moves) -> tuple[Ints, Ints, Ints]:
+        ends = np.concatenate([moves.leave, moves.reach])
+        around = tree.query(shapely.box(*ends.min(axis=0), *ends.max(axis=0)))
+        near = np.intersect1d(around, moves.areas).astype(np.int64)
+        rows = _crossed(moves.leave, moves.reach, moves.owner, made, near, late)
+        return rows[0], rows[1], rows[2]
+
+    with ThreadPoolExecutor(THREADS) as threads:
+        return list(threads.map(look, groups))
+
+
+def _edges_of(areas: Sequence[shapely.Geometry]) -> Areas:
+    parts, part_of = shapely.get_parts(np.array(areas, dtype=object), return_index=True)
+    rings, ring_part = shapely.get_rings(parts, return_index=True)
+    points, point_ring = shapely.get_coordinates(rings, return_index=True)
+    same = point_ring[1:] == point_ring[:-1]
+    area_of = part_of[ring_part[point_ring]][:-1][same]
+    return Areas(
+        shapely.bounds(np.array(areas, dtype=object)),
+        np.searchsorted(area_of, np.arange(len(areas) + 1)).astype(np.int64),
+        np.hstack([points[:-1], points[1:]])[same],
+    )
+
+
+@njit(cache=True, nogil=True)
+def _crossed(  # pragma: no cover - compiled
+    leave: Floats, reach: Floats, owner: Ints, areas: Areas, near: Ints, late: Bools
+) -> Ints:
+    """Rows of leave, reach and area of all moves that cross one of the areas `near`, (3, rows)."""
+    rows = np.empty((3, SLOTS_AT_FIRST), np.int64)
+    count = 0
+    for i in range(len(leave)):
+        for j in range(len(reach)):
+            for a in near:
+                if not late[owner[j], a] and _crosses(leave[i], reach[j], areas, a):
+                    if count == rows.shape[1]:
+                        wider = np.empty((3, 2 * count), np.int64)
+                        wider[:, :count] = rows
+                        rows = wider
+                    rows[0, count], rows[1, count], rows[2, count] = i, j, a
+                    count += 1
+    return rows[:, :count].copy()
+
+
+@njit(cache=True, nogil=True)
+def _crosses(p: Floats, q: Floats, areas: Areas, a: int) -> bool:  # pragma: no cover - compiled
+    """Whether the move from p to q meets area a.
+
+    It does if an edge cuts it, or if both ends are inside: if edges cut the line beyond q an odd number of times.
+    """
+    px, py, qx, qy = p[0], p[1], q[0], q[1]
+    left, low, right, high = areas.boxes[a]
+    if not (min(px, qx) <= right and max(px, qx) >= left and min(py, qy) <= high and max(py, qy) >= low):
+        return False
+    dx, dy, end = qx - px, qy - py, 1.0
+    if dx == 0.0 and dy == 0.0:
+        dx, end = 1.0, 0.0
+    aside = dx * ((low + high) / 2 - py) - dy * ((left + right) / 2 - px)
+    if abs(aside) > abs(dx) * (high - low) / 2 + abs(dy) * (right - left) / 2:
+        return False  # the box lies on one side of the line
+    inside = False
+    for e in range(areas.edge_from[a], areas.edge_from[a + 1]):
+        ux, uy, vx, vy = areas.edges[e]
+        u = dx * (uy - py) - dy * (ux - px)
+        v = dx * (vy - py) - dy * (vx - px)
+        if (u > 0) != (v > 0):
+            share = u / (u - v)
+            along = (dx * (ux + share * (vx - ux) - px) + dy * (uy + share * (vy - uy) - py)) / (dx * dx + dy * dy)
+            if along > end:
+                inside = not inside
+            elif along >= 0:
+                return True
+    return inside
