@@ -15,7 +15,7 @@ Ints = NDArray[np.int64]
 SmallInts = NDArray[np.int32]
 Bools = NDArray[np.bool_]
 
-NEAREST = 16  # ends of arcs that an exchange tries to make
+NEAREST = 16  # ends of arcs that an exchange tries to make, the nearer the oftener
 DEAREST = 1 << 29  # the most that an arc may cost, so that sums of a few stay small numbers
 DRAWS = 4096  # numbers in `falls`
 

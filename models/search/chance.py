@@ -44,6 +44,13 @@ def low(bits: np.uint64, bound: int) -> int:
 
 
 @compiled
+def rather_low(bits: np.uint64, bound: int) -> int:
+    """A whole number in 0 … bound - 1, at most 1 << 16, rather a small one, by the lowest sixteen of random bits."""
+    by = bits & np.uint64(0xFFFF)
+    return int(np.int64((by * by >> np.uint64(16)) * np.uint64(bound) >> np.uint64(16)))
+
+
+@compiled
 def short(bits: np.uint64) -> int:
     """1 … 16, rather small, by the lowest sixteen of random bits."""
     by = bits & np.uint64(0xFFFF)

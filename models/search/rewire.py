@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .chance import chunk, draw, high, low, odd, short
+from .chance import chunk, draw, high, odd, rather_low, short
 from .compiled import compiled
 from .line import lay_out, may_swap, sum_turned, swap, take_up
 from .state import BEST, COST, TRADED, TRADES, WORK, State
@@ -62,7 +62,7 @@ def _try_swap(tables: Tables, state: State, where: np.uint64, how: np.uint64, li
     x = line[p]
     if arcs.near_count[x] == 0:
         return 0
-    y = arcs.near[x, low(where, arcs.near_count[x])]
+    y = arcs.near[x, rather_low(where, arcs.near_count[x])]
     q = int(place[y])
     if q == p + 1:
         return 0
@@ -105,12 +105,12 @@ def _third(tables: Tables, state: State, p: int, q: int, how: np.uint64) -> int:
         leads = line[q - 1]
         if arcs.near_count[leads] == 0:
             return -1
-        return int(state.place[arcs.near[leads, low(how, arcs.near_count[leads])]])
+        return int(state.place[arcs.near[leads, rather_low(how, arcs.near_count[leads])]])
     if kind < 10:
         follows = line[p + 1]
         if arcs.near_in_count[follows] == 0:
             return -1
-        last = arcs.near_in[follows, low(how, arcs.near_in_count[follows])]
+        last = arcs.near_in[follows, rather_low(how, arcs.near_in_count[follows])]
         return int(state.place[last]) + 1
     size = short(how)
     return q + size if kind & 1 else p + 1 - size

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .arcs import gap_cost
-from .chance import high, low, short
+from .chance import high, rather_low, short
 from .compiled import compiled
 from .line import may_swap, may_turn, sum_turned, swap, turn
 from .state import State
@@ -26,7 +26,7 @@ def try_turn(tables: Tables, state: State, where: np.uint64, how: np.uint64, lim
     x = line[p]
     if arcs.near_count[x] == 0:
         return 0
-    y = arcs.near[x, low(where, arcs.near_count[x])]
+    y = arcs.near[x, rather_low(where, arcs.near_count[x])]
     q = int(state.place[y])
     kind = high(how, KINDS)
     size = short(how)
