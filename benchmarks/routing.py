@@ -1,10 +1,12 @@
 """How kerfwise fares on the field's own routing benchmarks.
 
-Usage: python benchmarks/routing.py FOLDER --best-known CSV [--time-limit S] [--seed N] > docs/routing.md
+Usage: python benchmarks/routing.py FOLDER --best-known CSV [--time-limit S] [--seed N] [--also SET=S …]
+           [--remarks TEXT.md] > docs/routing.md
 
 FOLDER holds a folder for every set, with `.pcglns` and `.sop` files in it, gzipped or not; the CSV has columns set,
 instance and best_upper. Prints the page: every instance run once by the default engine, judged, beside the best cost
-known; what is worse than that comes first.
+known; what is worse than that comes first, then remarks that people wrote. `--also cnc=1` runs a set once more, with
+another limit.
 """
 
 from __future__ import annotations
@@ -30,7 +32,7 @@ PAGE = """\
 The core of kerfwise solves the precedence-constrained generalised travelling salesman problem, and with one vertex a
 cluster the sequential ordering problem. These are the field's instances, run by
 
-    python benchmarks/routing.py FOLDER --best-known CSV --time-limit {limit:g} --seed {seed} > docs/routing.md
+    python benchmarks/routing.py FOLDER --best-known CSV --time-limit {limit:g} --seed {seed}{also} > docs/routing.md
 
 on {date}, kerfwise {kerfwise} at commit {commit}, Python {python}, numba {numba}, OR-Tools {ortools}, {machine}.
 Every instance has a process of its own; its clock runs from the file read to the answer, with compiled kernels loaded.
@@ -43,14 +45,14 @@ some {base:.0f} MB of it the interpreter and its libraries. One instance: `kerfw
 ## Where it is worse than the best known
 
 {worse}
-
+{remarks}
 {sets}
 """
 
 
 @dataclass(frozen=True)
 class Run:
-    """One instance of one set."""
+    """One instance of one set; `set` says the limit too where a set is run with several."""
 
     set: str
     result: Result
@@ -73,25 +75,36 @@ class Run:
 HEAD = "| instance | cost | best known | gap | proven | s | MB |\n|---|---:|---:|---:|---:|---:|---:|\n"
 
 
-def run_set(folder: Path, best: BestKnown, limit_s: float, seed: int) -> list[Run]:
-    """Every instance of a folder."""
+@dataclass(frozen=True)
+class Limits:
+    """Seconds for every instance of every set; `also`: sets to run again, with how many seconds."""
+
+    limit_s: float
+    seed: int
+    also: tuple[tuple[str, float], ...]
+
+
+def run_set(name: str, folder: Path, best: BestKnown, limit_s: float, seed: int) -> list[Run]:
+    """Every instance of a folder, as a set of that name."""
     runs = []
     for path in sorted(folder.iterdir()):
         if is_instance(path):
-            runs.append(Run(folder.name, measure(Job(str(path), seed=seed, time_s=limit_s)), best.of(path)))
+            runs.append(Run(name, measure(Job(str(path), seed=seed, time_s=limit_s)), best.of(path)))
             print(runs[-1], file=sys.stderr, flush=True)
     return runs
 
 
-def page(runs: Sequence[Run], limit_s: float, seed: int) -> str:
+def page(runs: Sequence[Run], limits: Limits, remarks: str) -> str:
     """The whole page."""
     names = list(dict.fromkeys(run.set for run in runs))
     of = {name: [run for run in runs if run.set == name] for name in names}
     worse = [run for run in runs if run.gap is None or run.gap > 0]
     lines = [f"- **{name}**: {totals([r.result for r in of[name]], [r.best for r in of[name]])}" for name in names]
     return PAGE.format(
-        limit=limit_s,
-        seed=seed,
+        limit=limits.limit_s,
+        seed=limits.seed,
+        also="".join(f" --also {name}={seconds:g}" for name, seconds in limits.also),
+        remarks=f"\n{remarks}" if remarks else "",
         date=datetime.date.today().isoformat(),
         kerfwise=kerfwise.__version__,
         commit=_commit(),
@@ -123,11 +136,23 @@ def main() -> None:
     parser.add_argument("--best-known", type=Path, required=True)
     parser.add_argument("--time-limit", type=float, default=30.0)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--also", type=_set_and_seconds, action="append", default=[], metavar="SET=S")
+    parser.add_argument("--remarks", type=Path, metavar="TEXT.md")
     given = parser.parse_args()
     best = read_best_known(given.best_known)
-    folders = sorted(path for path in given.folder.iterdir() if path.is_dir())
-    runs = [run for folder in folders for run in run_set(folder, best, given.time_limit, given.seed)]
-    print(page(runs, given.time_limit, given.seed), end="")
+    limits = Limits(given.time_limit, given.seed, tuple(given.also))
+    remarks = given.remarks.read_text(encoding="utf-8") if given.remarks else ""
+    runs = []
+    for name, seconds in limits.also:
+        runs += run_set(f"{name} in {seconds:g} s", given.folder / name, best, seconds, limits.seed)
+    for folder in sorted(path for path in given.folder.iterdir() if path.is_dir()):
+        runs += run_set(folder.name, folder, best, limits.limit_s, limits.seed)
+    print(page(runs, limits, remarks), end="")
+
+
+def _set_and_seconds(text: str) -> tuple[str, float]:
+    name, seconds = text.split("=")
+    return name, float(seconds)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import kerfwise
-from kerfwise.benchmarks.routing import page, run_set
+from kerfwise.benchmarks.routing import Limits, page, run_set
 from kerfwise.postproc.bench import BestKnown
 
 ROUTING = Path(kerfwise.__file__).parent / "examples" / "routing"
@@ -13,8 +13,10 @@ ROUTING = Path(kerfwise.__file__).parent / "examples" / "routing"
 
 def test_a_page_of_two_instances() -> None:
     best = BestKnown({("routing", "nine"): 1169.0, ("routing", "twelve"): 390.0})
-    runs = run_set(ROUTING, best, 1.0, 1)
-    text = page(runs, 1.0, 1)
+    runs = run_set("routing in 1 s", ROUTING, best, 1.0, 1)
+    text = page(runs, Limits(30.0, 1, (("routing", 1.0),)), "## Remarks\n\nNone.\n")
     assert "| nine | 1169 | 1169 | +0.00% | yes |" in text
-    assert "| routing | twelve | 397 | 390 | +1.79% | yes |" in text, "a best known that is too good is no match"
+    assert "| routing in 1 s | twelve | 397 | 390 | +1.79% | yes |" in text, "a best known that is too good is no match"
     assert "2 runs, 2 feasible, 2 proven, at or under best known 1 of 2" in text
+    assert "--time-limit 30 --seed 1 --also routing=1 >" in text
+    assert "\n\n## Remarks\n\nNone.\n\n## routing in 1 s\n" in text
