@@ -65,7 +65,9 @@ def find_crossings(
     if not statements:
         return Crossings()
     sites = np.diff(first)
-    if (moves := int(sites @ lawful @ sites)) > MOST_MOVES:
+    if (
+        moves := sum(int(k) * int(sites[follows].sum()) for k, follows in zip(sites, lawful, strict=True))
+    ) > MOST_MOVES:
         raise TooManyMoves(
             f"idle travel over parts that are out asks about {moves:,} moves, more than the {MOST_MOVES:,} that can be "
             f"looked at: switch {statements[0].about.rule} off or zone-order on in the profile"

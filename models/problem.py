@@ -37,6 +37,7 @@ from .timing.constant import Feeds
 
 UM_PER_MM = 1000
 Ints = NDArray[np.int64]
+Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 
@@ -110,15 +111,23 @@ class Problem:
         """
         if self.matrix is not None:
             return np.asarray(self.matrix[np.ix_(np.asarray(leave), np.asarray(reach))], dtype=np.int64)
-        gap = self.ends()[leave][:, None, :].astype(np.float64) - self.pierces()[reach][None, :, :]
+        gap = self._at(self.end_um, leave)[:, None, :] - self._at(self.pierce_um, reach)[None, :, :]
         return np.asarray(np.rint(self.travel_weight * np.sqrt((gap**2).sum(axis=2))), dtype=np.int64)
 
     def legs(self, leave: Ints | Sequence[int], reach: Ints | Sequence[int]) -> Ints:
         """Cost of idle travel from the end of `leave[k]` to the pierce of `reach[k]`, (k,); home is site m."""
         if self.matrix is not None:
             return np.asarray(self.matrix[leave, reach], dtype=np.int64)
-        gap = self.ends()[leave].astype(np.float64) - self.pierces()[reach]
+        gap = self._at(self.end_um, leave) - self._at(self.pierce_um, reach)
         return np.asarray(np.rint(self.travel_weight * np.sqrt((gap**2).sum(axis=1))), dtype=np.int64)
+
+    def _at(self, points_um: Ints, sites: Ints | Sequence[int]) -> Floats:
+        """The points of some sites, home included, (k, 2)."""
+        chosen = np.asarray(sites, dtype=np.int64)
+        at = np.empty((len(chosen), 2))
+        home = chosen == self.m
+        at[home], at[~home] = self.home_um, points_um[chosen[~home]]
+        return at
 
     def ends(self) -> Ints:
         """Where the torch is after every site and at home, (m + 1, 2), µm."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from .closure import immediate
@@ -26,14 +27,27 @@ def lawful_successors(before: Bools, block: Ints, apart: Iterable[tuple[int, int
     [[0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1], [1, 0, 0, 0]]
     """
     n = len(before)
-    together = block[:, None] == block[None, :]
-    inside = before & together
-    leaves, enters = ~inside.any(axis=1), ~inside.any(axis=0)
     lawful = np.zeros((n + 1, n + 1), dtype=np.bool_)
-    lawful[:n, :n] = ~before.T & (~before | immediate(before)) & (together | (leaves[:, None] & enters[None, :]))
-    lawful[np.arange(n), np.arange(n)] = False
+    _mark_lawful(before, np.ascontiguousarray(before.T), immediate(before), block, lawful)
     lawful[n, :n] = ~before.any(axis=0)
     lawful[:n, n] = ~before.any(axis=1)
     for i, j in apart:
         lawful[i, j] = lawful[j, i] = False
     return lawful
+
+
+@njit(cache=True, nogil=True)
+def _mark_lawful(  # pragma: no cover - compiled
+    before: Bools, after: Bools, near: Bools, block: Ints, lawful: Bools
+) -> None:
+    """Contours: not backwards, nothing in between, and blocks are entered at a first and left at a last of them."""
+    n = len(before)
+    enters, leaves = np.ones(n, np.bool_), np.ones(n, np.bool_)
+    for i in range(n):
+        for j in range(n):
+            if before[i, j] and block[i] == block[j]:
+                leaves[i] = enters[j] = False
+    for i in range(n):
+        for j in range(n):
+            if i != j and not after[i, j] and (near[i, j] or not before[i, j]):
+                lawful[i, j] = block[i] == block[j] or (leaves[i] and enters[j])

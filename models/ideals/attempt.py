@@ -13,6 +13,7 @@ from .budget import Budget
 from .crossed import HOME
 from .lattice import Layer, Stretch, sweep_layers, walk_back
 from .local import localise
+from .parts import Parts
 from .prune import least_in, least_rest, walked_rest
 from .series import series
 from .stretches import dearest, entrance_of, make_moves, never, way_home
@@ -27,9 +28,11 @@ def attempt(
     swept: list[tuple[Stretch, list[Layer]]] = []
     ways, costs, earlier = np.array([HOME]), entrance_of([0], limit), frozenset[int]()
     total = None
+    parts = Parts(problem)
     for group in series(problem):
-        local = localise(problem, group, earlier)
-        moves = make_moves(problem, local, earlier, ways, limit)
+        inside = parts.of(group)
+        local = localise(inside, group, earlier)
+        moves = make_moves(inside, local, earlier, ways, limit)
         rests = least_rest(local, earlier, least) if bound is None else walked_rest(local, earlier, bound)
         stretch = Stretch(local, moves, rests, limit, never(limit))
         layers = sweep_layers(stretch, costs, budget, threads)

@@ -9,7 +9,7 @@ import numpy as np
 from ..bounds import Completion
 from ..problem import Problem
 from .kernels import Rest
-from .local import Ints, Local
+from .local import Local
 
 NOWHERE = 1e12
 """Travel to a contour that nothing may come right before: more than any plan costs, but finite."""
@@ -45,11 +45,10 @@ def walked_rest(local: Local, earlier: frozenset[int], bound: Completion) -> Cal
 
 def least_in(problem: Problem) -> list[float]:
     """For every contour a lower bound on the travel that leads to it from what may come right before."""
-    lawful = problem.successors()
-    owner = np.append(problem.site_contour, problem.n)
+    follows = np.ascontiguousarray(problem.successors().T)
+    sites = np.append(np.diff(problem.first), 1)
     least = []
     for contour in range(problem.n):
-        sites: Ints = np.array(problem.sites(contour))
-        ways = problem.travel(np.flatnonzero(lawful[owner, contour]), sites)
+        ways = problem.travel(np.flatnonzero(np.repeat(follows[contour], sites)), np.array(problem.sites(contour)))
         least.append(float(ways.min(initial=NOWHERE)))
     return least

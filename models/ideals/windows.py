@@ -6,7 +6,6 @@ searched whole, as in Balas and Simonetti 2001).
 
 from __future__ import annotations
 
-from collections import defaultdict
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
@@ -21,6 +20,7 @@ from .count import ADDITIONS_PER_S
 from .crossed import HOME, add_settled
 from .lattice import Layer, Stretch, sweep_layers, walk_back
 from .local import Ints, Local, Orders, localise
+from .parts import Parts
 from .prove import applies
 from .prune import least_in, least_rest
 from .stretches import dearest, entrance_of, make_moves, never, travel_between
@@ -76,9 +76,7 @@ class _Windows:
     def __init__(self, problem: Problem, budget: Budget, thread: Executor) -> None:
         self._problem, self._budget, self._thread = problem, budget, thread
         self._least, self._dearest = least_in(problem), dearest(problem)
-        self._conditions = defaultdict(list)
-        for condition in problem.conditions:
-            self._conditions[condition.contour].append(condition)
+        self._parts = Parts(problem)
 
     def best(self, incumbent: Incumbent, start: int) -> Incumbent | None:
         """The route with the window from position `start` in its best order, if that is better."""
@@ -86,11 +84,7 @@ class _Windows:
         stop = min(start + WIDTH, problem.n)
         order = problem.site_contour[list(route)].tolist()
         earlier, group = frozenset(order[:start]), tuple(order[start:stop])
-        inside = replace(
-            problem,
-            conditions=tuple(condition for c in group for condition in self._conditions[c]),
-            soft_groups=tuple(g for g in problem.soft_groups if set(g.contours) <= set(group)),
-        )
+        inside = self._parts.of(group)
         local = localise(inside, group, earlier)
         before = np.array([route[start - 1] if start else HOME])
         after = np.array([route[stop] if stop < problem.n else HOME])
@@ -120,17 +114,17 @@ class _Windows:
         self._budget.additions = allowed.additions
         if not len(layers[-1].contour):
             return None
-        total = layers[-1].values + self._onward(problem, local, earlier, layers[-1], after)
+        total = layers[-1].values + self._onward(local, earlier, layers[-1], after)
         best = int(np.argmin(total))
         if total[best] > limit:
             return None
         return int(total[best]), walk_back(stretch, layers, best)[0]
 
-    def _onward(self, problem: Problem, local: Local, earlier: frozenset[int], end: Layer, after: Ints) -> Ints:
+    def _onward(self, local: Local, earlier: frozenset[int], end: Layer, after: Ints) -> Ints:
         """What it costs to leave a window to the site `after` it, from every state at its end."""
         ways = np.concatenate([local.sites[local.first[c] : local.first[c + 1]] for c in end.contour])
-        onward = travel_between(problem, ways, after)
-        add_settled(problem, earlier | frozenset(local.contours), ways, after, onward)
+        onward = travel_between(self._problem, ways, after)
+        add_settled(self._problem, earlier | frozenset(local.contours), ways, after, onward)
         return onward[:, 0]
 
 
