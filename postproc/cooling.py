@@ -10,7 +10,7 @@ limit, so the price of the plan, and what is proven of it, are those without the
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import shapely
@@ -65,6 +65,11 @@ class Tried:
     plan: Plan
     pace: Pace
 
+    @property
+    def least_s(self) -> float:
+        """When its program is done at the earliest: the waits may turn out longer, never shorter."""
+        return self.plan.totals.time_s + self.pace.wait_s
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Cooler:
@@ -110,13 +115,9 @@ class Cooler:
                 asked[demand.about.contours] = demand
             if not asked:
                 break
-        kept = [one for one in tried if not one.pace.heated]
-        if not kept:
-            waiting = [self._with_waits(one, grid) for one in tried if self._allowed(one.pace)]
-            kept = [one for one in waiting if one is not None]
-        if not kept:
+        best = next((one for one in tried if not one.pace.heated), None) or self._soonest_done(tried, grid)
+        if best is None:
             raise too_hot([one.pace for one in tried], self._options)
-        best = min(kept, key=lambda one: one.plan.totals.time_s)
         if best.solution is tried[0].solution:
             return best.solution, best.plan
         solution = self._proven(best.solution, tried[0].solution)
@@ -142,6 +143,17 @@ class Cooler:
     def _allowed(self, paced: Pace) -> bool:
         """Whether the profile lets the torch wait as long as the order needs."""
         return paced.possible and max(paced.waits.values(), default=0.0) <= self._options.allowed_dwell_s
+
+    def _soonest_done(self, tried: Sequence[Tried], grid: Grid) -> Tried | None:
+        """Of the plans that waits make keep to the limit the one that is done first; None if the waits are too long."""
+        best: Tried | None = None
+        for one in sorted((one for one in tried if self._allowed(one.pace)), key=lambda one: one.least_s):
+            if best is not None and one.least_s >= best.plan.totals.time_s:
+                break
+            waiting = self._with_waits(one, grid)
+            if waiting is not None and (best is None or waiting.plan.totals.time_s < best.plan.totals.time_s):
+                best = waiting
+        return best
 
     def _with_waits(self, one: Tried, grid: Grid) -> Tried | None:
         """The plan with its waits, by the plan's clock and by the program's; None if they get too long."""
