@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from ..encoder.candidates import build_candidates
 from ..encoder.facts import compute_facts
@@ -22,6 +23,9 @@ from .check import CheckResult
 from .checking import judge, report_of
 from .program import write_program
 from .timed import with_times
+
+if TYPE_CHECKING:
+    from ..models.heat.cooler_orders import CoolerOrders
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -57,8 +61,7 @@ def facts_of(nest: Nest, profile: Profile) -> Facts:
 def ask(facts: Facts, profile: Profile, relax: bool = False, engine: Engine = "cp-sat") -> Asked:
     """What the rules state of the facts; `relax` lets the cheapest statements give way where they clash.
 
-    Rule files of the plant's own are read by the engine minizinc only. Where the profile puts a price on overheats,
-    the nest is simulated many times over to find out which orders cause them.
+    Rule files of the plant's own are read by the engine minizinc only.
 
     Raises
     ------
@@ -68,14 +71,8 @@ def ask(facts: Facts, profile: Profile, relax: bool = False, engine: Engine = "c
     if relax:
         from ..models.conflict import state_relaxed
 
-        stated = state_relaxed(facts, profile, reads_files=engine == "minizinc")
-    else:
-        stated = state_rules(facts, profile, reads_files=engine == "minizinc")
-    if profile.objective.heat:
-        from .heat_prices import with_heat_prices
-
-        stated = with_heat_prices(facts, profile, stated)
-    return Asked(facts, stated)
+        return Asked(facts, state_relaxed(facts, profile, reads_files=engine == "minizinc"))
+    return Asked(facts, state_rules(facts, profile, reads_files=engine == "minizinc"))
 
 
 def produce(
@@ -86,8 +83,12 @@ def produce(
     engine: Engine = "cp-sat",
     solver: str = "gecode",
     strategy: Strategy = "ours",
+    cooler: CoolerOrders | None = None,
 ) -> Produced:
     """Solve, write the program, and judge both; a plain strategy may take the place of the engine, to compare with.
+
+    Where the profile puts a price on overheats, the nest is simulated many times over; `cooler` knows what was
+    simulated before of the same nest by the same rules.
 
     Raises
     ------
@@ -97,9 +98,16 @@ def produce(
     facts = asked.facts
     engine_named = engine if strategy == "ours" else "cp-sat"
 
-    def attempt(share: float, further: tuple[Statement, ...]) -> Solution:
+    def solved(share: float, stated: Stated, further: tuple[Statement, ...] = ()) -> Solution:
         part = replace(limits, work=limits.work * share, time_s=limits.time_s and limits.time_s * share)
-        return _solved(asked, further, profile, part, progress, engine, solver, strategy)
+        return _solved(Asked(facts, stated), further, profile, part, progress, engine, solver, strategy)
+
+    cool: Solution | None = None
+    if strategy == "ours" and profile.objective.heat and profile.heat.absorbed_power_w:
+        from .heat_prices import solve_priced
+
+        cool, stated = solve_priced(asked, profile, limits, solved, progress, cooler)
+        asked = Asked(facts, stated)
 
     def planned(solution: Solution) -> Plan:
         seen = afterthoughts(facts, profile)([facts.candidates[c].contour for c in solution.route])
@@ -112,12 +120,15 @@ def produce(
 
         again = strategy == "ours" and engine != "minizinc"  # the others cannot be asked for more than the rules state
 
+        def attempt(share: float, further: tuple[Statement, ...]) -> Solution:
+            return solved(share, asked.stated, further)
+
         def going() -> bool:
             return progress is None or progress("t-max", None, None)
 
         solution, plan = Cooler(facts, profile, asked.stated.statements, attempt, planned, going).find(again)
     else:
-        solution = attempt(1.0, ())
+        solution = solved(1.0, asked.stated) if cool is None else cool
         plan = planned(solution)
     program = write_program(plan, facts.nest, profile)
     verdict = judge(facts.nest, plan, program, profile)

@@ -7,13 +7,12 @@ from dataclasses import dataclass, replace
 
 from ..encoder.facts.facts import Facts
 from ..models.heat import simulate
-from ..models.heat.pair_prices import PairPrices
 from ..models.plan import Plan
 from ..models.solution import Progress, SolveOptions
 from ..rules.profile import Profile
 from .heat_path import path_of_plan
-from .heat_prices import pair_prices
-from .produce import Asked, Produced, ask, produce
+from .heat_prices import cooler_orders
+from .produce import Produced, ask, produce
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -67,29 +66,25 @@ class TradeOff:
     def __init__(self, facts: Facts, profile: Profile, limits: SolveOptions) -> None:
         self._facts, self._limits = facts, limits
         self._profile = replace(profile, objective=replace(profile.objective, heat=0.0))
-        self._stated = ask(facts, self._profile).stated
-        self._prices: PairPrices | None = None
+        self._asked = ask(facts, self._profile)
+        self._cooler = cooler_orders(facts, self._profile, self._asked.stated)
 
     def fit(self) -> None:
         """Find out which orders overheat metal: the nest is simulated many times over, once for all prices."""
-        if self._prices is None and self._profile.heat.absorbed_power_w:
-            self._prices = pair_prices(self._facts, self._profile, self._stated)
+        if self._profile.heat.absorbed_power_w:
+            self._cooler.start()
 
     def at(self, price_mm: float, progress: Progress | None = None) -> Trade:
-        """The plan at a price, simulated.
+        """The plan at a price, simulated; what was simulated for other prices helps.
 
         Raises
         ------
         RulesConflict
             If no lawful plan exists, or none was found.
         """
-        facts, profile, stated = self._facts, self._profile, self._stated
-        if price_mm:
-            self.fit()
-        priced = self._prices.statements(facts.nest, price_mm) if price_mm and self._prices is not None else ()
-        made = produce(
-            Asked(facts, replace(stated, statements=(*stated.statements, *priced))), profile, self._limits, progress
-        )
+        facts = self._facts
+        profile = replace(self._profile, objective=replace(self._profile.objective, heat=price_mm))
+        made = produce(self._asked, profile, self._limits, progress, cooler=self._cooler)
         path = path_of_plan(made.plan, facts.nest, profile)
         found = simulate(facts.nest, path, profile.heat, profile.material.thickness_mm)
         return Trade(price_mm, made, found.overheats, found.peak_c)

@@ -8,17 +8,17 @@ import pytest
 from kerfwise.benchmarks.heat import EXAMPLES, bench, correlation, plant
 from kerfwise.benchmarks.heat_speed import HEIGHT_MM, SECONDS, WIDTH_MM, up_and_down
 from kerfwise.encoder.readers import read_nest
-from kerfwise.models.heat.pair_prices import fit_pair_prices
+from kerfwise.models.baselines.random_order import random_order
 from kerfwise.models.timing.constant import Leg, idle_mm
+from kerfwise.postproc.heat_prices import cooler_orders
 
 
-def test_a_row_of_the_correlation() -> None:
+def test_a_row_of_the_correlation(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("kerfwise.models.heat.cooler_orders.ORDERS", 60)
     case = bench("e1x_6", read_nest(EXAMPLES / "e1x_6.json"), plant(90.0))
-    routes = case.random(range(100, 130))
-    orders = [case.order(route) for route in routes]
-    found = [case.overheats(route) for route in routes]
-    prices = fit_pair_prices(case.facts.nest, case.profile.heat, orders, found.__getitem__)
-    name, contours, _, mean, rho = (cell.strip() for cell in correlation(case, prices, 12).strip("|").split("|"))
+    cooler = cooler_orders(case.facts, case.profile, case.stated)
+    cooler.start()
+    name, contours, _, mean, rho = (cell.strip() for cell in correlation(case, cooler, 20).strip("|").split("|"))
     assert (name, contours) == ("e1x_6", "16")
     assert 30 < float(mean) < 120
     assert 0.2 < float(rho) <= 1.0
@@ -26,7 +26,9 @@ def test_a_row_of_the_correlation() -> None:
 
 def test_idle_travel_is_that_of_the_clock() -> None:
     case = bench("e1x_6", read_nest(EXAMPLES / "e1x_6.json"), plant(90.0))
-    (route,) = case.random(range(1))
+    route = case.candidates(random_order(case.problem, 0))
+    assert case.broken(route) == 0
+    assert case.broken(route[::-1]) > 0
     legs = [Leg(c.pierce, c.end, c.cut_mm) for c in (case.facts.candidates[k] for k in route)]
     assert case.idle_mm(route) == pytest.approx(idle_mm(legs, case.profile.machine.home))
 

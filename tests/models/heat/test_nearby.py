@@ -1,0 +1,38 @@
+"""Routes near a route: lawful, not all the same, and entered as cheaply as their order allows."""
+
+from __future__ import annotations
+
+import random
+from itertools import product
+
+import numpy as np
+
+from kerfwise.models.baselines.random_order import random_order
+from kerfwise.models.evaluate import broken, route_cost
+from kerfwise.models.heat.nearby import _cheapest, nearby
+from kerfwise.models.heat.prices import HeatPrices
+from kerfwise.models.heat.terms import Terms
+from kerfwise.tests.models.heat.plate import facts, plant, posed
+from kerfwise.tests.models.problems import problem
+
+
+def test_they_are_lawful_and_differ() -> None:
+    of = Terms.of(facts(), posed(), plant().heat)
+    rows = of.rows([])
+    prices = HeatPrices(of, np.zeros(rows.shape[1]))
+    chance = random.Random(1)
+    route = random_order(posed(), 5)
+    found = [nearby(posed(), route, prices, 10.0, chance) for _ in range(30)]
+    assert all(one is not None and not broken(posed(), one) for one in found)
+    assert len(set(found)) > 10
+    orders = {tuple(posed().site_contour[list(one)].tolist()) for one in found if one is not None}
+    assert len(orders) > 2
+
+
+def test_entries_are_the_cheapest_of_an_order() -> None:
+    points = [[(0.0, 9.0), (5.0, 5.0)], [(7.0, 1.0), (9.0, 9.0)], [(3.0, 2.0), (1.0, 8.0), (6.0, 6.0)]]
+    posed_by_hand = problem(points, site_cost=[0, 900, 400, 0, 2500, 0, 100])
+    layers = [list(posed_by_hand.sites(k)) for k in (1, 0, 2)]
+    found = _cheapest(posed_by_hand, layers, posed_by_hand.site_cost.astype(float))
+    best = min(route_cost(posed_by_hand, route) for route in product(*layers))
+    assert route_cost(posed_by_hand, found) == best
