@@ -12,11 +12,12 @@ from . import beam, ideals
 from .bounds import flow_bound
 from .cpsat import solve_cpsat
 from .engines import Member
+from .evaluate import route_cost
 from .ideals.windows import polish
 from .known import Known
 from .problem import Problem
 from .search import Searcher
-from .solution import Progress, SolveOptions
+from .solution import Incumbent, Progress, SolveOptions
 from .watch import Watch
 
 FIRST, FIRST_S, FIRST_MOST = 0.03, 0.9, 0.6
@@ -52,23 +53,27 @@ LONGEST, LONGEST_ZONE = 36, 63
 all."""
 
 
-def run_portfolio(problem: Problem, options: SolveOptions, watch: Watch) -> Known:
-    """Everything that can be found out about a problem within the limits."""
-    return _Run(problem, options, watch).whole()
+def run_portfolio(problem: Problem, options: SolveOptions, watch: Watch, start: tuple[int, ...] | None = None) -> Known:
+    """Everything that can be found out about a problem within the limits, from a lawful route where one is known."""
+    return _Run(problem, options, watch, start).whole()
 
 
 class _Run:
-    def __init__(self, problem: Problem, options: SolveOptions, watch: Watch) -> None:
+    def __init__(
+        self, problem: Problem, options: SolveOptions, watch: Watch, start: tuple[int, ...] | None = None
+    ) -> None:
         self.problem, self.options, self.watch = problem, options, watch
         self.known = Known()
         self.searcher: Searcher | None = None
         self.tried = False
         self.began_s = watch.seconds
+        if start is not None:
+            self.known.offer(Incumbent(start, route_cost(problem, start)), "search")
 
     def whole(self) -> Known:
         self._count()
         if self._at_once():
-            self._ideals(self._left())
+            self._ideals(self._left(), ())
         if self._wanting() and self._takes("search", "it finds the first plan"):
             left = self._left()
             first = min(FIRST_MOST * left, max(FIRST * left, FIRST_S))
@@ -110,6 +115,8 @@ class _Run:
     def _search(self, share: float) -> None:
         if self.searcher is None:
             self.searcher = Searcher(self.problem, self.options.seed)
+            if self.known.incumbent is not None:
+                self.searcher.stand_on(self.known.incumbent.route)
         elif self.known.incumbent is not None and self.known.found_by != "search":
             self.searcher.stand_on(self.known.incumbent.route)
         self.searcher.run(share, self.options.time_s and share, self.watch)
@@ -153,10 +160,10 @@ class _Run:
         """Whether a sweep over all sets fits well into what is left."""
         return self.count is not None and self.count.in_memory and self.count.seconds <= SURE * self._left()
 
-    def _ideals(self, share: float) -> None:
+    def _ideals(self, share: float, stages: tuple[float, ...] = ideals.STAGES) -> None:
         before = self.known.work
         limit_s = None if self.options.time_s is None else share
-        stages = ideals.STAGES[:1] if self._sure() else ideals.STAGES
+        stages = stages[:1] if self._sure() else stages
         proof = ideals.prove(self.problem, self.known.incumbent, share, self.watch, stages, limit_s)
         self.known.work = before + (share if proof is None else proof.work)
         if proof is None:

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..encoder.errors import RulesConflict
 from ..encoder.facts.facts import Facts
 from ..rules.statements import Statement
@@ -16,6 +19,7 @@ from .simplify import simplify
 from .solution import Incumbent, Progress, Solution, SolveOptions
 from .watch import Watch
 
+Sites = NDArray[np.int64]
 Refine = Callable[[tuple[int, ...]], tuple[Statement, ...]]
 
 ROUND = 0.7
@@ -46,25 +50,35 @@ def solve(
     whole = options.work if options.time_s is None else options.time_s
     spent = 0.0
     posed: Problem | None = None
+    candidates: Sites | None = None
     while True:
         posed = make_problem(facts, statements, options.home_mm, options.feeds, posed)
         problem = simplify(posed)
         share = (whole - spent) * (1.0 if refine is None else ROUND)
         watch.begin()
-        known = run_portfolio(problem, replace(options, work=share, time_s=options.time_s and share), watch)
+        limits = replace(options, work=share, time_s=options.time_s and share)
+        known = run_portfolio(problem, limits, watch, _still_lawful(problem, candidates))
         spent = spent + known.work if options.time_s is None else watch.seconds
         if known.incumbent is None:
             raise _no_plan(known.infeasible)
+        candidates = problem.site_candidate[list(known.incumbent.route)]
         order = tuple(int(problem.site_contour[s]) for s in known.incumbent.route)
         missing = () if refine is None else refine(order)
         statements += missing
         if not missing or watch.stopped or spent >= whole * ENOUGH:
             break
     if missing:
-        candidates = problem.site_candidate[list(known.incumbent.route)]
         problem = make_problem(facts, statements, options.home_mm, options.feeds, posed)
         known = replace(known, incumbent=_judged_anew(problem, problem.candidate_site[candidates].tolist(), missing))
     return _solution(problem, known, spent)
+
+
+def _still_lawful(problem: Problem, candidates: Sites | None) -> tuple[int, ...] | None:
+    """The route of an earlier round, where it may be gone on from."""
+    if candidates is None:
+        return None
+    route = tuple(problem.candidate_site[candidates].tolist())
+    return None if min(route, default=0) < 0 or broken(problem, route) else route
 
 
 def _solution(problem: Problem, known: Known, spent: float) -> Solution:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..crossings import Crossings
 from ..problem import Problem
-from .moves import least_moves
+from .moves import sure_crossings
 
 FAR = 1e11
 """What an unlawful move costs where moves are whole numbers."""
@@ -16,10 +16,17 @@ FAR = 1e11
 
 def merged(problem: Problem) -> Problem:
     """A problem of one site a contour that no plan undercuts: to and from it by the cheapest move."""
-    n, starts = problem.n, [*problem.first[:-1].tolist(), problem.m]
-    move = least_moves(problem)
-    move[:, : problem.m] += problem.site_cost
-    least = np.minimum.reduceat(np.minimum.reduceat(move, starts, axis=0), starts, axis=1)
+    n, m, first = problem.n, problem.m, np.append(problem.first, problem.m + 1)
+    charged = sure_crossings(problem) if len(problem.crossings) else None
+    least = np.empty((n + 1, n + 1))
+    for contour in range(n + 1):  # the table of all sites is too large to be made at once
+        sites = np.arange(first[contour], first[contour + 1])
+        move = problem.travel(sites, np.arange(m + 1)).astype(np.float64)
+        move[:, :m] += problem.site_cost
+        if charged is not None:
+            move += charged[sites].toarray()
+        least[contour] = np.minimum.reduceat(move.min(axis=0), first[:-1])
+    least[~problem.successors()] = np.inf
     return replace(
         problem,
         first=np.arange(n + 1, dtype=np.int64),
@@ -30,7 +37,6 @@ def merged(problem: Problem) -> Problem:
         site_cost=np.zeros(n, dtype=np.int64),
         conditions=(),
         soft_groups=(),
-        lags=tuple(lag for lag in problem.lags if lag.weight is None),
         general=(),
         crossings=Crossings(),
         matrix=np.minimum(least, FAR).astype(np.int64),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
 
 from ..crossings import FORBIDDEN
 from ..problem import UM_PER_MM, Problem
@@ -28,14 +29,18 @@ def least_moves(problem: Problem) -> Floats:
             one, other = np.flatnonzero(owner == lag.first), np.flatnonzero(owner == lag.second)
             move[np.ix_(one, other)] += cost
             move[np.ix_(other, one)] += cost
-    rows = problem.crossings
-    if len(rows):
-        sure = _surely_out(problem, rows.over, owner[rows.leave], owner[rows.reach])
-        charged = np.where(rows.cost == FORBIDDEN, np.inf, rows.cost)[sure]
-        at = rows.leave[sure] * (problem.m + 1) + rows.reach[sure]
-        move += np.bincount(at, weights=charged, minlength=move.size).reshape(move.shape)
+    if len(problem.crossings):
+        move += sure_crossings(problem).toarray()
     move[~problem.successors()[np.ix_(owner, owner)]] = np.inf
     return move
+
+
+def sure_crossings(problem: Problem) -> csr_matrix:
+    """What every move, (m + 1, m + 1), costs for what it crosses that is out in every order that has the move."""
+    rows, owner = problem.crossings, np.append(problem.site_contour, problem.n)
+    sure = _surely_out(problem, rows.over, owner[rows.leave], owner[rows.reach])
+    charged = np.where(rows.cost == FORBIDDEN, np.inf, rows.cost)[sure]
+    return csr_matrix((charged, (rows.leave[sure], rows.reach[sure])), shape=(problem.m + 1, problem.m + 1))
 
 
 def _surely_out(problem: Problem, over: Ints, leave: Ints, reach: Ints) -> Bools:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from hypothesis import given
 
+from kerfwise.models.bounds.merged import FAR, merged
 from kerfwise.models.bounds.moves import least_moves
 from kerfwise.models.crossings import FORBIDDEN, Crossings
+from kerfwise.models.problem import Problem
 from kerfwise.rules.statements import Lag
-from kerfwise.tests.models.problems import ABOUT, problem
+from kerfwise.tests.models.problems import ABOUT, problem, problems
 
 ROW = [[(10.0, 0.0)], [(20.0, 0.0)], [(30.0, 0.0)]]
 
@@ -37,3 +40,17 @@ def test_what_may_still_be_in_is_not() -> None:
         plain = least_moves(problem(ROW))[leave, reach]
         assert least_moves(problem(ROW, crossings=over(leave, reach, 0, 500)))[leave, reach] == plain
     assert least_moves(problem(ROW, crossings=over(1, 2, 2, 500)))[1, 2] == 10_000
+
+
+@given(problems())
+def test_a_contour_stands_for_the_best_of_its_sites(given_problem: Problem) -> None:
+    move = least_moves(given_problem)
+    move[:, : given_problem.m] += given_problem.site_cost
+    owner = np.append(given_problem.site_contour, given_problem.n)
+    apart = np.array(
+        [
+            [move[np.ix_(owner == i, owner == j)].min() for j in range(given_problem.n + 1)]
+            for i in range(given_problem.n + 1)
+        ]
+    )
+    assert np.array_equal(np.minimum(least_moves(merged(given_problem)), FAR), np.minimum(apart, FAR))
