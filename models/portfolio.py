@@ -53,22 +53,37 @@ LONGEST, LONGEST_ZONE = 36, 63
 all."""
 
 
-def run_portfolio(problem: Problem, options: SolveOptions, watch: Watch, start: tuple[int, ...] | None = None) -> Known:
-    """Everything that can be found out about a problem within the limits, from a lawful route where one is known."""
-    return _Run(problem, options, watch, start).whole()
+def run_portfolio(
+    problem: Problem,
+    options: SolveOptions,
+    watch: Watch,
+    start: tuple[int, ...] | None = None,
+    earlier: Known | None = None,
+) -> Known:
+    """Everything that can be found out about a problem within the limits.
+
+    Parameters
+    ----------
+    start
+        A lawful route to go on from, where one is known.
+    earlier
+        What is known of the problem with fewer statements: its bound holds here, too.
+    """
+    run = _Run(problem, options, watch)
+    if start is not None:
+        run.known.offer(Incumbent(start, route_cost(problem, start)), "search")
+    if earlier is not None and earlier.proved_by:
+        run.known.raise_bound(earlier.bound_um, earlier.proved_by)
+    return run.whole()
 
 
 class _Run:
-    def __init__(
-        self, problem: Problem, options: SolveOptions, watch: Watch, start: tuple[int, ...] | None = None
-    ) -> None:
+    def __init__(self, problem: Problem, options: SolveOptions, watch: Watch) -> None:
         self.problem, self.options, self.watch = problem, options, watch
         self.known = Known()
         self.searcher: Searcher | None = None
         self.tried = False
         self.began_s = watch.seconds
-        if start is not None:
-            self.known.offer(Incumbent(start, route_cost(problem, start)), "search")
 
     def whole(self) -> Known:
         self._count()
@@ -202,7 +217,7 @@ class _Run:
             self.known.raise_bound(outcome.bound, "beam")
 
     def _flow(self, share: float) -> None:
-        if self.known.incumbent is None:
+        if self.known.incumbent is None or self.known.proved_by == "flow":
             return
         found = flow_bound(self.problem, self.known.incumbent, share, self._within(share))
         self.known.work += found.work

@@ -50,6 +50,7 @@ def solve(
     whole = options.work if options.time_s is None else options.time_s
     spent = 0.0
     posed: Problem | None = None
+    known: Known | None = None
     candidates: Sites | None = None
     while True:
         posed = make_problem(facts, statements, options.home_mm, options.feeds, posed)
@@ -57,7 +58,7 @@ def solve(
         share = (whole - spent) * (1.0 if refine is None else ROUND)
         watch.begin()
         limits = replace(options, work=share, time_s=options.time_s and share)
-        known = run_portfolio(problem, limits, watch, _still_lawful(problem, candidates))
+        known = run_portfolio(problem, limits, watch, _still_lawful(problem, candidates), known)
         spent = spent + known.work if options.time_s is None else watch.seconds
         if known.incumbent is None:
             raise _no_plan(known.infeasible)
