@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import shapely
 
+from ..encoder.cut import HotSpot
 from ..encoder.errors import RulesConflict
 from ..encoder.facts.facts import Facts
 from ..models.evaluate import route_cost
@@ -22,6 +23,7 @@ from ..models.heat.grid import Grid, make_grid
 from ..models.heat.pacing import Heated, Pace, pace
 from ..models.heat.pair_prices import NEAR_BANDS
 from ..models.heat.timed_path import TimedPath
+from ..models.heat.watch import hot_spots
 from ..models.plan import WAITS, Plan
 from ..models.problem import UM_PER_MM, make_problem
 from ..models.solution import Solution
@@ -117,7 +119,7 @@ class Cooler:
                 break
         best = next((one for one in tried if not one.pace.heated), None) or self._soonest_done(tried, grid)
         if best is None:
-            raise too_hot([one.pace for one in tried], self._options)
+            raise too_hot(list(map(self._hottest, tried)), [one.pace for one in tried], self._options)
         if best.solution is tried[0].solution:
             return best.solution, best.plan
         solution = self._proven(best.solution, tried[0].solution)
@@ -143,6 +145,14 @@ class Cooler:
     def _allowed(self, paced: Pace) -> bool:
         """Whether the profile lets the torch wait as long as the order needs."""
         return paced.possible and max(paced.waits.values(), default=0.0) <= self._options.allowed_dwell_s
+
+    def _hottest(self, one: Tried) -> tuple[str, HotSpot]:
+        """The burn, and the place, with which a plan is hottest as it stands."""
+        nest, profile = self.facts.nest, self.profile
+        path = path_of_plan(one.plan, nest, profile)
+        spots = hot_spots(nest, path, profile.heat, profile.material.thickness_mm, math.inf)
+        hottest = zip((burn.contour for burn in path.burns), spots, strict=True)
+        return max(hottest, key=lambda found: found[1].peak_c)
 
     def _soonest_done(self, tried: Sequence[Tried], grid: Grid) -> Tried | None:
         """Of the plans that waits make keep to the limit the one that is done first; None if the waits are too long."""
@@ -214,7 +224,7 @@ class Cooler:
             ]
             if not near:
                 continue
-            last, sentence = near[-1], said(hot)
+            last, sentence = near[-1], said(hot.contour, hot.spot)
             ids = (last.contour, hot.contour)
             if hot.wait_s is not None and hot.wait_s <= SOON_S:
                 pause_s = float(math.ceil(cuts[k].start_s - last.end_s + hot.wait_s))
@@ -232,7 +242,8 @@ def _waiting(plan: Plan, waits: dict[str, float], heated: Mapping[str, Heated], 
         wait_s = round(waits.get(planned.cut.contour, 0.0), 3)
         because = tuple(text for text in planned.because if not text.startswith(WAITS))
         if wait_s:
-            without, asked = said(heated[planned.cut.contour]), f"{limit_c:g} °C, less {MARGIN_K:g} K to be sure"
+            hot = heated[planned.cut.contour]
+            without, asked = said(hot.contour, hot.spot), f"{limit_c:g} °C, less {MARGIN_K:g} K to be sure"
             because += (f"{WAITS}{wait_s:g} s first: without, {without}; t-max asks for {asked}",)
         cuts.append(replace(planned, dwell_s=wait_s, because=because))
     return replace(plan, cuts=tuple(cuts))

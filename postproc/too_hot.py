@@ -4,31 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..encoder.cut import HotSpot
 from ..encoder.errors import RulesConflict
-from ..models.heat.pacing import Heated, Pace
+from ..models.heat.pacing import Pace
 from ..rules.catalogue.t_max import TMaxOptions
 
 LISTED = 5
 """Waits that are told one by one."""
 
 
-def too_hot(tried: Sequence[Pace], options: TMaxOptions) -> RulesConflict:
-    """The conflict, from the paces of the orders that were tried (at least one, and none of them allowed)."""
-    coolest = min(tried, key=_peak_c)
-    worst = max(coolest.heated, key=lambda hot: hot.spot.peak_c)
+def too_hot(unpaced: Sequence[tuple[str, HotSpot]], tried: Sequence[Pace], options: TMaxOptions) -> RulesConflict:
+    """The conflict, from the orders that were tried: at least one, and none of them allowed.
+
+    `unpaced` are the contour and the place with which each is hottest without any waits.
+    """
+    contour, spot = min(unpaced, key=lambda hottest: hottest[1].peak_c)
     orders = f"of {len(tried)} orders tried the coolest" if len(tried) > 1 else "the one order tried"
-    without = f"{orders} gets to {_peak_c(coolest):.1f} °C without waits: {said(worst)}"
+    without = f"{orders} gets to {spot.peak_c:.1f} °C without waits: {said(contour, spot)}"
     paced = min(tried, key=lambda one: (not one.possible, one.peak_c if not one.possible else one.wait_s))
     with_waits = _waits(paced, options) if paced.possible else _no_wait(paced)
     message = f"t-max: no plan was found that keeps the metal at {options.most_c:g} °C or less"
     return RulesConflict(message, (without, with_waits))
 
 
-def said(hot: Heated) -> str:
-    """One burn that is too hot, as a sentence."""
-    x, y = hot.spot.at
-    where = f"part {hot.spot.part}" if hot.spot.part else "the metal between parts"
-    return f"{hot.contour} makes {where} {hot.spot.peak_c:.1f} °C hot at ({x:.0f}, {y:.0f})"
+def said(contour: str, spot: HotSpot) -> str:
+    """What a burn heats, as a sentence."""
+    x, y = spot.at
+    where = f"part {spot.part}" if spot.part else "the metal between parts"
+    return f"{contour} makes {where} {spot.peak_c:.1f} °C hot at ({x:.0f}, {y:.0f})"
 
 
 def _waits(paced: Pace, options: TMaxOptions) -> str:
@@ -51,7 +54,3 @@ def _no_wait(paced: Pace) -> str:
         f"no wait helps: the least temperature that was reached is {paced.peak_c:.1f} °C, with waits however long; "
         f"{alone.contour} heats metal to {alone.least_c:.1f} °C on a cold sheet"
     )
-
-
-def _peak_c(paced: Pace) -> float:
-    return max((hot.spot.peak_c for hot in paced.heated), default=paced.peak_c)

@@ -25,10 +25,11 @@ FIRST_S = 2.0
 
 @dataclass(frozen=True, slots=True)
 class Heated:
-    """One burn that would get metal too hot: its contour, the place without any wait, and the wait that it needs.
+    """One burn that would get metal too hot: its contour, the place, and the wait that it needs.
 
-    `wait_s` is None where none does: then `least_c` is how hot the place gets on a cold sheet, over the limit, or how
-    hot it gets with the longest wait allowed.
+    `spot` is what comes of it without a wait of its own, those before it having been made. `wait_s` is None where none
+    does: then `least_c` is how hot the place gets on a cold sheet, over the limit, or how hot it gets with the longest
+    wait allowed.
     """
 
     contour: str
@@ -41,8 +42,7 @@ class Heated:
 class Pace:
     """What pacing a program comes to: the burns that are too hot as they stand, in order, and the peak that is left.
 
-    `peak_c` is the highest temperature of the program with the waits, and `unpaced_c` that of it as it is, as far as
-    single burns tell.
+    `peak_c` is the highest temperature of the program with the waits.
     """
 
     heated: tuple[Heated, ...]

@@ -4,20 +4,25 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+import kerfwise
 import kerfwise.models.solve
 from kerfwise.encoder.cut import HotSpot
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.heat.pacing import Heated, Pace
+from kerfwise.encoder.readers import read_nest
+from kerfwise.models.heat import simulate
+from kerfwise.models.heat.pacing import Heated, Pace, pace
 from kerfwise.models.plan_reader import read_plan
 from kerfwise.models.solution import SolveOptions
 from kerfwise.models.timing.choose import feeds_of
 from kerfwise.postproc import cooling
 from kerfwise.postproc.checking import check_plan, check_program
+from kerfwise.postproc.heat_path import path_of_plan
 from kerfwise.postproc.produce import Produced, ask, facts_of, produce
 from kerfwise.postproc.timed import job_of_program, read_program, time_job
 from kerfwise.postproc.too_hot import too_hot
@@ -124,8 +129,9 @@ def test_without_waits_the_answer_says_which_would_do(one_order: None) -> None:
 
 
 def test_waits_that_are_too_short_by_the_programs_clock_alone() -> None:
-    hot = Heated("B.outer", HotSpot(95.0, (100.0, 80.0), 30.0, "A"), 40.0, 87.0)
-    error = too_hot([Pace((hot,), 87.0, {"B.outer": 40.0})], TMaxOptions(88.4, True, 40.0))
+    spot = HotSpot(95.0, (100.0, 80.0), 30.0, "A")
+    paced = Pace((Heated("B.outer", spot, 40.0, 87.0),), 87.0, {"B.outer": 40.0})
+    error = too_hot([("B.outer", spot)], [paced], TMaxOptions(88.4, True, 40.0))
     assert error.reasons == (
         "the one order tried gets to 95.0 °C without waits: B.outer makes part A 95.0 °C hot at (100, 80)",
         "waits of 40.0 s in all would keep it (40.0 s before B.outer), but by the program's own times it takes more "
@@ -185,3 +191,17 @@ def test_waits_hold_by_every_model_of_time(one_order: None) -> None:
     found = made(PAIR, limited)
     assert found.verdict.ok
     assert found.plan.cuts[1].dwell_s > 0
+
+
+def test_the_temperature_without_waits_is_that_of_the_plan_as_it_stands(one_order: None) -> None:
+    """Burn by burn a plan is looked at with the waits before; the answer is about none at all."""
+    row = read_nest(Path(kerfwise.__file__).parent / "examples" / "nests" / "e1x_6.json")
+    free = load_profile()
+    profile = replace(free, rules={**free.rules, "t-max": RuleSetting("hard", None, TMaxOptions(105.0))})
+    path = path_of_plan(made(row, free).plan, row, free)
+    hottest = simulate(row, path, profile.heat, profile.material.thickness_mm)
+    waited = pace(row, path, profile.heat, 6.0, 104.0, 3600.0, hottest.grid)
+    assert max(hot.spot.peak_c for hot in waited.heated) < hottest.peak_c - 0.1
+    with pytest.raises(RulesConflict) as found:
+        made(row, profile)
+    assert f"gets to {hottest.peak_c:.1f} °C without waits" in found.value.reasons[0]
