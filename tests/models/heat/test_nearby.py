@@ -6,13 +6,14 @@ import random
 from itertools import product
 
 import numpy as np
+import pytest
 
 from kerfwise.models.baselines.random_order import random_order
 from kerfwise.models.evaluate import broken, route_cost
 from kerfwise.models.heat.nearby import _cheapest, nearby
 from kerfwise.models.heat.prices import HeatPrices
 from kerfwise.models.heat.terms import Terms
-from kerfwise.tests.models.heat.plate import facts, plant, posed
+from kerfwise.tests.models.heat.plate import PLATE, facts, plant, posed
 from kerfwise.tests.models.problems import problem
 
 
@@ -36,3 +37,28 @@ def test_entries_are_the_cheapest_of_an_order() -> None:
     found = _cheapest(posed_by_hand, layers, posed_by_hand.site_cost.astype(float))
     best = min(route_cost(posed_by_hand, route) for route in product(*layers))
     assert route_cost(posed_by_hand, found) == best
+
+
+def test_entries_know_what_is_out_by_then(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("kerfwise.models.heat.nearby.MOST_MOVES", 0)
+    monkeypatch.setattr("kerfwise.models.heat.nearby.MOST_PULLED", 0)
+    of = Terms.of(facts(), posed(), plant().heat)
+    a, b = (PLATE.index[name] for name in ("A.outer", "B.outer"))
+    sites = list(posed().sites(b))
+    routes = [random_order(posed(), seed) for seed in range(50)]
+    orders = [posed().site_contour[list(route)].tolist() for route in routes]
+    after = next(r for r, order in zip(routes, orders, strict=True) if order.index(a) < order.index(b))
+    before = next(r for r, order in zip(routes, orders, strict=True) if order.index(b) < order.index(a))
+    for cool in sites:
+        overheats = np.zeros(of.rows([]).shape[1])
+        entered = of.split(overheats)[2]  # views: what is written here is a price
+        for k, (site, out) in enumerate(of.entered.tolist()):
+            if site in sites and site != cool and out == a:
+                entered[k] = 1000.0
+        prices = HeatPrices(of, overheats)
+        found = nearby(posed(), after, prices, 100.0, random.Random(1))
+        assert found is not None
+        assert cool in found
+        free = HeatPrices(of, 0 * overheats)
+        both = [nearby(posed(), before, told, 100.0, random.Random(1)) for told in (prices, free)]
+        assert both[0] == both[1]
