@@ -27,6 +27,8 @@ PROOF, PROOF_SMALL = 0.45, 0.9
 
 On small problems the search has found the best plan long since, and only the proof is left to do.
 """
+LOOKS, SEEDS_APART = 6, 1_000_003
+"""Searches from scratch in the first look, where contours are few, and how far their seeds are apart."""
 DENSE = 0.15
 """Share of the pairs of contours that hard orders decide, from which on the sets that can occur are few."""
 BEAM_DENSE, BEAM_SPARSE = 0.5, 0.1
@@ -92,7 +94,10 @@ class _Run:
         if self._wanting() and self._takes("search", "it finds the first plan"):
             left = self._left()
             first = min(FIRST_MOST * left, max(FIRST * left, FIRST_S))
-            self._search(left if self.options.member else first)
+            if self.options.member:
+                self._search(left)
+            else:
+                self._look(first, LOOKS if self.problem.n <= LONGEST else 1)
         if not self._over() and self._ideals_fit():
             share = PROOF_SMALL if self.problem.n <= LONGEST else PROOF
             self._ideals(self._left() * (1.0 if self.options.member else share))
@@ -126,6 +131,19 @@ class _Run:
         if self.options.time_s is None:
             return max(0.0, self.options.work - self.known.work)
         return max(0.0, self.options.time_s - (self.watch.seconds - self.began_s))
+
+    def _look(self, share: float, looks: int) -> None:
+        """Searches from scratch, as one alone may be caught; that of the best plan is gone on with later."""
+        best: Searcher | None = None
+        for look in range(looks):
+            known = self.known.incumbent
+            self.searcher = Searcher(self.problem, self.options.seed + look * SEEDS_APART) if look else None
+            self._search(share / looks)
+            if best is None or self.known.incumbent is not known:
+                best = self.searcher
+            if self._over():
+                break
+        self.searcher = best
 
     def _search(self, share: float) -> None:
         if self.searcher is None:

@@ -81,3 +81,15 @@ def test_a_flow_bounds_what_neither_state_nor_order_proves() -> None:
     apart = problem([[(float(x), 0.0)] for x in range(5)], lags=[Lag(0, 1, ABOUT, cuts=2)])
     known = found(apart)
     assert (known.bound_um, known.proved_by, known.proven) == (8000, "flow", True)
+
+
+def test_an_earlier_plan_and_bound_are_gone_on_from() -> None:
+    six = scattered(2, contours=6, sites=2, pairs=3)
+    best = found(six)
+    assert best.incumbent is not None
+    options = SolveOptions(work=1e-6, member="search")
+    again = run_portfolio(six, options, Watch(options), best.incumbent.route, best)
+    assert again.incumbent == best.incumbent
+    assert again.proven
+    assert (again.bound_um, again.proved_by) == (best.bound_um, best.proved_by)
+    assert again.notes == []
