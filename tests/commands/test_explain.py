@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -88,3 +89,41 @@ def test_without_a_contradiction_the_error_is_told(tmp_path: Path, capsys: pytes
     assert tell_conflict(facts_of(PLATE, profile), profile, RulesConflict("none was found"), picture) == 1
     assert capsys.readouterr().err == "kerfwise: none was found\n"
     assert not picture.exists()
+
+
+def test_a_wait_is_told_with_its_reason(plan: Path, tmp_path: Path) -> None:
+    data = json.loads(plan.read_text())
+    cut = data["cuts"][3]
+    cut["dwell_s"] = 12.5
+    waiting = tmp_path / "plan.json"
+    waiting.write_text(json.dumps(data))
+    second = kerfwise("explain", NEST, waiting, cut["contour"]).out.splitlines()[1]
+    assert second == "waits 12.5 s first, so that metal may cool"
+    cut["because"].append("waits 12.5 s first: without, a part gets hot")
+    waiting.write_text(json.dumps(data))
+    told = kerfwise("explain", NEST, waiting, cut["contour"])
+    assert told.out.splitlines()[1] == "waits 12.5 s first: without, a part gets hot"
+    assert json.loads(kerfwise("explain", NEST, waiting, cut["contour"], "--json").out)["dwell_s"] == 12.5
+    assert "waits" not in kerfwise("explain", NEST, waiting, data["cuts"][0]["contour"]).out
+
+
+def test_solve_and_time_tell_of_waits(tmp_path: Path) -> None:
+    profile = tmp_path / "cool.yaml"
+    profile.write_text(
+        "based_on: plasma-carbon-steel\n"
+        "rules: {t-max: {strength: hard, limit: 105, dwells: true, longest_dwell: 180}}\n"
+    )
+    program = tmp_path / "out.nc"
+    solved = kerfwise("solve", NEST, "-p", profile, "--work", 2, "-o", program)
+    assert solved.code == 0, solved.err
+    found = re.search(
+        r"waits for metal to cool: \d+, ([\d.]+) s in all, the longest ([\d.]+) s before \S+\n", solved.out
+    )
+    assert found is not None
+    all_s, longest_s = float(found[1]), float(found[2])
+    assert 0 < longest_s <= min(all_s, 180)
+    table = kerfwise("time", NEST, program, "-p", profile).out
+    assert re.search(rf"\nwait +{found[1]} s   for metal to cool, the torch off\ntotal ", table)
+    data = json.loads(kerfwise("time", NEST, program, "-p", profile, "--json").out)
+    parts = [data[key] for key in ("cut_s", "idle_s", "pierce_s", "dwell_s")]
+    assert (data["dwell_s"], data["total_s"]) == pytest.approx((all_s, sum(parts)), abs=0.01)

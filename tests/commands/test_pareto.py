@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import kerfwise as package
+from kerfwise.postproc.trade_off import TradeOff
 from kerfwise.tests.commands.run_cli import kerfwise
 
 NEST = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"
@@ -37,3 +38,29 @@ def test_every_point_is_a_plan(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 def test_wrong_plot_is_refused(tmp_path: Path) -> None:
     done = kerfwise("pareto", NEST, "-o", tmp_path / "front.svg")
     assert (done.code, "give a name ending in .png" in done.err) == (2, True)
+
+
+def test_after_ctrl_c_what_was_found_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """While the prices are being found there is one plan already; the outputs are named after the nest."""
+
+    def interrupted(_: TradeOff) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(TradeOff, "fit", interrupted)
+    monkeypatch.chdir(tmp_path)
+    done = kerfwise("pareto", NEST, "--price", 0, "--price", 100, "--work", 2)
+    assert done.code == 130
+    assert len(done.out.splitlines()) == 3
+    assert done.out.endswith("written: e1x_6.pareto.png, e1x_6.pareto/price-*\n")
+    assert sorted(p.name for p in Path("e1x_6.pareto").iterdir()) == ["price-0.nc", "price-0.plan.json"]
+    assert kerfwise("check", NEST, "e1x_6.pareto/price-0.nc").code == 0
+
+
+def test_before_there_is_a_plan_nothing_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(_: TradeOff) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(TradeOff, "fit", interrupted)
+    monkeypatch.chdir(tmp_path)
+    assert kerfwise("pareto", NEST, "--price", 100).code == 130
+    assert list(tmp_path.iterdir()) == []
