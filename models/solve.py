@@ -59,13 +59,15 @@ def solve(
         watch.begin()
         limits = replace(options, work=share, time_s=options.time_s and share)
         known = run_portfolio(problem, limits, watch, _still_lawful(problem, candidates), known)
-        spent = spent + known.work if options.time_s is None else watch.seconds
+        spent += known.work
         if known.incumbent is None:
             raise _no_plan(known.infeasible)
         candidates = problem.site_candidate[list(known.incumbent.route)]
         order = tuple(int(problem.site_contour[s]) for s in known.incumbent.route)
         missing = () if refine is None else refine(order)
         statements += missing
+        if options.time_s is not None:  # geometry takes its time on large nests
+            spent = watch.seconds
         if not missing or watch.stopped or spent >= whole * ENOUGH:
             break
     if missing:
