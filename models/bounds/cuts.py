@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,7 +58,7 @@ def block_cuts(problem: Problem) -> Cuts:
     return Cuts(inside, inside, (size[size > 1] - 1).astype(np.float64))
 
 
-def broken_cuts(problem: Problem, between: Floats) -> Cuts:
+def broken_cuts(problem: Problem, between: Floats, go: Callable[[], bool] = lambda: True) -> Cuts:
     """Cuts that a flow breaks; `between` (n + 1, n + 1) is how much goes from contour to contour, home last.
 
     From home to a contour no plan meets what comes after it, from a contour to home nothing that comes before it, and
@@ -71,6 +72,8 @@ def broken_cuts(problem: Problem, between: Floats) -> Cuts:
     ways += [(j, n, before[:, j]) for j in range(n)]
     ways += [(i, j, before[:, i] | before[j]) for i, j in np.argwhere(immediate(before)).tolist()]
     for start, end, barred in ways:
+        if not go():
+            break
         kept = np.append(~barred, n in (start, end))
         if between[start, end] < ENOUGH and (cut := _least_cut(whole, start, end, kept)) is not None:
             found.setdefault(cut[0].tobytes() + cut[1].tobytes(), cut)

@@ -71,7 +71,7 @@ def flow_bound(problem: Problem, plan: Incumbent, work: float, progress: Progres
             break
         if flow.complete:
             seen.append(best)
-            found = broken_cuts(problem, flow.between)
+            found = broken_cuts(problem, flow.between, lambda: not progress or progress("bound", plan.cost, None))
             if not len(found) or best < (1 + LEAST_GAIN) * seen[-1 - PATIENCE]:
                 break
             kept = flow.binding | (np.arange(len(cuts)) < len(blocks))
