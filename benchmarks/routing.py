@@ -32,7 +32,7 @@ PAGE = """\
 The core of kerfwise solves the precedence-constrained generalised travelling salesman problem, and with one vertex a
 cluster the sequential ordering problem. These are the field's instances, run by
 
-    python benchmarks/routing.py FOLDER --best-known CSV --time-limit {limit:g} --seed {seed}{also} > docs/routing.md
+    python benchmarks/routing.py FOLDER --best-known CSV --time-limit {limit:g} --seed {seed}{also}
 
 on {date}, kerfwise {kerfwise} at commit {commit}, Python {python}, numba {numba}, OR-Tools {ortools}, {machine}.
 Every instance has a process of its own; its clock runs from the file read to the answer, with compiled kernels loaded.
@@ -94,7 +94,7 @@ def run_set(name: str, folder: Path, best: BestKnown, limit_s: float, seed: int)
     return runs
 
 
-def page(runs: Sequence[Run], limits: Limits, remarks: str) -> str:
+def page(runs: Sequence[Run], limits: Limits, remarks: Path | None = None) -> str:
     """The whole page."""
     names = list(dict.fromkeys(run.set for run in runs))
     of = {name: [run for run in runs if run.set == name] for name in names}
@@ -103,8 +103,9 @@ def page(runs: Sequence[Run], limits: Limits, remarks: str) -> str:
     return PAGE.format(
         limit=limits.limit_s,
         seed=limits.seed,
-        also="".join(f" --also {name}={seconds:g}" for name, seconds in limits.also),
-        remarks=f"\n{remarks}" if remarks else "",
+        also="".join(f" --also {name}={seconds:g}" for name, seconds in limits.also)
+        + (f" --remarks {remarks.name}" if remarks else ""),
+        remarks=f"\n{remarks.read_text(encoding='utf-8')}" if remarks else "",
         date=datetime.date.today().isoformat(),
         kerfwise=kerfwise.__version__,
         commit=_commit(),
@@ -141,13 +142,12 @@ def main() -> None:
     given = parser.parse_args()
     best = read_best_known(given.best_known)
     limits = Limits(given.time_limit, given.seed, tuple(given.also))
-    remarks = given.remarks.read_text(encoding="utf-8") if given.remarks else ""
     runs = []
     for name, seconds in limits.also:
         runs += run_set(f"{name} in {seconds:g} s", given.folder / name, best, seconds, limits.seed)
     for folder in sorted(path for path in given.folder.iterdir() if path.is_dir()):
         runs += run_set(folder.name, folder, best, limits.limit_s, limits.seed)
-    print(page(runs, limits, remarks), end="")
+    print(page(runs, limits, given.remarks), end="")
 
 
 def _set_and_seconds(text: str) -> tuple[str, float]:
