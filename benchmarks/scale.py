@@ -40,6 +40,10 @@ Python {python}, {system}, plates of `examples/gen_sheet.py`, seed 1, kernels co
 in m (idle travel and what soft rules cost) without excuses, which weigh 1000 m each and are counted beside them.
 All order rules are hard; no-tip-travel is off.
 
+Zone after zone a plan is proven in the time that its sets take, which grows with the number of zones. Without zones the
+sets are too many, and the bound by flows stays far below: what a rule asks of the metal that holds a part is not in it,
+and its cuts know too little of the order. A branch-and-cut would be needed to close that.
+
 | plate | facts to problem, s | first plan, s | {heads} | bound after {last:g} s | gap | proven, s | memory, MB |
 |---|---:|---:|{rules}---:|---:|---:|---:|
 {rows}
