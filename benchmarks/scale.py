@@ -37,7 +37,7 @@ PAGE = """\
 
 Made by `python benchmarks/scale.py --contours {contours} --seconds {seconds} > docs/scale.md` with kerfwise {kerfwise},
 Python {python}, {system}, plates of `examples/gen_sheet.py`, seed 1, kernels compiled beforehand. Costs are objectives
-in m (idle travel and what soft rules cost) without excuses, which weigh 1000 m each and are counted beside them.
+in m: idle travel, what soft rules cost, and 1000 m for every excuse.
 All order rules are hard; no-tip-travel is off.
 
 Zone after zone a plan is proven in the time that its sets take, which grows with the number of zones. Without zones the
@@ -48,7 +48,6 @@ and its cuts know too little of the order. A branch-and-cut would be needed to c
 |---|---:|---:|{rules}---:|---:|---:|---:|
 {rows}
 """
-EXCUSE_M = 1000.0
 
 
 @dataclass(frozen=True)
@@ -117,18 +116,13 @@ def row(job: Job, seen: Seen) -> str:
         f"{seen.contours} contours{'' if job.zones else ', no zones'}",
         f"{seen.posed_s:.1f}",
         "none" if seen.first_s is None else f"{seen.first_s:.1f}",
-        *("none" if c is None else _metres(c) for c in seen.costs_m),
-        "" if bound is None else _metres(bound),
+        *("none" if c is None else f"{c:.2f}" for c in seen.costs_m),
+        "" if bound is None else f"{bound:.2f}",
         gap,
         "" if seen.proven_s is None else f"{seen.proven_s:.1f}",
         f"{seen.memory_mb:.0f}",
     ]
     return f"| {' | '.join(cells)} |"
-
-
-def _metres(cost_m: float) -> str:
-    excuses, rest = divmod(cost_m, EXCUSE_M)
-    return f"{rest:.2f}" + (f" + {excuses:.0f} excuses" if excuses else "")
 
 
 def page(jobs: Sequence[Job], seen: Sequence[Seen]) -> str:
