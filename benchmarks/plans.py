@@ -18,8 +18,6 @@ from importlib.metadata import version
 from pathlib import Path
 
 import kerfwise
-from kerfwise.encoder.candidates import build_candidates
-from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.encoder.readers.json_nest import read_json
@@ -28,6 +26,7 @@ from kerfwise.models.make_plan import make_plan
 from kerfwise.models.solution import Solution, SolveOptions
 from kerfwise.models.solve import solve
 from kerfwise.models.timing.choose import feeds_of
+from kerfwise.postproc.produce import facts_of
 from kerfwise.rules.afterthoughts import afterthoughts
 from kerfwise.rules.profile import Profile, load_profile
 from kerfwise.rules.state import state_rules
@@ -85,7 +84,7 @@ class Row:
 def plan(name: str, nest: Nest, profile: Profile, work: float) -> Row:
     """Facts, statements and a plan."""
     started = time.perf_counter()
-    facts = compute_facts(nest, profile.fact_options(nest), build_candidates(nest, profile.lead_options()))
+    facts = facts_of(nest, profile)
     stated = state_rules(facts, profile)
     between = time.perf_counter()
     options = SolveOptions(work=work, home_mm=profile.machine.home, feeds=feeds_of(profile))

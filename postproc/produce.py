@@ -21,6 +21,7 @@ from ..rules.state import Stated, state_rules
 from ..rules.statements import Statement
 from .check import CheckResult
 from .checking import judge, report_of
+from .contour_heat import contour_heat_kj
 from .program import write_program
 from .timed import with_times
 
@@ -55,7 +56,8 @@ def facts_of(nest: Nest, profile: Profile) -> Facts:
         If a lock names what the nest does not have, or a contour cannot be cut as the profile asks.
     """
     check_locks(profile.locks, nest)
-    return compute_facts(nest, profile.fact_options(nest), build_candidates(nest, profile.lead_options()))
+    candidates = build_candidates(nest, profile.lead_options())
+    return compute_facts(nest, profile.fact_options(nest), candidates, contour_heat_kj(nest, candidates, profile))
 
 
 def ask(facts: Facts, profile: Profile, relax: bool = False, engine: Engine = "cp-sat") -> Asked:

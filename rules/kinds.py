@@ -130,6 +130,7 @@ ACCELERATION = Quantity(
 )
 TEMPERATURE = Quantity("a temperature", {"°C": Fraction(1)}, "°C", at_least=-273.15, example="115")
 DURATION = Quantity("a time", {"s": Fraction(1), "ms": Fraction(1, 1000), "min": Fraction(60)}, "s", example="0.5")
+ENERGY = Quantity("an energy", {"kJ": Fraction(1)}, "kJ", example="300")
 
 
 def over_zero(quantity: Quantity) -> Quantity:

@@ -99,6 +99,7 @@ class Profile:
             "edge_band_mm": self._options("start-side", StartSideOptions).edge_band_mm,
             "thickness_mm": self.material.thickness_mm,
             "heat_limit_c": self.heat.limit_c,
+            "absorbed_power_w": self.heat.absorbed_power_w,
         }
         unset = [f.name for f in dataclasses.fields(options) if "kind" not in f.metadata]
         return dataclasses.replace(options, **{name: shared[name] for name in unset})
@@ -141,6 +142,7 @@ class Profile:
             start_side=side.side if self._is_on("start-side") else "auto",
             zone_contours=zones.zone_contours,
             square_ratio=zones.square_ratio,
+            zone_heat_kj=zones.zone_heat_kj,
             zone_respects=tuple(fact for rule, fact in ORDER_FACTS.items() if self.rules[rule].strength == "hard"),
             zone_pairs=(*((lock.contour, lock.before) for lock in self.locks if lock.contour and lock.before), *own),
             zone_fixed=tuple((lock.part, lock.zone) for lock in self.locks if lock.part and lock.zone),

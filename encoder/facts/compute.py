@@ -10,7 +10,7 @@ from ..candidates.candidate import Candidate
 from ..nest import Nest
 from .cells import cells_of
 from .containment import closure_of, parents_of
-from .facts import FactOptions, Facts, Ints
+from .facts import FactOptions, Facts, Floats, Ints
 from .heat import heat
 from .hulls import in_hull
 from .long_parts import long_parts
@@ -23,7 +23,9 @@ from .stretches import runs_of, stretch_of
 from .zones import zones_of
 
 
-def compute_facts(nest: Nest, options: FactOptions, candidates: Sequence[Candidate] = ()) -> Facts:
+def compute_facts(
+    nest: Nest, options: FactOptions, candidates: Sequence[Candidate] = (), heat_kj: Floats | None = None
+) -> Facts:
     """The facts of a nest and of the candidates of its contours.
 
     Parameters
@@ -34,11 +36,15 @@ def compute_facts(nest: Nest, options: FactOptions, candidates: Sequence[Candida
         Thresholds, and what a profile fixes.
     candidates
         Sorted by contour index; may be empty.
+    heat_kj
+        The most heat that cutting each contour leaves in the sheet, (n,), which the machine and the material decide.
 
     Raises
     ------
     InputError
         If `options` name contours or parts that the nest does not have, or zones that contradict each other.
+    ValueError
+        If `options` give a zone a budget of heat, but `heat_kj` is missing.
 
     Examples
     --------
@@ -48,6 +54,10 @@ def compute_facts(nest: Nest, options: FactOptions, candidates: Sequence[Candida
     >>> facts.start_side, facts.start_side_because, facts.level_ahead.tolist()
     ('left', 'offcut', [[0, 1]])
     """
+    if heat_kj is None:
+        if options.zone_heat_kj is not None:
+            raise ValueError("zones have a budget of heat, but the heat of the contours is not given")
+        heat_kj = np.full(len(nest.contours), np.nan)
     outlines, sheet_mm = outlines_of(nest), nest.sheet.bounds
     parent = parents_of(outlines)
     contains = closure_of(parent)
@@ -62,7 +72,7 @@ def compute_facts(nest: Nest, options: FactOptions, candidates: Sequence[Candida
     hull = in_hull(outlines, parent)
     order_facts: dict[str, Ints] = {"contains": contains[:, ::-1], "level_ahead": ahead, "in_hull": hull}
     respected = np.concatenate([np.empty((0, 2), dtype=np.int64), *(order_facts[f] for f in options.zone_respects)])
-    zone = zones_of(nest, outlines, parent, side, respected, options)
+    zone = zones_of(nest, outlines, parent, side, respected, options, heat_kj)
 
     outlook = outlook_of(outlines, parent, nest.sheet, cells_of(outlines), options)
     surroundings = surroundings_of(outlines, parent, outlook)
@@ -87,6 +97,7 @@ def compute_facts(nest: Nest, options: FactOptions, candidates: Sequence[Candida
         heat_mm=heat_mm,
         heat_parts=heat_parts,
         zone=zone,
+        torch_heat_kj=heat_kj,
         candidates=tuple(candidates),
         first=np.searchsorted(contour, np.arange(outlines.n + 1)),
         head=stretch_of(outlines, runs, candidates, options.head_share, "head"),

@@ -25,7 +25,8 @@ class FactOptions:
 
     `start_side` fixes the side ("auto" decides it). `zone_respects` names the order facts that no zone may
     contradict; `zone_pairs` adds pairs of contour ids (before, after), as locks do; `zone_fixed` puts a part
-    (by id) in a zone whatever the geometry says; what must go before it is brought forward with it.
+    (by id) in a zone whatever the geometry says; what must go before it is brought forward with it. `zone_heat_kj`
+    is how much heat may go into a zone, None for any.
     """
 
     web_mm: float = 25.0
@@ -35,6 +36,7 @@ class FactOptions:
     start_side: Side | Literal["auto"] = "auto"
     zone_contours: int = 12
     square_ratio: float = 1.25
+    zone_heat_kj: float | None = None
     zone_respects: tuple[Literal["contains", "level_ahead", "in_hull"], ...] = (
         "contains",
         "level_ahead",
@@ -78,8 +80,9 @@ class Facts:
     Pairs are arrays (k, 2) of contour indices. `contains[:, 0]` contains `contains[:, 1]` (closure), `parent` (n,)
     the immediate container or -1. `level_ahead` and `in_hull` rows read (j, i): j lies ahead of, or in the hull of,
     i (RULES.md section 2). `edge_gap_mm`, `edge_length_mm` are (n, 4) in the order of `SIDES`. `zone` counts
-    from 1; a mark has the zone of its part. `offcut_mm`, `offcut_large`, `heat_mm`, `heat_parts` follow `SIDES`.
-    `first[i]` and `first[i + 1]` bound the candidates of contour i.
+    from 1; a mark has the zone of its part. `torch_heat_kj` (n,) is the most heat that cutting a contour, however it
+    is entered, leaves in the sheet, 0 for a mark, nan where nobody has said. `offcut_mm`, `offcut_large`, `heat_mm`,
+    `heat_parts` follow `SIDES`. `first[i]` and `first[i + 1]` bound the candidates of contour i.
     """
 
     nest: Nest
@@ -100,6 +103,7 @@ class Facts:
     heat_mm: Floats
     heat_parts: Ints
     zone: Ints
+    torch_heat_kj: Floats
     candidates: tuple[Candidate, ...]
     first: Ints
     head: Stretch
@@ -109,6 +113,11 @@ class Facts:
     def n(self) -> int:
         """Number of contours."""
         return len(self.nest.contours)
+
+    @property
+    def zone_heat_kj(self) -> Floats:
+        """The most heat that goes into each zone, kJ, (m,), the first for zone 1."""
+        return np.bincount(self.zone - 1, self.torch_heat_kj).astype(np.float64)
 
     def candidates_of(self, contour: int) -> range:
         """Candidate numbers of a contour."""

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 from typing import Any
+
+import numpy as np
 
 from ..candidates.candidate import Candidate
 from .facts import SIDES, Facing, Facts, Floats, Ints, Stretch
@@ -13,7 +16,7 @@ FORMAT = "kerfwise-facts/1"
 
 
 def facts_json(facts: Facts) -> str:
-    """The facts as kerfwise-facts/1 text: stable key order, one contour and one candidate a line.
+    """The facts as kerfwise-facts/1 text: stable key order, one zone, one contour and one candidate a line.
 
     Everything about a contour stands in its row. `level_ahead` and `in_hull` there list the contours that lie ahead
     of it or in its hull, which are those to cut before it. Lengths are rounded to 0.001 mm.
@@ -37,8 +40,19 @@ def facts_json(facts: Facts) -> str:
         },
     }
     lines = [f' "{key}": {_text(value)}' for key, value in head.items()]
+    lines += [f' "zones": {_rows(_zone_rows(facts))}']
     lines += [f' "contours": {_rows(_contour_rows(facts))}', f' "candidates": {_rows(_candidate_rows(facts))}']
     return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def _zone_rows(facts: Facts) -> list[dict[str, Any]]:
+    if not facts.n:
+        return []
+    heat_kj, contours = facts.zone_heat_kj, np.bincount(facts.zone)[1:]
+    return [
+        {"zone": k, "contours": int(of), "heat_kj": _kj(kj)}
+        for k, (of, kj) in enumerate(zip(contours, heat_kj, strict=True), 1)
+    ]
 
 
 def _contour_rows(facts: Facts) -> list[dict[str, Any]]:
@@ -59,6 +73,7 @@ def _contour_rows(facts: Facts) -> list[dict[str, Any]]:
             "zone": int(facts.zone[i]),
             "long": bool(facts.long[i]),
             "length_mm": _mm(c.curve.length_mm),
+            "heat_kj": _kj(facts.torch_heat_kj[i]),
             "contains": contains[i],
             "level_ahead": level_ahead[i],
             "in_hull": in_hull[i],
@@ -121,6 +136,11 @@ def _by_side(values: Floats) -> dict[str, float]:
 
 def _mm(value: float) -> float:
     return round(float(value), 3) + 0.0  # never -0.0
+
+
+def _kj(value: float) -> float | None:
+    """Heat, None where it is not known."""
+    return None if math.isnan(value) else round(float(value), 3)
 
 
 def _text(value: object) -> str:

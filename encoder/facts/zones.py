@@ -3,50 +3,41 @@
 Petunin 2009, fig. 4: what remains uncut after each zone shall come as close to a square as the sheet allows. Strips
 of about `zone_contours` contours are taken off the bounding rectangle of the parts that remain: off the start side
 at first and while the rectangle's sides differ by more than `square_ratio`, then off whichever admissible side leaves
-it most square. Then zones are raised until no respected order points backwards.
+it most square. Then zones are raised until no respected order points backwards. Where a budget of heat is given, strips
+end before they pass it, and what raising makes too hot is divided again.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from operator import itemgetter
 
 import numpy as np
 
 from ..cut import Side
 from ..errors import InputError
 from ..nest import Nest
-from .containment import outermost_of
 from .facts import FactOptions, Floats, Ints
-from .outlines import ROUNDING_MM, Outlines
-from .ranges import laid_out
-from .sides import AWAY, AXIS
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Blocks:
-    """What shares a zone: a part straight on the sheet with everything nested in it.
-
-    `of` (n,) is the block of each contour; `contours` how many it has, `centroid` and `bounds_mm` those of its outer
-    contour. Rows (before, after) of `pairs` say which block must not be in a later zone than which.
-    """
-
-    of: Ints
-    contours: Ints
-    centroid: Floats
-    bounds_mm: Floats
-    pairs: Ints
+from .outlines import Outlines
+from .zone_blocks import blocks_of
+from .zone_heat import divided
+from .zone_strips import strips_of
 
 
 def zones_of(
-    nest: Nest, outlines: Outlines, parent: Ints, start_side: Side, respected: Ints, options: FactOptions
+    nest: Nest,
+    outlines: Outlines,
+    parent: Ints,
+    start_side: Side,
+    respected: Ints,
+    options: FactOptions,
+    heat_kj: Floats,
 ) -> Ints:
     """Array (n,): the zone of each contour, 1…m without holes.
 
-    `respected` (k, 2) are pairs of contours (before, after). A part in `options.zone_fixed` stays where it is put,
-    what must go before it is brought forward with it, and closing up empty zones may lower its number. Where two
-    fixed parts contradict a pair, the fixed zones stand.
+    `respected` (k, 2) are pairs of contours (before, after). `heat_kj` (n,) is what cutting each contour leaves in the
+    sheet; nan counts as nothing. A part in `options.zone_fixed` stays where it is put, whatever heat that brings
+    together; what must go before it is brought forward with it, and closing up empty zones may lower its number. Where
+    two fixed parts contradict a pair, the fixed zones stand.
 
     Raises
     ------
@@ -55,19 +46,17 @@ def zones_of(
     """
     if not outlines.n:
         return np.empty(0, dtype=np.int64)
-    tops, of = np.unique(outermost_of(parent), return_inverse=True)
-    locked = np.array([[_contour(nest, a), _contour(nest, b)] for a, b in options.zone_pairs], dtype=np.int64)
-    before, after = of[np.concatenate([respected, locked.reshape(-1, 2)])].T
-    pairs = np.column_stack([before, after])[before != after]
-    blocks = Blocks(of, np.bincount(of), outlines.centroid[tops], outlines.bounds_mm[tops], pairs)
-    strips = _raised(_strips(blocks, start_side, options), pairs)
-    return _closed_up(_with_fixed(_closed_up(strips), pairs, _fixed(nest, of, options)))[of]
-
-
-def _contour(nest: Nest, contour_id: str) -> int:
-    if contour_id not in nest.index:
-        raise InputError(f"zone_pairs names contour {contour_id!r}, which the nest does not have")
-    return nest.index[contour_id]
+    blocks = blocks_of(nest, outlines, parent, respected, options, heat_kj)
+    strips, pairs = strips_of(blocks, start_side, options), blocks.pairs
+    zone, rank = np.empty((2, len(blocks.contours)), dtype=np.int64)
+    in_turn = np.concatenate(strips)
+    zone[in_turn] = np.repeat(np.arange(len(strips)), [len(strip) for strip in strips])
+    rank[in_turn] = np.arange(len(in_turn))
+    zone = _closed_up(_raised(zone, pairs))
+    if options.zone_heat_kj is not None:
+        zone = _closed_up(divided(zone, rank, blocks, options.zone_heat_kj))
+        pairs = pairs[zone[pairs[:, 0]] <= zone[pairs[:, 1]]]  # without circles that were too hot for one zone
+    return _closed_up(_with_fixed(zone, pairs, _fixed(nest, blocks.of, options)))[blocks.of]
 
 
 def _fixed(nest: Nest, block_of: Ints, options: FactOptions) -> Mapping[int, int]:
@@ -85,66 +74,6 @@ def _fixed(nest: Nest, block_of: Ints, options: FactOptions) -> Mapping[int, int
                 f"host or guest, in zone {fixed[block]}; give them one zone"
             )
     return fixed
-
-
-def _strips(blocks: Blocks, start_side: Side, options: FactOptions) -> Ints:
-    """Zones by geometry alone, 1…m: one strip after the other off the rectangle around what remains."""
-    count = len(blocks.contours)
-    across: tuple[Side, Side] = ("bottom", "top") if AXIS[start_side] == 0 else ("left", "right")
-    sides: tuple[Side, ...] = (start_side, *across)  # the side opposite the start stays to the end
-    # Rounded, so that parts on one line keep their order in the nest.
-    depth = {s: AWAY[s] * np.round(blocks.centroid[:, AXIS[s]] / ROUNDING_MM) for s in sides}
-    order = {s: np.argsort(depth[s], kind="stable") for s in sides}
-    before, first = _predecessors(blocks.pairs, count)
-    zone, number = np.zeros(count, dtype=np.int64), 0
-    while len(remaining := order[start_side][zone[order[start_side]] == 0]):
-        square = number > 0 and _side_ratio(blocks.bounds_mm[remaining]) <= options.square_ratio
-        choices = []
-        for side in sides if square else sides[:1]:
-            remaining = order[side][zone[order[side]] == 0]
-            strip = _strip(remaining, depth[side], blocks.contours, options.zone_contours)
-            if side == start_side or not _must_wait(strip, zone, before, first):
-                choices.append((_side_ratio(blocks.bounds_mm[remaining[len(strip) :]]), strip))
-        number += 1
-        zone[min(choices, key=itemgetter(0))[1]] = number
-    return zone
-
-
-def _strip(order: Ints, place: Floats, contours: Ints, about: int) -> Ints:
-    """The first blocks in order with about as many contours as asked; all of them when too few would be left over.
-
-    Of the strips that miss the number by a quarter at most, the one that ends at the widest gap between centroids
-    is taken, so that a row or column of parts stays whole; where none does, the one that comes closest.
-    """
-    if contours[order].sum() < 1.5 * about:
-        return order
-    first = order[: 2 * about]
-    missed = np.abs(np.cumsum(contours[first]) - about)
-    gap = np.diff(place[order[: len(first) + 1]], append=np.inf)[: len(first)]
-    gap[missed > about / 4] = 0.0
-    return order[: int(np.lexsort((missed, -gap))[0]) + 1]
-
-
-def _side_ratio(bounds_mm: Floats) -> float:
-    """Long side by short side of the rectangle around these bounds, 1 for none; rounded, so that equal is equal."""
-    if not len(bounds_mm):
-        return 1.0
-    size = bounds_mm[:, 2:].max(axis=0) - bounds_mm[:, :2].min(axis=0)
-    return round(float(size.max() / size.min()), 9)
-
-
-def _predecessors(pairs: Ints, count: int) -> tuple[Ints, Ints]:
-    """Blocks before each block, end to end, and where those of each block begin."""
-    by_after = pairs[np.argsort(pairs[:, 1], kind="stable")]
-    return by_after[:, 0], np.searchsorted(by_after[:, 1], np.arange(count + 1))
-
-
-def _must_wait(strip: Ints, zone: Ints, before: Ints, first: Ints) -> bool:
-    """Whether something that would remain must go before a block of the strip: then its side is not admissible."""
-    ahead = before[laid_out(first[strip], first[strip + 1] - first[strip])]
-    remains = zone == 0
-    remains[strip] = False
-    return bool(remains[ahead].any())
 
 
 def _raised(zone: Ints, pairs: Ints, kept: Ints | None = None) -> Ints:

@@ -24,6 +24,7 @@ class Explanation:
     `previous` and `following` are its neighbours in the plan, "" for the machine's home. `earlier` and `later` hold
     it, nearest first; the chains lead on from there to the ends of the plan. `also` are statements of other kinds,
     `heat` prices on orders that overheat metal. The torch waits for `dwell_s` before the contour is cut, and why.
+    Where zones have a budget of heat, `zone_heat_kj` says how much goes into this one at the most.
     """
 
     contour: str
@@ -43,6 +44,8 @@ class Explanation:
     heat: tuple[HeatPrice, ...] = ()
     dwell_s: float = 0.0
     waits_because: str = ""
+    zone_heat_kj: float | None = None
+    zone_budget_kj: float | None = None
 
 
 def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour: str) -> Explanation:
@@ -58,7 +61,7 @@ def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour:
         raise InputError(unknown("contour", contour, index))
     setting = make_setting(facts, profile, stated, plan)
     number = index[contour]
-    order = setting.order
+    order, budget_kj = setting.order, facts.options.zone_heat_kj
     k = order.index(number)
     return Explanation(
         contour,
@@ -78,4 +81,6 @@ def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour:
         heat_prices(setting, number),
         plan.cuts[k].dwell_s,
         plan.cuts[k].waits_because,
+        None if budget_kj is None else float(facts.zone_heat_kj[facts.zone[number] - 1]),
+        budget_kj,
     )

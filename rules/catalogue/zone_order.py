@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING
 
 from ...encoder.cut import CutSequence
 from ...encoder.nest import Nest
-from ..kinds import Number
+from ..kinds import ENERGY, Number, OrWord, over_zero
+from ..lock import Lock
 from ..option import option
 from ..placement import host_holes
-from ..rule import Ids, Rule, Violation
-from ..statements import Precede
+from ..rule import Forced, Ids, Rule, Violation
+from ..statements import About, Precede
+from ..zone_budget import ALLOWANCE, HotZone, hot_zones
 
 if TYPE_CHECKING:
     from ...encoder.facts.facts import Facts
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ZoneOrderOptions:
-    """How the sheet is divided into zones."""
+    """How the sheet is divided into zones; the last two are `heat.absorbed_power_w` and the profile's locks."""
 
     zone_contours: int = field(default=12, metadata=option(Number(1, whole=True), "contours in a zone, about"))
     square_ratio: float = field(
@@ -31,6 +33,11 @@ class ZoneOrderOptions:
             Number(1), "long side by short side of what is left, over which zones come off the start side only"
         ),
     )
+    zone_heat_kj: float | None = field(
+        default=None, metadata=option(OrWord(over_zero(ENERGY), "off"), "how much heat may go into one zone")
+    )
+    absorbed_power_w: float = 1300.0
+    locks: tuple[Lock, ...] = ()
 
 
 class ZoneOrder(Rule[ZoneOrderOptions]):
@@ -43,10 +50,16 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
     hole and outer contour of a zone is cut before any of the next. A host and what it contains share a zone; no zone
     goes against the order rules. Marks have no zone order: they neither free metal nor heat it.
 
+    With `zone_heat`, a strip ends before the heat of its contours passes that budget: `heat.absorbed_power_w` for as
+    long as the torch is on, piercing included, at the feeds that the section `time` names. What the order rules then
+    raise into a zone that has no room for it makes two zones of it. A part that passes the budget alone, with what it
+    contains, has a zone of its own, and where locks put parts in zones these may pass it: both are exceptions that the
+    plan lists. `kerfwise facts` tells the heat of every zone.
+
     ## Why
 
     Petunin 2009 (fig. 4): what is left of the sheet stays as close to a square as it can, and so stiff, and heat
-    moves across the sheet instead of gathering.
+    moves across the sheet instead of gathering. How much of it one zone may take is for the plant to say.
 
     ## Wrong
 
@@ -83,11 +96,24 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
         zones = pairwise(sorted(members))
         return [(a, b) for zone, following in zones for a in members[zone] for b in members[following]]
 
+    def exempt(self, facts: Facts, options: ZoneOrderOptions) -> Iterator[About]:
+        budget_kj = options.zone_heat_kj
+        if budget_kj is None:
+            return
+        outers = [facts.nest.index[part.outer.id] for part in facts.nest.parts]
+        for zone, kj in enumerate(facts.zone_heat_kj.tolist(), 1):
+            if kj > budget_kj * (1 + ALLOWANCE):
+                names = [facts.nest.contours[k].id for k in outers if facts.parent[k] < 0 and facts.zone[k] == zone]
+                yield self.about(names, f"zone {zone} takes up {_too_much(kj, budget_kj)}: {', '.join(names)}")
+
     def unjudged(self, nest: Nest, cuts: CutSequence, options: ZoneOrderOptions) -> str | None:
-        return None if any(cut.zone for cut in cuts) or not cuts else "the zones of the cuts are not stated"
+        if cuts and not any(cut.zone for cut in cuts):
+            return "the zones of the cuts are not stated"
+        timed = options.zone_heat_kj is None or any(cut.end_s for cut in cuts) or not cuts
+        return None if timed else "the times of the cuts are not stated, and so the heat of their zones is not known"
 
     def violations(self, nest: Nest, cuts: CutSequence, options: ZoneOrderOptions) -> list[Violation]:
-        if self.unjudged(nest, cuts, options):
+        if not any(cut.zone for cut in cuts):
             return []
         through = [(k, cut) for k, cut in enumerate(cuts, 1) if nest.contour(cut.contour).kind != "mark"]
         found = []
@@ -102,7 +128,26 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
                 found.append(Violation(self.id, (cut.contour, name), text, (earlier, k)))
             elif cut.zone > highest[0]:
                 highest = (cut.zone, cut.contour, k)
-        return found + self._split(nest, {cut.contour: (k, cut.zone) for k, cut in through})
+        found += self._split(nest, {cut.contour: (k, cut.zone) for k, cut in through})
+        return found + [violation for violation, _ in self._hot(nest, cuts, options)]
+
+    def excuse(
+        self, nest: Nest, cuts: CutSequence, options: ZoneOrderOptions, violation: Violation, forced: Forced
+    ) -> str | None:
+        for known, zone in self._hot(nest, cuts, options):
+            if known == violation and len(zone.outers) == 1:
+                return f"{zone.outers[0]} is cut in one zone with all that lies in it"
+            locked = [lock.part for lock in options.locks if lock.part is not None]
+            if known == violation and locked:
+                return f"locks decide on zones: of {', '.join(locked)}"
+        return None
+
+    def _hot(self, nest: Nest, cuts: CutSequence, options: ZoneOrderOptions) -> Iterator[tuple[Violation, HotZone]]:
+        """The zones that pass the budget, as violations."""
+        if options.zone_heat_kj is not None:
+            for zone in hot_zones(nest, cuts, options.absorbed_power_w, options.zone_heat_kj):
+                text = f"zone {zone.zone} takes up {_too_much(zone.heat_kj, options.zone_heat_kj)}"
+                yield Violation(self.id, zone.outers, text, zone.cuts), zone
 
     def _split(self, nest: Nest, stated: dict[str, tuple[int, int]]) -> list[Violation]:
         """Contours whose zone is not that of the contour around them."""
@@ -117,3 +162,7 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
                 text = f"{inner} is in zone {zone} (cut {k}), but {outer} around it is in zone {its_zone} (cut {other})"
                 found.append(Violation(self.id, (inner, outer), text, (k, other)))
         return found
+
+
+def _too_much(heat_kj: float, budget_kj: float) -> str:
+    return f"{heat_kj:.1f} kJ, not {budget_kj:g} kJ at the most"

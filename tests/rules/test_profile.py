@@ -181,7 +181,18 @@ def test_options_of_the_encoder_follow_the_rules(tmp_path: Path) -> None:
     assert facts.zone_respects == ("contains",)
     assert facts.zone_pairs == (("P1.outer", "P2.outer"),)
     assert facts.zone_fixed == (("P3", 2),)
-    assert (facts.start_side, facts.zone_contours) == ("top", 6)
+    assert (facts.start_side, facts.zone_contours, facts.zone_heat_kj) == ("top", 6, None)
+
+
+@pytest.mark.parametrize(("given", "budget_kj"), [("300 kJ", 300.0), ("300", 300.0), ("1.5e2kJ", 150.0), ("off", None)])
+def test_a_zones_budget_of_heat(tmp_path: Path, given: str, budget_kj: float | None) -> None:
+    profile = load_profile(
+        write(tmp_path, f"heat: {{absorbed_power_w: 900}}\nrules: {{zone-order: {{zone_heat: {given}}}}}")
+    )
+    assert profile.fact_options().zone_heat_kj == budget_kj
+    options = profile.settings()["zone-order"].options
+    assert (options.zone_heat_kj, options.absorbed_power_w) == (budget_kj, 900.0)
+    assert load_profile(write(tmp_path, profile_yaml(profile), "again.yaml")) == profile
 
 
 def test_soft_directions_and_rules_that_are_off_leave_it_free(tmp_path: Path) -> None:

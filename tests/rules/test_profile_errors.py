@@ -29,7 +29,8 @@ TOGETHER = (
     "marks-first: {scope: part}"
 )
 WITHIN = "is within the kerf; a pierce lies further from every contour than half the kerf, 2 mm (Petunin 2009)"
-ZONE_KEYS = "square_ratio, strength, weight, zone_contours"
+ENERGY = "an energy over 0 such as 300 or '300 kJ'"
+ZONE_KEYS = "square_ratio, strength, weight, zone_contours, zone_heat"
 
 MISTAKES = {
     "machin: {}": f"1:1: unknown key 'machin': did you mean 'machine'? (valid: {KEYS})",
@@ -69,6 +70,10 @@ MISTAKES = {
     ),
     "rules:\n  zone-order:\n    zone_contours: 0": (
         "3:20: rules.zone-order.zone_contours: expected a whole number of at least 1, got '0'"
+    ),
+    "rules:\n  zone-order: {zone_heat: 0}": (f"2:27: rules.zone-order.zone_heat: expected {ENERGY}, got '0'"),
+    "rules:\n  zone-order: {zone_heat: 3 kW}": (
+        f"2:27: rules.zone-order.zone_heat: unknown unit 'kW' in '3 kW': expected {ENERGY}"
     ),
     "rules:\n  level-ahead: {strength: hard, weight: 5}": (
         "2:41: rules.level-ahead.weight: only a soft rule has a weight, this one is hard"

@@ -5,6 +5,7 @@ from importlib.resources import files
 from typing import Any
 
 import jsonschema
+import numpy as np
 import pytest
 from hypothesis import given, settings
 
@@ -38,6 +39,7 @@ def test_a_contour_row() -> None:
         "zone": 1,
         "long": False,
         "length_mm": 320.0,
+        "heat_kj": None,
         "contains": [],
         "level_ahead": ["A.outer"],
         "in_hull": [],
@@ -78,9 +80,22 @@ def test_the_sheet() -> None:
     assert data["options"]["zone_pairs"] == [["A.outer", "B.outer"]]
 
 
+def test_zones_and_their_heat() -> None:
+    assert document()["zones"] == [{"zone": 1, "contours": 2, "heat_kj": None}]
+    sheet, options = small().nest, FactOptions(zone_contours=1, zone_heat_kj=20.0)
+    data = json.loads(facts_json(compute_facts(sheet, options, (), np.array([10.0, 12.34567]))))
+    jsonschema.validate(data, SCHEMA)
+    assert data["zones"] == [
+        {"zone": 1, "contours": 1, "heat_kj": 10.0},
+        {"zone": 2, "contours": 1, "heat_kj": 12.346},
+    ]
+    assert [row["heat_kj"] for row in data["contours"]] == [10.0, 12.346]
+    assert data["options"]["zone_heat_kj"] == 20.0
+
+
 def test_the_schema_is_sound_and_says_what_every_field_is() -> None:
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
-    for name in ("contour", "candidate"):
+    for name in ("zone", "contour", "candidate"):
         for field, what in SCHEMA["$defs"][name]["properties"].items():
             assert what.keys() & {"description", "$ref", "enum"} or field == "part"
 

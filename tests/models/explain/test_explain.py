@@ -21,6 +21,7 @@ from kerfwise.models.explain.setting import Setting, make_setting
 from kerfwise.models.heat.pair_prices import HEAT
 from kerfwise.postproc.produce import facts_of
 from kerfwise.rules.lock import Lock
+from kerfwise.rules.sections import RuleSetting
 from kerfwise.rules.state import state_rules
 from kerfwise.rules.statements import About, AtLeast, Before, Forbid, Precede, Statement
 from kerfwise.tests.models.solved import QUIET, plant, proven_plan
@@ -43,6 +44,18 @@ def test_whole_text(contour: str) -> None:
     facts, stated, plan = proven_plan(PLATE, profile)
     told = as_text(explain(facts, profile, stated, plan, contour), everything=contour == "P1.hole1")
     assert told + "\n" == (GOLDEN / f"{contour}.txt").read_text()
+
+
+def test_the_heat_of_a_zone_that_has_a_budget() -> None:
+    profile = plant()
+    options = replace(profile.rules["zone-order"].options, zone_heat_kj=25.0)
+    hot = replace(profile, rules={**profile.rules, "zone-order": RuleSetting("hard", None, options)})
+    facts, stated, plan = proven_plan(PLATE, hot)
+    told = explain(facts, hot, stated, plan, "P1.hole1")
+    assert told.zone_heat_kj == facts.zone_heat_kj[0] == pytest.approx(facts.torch_heat_kj[facts.zone == 1].sum())
+    assert f"zone 1 takes up {told.zone_heat_kj:.1f} kJ at the most, of a budget of 25 kJ" in as_text(told)
+    facts, stated, plan = proven_plan(PLATE, profile)
+    assert "budget" not in as_text(explain(facts, profile, stated, plan, "P1.hole1"))
 
 
 def test_as_data() -> None:

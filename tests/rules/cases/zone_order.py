@@ -1,3 +1,8 @@
+from dataclasses import replace
+
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.catalogue.zone_order import ZoneOrderOptions
 from kerfwise.rules.rule import Violation
 from kerfwise.tests.nests import nest, part, rect
 from kerfwise.tests.rules.case import Case, in_order
@@ -10,6 +15,15 @@ ROW = nest(
     part("C", rect(150, 10, 60, 80)),
 )
 HOST = nest(400, 200, part("H", rect(10, 10, 150, 150), [rect(30, 30, 110, 110)]), part("G", rect(50, 50, 40, 40)))
+BUDGET = ZoneOrderOptions(zone_heat_kj=40.0, absorbed_power_w=1000.0)
+
+
+def timed(nest: Nest, order: str, each_s: float, zones: dict[str, int]) -> CutSequence:
+    """In order, every cut so many seconds long."""
+    cuts = in_order(nest, order, zones=zones)
+    spans = (replace(cut, start_s=100.0 * k, end_s=100.0 * k + each_s) for k, cut in enumerate(cuts))
+    return replace(cuts, cuts=tuple(spans))
+
 
 CASES = (
     Case(
@@ -78,6 +92,29 @@ CASES = (
         "boundary",
         ROW,
         in_order(ROW, "B.outer C.outer A.mark1", zones={"A": 1, "B": 1, "C": 2}),
+    ),
+    Case(
+        "a zone that keeps to its budget",
+        "boundary",
+        ROW,
+        timed(ROW, "A.mark1 A.outer B.outer C.outer", 20.0, {"A": 1, "B": 1, "C": 2}),
+        options=BUDGET,
+    ),
+    Case(
+        "a zone that takes up more heat than its budget",
+        "fails",
+        ROW,
+        timed(ROW, "A.mark1 A.outer B.outer C.outer", 20.1, {"A": 1, "B": 1, "C": 2}),
+        (Violation("zone-order", ("A.outer", "B.outer"), "zone 1 takes up 40.2 kJ, not 40 kJ at the most", (2, 3)),),
+        BUDGET,
+    ),
+    Case(
+        "a host that passes the budget with its guest",
+        "fails",
+        HOST,
+        timed(HOST, "G.outer H.hole1 H.outer", 20.0, {"G": 1, "H": 1}),
+        (Violation("zone-order", ("H.outer",), "zone 1 takes up 60.0 kJ, not 40 kJ at the most", (1, 2, 3)),),
+        BUDGET,
     ),
     Case("no zones are stated at all", "boundary", ROW, in_order(ROW, "C.outer A.outer B.outer")),
 )

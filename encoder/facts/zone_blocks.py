@@ -1,0 +1,59 @@
+"""What zones are made of: a part straight on the sheet with everything nested in it never is in two of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import InputError
+from ..nest import Nest
+from .containment import outermost_of
+from .facts import FactOptions, Floats, Ints
+from .outlines import Outlines
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Blocks:
+    """What shares a zone: a part straight on the sheet with everything nested in it.
+
+    `of` (n,) is the block of each contour; `contours` how many it has, `heat_kj` what cutting them leaves in the sheet
+    (0 where nobody knows), `centroid` and `bounds_mm` those of its outer contour. Rows (before, after) of `pairs` say
+    which block must not be in a later zone than which.
+    """
+
+    of: Ints
+    contours: Ints
+    heat_kj: Floats
+    centroid: Floats
+    bounds_mm: Floats
+    pairs: Ints
+
+
+def blocks_of(
+    nest: Nest, outlines: Outlines, parent: Ints, respected: Ints, options: FactOptions, heat_kj: Floats
+) -> Blocks:
+    """The blocks of a nest; `respected` (k, 2) are pairs of contours, (n,) `heat_kj` may be nan.
+
+    Raises
+    ------
+    InputError
+        If `zone_pairs` name an unknown contour.
+    """
+    tops, of = np.unique(outermost_of(parent), return_inverse=True)
+    locked = np.array([[_contour(nest, a), _contour(nest, b)] for a, b in options.zone_pairs], dtype=np.int64)
+    before, after = of[np.concatenate([respected, locked.reshape(-1, 2)])].T
+    return Blocks(
+        of,
+        np.bincount(of),
+        np.bincount(of, np.nan_to_num(heat_kj)).astype(np.float64),
+        outlines.centroid[tops],
+        outlines.bounds_mm[tops],
+        np.column_stack([before, after])[before != after],
+    )
+
+
+def _contour(nest: Nest, contour_id: str) -> int:
+    if contour_id not in nest.index:
+        raise InputError(f"zone_pairs names contour {contour_id!r}, which the nest does not have")
+    return nest.index[contour_id]

@@ -1,0 +1,76 @@
+"""Zones by geometry alone: one strip after the other off the rectangle around the parts that remain."""
+
+from __future__ import annotations
+
+from operator import itemgetter
+
+import numpy as np
+
+from ..cut import Side
+from .facts import FactOptions, Floats, Ints
+from .outlines import ROUNDING_MM
+from .ranges import laid_out
+from .sides import AWAY, AXIS
+from .zone_blocks import Blocks
+from .zone_heat import fitting
+
+
+def strips_of(blocks: Blocks, start_side: Side, options: FactOptions) -> list[Ints]:
+    """The blocks of each strip, those at the side that it comes off first."""
+    count = len(blocks.contours)
+    across: tuple[Side, Side] = ("bottom", "top") if AXIS[start_side] == 0 else ("left", "right")
+    sides: tuple[Side, ...] = (start_side, *across)  # the side opposite the start stays to the end
+    # Rounded, so that parts on one line keep their order in the nest.
+    depth = {s: AWAY[s] * np.round(blocks.centroid[:, AXIS[s]] / ROUNDING_MM) for s in sides}
+    order = {s: np.argsort(depth[s], kind="stable") for s in sides}
+    before, first = _predecessors(blocks.pairs, count)
+    strips, left = list[Ints](), np.ones(count, dtype=np.bool_)
+    while left.any():
+        square = bool(strips) and _side_ratio(blocks.bounds_mm[left]) <= options.square_ratio
+        choices = []
+        for side in sides if square else sides[:1]:
+            remaining = order[side][left[order[side]]]
+            strip = _strip(remaining, depth[side], blocks, options)
+            remains = left.copy()
+            remains[strip] = False
+            ahead = before[laid_out(first[strip], first[strip + 1] - first[strip])]
+            # A side is not admissible where something that would remain must go before a block of the strip.
+            if side == start_side or not remains[ahead].any():
+                choices.append((_side_ratio(blocks.bounds_mm[remains]), strip))
+        strips.append(min(choices, key=itemgetter(0))[1])
+        left[strips[-1]] = False
+    return strips
+
+
+def _strip(order: Ints, place: Floats, blocks: Blocks, options: FactOptions) -> Ints:
+    """The first blocks in order with about as many contours as asked; all of them when too few would be left over.
+
+    It ends before its heat passes the budget. Of the strips that miss the number by a quarter at most (fewer, where the
+    budget leaves room for fewer), the one that ends at the widest gap between centroids is taken, so that a row or
+    column of parts stays whole; where none does, the one that comes closest.
+    """
+    about, budget_kj = options.zone_contours, options.zone_heat_kj
+    room = len(order) if budget_kj is None else fitting(blocks.heat_kj[order], budget_kj)
+    if room == len(order) and blocks.contours[order].sum() < 1.5 * about:
+        return order
+    first = order[: min(2 * about, room)]
+    so_far = np.cumsum(blocks.contours[first])
+    wanted = min(about, int(so_far[-1]))
+    missed = np.abs(so_far - wanted)
+    gap = np.diff(place[order[: len(first) + 1]], append=np.inf)[: len(first)]
+    gap[missed > wanted / 4] = 0.0
+    return order[: int(np.lexsort((missed, -gap))[0]) + 1]
+
+
+def _side_ratio(bounds_mm: Floats) -> float:
+    """Long side by short side of the rectangle around these bounds, 1 for none; rounded, so that equal is equal."""
+    if not len(bounds_mm):
+        return 1.0
+    size = bounds_mm[:, 2:].max(axis=0) - bounds_mm[:, :2].min(axis=0)
+    return round(float(size.max() / size.min()), 9)
+
+
+def _predecessors(pairs: Ints, count: int) -> tuple[Ints, Ints]:
+    """Blocks before each block, end to end, and where those of each block begin."""
+    by_after = pairs[np.argsort(pairs[:, 1], kind="stable")]
+    return by_after[:, 0], np.searchsorted(by_after[:, 1], np.arange(count + 1))
