@@ -7,11 +7,13 @@ from pathlib import Path
 
 from ezdxf import recover
 from ezdxf.document import Drawing as Document
+from ezdxf.entities.insert import Insert
 from ezdxf.filemanagement import readfile
 from ezdxf.lldxf.const import DXFError
 
 from ..errors import InputError
 from ..nest import Note
+from .copies import check_copies
 from .drawing import Drawing, Piece
 from .dxf_entities import Unread, curve, entities
 from .foreign import FOREIGN_ERRORS
@@ -45,6 +47,7 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions) -> Drawing:
     hidden = frozenset(str(x.dxf.name).lower() for x in document.layers if x.is_off() or x.is_frozen())
     pieces, unread = [], Unread()
     try:
+        _check_blocks(document)
         for order, (entity, layer) in enumerate(entities(document.modelspace(), hidden, unread)):
             drawn = curve(entity, MM_PER[units])
             if drawn is None:
@@ -77,6 +80,15 @@ def _document(path: Path) -> Document:
     except DXF_ERRORS as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise InputError(f"not a DXF file that can be read ({reason}); expected an ASCII or binary DXF") from error
+
+
+def _check_blocks(document: Document) -> None:
+    def made_of(name: str) -> tuple[int, list[tuple[str, int]]]:
+        drawn = document.blocks.get(name) or ()
+        inserts = [e for e in drawn if isinstance(e, Insert)]
+        return len(drawn) - len(inserts), [(str(e.dxf.name), e.mcount) for e in inserts]
+
+    check_copies(document.modelspace().block_record_name, made_of, "block")
 
 
 def _units(document: Document, data: bytes, options: ReadOptions) -> tuple[str, tuple[Note, ...]]:

@@ -38,8 +38,6 @@ ANNOTATION = frozenset(
         *("POINT", "RAY", "XLINE", "VIEWPORT"),
     )
 )
-DEEPEST_BLOCK = 32
-MOST_ENTITIES = 2_000_000
 ROUND = 1e-6
 """An ellipse whose axes differ by less than this share is a circle."""
 
@@ -50,25 +48,19 @@ class Unread:
 
     types: Counter[str] = field(default_factory=Counter)
     hidden_layers: Counter[str] = field(default_factory=Counter)
-    entities: int = 0
 
 
 def entities(
-    drawn: Iterable[DXFGraphic], hidden: frozenset[str], unread: Unread, block_layer: str = "", depth: int = 0
+    drawn: Iterable[DXFGraphic], hidden: frozenset[str], unread: Unread, block_layer: str | None = None
 ) -> Iterator[tuple[DXFGraphic, str]]:
     """Every entity to read with its layer, blocks taken apart (scaled, mirrored and nested ones too).
 
     An entity on layer 0 of a block lies on the layer of its insertion. `hidden` names the layers that are off or
-    frozen, in lower case.
+    frozen, in lower case. Blocks must not contain themselves (`check_copies`).
     """
-    if depth > DEEPEST_BLOCK:
-        raise InputError(f"blocks are nested over {DEEPEST_BLOCK} deep: a block seems to contain itself")
     for entity in drawn:
-        unread.entities += 1
-        if unread.entities > MOST_ENTITIES:
-            raise InputError(f"the drawing unfolds to over {MOST_ENTITIES:,} entities; explode and clean it in CAD")
         kind, layer = entity.dxftype(), str(entity.dxf.get("layer", "0"))
-        if depth and layer == "0":
+        if block_layer is not None and layer == "0":
             layer = block_layer
         if kind in ANNOTATION:
             continue
@@ -76,7 +68,7 @@ def entities(
             unread.hidden_layers[layer] += 1
         elif isinstance(entity, Insert):
             for insert in entity.multi_insert() if entity.mcount > 1 else (entity,):
-                yield from entities(insert.virtual_entities(), hidden, unread, layer, depth + 1)
+                yield from entities(insert.virtual_entities(), hidden, unread, layer)
         else:
             yield entity, layer
 

@@ -8,9 +8,11 @@ from typing import Any
 from xml.etree import ElementTree
 
 from ..errors import InputError
+from .copies import check_copies
 
 UNDRAWN = frozenset({"clipPath", "mask", "marker", "pattern", "filter"})
 """Elements whose shapes are tools of drawing, and no lines to cut."""
+XLINK = "{http://www.w3.org/1999/xlink}href"
 
 _NUMBER = r"(?>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
 _LENGTH = re.compile(rf"\s*(?:{_NUMBER}\s*(?:mm|cm|in|pt|pc|px|q|em|ex|rem|vw|vh|%)?|auto)\s*", re.IGNORECASE)
@@ -31,7 +33,8 @@ def sound(data: bytes) -> bytes:
     Raises
     ------
     InputError
-        For a shape with a number or a path that cannot be read, by name: SVG would leave it out, or part of it.
+        For a shape with a number or a path that cannot be read, by name: SVG would leave it out, or part of it. For
+        more clones than can be drawn.
     xml.etree.ElementTree.ParseError
         For what is no XML.
     """
@@ -44,7 +47,20 @@ def sound(data: bytes) -> bytes:
         for wrong in _wrong(element):
             name = f" '{element.get('id')}'" if element.get("id") else ""
             raise InputError(f"the <{_tag(element)}>{name} cannot be read: {wrong}; save the drawing anew as plain SVG")
+    _check_clones(root)
     return ElementTree.tostring(root)
+
+
+def _check_clones(root: ElementTree.Element) -> None:
+    named = {element.get("id", ""): element for element in root.iter()} | {"": root}
+
+    def made_of(name: str) -> tuple[int, list[tuple[str, int]]]:
+        inner = list(named[name].iter()) if name in named else []
+        clones = [element for element in inner if _tag(element) == "use"]
+        hrefs = (clone.get("href") or clone.get(XLINK) or "" for clone in clones)
+        return len(inner) - len(clones), [(href.removeprefix("#"), 1) for href in hrefs if href.startswith("#")]
+
+    check_copies("", made_of, "clone")
 
 
 def _tag(element: Any) -> str:
