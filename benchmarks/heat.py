@@ -30,9 +30,9 @@ from kerfwise.models.baselines.random_order import random_order
 from kerfwise.models.baselines.realtime import realtime_order
 from kerfwise.models.evaluate import broken
 from kerfwise.models.heat import simulate
-from kerfwise.models.heat.cooler_orders import ORDERS, CoolerOrders
 from kerfwise.models.heat.grid import Grid, make_grid
 from kerfwise.models.heat.route_path import RoutePaths
+from kerfwise.models.heat_prices.cooler_orders import ORDERS, CoolerOrders
 from kerfwise.models.problem import Problem, make_problem
 from kerfwise.models.solution import Solution, SolveOptions
 from kerfwise.models.solve import solve

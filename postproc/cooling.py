@@ -21,9 +21,9 @@ from ..encoder.facts.facts import Facts
 from ..models.evaluate import route_cost
 from ..models.heat.grid import Grid, make_grid
 from ..models.heat.pacing import Heated, Pace, pace
-from ..models.heat.pair_prices import NEAR_BANDS
 from ..models.heat.timed_path import TimedPath
 from ..models.heat.watch import hot_spots
+from ..models.heat_prices.near_pairs import NEAR_BANDS
 from ..models.plan import WAITS, Plan
 from ..models.problem import UM_PER_MM, make_problem
 from ..models.solution import Solution

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from ..encoder.facts.facts import Facts
 from ..models.evaluate import broken, route_cost
-from ..models.heat.cooler_orders import ROUNDS, CoolerOrders
 from ..models.heat.route_path import RoutePaths
+from ..models.heat_prices.cooler_orders import ROUNDS, CoolerOrders
 from ..models.problem import UM_PER_MM, make_problem
 from ..models.solution import Progress, Solution, SolveOptions
 from ..models.timing.choose import feeds_of

@@ -26,7 +26,7 @@ from .program import write_program
 from .timed import with_times
 
 if TYPE_CHECKING:
-    from ..models.heat.cooler_orders import CoolerOrders
+    from ..models.heat_prices.cooler_orders import CoolerOrders
 
 
 @dataclass(frozen=True, eq=False, slots=True)

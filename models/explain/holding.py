@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...rules.statements import About, Contiguous, Lag, NoGood, Precede
-from ..heat.pair_prices import HEAT
+from ..heat_prices.priced_statements import HEAT
 from .setting import Setting
 
 

@@ -8,10 +8,14 @@ from numpy.typing import NDArray
 
 from ...encoder.nest import Nest
 from .grid import Grid
-from .pair_prices import hot_contours
 from .result import HeatResult
 
 Ints = NDArray[np.int64]
+
+
+def hot_contours(nest: Nest) -> Ints:
+    """Numbers of the contours that heat the sheet: all but marks."""
+    return np.array([k for k, contour in enumerate(nest.contours) if contour.kind != "mark"], dtype=np.int64)
 
 
 class Regions:

@@ -14,7 +14,7 @@ from kerfwise.postproc.heat_prices import cooler_orders
 
 
 def test_a_row_of_the_correlation(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("kerfwise.models.heat.cooler_orders.ORDERS", 60)
+    monkeypatch.setattr("kerfwise.models.heat_prices.cooler_orders.ORDERS", 60)
     case = bench("e1x_6", read_nest(EXAMPLES / "e1x_6.json"), plant(90.0))
     cooler = cooler_orders(case.facts, case.profile, case.stated)
     cooler.start()

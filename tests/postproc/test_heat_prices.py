@@ -8,8 +8,8 @@ import pytest
 
 from kerfwise.models.evaluate import broken, route_cost
 from kerfwise.models.heat import simulate
-from kerfwise.models.heat.pair_prices import HEAT
 from kerfwise.models.heat.route_path import RoutePaths
+from kerfwise.models.heat_prices.priced_statements import HEAT
 from kerfwise.models.problem import UM_PER_MM
 from kerfwise.models.solution import Solution, SolveOptions
 from kerfwise.models.solve import solve
@@ -18,7 +18,7 @@ from kerfwise.postproc.heat_prices import solve_priced
 from kerfwise.postproc.produce import Asked, produce
 from kerfwise.rules.profile import Profile
 from kerfwise.rules.state import Stated
-from kerfwise.tests.models.heat.plate import PLATE, facts, plant, posed, stated
+from kerfwise.tests.models.heat_prices.plate import PLATE, facts, plant, posed, stated
 
 LIMITS = SolveOptions(work=2.0, home_mm=plant().machine.home, feeds=feeds_of(plant()))
 
@@ -26,7 +26,7 @@ LIMITS = SolveOptions(work=2.0, home_mm=plant().machine.home, feeds=feeds_of(pla
 @pytest.fixture(autouse=True)
 def _few(monkeypatch: pytest.MonkeyPatch) -> None:
     for name, value in (("ORDERS", 24), ("NEARBY", 8)):
-        monkeypatch.setattr(f"kerfwise.models.heat.cooler_orders.{name}", value)
+        monkeypatch.setattr(f"kerfwise.models.heat_prices.cooler_orders.{name}", value)
 
 
 def priced(price_mm: float) -> Profile:

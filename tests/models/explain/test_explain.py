@@ -18,7 +18,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models.evaluate import broken, route_cost
 from kerfwise.models.explain import as_json, as_text, explain
 from kerfwise.models.explain.setting import Setting, make_setting
-from kerfwise.models.heat.pair_prices import HEAT
+from kerfwise.models.heat_prices.priced_statements import HEAT
 from kerfwise.postproc.produce import facts_of
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.sections import RuleSetting

@@ -8,19 +8,12 @@ from numpy.typing import NDArray
 
 from ...encoder.nest import Nest
 from ...rules.heat_section import Heat
+from ..heat.regions import hot_contours
 
 Ints = NDArray[np.int64]
 
-HEAT = "objective.heat"
-"""What prices of heat are told by, in place of a rule."""
-
 NEAR_BANDS = 6.0
 """Contours nearer than so many bands of the kerf heat each other."""
-
-
-def hot_contours(nest: Nest) -> Ints:
-    """Numbers of the contours that heat the sheet: all but marks."""
-    return np.array([k for k, contour in enumerate(nest.contours) if contour.kind != "mark"], dtype=np.int64)
 
 
 def near_pairs(nest: Nest, heat: Heat) -> tuple[Ints, Ints]:

@@ -3,28 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import pytest
 
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.models.evaluate import broken
 from kerfwise.models.heat import simulate
-from kerfwise.models.heat.cooler_orders import CoolerOrders
-from kerfwise.models.heat.grid import make_grid
-from kerfwise.models.heat.regions import Regions
 from kerfwise.models.heat.route_path import RoutePaths
+from kerfwise.models.heat_prices.cooler_orders import CoolerOrders
 from kerfwise.models.solution import SolveOptions
 from kerfwise.models.solve import solve
 from kerfwise.models.timing.choose import feeds_of
 from kerfwise.rules.statements import Statement
-from kerfwise.tests.models.heat.plate import PLATE, facts, plant, posed, stated
+from kerfwise.tests.models.heat_prices.plate import PLATE, facts, plant, posed, stated
 
 
 @pytest.fixture(autouse=True)
 def _few(monkeypatch: pytest.MonkeyPatch) -> None:
     for name, value in (("ORDERS", 24), ("NEARBY", 8), ("ROUNDS", 2)):
-        monkeypatch.setattr(f"kerfwise.models.heat.cooler_orders.{name}", value)
+        monkeypatch.setattr(f"kerfwise.models.heat_prices.cooler_orders.{name}", value)
 
 
 def paths() -> RoutePaths:
@@ -84,12 +81,3 @@ def test_a_round_without_a_plan_is_the_last() -> None:
         return planned(k, further)
 
     assert cooler().find(20.0, planner).overheats >= 0
-
-
-def test_overheats_are_counted_where_they_are() -> None:
-    heat = replace(plant().heat, limit_c=60.0)
-    found = simulate(PLATE, paths().of(planned(0, ())), heat, 6.0)
-    counts = Regions(PLATE, make_grid(PLATE, heat.grid_mm)).count(found)
-    assert counts.sum() == found.overheats > 0
-    of_c = next(part.overheats for part in found.parts if part.part == "C")
-    assert counts[PLATE.index["C.outer"]] >= of_c > 0

@@ -8,13 +8,12 @@ from numpy.typing import NDArray
 
 from kerfwise.models.baselines.random_order import random_order
 from kerfwise.models.evaluate import route_cost
-from kerfwise.models.heat.pair_prices import HEAT
-from kerfwise.models.heat.priced_statements import priced_statements
-from kerfwise.models.heat.prices import HeatPrices, fit_prices
-from kerfwise.models.heat.terms import Terms
+from kerfwise.models.heat_prices.priced_statements import HEAT, priced_statements
+from kerfwise.models.heat_prices.prices import HeatPrices, fit_prices
+from kerfwise.models.heat_prices.terms import Terms
 from kerfwise.models.problem import UM_PER_MM, make_problem
 from kerfwise.rules.statements import AtLeast, Forbid, Precede
-from kerfwise.tests.models.heat.plate import PLATE, facts, plant, posed, stated
+from kerfwise.tests.models.heat_prices.plate import PLATE, facts, plant, posed, stated
 
 Floats = NDArray[np.float64]
 A, B, C = (PLATE.index[name] for name in ("A.outer", "B.outer", "C.outer"))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...encoder.facts.facts import Facts
 from ...rules.heat_section import Heat
 from ..problem import Problem
-from .pair_prices import near_pairs
+from .near_pairs import near_pairs
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

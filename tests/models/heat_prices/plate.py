@@ -1,4 +1,4 @@
-"""A small plate to be priced: `from kerfwise.tests.models.heat.plate import …`."""
+"""A small plate to be priced: `from kerfwise.tests.models.heat_prices.plate import …`."""
 
 from __future__ import annotations
 

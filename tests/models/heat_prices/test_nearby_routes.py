@@ -10,10 +10,10 @@ import pytest
 
 from kerfwise.models.baselines.random_order import random_order
 from kerfwise.models.evaluate import broken, route_cost
-from kerfwise.models.heat.nearby import _cheapest, nearby
-from kerfwise.models.heat.prices import HeatPrices
-from kerfwise.models.heat.terms import Terms
-from kerfwise.tests.models.heat.plate import PLATE, facts, plant, posed
+from kerfwise.models.heat_prices.nearby_routes import _cheapest, nearby
+from kerfwise.models.heat_prices.prices import HeatPrices
+from kerfwise.models.heat_prices.terms import Terms
+from kerfwise.tests.models.heat_prices.plate import PLATE, facts, plant, posed
 from kerfwise.tests.models.problems import problem
 
 
@@ -40,8 +40,8 @@ def test_entries_are_the_cheapest_of_an_order() -> None:
 
 
 def test_entries_know_what_is_out_by_then(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("kerfwise.models.heat.nearby.MOST_MOVES", 0)
-    monkeypatch.setattr("kerfwise.models.heat.nearby.MOST_PULLED", 0)
+    monkeypatch.setattr("kerfwise.models.heat_prices.nearby_routes.MOST_MOVES", 0)
+    monkeypatch.setattr("kerfwise.models.heat_prices.nearby_routes.MOST_PULLED", 0)
     of = Terms.of(facts(), posed(), plant().heat)
     a, b = (PLATE.index[name] for name in ("A.outer", "B.outer"))
     sites = list(posed().sites(b))

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 from ...encoder.facts.facts import Facts
 from ...rules.statements import About, AtLeast, Before, Forbid, Precede
 from ..problem import Problem
-from .pair_prices import HEAT
 from .prices import HeatPrices
 
 Priced = Precede | Forbid | AtLeast
 
+HEAT = "objective.heat"
+"""What prices of heat are told by, in place of a rule."""
 LEAST = 0.1
 """Prices under so many overheats are noise."""
 

@@ -24,16 +24,16 @@ from ...rules.heat_section import Heat
 from ...rules.statements import Statement
 from ..baselines.random_order import random_order
 from ..evaluate import route_cost
+from ..heat.grid import make_grid
+from ..heat.regions import Regions
+from ..heat.route_path import RoutePaths
+from ..heat.simulate import simulate
+from ..heat.timed_path import TimedPath
 from ..problem import UM_PER_MM, Problem
-from .grid import make_grid
-from .nearby import nearby
+from .nearby_routes import nearby
 from .priced_statements import priced_statements
 from .prices import HeatPrices, fit_prices
-from .regions import Regions
-from .route_path import RoutePaths
-from .simulate import simulate
 from .terms import Terms
-from .timed_path import TimedPath
 
 Ints = NDArray[np.int64]
 Route = tuple[int, ...]
