@@ -26,6 +26,8 @@ ROUND = 0.7
 """Share of what is left for one round, where geometry may have afterthoughts that ask for another."""
 ENOUGH = 0.9
 """Share after which no further round is begun."""
+LEAST = 0.2
+"""Share that the first round has at the least, however long the problem has taken to be made."""
 
 
 def solve(
@@ -47,15 +49,18 @@ def solve(
         If no lawful plan exists, or none was found (the message says which).
     """
     watch = Watch(options, progress)
+    timed = options.time_s is not None
     whole = options.work if options.time_s is None else options.time_s
-    spent = 0.0
+    spent = look_s = 0.0
     posed: Problem | None = None
     known: Known | None = None
     candidates: Sites | None = None
     while True:
         posed = make_problem(facts, statements, options.home_mm, options.feeds, posed)
         problem = simplify(posed)
-        share = (whole - spent) * (1.0 if refine is None else ROUND)
+        spent = watch.seconds if timed else spent  # making a problem takes its time on large nests, as looks do
+        share = whole - spent if refine is None else min((whole - spent) * ROUND, whole - spent - look_s)
+        share = max(share, LEAST * whole) if known is None else max(share, 0.0)
         watch.begin()
         limits = replace(options, work=share, time_s=options.time_s and share)
         known = run_portfolio(problem, limits, watch, _still_lawful(problem, candidates), known)
@@ -64,13 +69,16 @@ def solve(
             raise _no_plan(known.infeasible)
         candidates = problem.site_candidate[list(known.incumbent.route)]
         order = tuple(int(problem.site_contour[s]) for s in known.incumbent.route)
+        began_s = watch.seconds
         missing = () if refine is None else refine(order)
         statements += missing
-        if options.time_s is not None:  # geometry takes its time on large nests
-            spent = watch.seconds
-        if not missing or watch.stopped or spent >= whole * ENOUGH:
+        if timed:
+            spent, look_s = watch.seconds, watch.seconds - began_s
+        if not missing or watch.stopped or spent + look_s >= whole * ENOUGH:
             break
     if missing:
+        took = f" that ends with a look of {look_s:.1f} s" if timed else ""
+        known.notes.append(f"rounds: what geometry found last is priced only; the limit leaves no further round{took}")
         problem = make_problem(facts, statements, options.home_mm, options.feeds, posed)
         known = replace(known, incumbent=_judged_anew(problem, problem.candidate_site[candidates].tolist(), missing))
     return _solution(problem, known, spent)
