@@ -12,7 +12,8 @@ from ...rules.statements import About
 from ...rules.suggest import unknown
 from ..plan import Plan
 from .entry import Entry, explain_entry
-from .holding import HeatPrice, Hold, chain, heat_prices, holds, others
+from .heat_prices import HeatPrice, heat_prices
+from .holding import Hold, chain, holds, others
 from .moves import Move, explain_moves
 from .setting import make_setting
 
@@ -23,8 +24,8 @@ class Explanation:
 
     `previous` and `following` are its neighbours in the plan, "" for the machine's home. `earlier` and `later` hold
     it, nearest first; the chains lead on from there to the ends of the plan. `also` are statements of other kinds,
-    `heat` prices on orders that overheat metal. The torch waits for `dwell_s` before the contour is cut, and why.
-    Where zones have a budget of heat, `zone_heat_kj` says how much goes into this one at the most.
+    `heat` prices on orders and entries that overheat metal. The torch waits for `dwell_s` before the contour is cut,
+    and why. Where zones have a budget of heat, `zone_heat_kj` says how much goes into this one at the most.
     """
 
     contour: str

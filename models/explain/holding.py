@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...rules.statements import About, Contiguous, Lag, NoGood, Precede
-from ..heat_prices.priced_statements import HEAT
 from .setting import Setting
 
 
@@ -46,27 +45,6 @@ def chain(setting: Setting, contour: int, earlier: bool) -> tuple[Hold, ...]:
 def _lies_so(setting: Setting, contour: int, hold: Hold, earlier: bool) -> bool:
     """Whether the plan keeps the order, as an old plan need not."""
     return (hold.place < setting.order.index(contour) + 1) == earlier
-
-
-@dataclass(frozen=True, slots=True)
-class HeatPrice:
-    """An order of two contours that overheats less metal: whether the plan keeps it, and what breaking it costs, mm."""
-
-    other: str
-    kept: bool
-    price_mm: float
-    about: About
-
-
-def heat_prices(setting: Setting, contour: int) -> tuple[HeatPrice, ...]:
-    """The prices of heat that a contour's place has to do with, the highest first."""
-    place = {c: k for k, c in enumerate(setting.order)}
-    found = []
-    for s in setting.stated.statements:
-        if isinstance(s, Precede) and s.weight is not None and s.about.rule == HEAT and contour in (s.before, s.after):
-            other = s.after if s.before == contour else s.before
-            found.append(HeatPrice(setting.name(other), place[s.before] < place[s.after], s.weight, s.about))
-    return tuple(sorted(found, key=lambda price: -price.price_mm))
 
 
 def others(setting: Setting, contour: int) -> tuple[About, ...]:

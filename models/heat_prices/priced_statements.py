@@ -30,6 +30,7 @@ def priced_statements(facts: Facts, problem: Problem, prices: HeatPrices, price_
 
 class _Speaker:
     def __init__(self, facts: Facts, problem: Problem, prices: HeatPrices, price_mm: float) -> None:
+        self._facts, self._problem = facts, problem
         self._names = [contour.id for contour in facts.nest.contours]
         self._terms, self._price_mm = prices.terms, price_mm
         self._values = prices.terms.split(prices.overheats)
@@ -43,9 +44,14 @@ class _Speaker:
         yield from self._entries()
         yield from self._both()
 
-    def _about(self, contours: tuple[int, ...], sentence: str, more: float) -> About:
+    def _about(self, contours: tuple[int, ...], sentence: str, more: float, where: str = "") -> About:
         names = tuple(self._names[k] for k in contours)
-        return About(HEAT, names, f"{sentence.format(*names)}, or {abs(more):.2g} more points overheat")
+        return About(HEAT, names, f"{sentence.format(*names)}{where}, or {abs(more):.2g} more points overheat")
+
+    def _at(self, site: int) -> str:
+        candidate = self._facts.candidates[int(self._problem.site_candidate[site])]
+        x, y = candidate.entry
+        return f" at ({x:.1f}, {y:.1f}) {candidate.direction}"
 
     def _pairs(self) -> Iterator[Precede]:
         for (i, j), more in zip(self._terms.pairs.tolist(), self._values[0].tolist(), strict=True):
@@ -62,14 +68,18 @@ class _Speaker:
             costs[site] += min(more, 0.0)
             mine = int(terms.site_contour[site])
             pair = (mine, out) if more > 0 else (out, mine)
-            about = self._about(pair, "{} is cut before {} where it is entered so", more)
+            about = self._about(
+                pair, "{} is cut before {}", more, f" where {self._names[mine]} is entered{self._at(site)}"
+            )
             for candidate in self._candidates[site]:
                 yield AtLeast(
                     (Before(*pair),), (1,), 1, about, when=candidate, weight=abs(more) * self._price_mm
                 )  # fmt: skip
         for site, more in enumerate(_above_least(costs, terms.site_contour).tolist()):
             if more >= LEAST:
-                about = self._about((int(terms.site_contour[site]),), "{} is entered elsewhere", more)
+                about = self._about(
+                    (int(terms.site_contour[site]),), "{} is entered elsewhere than", more, self._at(site)
+                )
                 for candidate in self._candidates[site]:
                     yield Forbid(candidate, about, more * self._price_mm)
 

@@ -18,12 +18,11 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models.evaluate import broken, route_cost
 from kerfwise.models.explain import as_json, as_text, explain
 from kerfwise.models.explain.setting import Setting, make_setting
-from kerfwise.models.heat_prices.priced_statements import HEAT
 from kerfwise.postproc.produce import facts_of
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.sections import RuleSetting
 from kerfwise.rules.state import state_rules
-from kerfwise.rules.statements import About, AtLeast, Before, Forbid, Precede, Statement
+from kerfwise.rules.statements import About, AtLeast, Before, Forbid, Statement
 from kerfwise.tests.models.solved import QUIET, plant, proven_plan
 from kerfwise.tests.nests import circle, nest, part, rect
 
@@ -161,19 +160,3 @@ def _costs(setting: Setting, order: tuple[int, ...], contour: int | None = None,
     for route in product(*layers):
         if not broken(setting.problem, route):
             yield route_cost(setting.problem, route)
-
-
-def test_prices_of_heat_are_named_and_whether_the_plan_keeps_them() -> None:
-    facts, stated, plan = proven_plan(PLATE, plant())
-    at = {planned.cut.contour: k for k, planned in enumerate(plan.cuts)}
-    first, then = sorted(("P2.outer", "P3.outer"), key=at.__getitem__)
-    index = facts.nest.index
-    prices = [
-        Precede(index[a], index[b], About(HEAT, (a, b), f"{a} is cut before {b}, or more points overheat"), 120.0 + k)
-        for k, (a, b) in enumerate(((first, then), (then, first)))
-    ]
-    priced = replace(stated, statements=(*stated.statements, *prices))
-    told = explain(facts, plant(), priced, plan, first)
-    assert [(p.other, p.kept, p.price_mm) for p in told.heat] == [(then, False, 121.0), (then, True, 120.0)]
-    assert f"broken, costs 121 mm: {then} is cut before {first}" in as_text(told)
-    assert explain(facts, plant(), priced, plan, "P4.outer").heat == ()

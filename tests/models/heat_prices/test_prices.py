@@ -107,6 +107,24 @@ def test_sentences_name_what_is_asked() -> None:
     assert other.about.sentence == f"{names[2]} is cut before {names[0]} or {names[1]}, or 3 more points overheat"
 
 
+def test_sentences_name_the_entry() -> None:
+    of, (site, other) = terms(), list(posed().sites(B))[:2]
+    overheats = np.zeros(of.rows(routes(1)).shape[1])
+    k = of.entered.tolist().index([site, C])
+    overheats[len(of.pairs) + other] = 4.0
+    overheats[len(of.pairs) + len(of.site_contour) + k] = 5.0
+    said = {s.about.sentence for s in priced_statements(facts(), posed(), HeatPrices(of, overheats), 10.0)}
+
+    def at(s: int) -> str:
+        candidate = facts().candidates[posed().site_candidate[s]]
+        return f"at ({candidate.entry[0]:.1f}, {candidate.entry[1]:.1f}) {candidate.direction}"
+
+    assert said == {
+        f"B.outer is cut before C.outer where B.outer is entered {at(site)}, or 5 more points overheat",
+        f"B.outer is entered elsewhere than {at(other)}, or 4 more points overheat",
+    }
+
+
 def test_where_nothing_is_hot_nothing_is_asked() -> None:
     seen = routes(20)
     prices = fit_prices(terms(), seen, np.zeros((20, 4)), np.ones(20))
