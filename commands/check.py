@@ -24,6 +24,6 @@ def command(made: str, **given: Any) -> int:
         note_if_others(plan, asked)
         result = check_plan(asked.nest, plan, asked.profile)
     else:
-        result = check_program(asked.nest, program_text(made), asked.profile)
+        result = check_program(asked.nest, program_text(made), asked.profile, made)
     click.echo(report(result))
     return 0 if result.ok else 1

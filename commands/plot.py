@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import click
@@ -16,8 +17,11 @@ from .given import given_options, note_if_others, read_given
 def command(plan: str | None, output: str, **given: Any) -> None:
     """Draw NEST, or the plan PLAN.json of it: order, zones, pierces, leads, directions and idle travel."""
     from ..models.plan_reader import read_plan
-    from ..postproc.report import plot
+    from ..postproc.files import expect_outputs
+    from ..postproc.report import expect_picture, plot
 
+    expect_picture(Path(output).suffix)
+    expect_outputs([Path(output)], [Path(given["nest"])])
     asked = read_given(**given)
     made = read_plan(plan) if plan else None
     if made is not None:

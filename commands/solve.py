@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -64,7 +65,7 @@ def command(
     from ..models.solution import SolveOptions
     from ..models.timing.choose import feeds_of
     from ..postproc.dialects import load_dialect
-    from ..postproc.files import expect_folders, write_files
+    from ..postproc.files import write_files
     from ..postproc.produce import ask, facts_of, produce
     from ..postproc.report import draw
     from .conflict import tell_conflict
@@ -72,10 +73,12 @@ def command(
     from .progress import listening
     from .summary import summary
 
+    file = Path(options["nest"])
     if output is plan_path is picture is None:
-        stem = Path(options["nest"]).stem
-        output, plan_path, picture = f"{stem}.nc", f"{stem}.plan.json", f"{stem}.svg"
-    expect_folders(Path(name) for name in (output, plan_path, picture) if name)
+        beside = f"{file.stem}.plan.svg" if file.suffix.lower() == ".svg" else f"{file.stem}.svg"
+        output, plan_path, picture = f"{file.stem}.nc", f"{file.stem}.plan.json", beside
+    conflict_picture = conflict_picture or f"{file.stem}.conflict.svg"
+    _expect((output, plan_path, picture, conflict_picture), (picture, conflict_picture), (file, lock_from))
     given = read_given(**options)
     nest, profile = given.nest, keeping(given.profile, lock_from, upto)
     load_dialect(profile.machine.dialect)  # a file of the plant's own may be wrong: better said now than at the end
@@ -88,7 +91,7 @@ def command(
         with listening() as ear:
             made = produce(asked, profile, limits, ear, engine, solver, strategy)
     except RulesConflict as error:
-        return tell_conflict(facts, profile, error, conflict_picture or f"{Path(options['nest']).stem}.conflict.svg")
+        return tell_conflict(facts, profile, error, conflict_picture)
     if verbose:
         click.echo("\n".join(made.notes))
     click.echo(summary(made.plan, made.verdict))
@@ -105,3 +108,14 @@ def command(
     write_files(files)
     click.echo("written: " + ", ".join(map(str, files)))
     return 130 if ear.interrupted else 0
+
+
+def _expect(outputs: Iterable[str | None], pictures: Iterable[str | None], inputs: Iterable[str | Path | None]) -> None:
+    """Say before the work what could not be written after it."""
+    from ..postproc.files import expect_outputs
+    from ..postproc.report import expect_picture
+
+    for picture in pictures:
+        if picture:
+            expect_picture(Path(picture).suffix)
+    expect_outputs((Path(name) for name in outputs if name), (Path(name) for name in inputs if name))

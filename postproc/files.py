@@ -23,6 +23,28 @@ def expect_folders(paths: Iterable[Path]) -> None:
             raise InputError(f"cannot write: there is no folder {str(path.parent)!r}", file=path)
 
 
+def expect_outputs(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
+    """Say at once that files cannot be written, or that one would take the place of another, or of what is read.
+
+    Raises
+    ------
+    InputError
+        Naming the file.
+    """
+    read = {path.resolve() for path in inputs}
+    written: set[Path] = set()
+    for path in outputs:
+        expect_folders([path])
+        place = path.resolve()
+        if path.is_dir():
+            raise InputError("cannot write: this is a folder; give the name of a file", file=path)
+        if place in read:
+            raise InputError("would be written over, and is read from: give the output another name", file=path)
+        if place in written:
+            raise InputError("two outputs have this name: give each its own", file=path)
+        written.add(place)
+
+
 def expect_place(folder: Path) -> None:
     """Say at once that a folder cannot be made.
 

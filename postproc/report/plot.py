@@ -45,10 +45,21 @@ def draw(nest: Nest, plan: Plan | None, suffix: str, home: Point = (0.0, 0.0), s
     InputError
         If the suffix is another, or the plan or the spot is not of this nest.
     """
+    expect_picture(suffix)
+    return _DRAWN[suffix.lower()](make_scene(nest, plan, home, spot), plan)
+
+
+def expect_picture(suffix: str) -> None:
+    """Say at once that no picture can be drawn to a file of such a suffix.
+
+    Raises
+    ------
+    InputError
+        With those that can be.
+    """
     if suffix.lower() not in _DRAWN:
         known = ", ".join(_DRAWN)
         raise InputError(f"cannot draw a picture of type {suffix!r}: the file name must end in one of {known}")
-    return _DRAWN[suffix.lower()](make_scene(nest, plan, home, spot), plan)
 
 
 def plot(nest: Nest, plan: Plan | None, path: str | Path, home: Point = (0.0, 0.0)) -> None:

@@ -53,6 +53,20 @@ def test_without_an_output_named_all_three_are_written_here(tmp_path: Path, monk
     assert sorted(p.name for p in tmp_path.iterdir()) == ["e1x_6.nc", "e1x_6.plan.json", "e1x_6.svg"]
 
 
+def test_a_drawing_is_not_written_over_by_its_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    drawn = (EXAMPLES / "nests" / "marked.svg").read_bytes()
+    Path("marked.svg").write_bytes(drawn)
+    assert kerfwise("solve", "marked.svg", "-p", SHOP).code == 0
+    assert sorted(p.name for p in tmp_path.iterdir()) == [
+        "marked.nc",
+        "marked.plan.json",
+        "marked.plan.svg",
+        "marked.svg",
+    ]
+    assert Path("marked.svg").read_bytes() == drawn
+
+
 def test_a_damaged_plan_or_program_fails_the_check(tmp_path: Path) -> None:
     nest = EXAMPLES / "nests" / "e1x_6.json"
     plan, program = tmp_path / "plan.json", tmp_path / "plan.nc"

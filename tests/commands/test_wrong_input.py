@@ -62,6 +62,36 @@ def test_an_output_that_cannot_be_written(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+def test_an_output_in_the_place_of_another_or_of_what_is_read(tmp_path: Path) -> None:
+    nest = tmp_path / "nest.json"
+    nest.write_bytes(NEST.read_bytes())
+    plan = tmp_path / "plan.json"
+    same = tmp_path / "here" / ".." / "plan.json"
+    (tmp_path / "here").mkdir()
+    for verb in (("solve", nest, "-o", nest), ("facts", nest, "-o", nest)):
+        refused(kerfwise(*verb), "nest.json: would be written over, and is read from")
+    refused(kerfwise("solve", nest, "-o", plan, "--plan", same), "plan.json: two outputs have this name")
+    refused(kerfwise("solve", nest, "--lock-from", plan, "--upto", "1", "--plan", plan), "is read from")
+    refused(kerfwise("solve", nest, "-o", tmp_path), "this is a folder")
+    drawn = EXAMPLES / "nests" / "marked.svg"
+    refused(kerfwise("plot", drawn, "-o", drawn), "marked.svg: would be written over")
+    assert nest.read_bytes() == NEST.read_bytes()
+    assert not plan.exists()
+
+
+def test_a_picture_of_no_known_type_is_refused_before_the_work(tmp_path: Path) -> None:
+    for option in ("--picture", "--conflict-picture"):
+        ended = kerfwise("solve", NEST, "-o", tmp_path / "cut.nc", option, "cut.jpg")
+        refused(ended, "cannot draw a picture of type '.jpg'", ".svg, .png, .html")
+        assert ended.out == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_program_that_cannot_be_read_is_named(tmp_path: Path) -> None:
+    (tmp_path / "cut.nc").write_text("G21\nG0 X\n")
+    refused(kerfwise("check", NEST, tmp_path / "cut.nc"), "cut.nc:2: cannot read 'X'")
+
+
 def test_a_program_where_a_plan_is_expected(tmp_path: Path) -> None:
     (tmp_path / "cut.nc").write_text("N10 G21\n")
     refused(kerfwise("plot", NEST, tmp_path / "cut.nc", "-o", "cut.svg"), "cut.nc:1:1: not a plan: expected JSON")
