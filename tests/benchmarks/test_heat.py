@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from kerfwise.benchmarks.heat import EXAMPLES, bench, correlation, plant
-from kerfwise.benchmarks.heat_speed import HEIGHT_MM, SECONDS, WIDTH_MM, up_and_down
+from kerfwise.benchmarks.heat_speed import HEIGHT_MM, PLANT, SECONDS, WIDTH_MM, run, up_and_down
 from kerfwise.encoder.readers import read_nest
 from kerfwise.models.baselines.random_order import random_order
 from kerfwise.models.timing.constant import Leg, idle_mm
@@ -40,3 +42,14 @@ def test_the_torch_goes_all_over_the_sheet() -> None:
     assert np.all((steps == 0).any(axis=1))
     assert steps[:, 0].sum() == pytest.approx(WIDTH_MM - 30.0)
     assert steps[:, 1].sum() == pytest.approx(200 * (HEIGHT_MM - 20.0))
+
+
+def test_a_command_is_measured_alone(tmp_path: Path) -> None:
+    plant = tmp_path / "plant.yaml"
+    plant.write_text(PLANT, encoding="utf-8")
+    ran = run("profile", "check", str(plant))
+    assert ran.text.startswith("plant: fine")
+    assert 0 < ran.cpu_s < 60
+    assert 10 < ran.memory_mb < 4000
+    with pytest.raises(RuntimeError, match="profile check nobody failed"):
+        run("profile", "check", "nobody")
