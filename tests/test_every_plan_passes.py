@@ -19,15 +19,15 @@ from kerfwise.tests.encoder.facts.random_nests import nests
 
 
 @pytest.mark.parametrize("profile_name", shipped_profiles())
-@given(nest=nests(), seed=st.integers(0, 3))
+@given(nest=nests(), seed=st.integers(0, 3), budget_kj=st.sampled_from([None, 2.0, 20.0]))
 @settings(max_examples=12, deadline=None)
-def test_every_plan_passes_the_check(profile_name: str, nest: Nest, seed: int) -> None:
+def test_every_plan_passes_the_check(profile_name: str, nest: Nest, seed: int, budget_kj: float | None) -> None:
     assume(nest.parts)
     profile = load_profile(profile_name)
     # a piece of two contours a zone makes more of the zones of these small nests
     rules = dict(profile.rules)
     zones = rules["zone-order"]
-    rules["zone-order"] = replace(zones, options=replace(zones.options, zone_contours=4))
+    rules["zone-order"] = replace(zones, options=replace(zones.options, zone_contours=4, zone_heat_kj=budget_kj))
     profile = replace(profile, rules=rules)
     try:
         asked = ask(facts_of(nest, profile), profile)
