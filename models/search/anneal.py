@@ -23,7 +23,7 @@ Ints = NDArray[np.int64]
 DEAREST = 1 << 40  # the most that a broken statement counts, µm
 EXCHANGES = 4  # work on exchanges for one of ruins, where they are quick
 MOST = 12  # contours taken out at once
-SWAPS = 0.9  # share of swaps among the moves tried: they are much cheaper than to ruin and recreate
+RUINS, FEW_RUINS, LONG = 0.1, 0.03, 300  # share of ruins among the moves, the rest are swaps: fewer on long routes
 GO_ON, MAKE_ROUTE, TAKE_ROUTE = 0, 1, 2  # what to do before a walk
 FORCED = 0.3  # share of ruins in which a site is forced, where that makes sense
 JUDGE = 128  # trials between two looks at how many of them were lawful
@@ -39,6 +39,7 @@ def walk(tables: Tables, state: State, first: int, until: int, hot: float, cold:
         nearest_first(tables, state)
     if first != GO_ON:
         _stand(tables, state, first == MAKE_ROUTE)
+    swaps = 1.0 - max(FEW_RUINS, RUINS * min(1.0, LONG / tables.legs.n))
     start = state.number[WORK]
     while state.number[WORK] < until:
         done = (state.number[WORK] - start) / (until - start)
@@ -48,7 +49,7 @@ def walk(tables: Tables, state: State, first: int, until: int, hot: float, cold:
             before = state.number[WORK]
             _settle(tables, state, _shuffle(tables, state), limit)
             rewire(tables, state, temperature, EXCHANGES * (state.number[WORK] - before) // PER_TRIAL)
-        elif share(state.random) < SWAPS:
+        elif share(state.random) < swaps:
             state.number[WORK] += 60
             if swap_towards(tables, state, limit):
                 _settle(tables, state, True, limit)
