@@ -83,6 +83,7 @@ def _nest(job: Job, options: SolveOptions) -> _Outcome:
     from pathlib import Path
 
     from ...encoder.readers import read_nest
+    from ...models.ready import load_kernels
     from ...models.timing.choose import feeds_of
     from ...rules.profile import load_profile
     from ..produce import ask, facts_of, produce
@@ -90,7 +91,7 @@ def _nest(job: Job, options: SolveOptions) -> _Outcome:
     profile = load_profile(job.profile) if job.profile else load_profile()
     nest = read_nest(job.path, profile.read_options())
     limits = replace(options, home_mm=profile.machine.home, feeds=feeds_of(profile))
-    _load_kernels(options)
+    load_kernels()
     started = time.perf_counter()
     try:
         made = produce(ask(facts_of(nest, profile), profile), profile, limits)
