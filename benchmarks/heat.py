@@ -37,8 +37,8 @@ from kerfwise.models.problem import Problem, make_problem
 from kerfwise.models.solution import Solution, SolveOptions
 from kerfwise.models.solve import solve
 from kerfwise.models.timing.choose import feeds_of
+from kerfwise.postproc.ask import Asked, facts_of
 from kerfwise.postproc.heat_prices import cooler_orders, solve_priced
-from kerfwise.postproc.produce import Asked, facts_of
 from kerfwise.rules.profile import Profile, load_profile
 from kerfwise.rules.sections import RuleSetting
 from kerfwise.rules.state import Stated, state_rules

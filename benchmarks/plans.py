@@ -26,7 +26,7 @@ from kerfwise.models.make_plan import make_plan
 from kerfwise.models.solution import Solution, SolveOptions
 from kerfwise.models.solve import solve
 from kerfwise.models.timing.choose import feeds_of
-from kerfwise.postproc.produce import facts_of
+from kerfwise.postproc.ask import facts_of
 from kerfwise.rules.afterthoughts import afterthoughts
 from kerfwise.rules.profile import Profile, load_profile
 from kerfwise.rules.state import state_rules

@@ -29,7 +29,7 @@ from kerfwise.models.simplify import simplify
 from kerfwise.models.solution import SolveOptions
 from kerfwise.models.timing.choose import feeds_of
 from kerfwise.models.watch import Watch
-from kerfwise.postproc.produce import ask, facts_of
+from kerfwise.postproc.ask import ask, facts_of
 from kerfwise.rules.profile import load_profile
 
 PAGE = """\

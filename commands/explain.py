@@ -22,8 +22,8 @@ def command(plan: str, contour: str, everything: bool, as_data: bool, **given: A
     from ..models.conflict import state_relaxed
     from ..models.explain import as_json, as_text, explain
     from ..models.plan_reader import read_plan
+    from ..postproc.ask import facts_of
     from ..postproc.heat_prices import with_heat_prices
-    from ..postproc.produce import facts_of
     from ..rules.state import state_rules
 
     asked = read_given(**given)

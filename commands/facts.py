@@ -21,8 +21,8 @@ def command(output: str | None, **given: Any) -> None:
             f"cannot write facts as {Path(output).suffix or output!r}: give a name ending in .json or .dzn"
         )
     from ..encoder.facts import facts_dzn, facts_json
+    from ..postproc.ask import facts_of
     from ..postproc.files import expect_outputs, write_files
-    from ..postproc.produce import facts_of
 
     expect_outputs([Path(output)] if output else [], [Path(given["nest"])])
     asked = read_given(**given)

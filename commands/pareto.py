@@ -80,7 +80,7 @@ def command(
 
 def _plans(given: Given, prices_mm: Sequence[float], limits: SolveOptions) -> tuple[list[Trade], int]:
     """A plan for each price, and the exit code. After Ctrl-C, or where a price leaves no plan, those found so far."""
-    from ..postproc.produce import facts_of
+    from ..postproc.ask import facts_of
     from ..postproc.trade_off import TradeOff
     from .progress import listening
 

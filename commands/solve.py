@@ -67,9 +67,10 @@ def command(
     """Turn NEST into a cutting program that keeps every hard rule of the profile, checked before it is written."""
     from ..models.solution import SolveOptions
     from ..models.timing.choose import feeds_of
+    from ..postproc.ask import ask, facts_of
     from ..postproc.dialects import load_dialect
     from ..postproc.files import write_files
-    from ..postproc.produce import ask, facts_of, produce
+    from ..postproc.produce import produce
     from ..postproc.report import draw
     from .conflict import tell_conflict
     from .kept import keeping

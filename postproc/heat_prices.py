@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from ..encoder.facts.facts import Facts
 from ..models.evaluate import broken, route_cost
@@ -18,9 +17,7 @@ from ..rules.afterthoughts import afterthoughts
 from ..rules.profile import Profile
 from ..rules.state import Stated
 from ..rules.statements import Statement
-
-if TYPE_CHECKING:
-    from .produce import Asked
+from .ask import Asked
 
 FIRST = 0.4
 """Share of the limits for the plan without prices: what is proven is proven there."""

@@ -1,40 +1,27 @@
-"""The main job in one call: a nest and a profile become a plan, its program, and the verdict on both."""
+"""The main job in one call: what is asked of a plan becomes a plan, its program, and the verdict on both."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ..encoder.candidates import build_candidates
-from ..encoder.facts import compute_facts
-from ..encoder.facts.facts import Facts
-from ..encoder.nest import Nest
 from ..models.baselines import Strategy
 from ..models.engines import Engine
 from ..models.make_plan import make_plan
 from ..models.plan import Plan
 from ..models.solution import Progress, Solution, SolveOptions
 from ..rules.afterthoughts import afterthoughts
-from ..rules.lock import check_locks
 from ..rules.profile import Profile
-from ..rules.state import Stated, state_rules
+from ..rules.state import Stated
 from ..rules.statements import Statement
+from .ask import Asked
 from .check import CheckResult
 from .checking import judge, report_of
-from .contour_heat import contour_heat_kj
 from .program import write_program
 from .timed import with_times
 
 if TYPE_CHECKING:
     from ..models.heat_prices.cooler_orders import CoolerOrders
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Asked:
-    """What is asked of a plan: the facts of the nest, and what the profile's rules state of them."""
-
-    facts: Facts
-    stated: Stated
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -45,36 +32,6 @@ class Produced:
     program: str
     verdict: CheckResult
     notes: tuple[str, ...]
-
-
-def facts_of(nest: Nest, profile: Profile) -> Facts:
-    """All facts of the nest under the profile's thresholds.
-
-    Raises
-    ------
-    InputError
-        If a lock names what the nest does not have, or a contour cannot be cut as the profile asks.
-    """
-    check_locks(profile.locks, nest)
-    candidates = build_candidates(nest, profile.lead_options())
-    return compute_facts(nest, profile.fact_options(nest), candidates, contour_heat_kj(nest, candidates, profile))
-
-
-def ask(facts: Facts, profile: Profile, relax: bool = False, engine: Engine = "cp-sat") -> Asked:
-    """What the rules state of the facts; `relax` lets the cheapest statements give way where they clash.
-
-    Rule files of the plant's own are read by the engine minizinc only.
-
-    Raises
-    ------
-    RulesConflict
-        If hard orders contradict each other (and nothing that may give way helps).
-    """
-    if relax:
-        from ..models.conflict import state_relaxed
-
-        return Asked(facts, state_relaxed(facts, profile, reads_files=engine == "minizinc"))
-    return Asked(facts, state_rules(facts, profile, reads_files=engine == "minizinc"))
 
 
 def produce(

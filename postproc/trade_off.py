@@ -10,9 +10,10 @@ from ..models.heat import simulate
 from ..models.plan import Plan
 from ..models.solution import Progress, SolveOptions
 from ..rules.profile import Profile
+from .ask import ask
 from .heat_path import path_of_plan
 from .heat_prices import cooler_orders
-from .produce import Produced, ask, produce
+from .produce import Produced, produce
 
 
 @dataclass(frozen=True, eq=False, slots=True)

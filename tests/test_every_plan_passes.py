@@ -12,8 +12,9 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.solution import SolveOptions
 from kerfwise.models.timing.choose import feeds_of
+from kerfwise.postproc.ask import ask, facts_of
 from kerfwise.postproc.check import report
-from kerfwise.postproc.produce import ask, facts_of, produce
+from kerfwise.postproc.produce import produce
 from kerfwise.rules.profile import load_profile, shipped_profiles
 from kerfwise.tests.encoder.facts.random_nests import nests
 

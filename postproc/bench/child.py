@@ -86,7 +86,8 @@ def _nest(job: Job, options: SolveOptions) -> _Outcome:
     from ...models.ready import load_kernels
     from ...models.timing.choose import feeds_of
     from ...rules.profile import load_profile
-    from ..produce import ask, facts_of, produce
+    from ..ask import ask, facts_of
+    from ..produce import produce
 
     profile = load_profile(job.profile) if job.profile else load_profile()
     nest = read_nest(job.path, profile.read_options())

@@ -12,7 +12,7 @@ import kerfwise as package
 from kerfwise.commands.conflict import tell_conflict
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.readers import read_nest
-from kerfwise.postproc.produce import facts_of
+from kerfwise.postproc.ask import facts_of
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise

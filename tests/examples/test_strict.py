@@ -7,7 +7,8 @@ from pathlib import Path
 from kerfwise.encoder.readers import read_nest
 from kerfwise.models.solution import SolveOptions
 from kerfwise.models.timing.choose import feeds_of
-from kerfwise.postproc.produce import ask, facts_of, produce
+from kerfwise.postproc.ask import ask, facts_of
+from kerfwise.postproc.produce import produce
 from kerfwise.rules.catalogue.part_rigidity import ALLOWANCE, PartRigidityOptions
 from kerfwise.rules.profile import load_profile
 from kerfwise.rules.rigidity import rigid_at_the_end

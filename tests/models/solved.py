@@ -9,7 +9,7 @@ from kerfwise.models.make_plan import make_plan
 from kerfwise.models.plan import Plan
 from kerfwise.models.problem import UM_PER_MM, make_problem
 from kerfwise.models.solution import Solution
-from kerfwise.postproc.produce import facts_of
+from kerfwise.postproc.ask import facts_of
 from kerfwise.rules.option import NoOptions
 from kerfwise.rules.profile import Profile, load_profile
 from kerfwise.rules.sections import RuleSetting

@@ -13,7 +13,7 @@ from kerfwise.models.problem import make_problem
 from kerfwise.models.solution import SolveOptions
 from kerfwise.models.solve import solve
 from kerfwise.models.timing.choose import feeds_of
-from kerfwise.postproc.produce import ask, facts_of
+from kerfwise.postproc.ask import ask, facts_of
 from kerfwise.rules.profile import Profile, load_profile
 from kerfwise.rules.statements import About, Precede
 from kerfwise.tests.nests import nest, part, rect

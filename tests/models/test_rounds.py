@@ -11,7 +11,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models import solve as rounds
 from kerfwise.models.solution import Solution, SolveOptions
 from kerfwise.models.watch import Watch
-from kerfwise.postproc.produce import ask, facts_of
+from kerfwise.postproc.ask import ask, facts_of
 from kerfwise.rules.profile import load_profile
 from kerfwise.rules.statements import About, NoGood
 from kerfwise.tests.nests import nest, part, rect

@@ -21,9 +21,10 @@ from kerfwise.models.plan_reader import read_plan
 from kerfwise.models.solution import SolveOptions
 from kerfwise.models.timing.choose import feeds_of
 from kerfwise.postproc import cooling
+from kerfwise.postproc.ask import ask, facts_of
 from kerfwise.postproc.checking import check_plan, check_program
 from kerfwise.postproc.heat_path import path_of_plan
-from kerfwise.postproc.produce import Produced, ask, facts_of, produce
+from kerfwise.postproc.produce import Produced, produce
 from kerfwise.postproc.timed import job_of_program, read_program, time_job
 from kerfwise.postproc.too_hot import too_hot
 from kerfwise.rules.catalogue.t_max import TMaxOptions

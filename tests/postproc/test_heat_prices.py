@@ -14,8 +14,9 @@ from kerfwise.models.problem import UM_PER_MM
 from kerfwise.models.solution import Solution, SolveOptions
 from kerfwise.models.solve import solve
 from kerfwise.models.timing.choose import feeds_of
+from kerfwise.postproc.ask import Asked
 from kerfwise.postproc.heat_prices import solve_priced
-from kerfwise.postproc.produce import Asked, produce
+from kerfwise.postproc.produce import produce
 from kerfwise.rules.profile import Profile
 from kerfwise.rules.state import Stated
 from kerfwise.tests.models.heat_prices.plate import PLATE, facts, plant, posed, stated

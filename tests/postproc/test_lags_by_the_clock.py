@@ -9,8 +9,9 @@ import pytest
 from kerfwise.models.solution import SolveOptions
 from kerfwise.models.timing.choose import feeds_of, machine_feeds
 from kerfwise.models.timing.constant import Feeds
+from kerfwise.postproc.ask import ask, facts_of
 from kerfwise.postproc.check import report
-from kerfwise.postproc.produce import Produced, ask, facts_of, produce
+from kerfwise.postproc.produce import Produced, produce
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.feed_law import FeedLaw
 from kerfwise.rules.profile import Profile

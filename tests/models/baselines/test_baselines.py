@@ -14,7 +14,7 @@ from kerfwise.models.evaluate import broken
 from kerfwise.models.heat.route_path import RoutePaths
 from kerfwise.models.problem import Problem, make_problem
 from kerfwise.models.timing.choose import feeds_of
-from kerfwise.postproc.produce import facts_of
+from kerfwise.postproc.ask import facts_of
 from kerfwise.rules.profile import Profile, load_profile
 from kerfwise.rules.sections import RuleSetting
 from kerfwise.rules.state import state_rules

@@ -6,9 +6,9 @@ import pytest
 
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.models.conflict import Conflict, find_conflict, state_relaxed
+from kerfwise.postproc.ask import facts_of
 from kerfwise.postproc.check import check_program
 from kerfwise.postproc.checking import check_plan
-from kerfwise.postproc.produce import facts_of
 from kerfwise.postproc.program import write_program
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile import Profile

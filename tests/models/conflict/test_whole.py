@@ -15,7 +15,8 @@ from kerfwise.models.conflict.whole import Engines, find_whole_core
 from kerfwise.models.problem import make_problem
 from kerfwise.models.solution import SolveOptions
 from kerfwise.models.timing.choose import feeds_of
-from kerfwise.postproc.produce import ask, facts_of, produce
+from kerfwise.postproc.ask import ask, facts_of
+from kerfwise.postproc.produce import produce
 from kerfwise.rules.profile import Profile, load_profile
 from kerfwise.rules.state import every_statement
 from kerfwise.tests.models.brute import lawful

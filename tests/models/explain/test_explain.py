@@ -18,7 +18,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models.evaluate import broken, route_cost
 from kerfwise.models.explain import as_json, as_text, explain
 from kerfwise.models.explain.setting import Setting, make_setting
-from kerfwise.postproc.produce import facts_of
+from kerfwise.postproc.ask import facts_of
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.sections import RuleSetting
 from kerfwise.rules.state import state_rules

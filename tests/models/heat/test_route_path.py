@@ -7,8 +7,9 @@ import pytest
 from kerfwise.models.heat.route_path import RoutePaths
 from kerfwise.models.solution import SolveOptions
 from kerfwise.models.timing.choose import feeds_of
+from kerfwise.postproc.ask import ask, facts_of
 from kerfwise.postproc.heat_path import path_of_plan
-from kerfwise.postproc.produce import ask, facts_of, produce
+from kerfwise.postproc.produce import produce
 from kerfwise.rules.profile import load_profile
 from kerfwise.tests.nests import circle, nest, part, rect
 

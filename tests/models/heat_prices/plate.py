@@ -8,7 +8,7 @@ from functools import cache
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.problem import Problem, make_problem
 from kerfwise.models.timing.choose import feeds_of
-from kerfwise.postproc.produce import facts_of
+from kerfwise.postproc.ask import facts_of
 from kerfwise.rules.profile import Profile, load_profile
 from kerfwise.rules.sections import RuleSetting
 from kerfwise.rules.state import Stated, state_rules

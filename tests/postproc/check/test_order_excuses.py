@@ -9,12 +9,13 @@ from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.solution import SolveOptions
 from kerfwise.models.timing.choose import feeds_of
+from kerfwise.postproc.ask import ask, facts_of
 from kerfwise.postproc.check import check_program
 from kerfwise.postproc.check.judge import judge
 from kerfwise.postproc.check.relaxed import Relaxed
 from kerfwise.postproc.check.result import Judgement
 from kerfwise.postproc.checking import check_plan
-from kerfwise.postproc.produce import Produced, ask, facts_of, produce
+from kerfwise.postproc.produce import Produced, produce
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile import Profile
 from kerfwise.rules.sections import RuleSetting

@@ -8,9 +8,10 @@ from functools import cache
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.models.solution import SolveOptions
 from kerfwise.models.timing.choose import feeds_of
+from kerfwise.postproc.ask import ask, facts_of
 from kerfwise.postproc.check import check_program
 from kerfwise.postproc.checking import check_plan
-from kerfwise.postproc.produce import Produced, ask, facts_of, produce
+from kerfwise.postproc.produce import Produced, produce
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile import Profile
 from kerfwise.rules.registry import RULES
