@@ -39,30 +39,50 @@ def command(
     """Run engines on FILES: routing instances (.pcglns, .sop, also with .gz) and nests (.json, .dxf, .svg).
 
     Every tour is judged by code of its own. Each run has a process of its own; its clock starts when the file is
-    read and the compiled kernels are loaded.
+    read and the compiled kernels are loaded. A file that cannot be read is told, and the others are run.
     """
     from ..postproc.bench import Job, as_json, head, line, measure, read_best_known, totals
 
     for file in files:
-        if not Path(file).is_file():
-            raise InputError("there is no such file", file=file)
+        _expect(Path(file))
     best = read_best_known(best_known) if best_known else None
     jobs = [
         Job(file, engine, seed, work, time_limit, profile) for file in files for engine in engines for seed in seeds
     ]
     results, bests = [], []
-    interrupted = False
+    broken = interrupted = False
     if not as_list:
         click.echo(head())
     try:
         for job in jobs:
-            results.append(measure(job))
+            try:
+                results.append(measure(job))
+            except InputError as error:
+                broken = True
+                click.echo(f"kerfwise: {error}", err=True)
+                continue
             bests.append(best.of(job.path) if best else None)
             if not as_list:
                 click.echo(line(results[-1], bests[-1]))
     except KeyboardInterrupt:
         interrupted = True
     click.echo(as_json(results) if as_list else totals(results, bests))
+    if bests and best and not any(found is not None for found in bests):
+        click.echo("note: --best-known tells nothing of these instances (its sets are names of folders)", err=True)
     if interrupted:
         return 130
+    if broken:
+        return 2
     return 0 if all(result.feasible for result in results) else 1
+
+
+def _expect(file: Path) -> None:
+    from ..encoder.readers.read import SUFFIXES
+    from ..models.routing.read import KINDS, is_instance
+
+    if file.is_dir():
+        raise InputError("this is a folder; name the files in it, such as folder/*.sop", file=file)
+    if not file.is_file():
+        raise InputError("there is no such file", file=file)
+    if not is_instance(file) and file.suffix.lower() not in SUFFIXES:
+        raise InputError(f"cannot be run: expected a file of {', '.join((*KINDS, *SUFFIXES))}", file=file)

@@ -18,6 +18,10 @@ KINDS = (".pcglns", ".sop")
 HEADS = ("EDGE_WEIGHT_SECTION", "GTSP_SET_SECTION", "GTSP_SET_ORDERING", "START_GROUP_SECTION", "EOF")
 
 
+MOST_BYTES = 256_000_000
+"""A full matrix of some eight thousand vertices; what is larger could not be planned in any case."""
+
+
 class _Fault(Exception):
     """What is wrong with the text of an instance."""
 
@@ -40,10 +44,13 @@ def read_instance(path: str | Path) -> Instance:
     if kind not in KINDS:
         raise InputError("expected a routing instance: *.pcglns or *.sop, with or without .gz", file=path)
     try:
-        raw = path.read_bytes()
-        sections = _sections((gzip.decompress(raw) if path.suffix == ".gz" else raw).decode("utf-8", "replace"))
+        with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
+            raw = file.read(MOST_BYTES + 1)
     except (OSError, EOFError, zlib.error) as error:
         raise InputError(f"cannot be read: {error}", file=path) from None
+    if len(raw) > MOST_BYTES:
+        raise InputError(f"holds over {MOST_BYTES // 1_000_000} MB of text: too large an instance", file=path)
+    sections = _sections(raw.decode("utf-8", "replace"))
     name = path.name.removesuffix(".gz").removesuffix(kind)
     try:
         return _generalised(name, sections) if kind == ".pcglns" else _sequential(name, sections)

@@ -13,11 +13,10 @@ import numpy as np
 
 from ...encoder.errors import InputError, RulesConflict
 from ...models.engines import member_of
+from ...models.ready import load_kernels
 from ...models.routing import Instance, is_instance, judge_tour, read_instance, solve_instance
 from ...models.solution import SolveOptions
 from .measure import Job, Result
-
-LOADING_S = 0.05
 
 
 class _Outcome(NamedTuple):
@@ -68,8 +67,7 @@ def _route(job: Job, options: SolveOptions) -> _Outcome:
 
 def _load_kernels(options: SolveOptions) -> None:
     """Solve something small with every engine that has kernels, so that they are loaded when the clock starts."""
-    for member in ("search", "ideals", "beam"):
-        solve_instance(_small(), SolveOptions(work=LOADING_S, time_s=LOADING_S, member=member))
+    load_kernels(_small().problem)
     solve_instance(_small(), options)
 
 
@@ -83,7 +81,6 @@ def _nest(job: Job, options: SolveOptions) -> _Outcome:
     from pathlib import Path
 
     from ...encoder.readers import read_nest
-    from ...models.ready import load_kernels
     from ...models.timing.choose import feeds_of
     from ...rules.profile import load_profile
     from ..ask import ask, facts_of

@@ -6,7 +6,6 @@ import json
 import subprocess
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 from ...encoder.errors import InputError
 from ...models.engines import Engine
@@ -52,9 +51,7 @@ def measure(job: Job) -> Result:
     Raises
     ------
     InputError
-        If the file cannot be read.
-    RuntimeError
-        If the process dies, for want of memory for instance.
+        If the file cannot be read, or the process dies, for want of memory for instance.
     """
     given = json.dumps({name: getattr(job, name) for name in job.__slots__})
     command = [sys.executable, "-m", f"{__package__}.child"]
@@ -74,6 +71,7 @@ def measure(job: Job) -> Result:
     if child.returncode == 2:
         raise InputError(said.strip())
     if child.returncode != 0:
-        raise RuntimeError(f"{Path(job.path).name}: the engine died with exit code {child.returncode}\n{said[-2000:]}")
+        last = said.strip().splitlines()[-1:] or [f"exit code {child.returncode}"]
+        raise InputError(f"the engine {job.engine} died of it: {last[0]}", file=job.path)
     fields = json.loads(answer)
     return Result(**{**fields, "tour": tuple(fields["tour"])})

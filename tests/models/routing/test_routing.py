@@ -163,3 +163,11 @@ def test_what_is_no_instance_is_refused(tmp_path: Path) -> None:
 def test_shipped_examples() -> None:
     assert np.diff(read_instance(EXAMPLES / "nine.pcglns").problem.first).tolist() == [3, 2, 3, 2, 3, 2, 3, 2]
     assert read_instance(EXAMPLES / "twelve.sop").problem.n == 11
+
+
+def test_a_small_file_that_unpacks_to_a_huge_one_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("kerfwise.models.routing.read.MOST_BYTES", 1_000_000)
+    bomb = tmp_path / "bomb.sop.gz"
+    bomb.write_bytes(gzip.compress(b"0 " * 600_000))
+    with pytest.raises(InputError, match=r"bomb\.sop\.gz: holds over 1 MB of text"):
+        read_instance(bomb)

@@ -79,3 +79,41 @@ def test_a_broken_file_is_one_message(tmp_path: Path) -> None:
     broken.write_text("DIMENSION: 2\nEDGE_WEIGHT_SECTION\n0 1 2\n")
     with pytest.raises(InputError, match="2 × 2 weights were expected, 3 are there"):
         measure(Job(str(broken)))
+
+
+def test_a_broken_file_among_others_is_told_and_the_others_are_run(tmp_path: Path) -> None:
+    (tmp_path / "empty.sop").write_text("")
+    twelve = str(EXAMPLES / "routing" / "twelve.sop")
+    ran = CliRunner().invoke(command, [str(tmp_path / "empty.sop"), twelve, "--work", "1"], standalone_mode=False)
+    assert ran.return_value == 2
+    assert "empty.sop: the header must give one DIMENSION" in ran.stderr
+    assert ran.stdout.splitlines()[-1].startswith("1 runs, 1 feasible")
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [("folder", "this is a folder; name the files in it"), ("a.txt", r"expected a file of \.pcglns, \.sop, \.dxf")],
+)
+def test_what_cannot_be_run_is_refused_before_anything_is(tmp_path: Path, name: str, said: str) -> None:
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "a.txt").write_text("")
+    twelve = str(EXAMPLES / "routing" / "twelve.sop")
+    ran = CliRunner().invoke(command, [twelve, str(tmp_path / name)], standalone_mode=False)
+    assert ran.stdout == ""
+    with pytest.raises(InputError, match=said):
+        raise ran.exception or AssertionError
+
+
+def test_a_process_that_dies_is_one_message(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    twelve = EXAMPLES / "routing" / "twelve.sop"
+    monkeypatch.setattr("sys.executable", "/bin/false")
+    with pytest.raises(InputError, match=r"twelve\.sop: the engine search died of it: exit code 1"):
+        measure(Job(str(twelve), "search"))
+
+
+def test_best_known_costs_of_other_sets_are_said_to_be_of_no_use(tmp_path: Path) -> None:
+    best = tmp_path / "best.csv"
+    best.write_text("set,instance,best_upper\nother,twelve,1\n")
+    twelve = str(EXAMPLES / "routing" / "twelve.sop")
+    ran = CliRunner().invoke(command, [twelve, "--work", "1", "--best-known", str(best)], standalone_mode=False)
+    assert "tells nothing of these instances" in ran.stderr
