@@ -114,7 +114,7 @@ def _solved(
     if engine == "minizinc":
         from ..models.minizinc import solve_minizinc
 
-        return solve_minizinc(facts, profile, stated, limits, solver, refine)
+        return solve_minizinc(facts, profile, stated, limits, solver, refine, progress)
     from ..models.solve import solve
 
     return solve(facts, (*stated.statements, *further), limits, progress, refine)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
+from collections.abc import AsyncIterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import minizinc
 import pytest
@@ -12,9 +15,9 @@ from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.models.minizinc import asked, data, solve_minizinc
+from kerfwise.models.minizinc import asked, data, engine, solve_minizinc
 from kerfwise.models.minizinc.installation import driver, installed_solvers, solver_named
-from kerfwise.models.solution import SolveOptions
+from kerfwise.models.solution import Solution, SolveOptions
 from kerfwise.rules.profile import Profile, load_profile
 from kerfwise.rules.state import state_rules
 from kerfwise.rules.statements import About, NoGood, Statement
@@ -22,6 +25,7 @@ from kerfwise.tests.models.minizinc.cases import case
 from kerfwise.tests.nests import nest, part, rect
 
 THREE = nest(400, 60, *(part(name, rect(x, 10, 40, 40)) for name, x in (("A", 10), ("B", 160), ("C", 310))))
+NEVER_ENDS = "constraint sum(k in 1..99999999)(k mod 7) > 0;"
 PLAIN = "based_on: laser-wood\nrules: {level-ahead: off, zone-order: off, part-rigidity: off, no-islands: off}\n"
 
 
@@ -73,6 +77,42 @@ def test_an_own_file_that_leaves_no_plan_is_a_conflict(tmp_path: Path) -> None:
 def test_without_time_there_is_no_plan_and_no_claim(tmp_path: Path) -> None:
     with pytest.raises(RulesConflict, match="within the limit"):
         order(plant(tmp_path), work=0.0)
+
+
+def stopped_once(heard: list[object], profile: Profile) -> Solution:
+    """A solve whose listener has had enough as soon as something was heard."""
+    facts = facts_of(profile)
+    stated = state_rules(facts, profile, reads_files=True)
+    return solve_minizinc(facts, profile, stated, SolveOptions(), progress=lambda engine, cost_um, bound_um: not heard)
+
+
+def test_the_best_so_far_is_kept_when_it_is_interrupted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    heard: list[object] = []
+    solutions = minizinc.Instance.solutions
+
+    async def endless(instance: minizinc.Instance, **options: Any) -> AsyncIterator[minizinc.Result]:
+        async for result in solutions(instance, **options):
+            yield result
+            if result.solution is not None:
+                heard.append(result)
+                await asyncio.sleep(60)
+
+    monkeypatch.setattr(minizinc.Instance, "solutions", endless)
+    found = stopped_once(heard, plant(tmp_path))
+    assert (len(found.route), found.status, found.bound) == (3, "feasible", None)
+
+
+def test_interrupted_before_there_is_a_plan(tmp_path: Path) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        stopped_once(["Ctrl-C"], plant(tmp_path, "own_rules: [{file: hard.mzn}]\n", {"hard.mzn": NEVER_ENDS}))
+
+
+def test_a_nest_that_is_too_large_is_refused_before_anything_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(engine, "MOST_MOVES", 1000)
+    with pytest.raises(InputError, match=r"moves from one to another; the engine minizinc takes 1,000 at the most"):
+        order(plant(tmp_path))
 
 
 def test_an_unknown_solver_is_answered_with_those_there_are(tmp_path: Path) -> None:
