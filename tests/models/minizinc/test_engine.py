@@ -91,7 +91,7 @@ def test_the_best_so_far_is_kept_when_it_is_interrupted(tmp_path: Path, monkeypa
     solutions = minizinc.Instance.solutions
 
     async def endless(instance: minizinc.Instance, **options: Any) -> AsyncIterator[minizinc.Result]:
-        async for result in solutions(instance, **options):
+        for result in [result async for result in solutions(instance, **options)]:
             yield result
             if result.solution is not None:
                 heard.append(result)
