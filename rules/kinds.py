@@ -219,13 +219,18 @@ class Flag(Kind):
 
 @dataclass(frozen=True, slots=True)
 class Choice(Kind):
-    """One of a few words. `none` is the word that stands for None, if any."""
+    """One of a few words. `none` is the word that stands for None, if any.
+
+    A bare `off` is false to readers of YAML 1.1, such as most of Python's: it may be written so where it is a word.
+    """
 
     words: tuple[str, ...]
     none: str | None = None
 
     def read(self, node: yaml.Node) -> str | None:
         text = _text(node, self)
+        if text == "false" and "off" in self.words:
+            text = "off"
         if text not in self.words:
             guess = nearest(text, self.words)
             hint = f": did you mean {guess!r}?" if guess else ""
@@ -236,7 +241,7 @@ class Choice(Kind):
         return self.none if value is None and self.none is not None else str(value)
 
     def schema(self) -> dict[str, Any]:
-        return {"enum": list(self.words)}
+        return {"enum": [*self.words, *([False] if "off" in self.words else [])]}
 
     def expected(self) -> str:
         return "one of " + ", ".join(self.words)

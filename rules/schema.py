@@ -9,7 +9,7 @@ import json
 import sys
 from typing import Any
 
-from .kinds import LENGTH, Text
+from .kinds import LENGTH, Choice, Text
 from .lock import Lock
 from .option import options_of
 from .own import own_rules_definitions, own_rules_schema
@@ -57,7 +57,7 @@ def _options(owner: type) -> Json:
 
 
 def _rule(rule: Rule[Any]) -> Json:
-    strength = {"enum": list(rule.strengths)}
+    strength = Choice(rule.strengths).schema()
     keys: Json = {"strength": _described(strength, f"default {rule.default}")}
     if "soft" in rule.strengths:
         keys["weight"] = _described(

@@ -46,6 +46,21 @@ def test_schema_is_a_schema() -> None:
 def test_shipped_profiles_and_what_show_prints_are_valid(name: str) -> None:
     VALIDATOR.validate(data(shipped_profiles()[name].read_text(encoding="utf-8")))
     VALIDATOR.validate(data(profile_yaml(load_profile(name))))
+    VALIDATOR.validate(yaml.safe_load(shipped_profiles()[name].read_text(encoding="utf-8")))  # YAML 1.1: `off` is false
+
+
+@pytest.mark.parametrize("word", ["off", "false"])
+def test_a_rule_is_off_in_yaml_of_either_version(word: str, tmp_path: Any) -> None:
+    path = tmp_path / "plant.yaml"
+    path.write_text(f"rules: {{level-ahead: {word}, zone-order: {{strength: {word}}}}}\n", encoding="utf-8")
+    rules = load_profile(path).rules
+    assert [rules[name].strength for name in ("level-ahead", "zone-order")] == ["off", "off"]
+    for read in (data, yaml.safe_load):
+        assert VALIDATOR.is_valid(read(path.read_text(encoding="utf-8")))
+
+
+def test_a_rule_that_cannot_be_off_is_not_false_either() -> None:
+    assert not VALIDATOR.is_valid({"rules": {"locks": False}})
 
 
 def test_bare_profile_is_valid() -> None:
