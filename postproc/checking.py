@@ -32,6 +32,7 @@ def check_plan(nest: Nest, plan: Plan, profile: Profile) -> CheckResult:
         plan.totals.time_s,
         tuple(planned.length_mm for planned in plan.cuts),
         {rule.id: rule.holds for rule in plan.rules},
+        plan.profile.get("sha256") == profile.sha256,
     )
     relaxed = tuple(Relaxed(dropped.rule, dropped.contours) for dropped in plan.dropped if dropped.relaxed)
     thermometer = thermometer_of(nest, profile)

@@ -21,7 +21,10 @@ _IDLE_MM, _LENGTH_MM, _LENGTH_SHARE, _TIME_S = 0.1, 0.1, 0.001, 0.01
 
 @dataclass(frozen=True, slots=True)
 class Claims:
-    """What a plan states: totals, the torch-on length of each cut, and which rules hold (none where it is silent)."""
+    """What a plan states: totals, the torch-on length of each cut, and which rules hold (none where it is silent).
+
+    `of_all` is false for a plan made with another profile than it is judged by: it knows nothing of further rules.
+    """
 
     cut_mm: float
     idle_mm: float
@@ -29,6 +32,7 @@ class Claims:
     time_s: float
     lengths_mm: tuple[float, ...]
     rules: Mapping[str, bool] = field(default_factory=dict)
+    of_all: bool = True
 
 
 def idle_mm(nest: Nest, cuts: CutSequence) -> float:
@@ -102,6 +106,8 @@ def claims_kept(claims: Claims, judged: Sequence[Judgement]) -> tuple[list[Viola
     for judgement in judged if claims.rules else ():
         said = claims.rules.get(judgement.id)
         if said == judgement.holds or judgement.verdict in ("not judged", "off"):
+            continue
+        if said is None and not claims.of_all:
             continue
         state = "holds" if judgement.holds else "is broken"
         says = "nothing of it" if said is None else "that it holds" if said else "that it is broken"

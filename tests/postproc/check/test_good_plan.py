@@ -86,6 +86,14 @@ def test_verdicts_go_back_to_the_plan_and_are_then_held_against_it() -> None:
     ]
 
 
+def test_a_plan_made_with_another_profile_need_not_know_all_rules_of_this_one() -> None:
+    verdicts = tuple(v for v in report_of(check_plan(PLATE, PLAN, PROFILE)) if v.id != "zone-order")
+    other = {"name": "other", "sha256": "0" * 64}
+    assert check_plan(PLATE, dataclasses.replace(PLAN, rules=verdicts, profile=other), PROFILE).ok
+    false = tuple(dataclasses.replace(v, holds=v.id != "pierce") for v in verdicts)
+    assert not check_plan(PLATE, dataclasses.replace(PLAN, rules=false, profile=other), PROFILE).ok
+
+
 def test_soft_rules_never_fail_the_check() -> None:
     rules = dict(PROFILE.rules)
     rules["zone-order"] = dataclasses.replace(rules["zone-order"], strength="soft", weight=1.0)
