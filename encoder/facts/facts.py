@@ -21,7 +21,7 @@ Because = Literal["profile", "narrow-side", "long-parts", "offcut", "heat"]
 
 @dataclass(frozen=True, slots=True)
 class FactOptions:
-    """Thresholds of the facts, mm unless the name says otherwise (RULES.md section 2 gives the defaults).
+    """Thresholds of the facts, mm unless the name says otherwise (the profile's defaults).
 
     `start_side` fixes the side ("auto" decides it). `zone_respects` names the order facts that no zone may
     contradict; `zone_pairs` adds pairs of contour ids (before, after), as locks do; `zone_fixed` puts a part
@@ -79,7 +79,7 @@ class Facts:
 
     Pairs are arrays (k, 2) of contour indices. `contains[:, 0]` contains `contains[:, 1]` (closure), `parent` (n,)
     the immediate container or -1. `level_ahead` and `in_hull` rows read (j, i): j lies ahead of, or in the hull of,
-    i (RULES.md section 2). `edge_gap_mm`, `edge_length_mm` are (n, 4) in the order of `SIDES`. `zone` counts
+    i. `edge_gap_mm`, `edge_length_mm` are (n, 4) in the order of `SIDES`. `zone` counts
     from 1; a mark has the zone of its part. `torch_heat_kj` (n,) is the most heat that cutting a contour, however it
     is entered, leaves in the sheet, 0 for a mark, nan where nobody has said. `offcut_mm`, `offcut_large`, `heat_mm`,
     `heat_parts` follow `SIDES`. `first[i]` and `first[i + 1]` bound the candidates of contour i.

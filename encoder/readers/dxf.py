@@ -99,7 +99,7 @@ def _units(document: Document, data: bytes, options: ReadOptions) -> tuple[str, 
     if code in DXF_UNITS or code == 0:
         return DXF_UNITS.get(code, "mm"), ()
     known = ", ".join(f"{k} {v}" for k, v in DXF_UNITS.items())
-    text = f"$INSUNITS is {code}, which is no unit of a nest ({known}): read in mm; pass units if they are others"
+    text = f"$INSUNITS is {code}, which is no unit of a nest ({known}): read in mm; pass --units if they are others"
     return "mm", (Note("warning", text),)
 
 

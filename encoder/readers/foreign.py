@@ -14,6 +14,7 @@ FOREIGN_ERRORS: tuple[type[Exception], ...] = (
     AssertionError,
     RuntimeError,  # includes RecursionError and NotImplementedError
     EOFError,
+    StopIteration,
     OSError,
     SyntaxError,  # includes xml.etree.ElementTree.ParseError
     struct.error,

@@ -38,7 +38,7 @@ def choose_sheet(
     notes: list[Note] = []
     if drawn:
         if options.sheet_size_mm is not None:
-            notes.append(Note("warning", f"sheet_size_mm is not used: the sheet is drawn, {drawn[0].place}"))
+            notes.append(Note("warning", f"--sheet is not used: the sheet is drawn, {drawn[0].place}"))
         return _drawn_sheet(drawn), notes
     # chords cut the round side of an arc short, by less than what is rounded here
     lines = np.array([p.curve.line(1e-3) for p in parts], dtype=object)
@@ -54,8 +54,8 @@ def choose_sheet(
     m = options.margin_mm
     sheet = _rectangle(x0 - m, y0 - m, x1 - x0 + 2 * m, y1 - y0 + 2 * m)
     text = (
-        f"no layer is the sheet's (sheet_layer='{options.sheet_layer}'): the parts' bounding box and {m:g} mm around "
-        f"it, {x1 - x0 + 2 * m:g} × {y1 - y0 + 2 * m:g} mm, is taken for it; pass sheet_layer or sheet_size_mm"
+        f"no layer is the sheet's (drawing.sheet_layer '{options.sheet_layer}'): the parts' bounding box and {m:g} mm"
+        f" around it, {x1 - x0 + 2 * m:g} × {y1 - y0 + 2 * m:g} mm, is taken for it; pass --sheet WxH or name a layer"
     )
     return sheet, [*notes, Note("warning", text)]
 
@@ -65,7 +65,9 @@ def _frame(parts: Sequence[Piece], bounds: tuple[float, float, float, float]) ->
     largest = max((p.area for p in parts), key=lambda g: g.area)
     if len(parts) < 2 or not shapely.box(*bounds).equals_exact(largest.normalize(), 1e-6, normalize=True):
         return []
-    text = "every contour lies in one rectangle; if that is the sheet, put it on a layer that sheet_layer matches"
+    text = (
+        "every contour lies in one rectangle; if that is the sheet, put it on a layer that drawing.sheet_layer matches"
+    )
     return [Note("warning", text)]
 
 
@@ -76,7 +78,7 @@ def _drawn_sheet(drawn: Sequence[Piece]) -> Sheet:
     outlines = [p for p, d in zip(drawn, depth, strict=True) if d == 0]
     if len(outlines) > 1:
         raise InputError(
-            f"{len(outlines)} sheets are drawn; one nest at a time can be read. Keep one, or pass a sheet_layer "
+            f"{len(outlines)} sheets are drawn; one nest at a time can be read. Keep one, or set a drawing.sheet_layer "
             "that only the sheet's layer matches",
             details=tuple(p.place for p in outlines[:10]),
         )

@@ -78,6 +78,12 @@ def test_the_seeds_are_sound() -> None:
             assert len(read_nest(path).parts) >= 2
 
 
+def test_a_dxf_header_that_breaks_off_at_any_line() -> None:
+    lines = small(".dxf").splitlines(keepends=True)
+    for count in range(1, 30):
+        survives(b"".join(lines[:count]), ".dxf", repair=True)
+
+
 @settings(max_examples=150, deadline=None)
 @given(st.sampled_from([".json", ".dxf", ".svg"]), st.floats(0, 1), st.booleans(), st.booleans())
 def test_files_cut_short(suffix: str, share: float, closed: bool, repair: bool) -> None:
