@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from ..encoder.errors import InputError
 from ..rules.profile import DEFAULT, load_profile
 
 PROFILE = click.option("-p", "--profile", default=DEFAULT, show_default=True, help="Whose strengths to list.")
@@ -68,6 +69,8 @@ def _draw(rule: str, path: Path) -> None:
     from ..postproc.report.case_picture import Panel, case_picture
     from .rule_cases import cases_of
 
+    if path.suffix.lower() != ".svg":
+        raise InputError(f"cannot draw a case as {path.suffix or str(path)!r}: give a name ending in .svg")
     chosen = [next(case for case in cases_of(rule) if case.kind == kind) for kind in ("fails", "passes")]
     panels = [Panel(f"{rule}: {case.name}", case.nest, case.cuts, case.violations) for case in chosen]
     write_files({path: case_picture(panels)})
@@ -81,7 +84,7 @@ def new(name: str, into: Path | None) -> None:
     """Write the three files of a rule NAME, with an example in them that works: change it into your own."""
     from ..rules.new_rule import is_checkout, new_rule
 
-    running = Path(__file__).parents[1]
+    running = Path(__file__).resolve().parents[1]
     root = into or (running if is_checkout(running) else Path.cwd())
     for path in new_rule(name, root):
         click.echo(f"written: {path}")

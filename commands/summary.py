@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ..models.plan import Dropped, Plan
 from ..postproc.check import CheckResult, report
+from ..postproc.report.furniture import counted
 from ..rules.statements import EXEMPTION_MM, RELAXED_MM
 
 
@@ -17,11 +18,11 @@ def summary(plan: Plan, verdict: CheckResult) -> str:
     elif solve.bound is not None and solve.gap is not None:
         proof = f"at most {solve.gap:.2%} above the best possible (bound {solve.bound / 1000:.3f} m)"
     lines = [
-        f"{len(plan.cuts)} contours, {totals.pierces} pierces, cut {totals.cut_mm / 1000:.3f} m, "
+        f"{counted(len(plan.cuts), 'contour')}, {counted(totals.pierces, 'pierce')}, cut {totals.cut_mm / 1000:.3f} m, "
         f"idle {totals.idle_mm / 1000:.3f} m, {minutes} min {seconds:02d} s",
         f"{_objective(plan)}, found by {solve.found_by}, {proof}",
         f"start side {plan.start_side} (because: {plan.start_side_because}), "
-        f"{max((p.cut.zone for p in plan.cuts), default=0)} zones",
+        f"{counted(max((p.cut.zone for p in plan.cuts), default=0), 'zone')}",
     ]
     if plan.waits:
         longest = max(plan.waits, key=lambda planned: planned.dwell_s)

@@ -60,7 +60,8 @@ def header_layer(nest: Nest, plan: Plan | None, view: View, caption: str) -> Lay
     profile = plan.profile.get("name", "") if plan else ""
     about = " · ".join(text for text in (f"profile {profile}" if profile else "", caption) if text)
     left, bottom, right, top = nest.sheet.bounds
-    sizes = [f"{right - left:g} × {top - bottom:g} mm", f"{len(nest.parts)} parts", f"{len(nest.contours)} contours"]
+    counts = (counted(len(nest.parts), "part"), counted(len(nest.contours), "contour"))
+    sizes = [f"{right - left:g} × {top - bottom:g} mm", *counts]
     totals = " · ".join([*sizes, *_totals(plan)] if plan else sizes)
     room = view.width - 2 * MARGIN
     name_size = _fitting(name, 19, 0.6 * room, bold=True)
@@ -92,7 +93,7 @@ def _totals(plan: Plan) -> list[str]:
     facts = [
         f"cut {t.cut_mm / 1000:.1f} m",
         f"idle {t.idle_mm / 1000:.1f} m",
-        f"{t.pierces} pierces",
+        counted(t.pierces, "pierce"),
         f"time {duration(t.time_s)}",
     ]
     if plan.waits:
@@ -102,6 +103,17 @@ def _totals(plan: Plan) -> list[str]:
     if solve.gap is None:
         return [*facts, "no bound proven"]
     return [*facts, f"at most {100 * solve.gap:.1f} % above the best possible"]
+
+
+def counted(number: int, word: str) -> str:
+    """So many of them.
+
+    Examples
+    --------
+    >>> counted(1, "pierce"), counted(12, "pierce")
+    ('1 pierce', '12 pierces')
+    """
+    return f"{number} {word}{'' if number == 1 else 's'}"
 
 
 def duration(seconds: float) -> str:

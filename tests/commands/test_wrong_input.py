@@ -105,6 +105,7 @@ def test_wrong_usage() -> None:
     refused(kerfwise("facts", NEST, "-o", "facts.txt"), ".dzn")
     refused(kerfwise("plot", NEST, "-o", "nest.bmp"), ".svg")
     refused(kerfwise("rules", "levelahead"), "level-ahead")
+    refused(kerfwise("rules", "level-ahead", "--picture", "cases.gif"), ".svg")
 
 
 def test_rules_that_clash_are_named_and_drawn_and_give_way_only_when_told(
@@ -130,7 +131,8 @@ def test_a_dialect_file_of_the_plants_own(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.chdir(tmp_path)
     shipped = (Path(package.__file__).parent / "postproc/dialects/linuxcnc-qtplasmac.yaml").read_text()
     Path("plant.yaml").write_text("machine: {dialect: shop.yaml}\n")
-    refused(kerfwise("solve", NEST, "-p", "plant.yaml"), "shop.yaml: cannot read the dialect")
+    for verb in (("solve", NEST, "-p"), ("profile", "check")):
+        refused(kerfwise(*verb, "plant.yaml"), "shop.yaml: cannot read the dialect")
     Path("shop.yaml").write_text(shipped.replace("pierce_dwell: program", "pierce_dwell: machine"))
     ended = kerfwise("solve", NEST, "-p", "plant.yaml", "--work", "0.5", "-o", "cut.nc")
     assert ended.code == 0, ended.err
