@@ -7,6 +7,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+MOST_DETAILS = 20
+"""Lines of a list that are shown; one cause makes hundreds of the same."""
+
 
 class KerfwiseError(Exception):
     """Base class of every error that kerfwise raises on purpose."""
@@ -22,7 +25,7 @@ class InputError(KerfwiseError):
     file, line, column
         Where it stands, where known (line and column count from 1).
     details
-        One line each, for lists such as every open end of a drawing.
+        One line each, for lists such as every open end of a drawing; the message shows the first `MOST_DETAILS`.
 
     Examples
     --------
@@ -45,7 +48,9 @@ class InputError(KerfwiseError):
     def _text(self) -> str:
         place = ":".join(str(p) for p in (self.file, self.line, self.column) if p is not None)
         head = f"{place}: {self.message}" if place else self.message
-        return "\n".join([head, *(f"  - {d}" for d in self.details)])
+        shown = [f"  - {d}" for d in self.details[:MOST_DETAILS]]
+        rest = len(self.details) - len(shown)
+        return "\n".join([head, *shown, *([f"  … and {rest} more"] if rest else [])])
 
 
 class RulesConflict(KerfwiseError):

@@ -14,7 +14,6 @@ from .criterion import Criterion
 from .named_facts import ATTRIBUTE, NAMED_FACTS, Known, named_fact
 
 NOT = "not"
-OTHER_KEYS = (NOT, f"{ATTRIBUTE}<name>")
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +67,8 @@ def read_selector(node: yaml.Node, problems: Problems, what: str) -> Selector:
         if name == NOT:
             excluded = read_selector(value, problems, f"{what}.{NOT}")
         elif fact is None:
-            problems.add(key_node, f"{what}: {unknown('fact', name, [*NAMED_FACTS, *OTHER_KEYS])}")
+            attribute = f"{ATTRIBUTE}{name.partition('.')[2] or '<name>'}"
+            problems.add(key_node, f"{what}: {unknown('fact', name, [*NAMED_FACTS, NOT, attribute])}")
         else:
             try:
                 criteria.append((name, fact.kind.read(value)))

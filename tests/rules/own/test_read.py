@@ -52,6 +52,9 @@ MISTAKES = {
         "1:42: own_rules[1].select.depth: '3..1' is empty: write the smaller number first"
     ),
     "- {name: r, first: true, select: {long: 4}}": "1:41: own_rules[1].select.long: expected true or false, got '4'",
+    "- {name: r, before: {attribut.load: 1}}": (
+        "1:22: own_rules[1].before: unknown fact 'attribut.load': did you mean 'attribute.load'?"
+    ),
     "- {name: r, before: {zoen: 1}}": "1:22: own_rules[1].before: unknown fact 'zoen': did you mean 'zone'?",
     "- {name: r, apart: {cut: 1}}": (
         "1:21: own_rules[1].apart: unknown key 'cut': did you mean 'cuts'? (valid: cuts, from, time, within)"
