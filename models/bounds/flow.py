@@ -12,12 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linprog
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, vstack
 
 from ..problem import Problem
 from ..solution import Incumbent, Progress
-from .cuts import Cuts, block_cuts, broken_cuts
+from .broken import Flow, broken_cuts
+from .cuts import Cuts, block_cuts
+from .growing import Growing
 from .merged import merged
 from .moves import least_moves
 
@@ -34,6 +35,8 @@ LEAST_GAIN = 3e-4
 PATIENCE = 3
 ADDITIONS_PER_S = 3.6e7
 """Moves times rounds of the simplex method that a second is counted for."""
+PRODUCTS_PER_S = 6e9
+"""Of multipliers and moves, in the same way."""
 MOST_SITES, MOST_CONTOURS = 3000, 1500
 """With more sites contours stand for all of theirs; with more contours there is no bound (it takes too long)."""
 
@@ -63,19 +66,22 @@ def flow_bound(problem: Problem, plan: Incumbent, work: float, progress: Progres
     if problem.m > MOST_SITES:
         plan = Incumbent(tuple(int(problem.site_contour[s]) for s in plan.route), plan.cost)
         problem = merged(problem)
-    flow, blocks = _Flow(problem, plan), block_cuts(problem)
-    cuts, best, seen = blocks, 0.0, [0.0] * PATIENCE
-    while flow.cheapest(cuts):
+    blocks = block_cuts(problem)
+    flow, best, seen = _Flow(problem, plan, blocks), 0.0, [0.0] * PATIENCE
+    while flow.cheapest():
         best = max(best, flow.bound)
         if best > plan.cost - 1 or flow.work > work or (progress and not progress("bound", plan.cost, _whole(best))):
             break
         if flow.complete:
             seen.append(best)
-            found = broken_cuts(problem, flow.between, lambda: not progress or progress("bound", plan.cost, None))
+            found, work_found = broken_cuts(
+                problem, flow.moves, lambda: not progress or progress("bound", plan.cost, None)
+            )
+            flow.work += work_found
             if not len(found) or best < (1 + LEAST_GAIN) * seen[-1 - PATIENCE]:
                 break
-            kept = flow.binding | (np.arange(len(cuts)) < len(blocks))
-            cuts = cuts.only(kept).joined(found)
+            flow.drop_idle(len(blocks))
+            flow.cut(found)
     return FlowBound(max(0, min(plan.cost, _whole(best))), flow.work)
 
 
@@ -85,9 +91,12 @@ def _whole(bound: float) -> int:
 
 
 class _Flow:
-    """The linear program over the moves that have been of use so far."""
+    """The linear program over the moves that have been of use so far.
 
-    def __init__(self, problem: Problem, plan: Incumbent) -> None:
+    Rows: home and every contour are come to once, every site and home are left as often as come to, then the cuts.
+    """
+
+    def __init__(self, problem: Problem, plan: Incumbent, cuts: Cuts) -> None:
         n, m = problem.n, problem.m
         self._n, self._m = n, m
         self._owner = np.append(problem.site_contour, n)
@@ -95,58 +104,69 @@ class _Flow:
         self._cost[:, :m] += problem.site_cost
         self._open = np.isfinite(self._cost)
         self._used = np.zeros_like(self._open)
+        self._leave, self._reach = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
         everywhere, most = np.arange(m + 1), min(NEAREST, m + 1)
-        self._used[everywhere[:, None], np.argsort(self._cost, axis=1, kind="stable")[:, :most]] = True
-        self._used[np.argsort(self._cost, axis=0, kind="stable")[:most], everywhere[None, :]] = True
-        self._used &= self._open
-        self._used[[m, *plan.route], [*plan.route, m]] = True
+        wanted = np.zeros_like(self._open)
+        wanted[everywhere[:, None], np.argsort(self._cost, axis=1, kind="stable")[:, :most]] = True
+        wanted[np.argsort(self._cost, axis=0, kind="stable")[:most], everywhere[None, :]] = True
+        wanted &= self._open
+        wanted[[m, *plan.route], [*plan.route, m]] = True
+        once = np.repeat([1.0, 0.0], [n + 1, m + 1])
+        self._program = Growing(once, once)
+        self._cuts = cuts.only(np.zeros(len(cuts), dtype=np.bool_))
+        self._use(*np.nonzero(wanted))
+        self.cut(cuts)
         self.work, self.bound, self.complete = 0.0, 0.0, False
-        self.between: Floats = np.zeros((n + 1, n + 1))
-        self.binding: Bools = np.zeros(0, dtype=np.bool_)
+        self._binding: Bools = np.zeros(0, dtype=np.bool_)
 
-    def cheapest(self, cuts: Cuts) -> bool:
-        """Solve for these cuts; add the moves that would have made it cheaper. False where it cannot be solved."""
-        leave, reach = np.nonzero(self._used)
-        owner, n, moves = self._owner, self._n, np.arange(len(leave))
-        flow = csr_matrix(
-            (
-                np.repeat([1.0, 1.0, -1.0], len(moves)),
-                (np.concatenate([owner[reach], n + 1 + reach, n + 1 + leave]), np.tile(moves, 3)),
-            ),
-            shape=(n + self._m + 2, len(moves)),
-        )
-        once = np.repeat([1.0, 0.0], [n + 1, self._m + 1])
-        crossing = csr_matrix(cuts.tail[:, owner[leave]] & cuts.head[:, owner[reach]], dtype=np.float64)
-        solved = linprog(
-            self._cost[leave, reach],
-            A_ub=-crossing if len(cuts) else None,
-            b_ub=-cuts.least if len(cuts) else None,
-            A_eq=flow,
-            b_eq=once,
-            method="highs",
-        )
-        if solved.x is None or solved.status != 0:
+    def cheapest(self) -> bool:
+        """Solve; add the moves that would have made it cheaper. False where it cannot be solved."""
+        solved = self._program.solve()
+        if solved is None:
             return False
-        self.work += len(moves) * solved.nit / ADDITIONS_PER_S
-        paid = np.maximum(-solved.ineqlin.marginals, 0.0) if len(cuts) else np.zeros(0)
-        self._learn(cuts, solved.eqlin.marginals[n + 1 :], paid)
-        self.binding = paid > 1e-9
-        self.between = np.zeros((n + 1, n + 1))
-        np.add.at(self.between, (owner[leave], owner[reach]), solved.x)
+        n = self._n
+        self.work += len(self._leave) * (solved.iterations + 1) / ADDITIONS_PER_S
+        self.work += (len(self._cuts) + 10) * self._open.size / PRODUCTS_PER_S
+        paid = np.maximum(solved.multiplier[n + self._m + 2 :], 0.0)
+        self._binding = paid > 1e-9
+        self.moves = Flow(self._leave, self._reach, np.maximum(solved.value, 0.0))
+        self._learn(solved.multiplier[n + 1 : n + self._m + 2], paid)
         return True
 
-    def _learn(self, cuts: Cuts, price: Floats, paid: Floats) -> None:
+    def cut(self, found: Cuts) -> None:
+        """Ask for these cuts, too."""
+        self._program.add_rows(found.across(self._leave, self._reach), found.sure)
+        self._cuts = self._cuts.joined(found)
+
+    def drop_idle(self, kept: int) -> None:
+        """Drop the cuts that nothing is paid for, but for the first few."""
+        idle = ~self._binding
+        idle[:kept] = False
+        self._program.drop_rows(self._n + self._m + 2 + np.flatnonzero(idle))
+        self._cuts = self._cuts.only(~idle)
+
+    def _use(self, leave: Ints, reach: Ints) -> None:
+        """Let more moves be made."""
+        self._used[leave, reach] = True
+        self._leave, self._reach = np.append(self._leave, leave), np.append(self._reach, reach)
+        n, moves = self._n, np.arange(len(leave))
+        entry = np.repeat([1.0, 1.0, -1.0], len(moves))
+        rows = np.concatenate([self._owner[reach], n + 1 + reach, n + 1 + leave])
+        flow = csr_matrix((entry, (rows, np.tile(moves, 3))), shape=(n + self._m + 2, len(moves)))
+        self._program.add_columns(self._cost[leave, reach], vstack([flow, self._cuts.across(leave, reach)]))
+
+    def _learn(self, price: Floats, paid: Floats) -> None:
         """The bound that these multipliers prove over all moves, and the moves that are missing."""
         owner, m = self._owner, self._m
-        taken = (cuts.tail.T * paid) @ cuts.head.astype(np.float64)
-        left = self._cost - price[None, :] + price[:, None] - taken[np.ix_(owner, owner)]
+        left = self._cost - price[None, :] + price[:, None] - self._cuts.worth(paid)
         first = np.append(np.searchsorted(owner, np.arange(self._n)), m)
         least = np.minimum.reduceat(left.min(axis=0), first)
-        self.bound = float(least.sum() + paid @ cuts.least)
+        self.bound = float(least.sum() + paid @ self._cuts.sure)
         in_use = np.where(self._used, left, np.inf)
         known = np.minimum.reduceat(in_use.min(axis=0), first)
         missing = np.where(self._used | ~self._open, 0.0, left - known[owner][None, :])
         better = np.flatnonzero(missing.ravel() < -1.0)
         chosen = better[np.argsort(missing.ravel()[better], kind="stable")[:MORE]]
-        self._used.ravel()[chosen] = True
         self.complete = not len(better)
+        if len(chosen):
+            self._use(*np.divmod(chosen, m + 1))

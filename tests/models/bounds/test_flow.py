@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kerfwise.models.bounds import flow, flow_bound
-from kerfwise.models.bounds.cuts import block_cuts, broken_cuts
+from kerfwise.models.bounds.broken import Flow, broken_cuts
+from kerfwise.models.bounds.cuts import block_cuts
 from kerfwise.models.problem import Problem
 from kerfwise.models.solution import Incumbent
 from kerfwise.tests.models.brute import cheapest, lawful
@@ -47,12 +48,13 @@ def test_no_plan_costs_less_where_moves_cost_what_they_will(tiny: Problem, seed:
 @settings(max_examples=40, deadline=None)
 @given(problems(contours=5), st.integers(0, 2**32 - 1))
 def test_cuts_hold_for_every_plan(tiny: Problem, seed: int) -> None:
-    between = np.random.default_rng(seed).random((tiny.n + 1, tiny.n + 1)) / tiny.n
-    for cuts in (block_cuts(tiny), broken_cuts(tiny, between)):
+    leave, reach = (ends.ravel() for ends in np.indices((tiny.m + 1, tiny.m + 1)))
+    amount = np.random.default_rng(seed).random(len(leave)) / tiny.m
+    for cuts in (block_cuts(tiny), broken_cuts(tiny, Flow(leave, reach, amount))[0]):
         for route in list(lawful(tiny))[:20]:
-            order = [tiny.n, *(int(tiny.site_contour[s]) for s in route), tiny.n]
-            for tail, head, least in zip(cuts.tail, cuts.head, cuts.least, strict=True):
-                assert (tail[order[:-1]] & head[order[1:]]).sum() >= least
+            stops = np.array([tiny.m, *route, tiny.m])
+            made = cuts.across(stops[:-1], stops[1:]).sum(axis=1)
+            assert (np.asarray(made).ravel() >= cuts.sure).all()
 
 
 def test_large_problems_by_contours(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -73,6 +75,14 @@ def test_two_clusters_are_not_two_cycles() -> None:
     far = problem([[(1.0, 0.0)], [(500.0, 0.0)], [(501.0, 0.0)], [(502.0, 0.0)]])
     best = best_of(far)
     assert flow_bound(far, best, 5.0).bound == best.cost == 2 * 502_000
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_contour_is_left_from_where_it_was_come_to(seed: int) -> None:
+    places = np.random.default_rng(seed).integers(0, 100, (5, 2, 2)).tolist()
+    far = problem([[(float(x), float(y)) for x, y in sites] for sites in places])
+    best = best_of(far)
+    assert flow_bound(far, best, 5.0).bound == best.cost
 
 
 def test_a_block_is_entered_once() -> None:
