@@ -112,7 +112,7 @@ class _Flow:
         wanted &= self._open
         wanted[[m, *plan.route], [*plan.route, m]] = True
         once = np.repeat([1.0, 0.0], [n + 1, m + 1])
-        self._program = Growing(once, once)
+        self._program = Growing(once)
         self._cuts = cuts.only(np.zeros(len(cuts), dtype=np.bool_))
         self._use(*np.nonzero(wanted))
         self.cut(cuts)

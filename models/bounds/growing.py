@@ -1,20 +1,16 @@
-"""A linear program that grows and is solved on from its last basis, by HiGHS (Huangfu and Hall 2018)."""
+"""A linear program that grows by columns and rows, solved by HiGHS as scipy has it (Huangfu and Hall 2018)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
-import highspy
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_matrix
+from scipy.optimize import linprog
+from scipy.sparse import csr_matrix, hstack, vstack
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
-
-
-_solver: Any = highspy  # its calls have no types
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -27,13 +23,13 @@ class Solved:
 
 
 class Growing:
-    """Minimises over columns of at least 0, under rows whose values lie between limits: at first these, (rows,) each.
+    """Minimises over columns of at least 0, under equations with these right sides, and then rows of at least so much.
 
     Examples
     --------
     >>> import numpy as np
     >>> from scipy.sparse import csr_matrix
-    >>> program = Growing(np.array([4.0]), np.array([4.0]))
+    >>> program = Growing(np.array([4.0]))
     >>> program.add_columns(np.array([2.0, 3.0]), csr_matrix([[1.0, 1.0]]))
     >>> program.solve().value.tolist()
     [4.0, 0.0]
@@ -42,38 +38,41 @@ class Growing:
     [2.0, 1.0]
     """
 
-    def __init__(self, least: Floats, most: Floats) -> None:
-        self._highs = _solver.Highs()
-        for option, value in (("output_flag", False), ("threads", 1), ("presolve", "off"), ("solver", "simplex")):
-            self._highs.setOptionValue(option, value)
-        none = np.zeros(0, dtype=np.int32)
-        self._highs.addRows(len(least), least, most, 0, np.zeros(len(least), dtype=np.int32), none, np.zeros(0))
+    def __init__(self, right: Floats) -> None:
+        self._right = right
+        self._cost: Floats = np.zeros(0)
+        self._least: Floats = np.zeros(0)
+        self._entries = csr_matrix((len(right), 0))
 
     def add_columns(self, cost: Floats, entries: csr_matrix) -> None:
         """Add columns; `entries` is (rows, columns)."""
-        by_column, count = entries.tocsc(), len(cost)
-        self._highs.addCols(
-            count, cost, np.zeros(count), np.full(count, np.inf), by_column.nnz,
-            by_column.indptr[:-1].astype(np.int32), by_column.indices.astype(np.int32), by_column.data,
-        )  # fmt: skip
+        self._cost = np.append(self._cost, cost)
+        self._entries = hstack([self._entries, entries], format="csr")
 
     def add_rows(self, entries: csr_matrix, least: Floats) -> None:
         """Add rows that are at least `least`; `entries` is (rows, columns)."""
-        count = len(least)
-        self._highs.addRows(
-            count, least, np.full(count, np.inf), entries.nnz,
-            entries.indptr[:-1].astype(np.int32), entries.indices.astype(np.int32), entries.data.astype(np.float64),
-        )  # fmt: skip
+        self._least = np.append(self._least, least)
+        self._entries = vstack([self._entries, entries], format="csr")
 
     def drop_rows(self, rows: Ints) -> None:
-        """Drop rows; those after them move up."""
-        self._highs.deleteRows(len(rows), rows.astype(np.int32))
+        """Drop some of the rows that were added, counted from the first equation on; those after them move up."""
+        kept = np.ones(self._entries.shape[0], dtype=np.bool_)
+        kept[rows] = False
+        self._entries, self._least = self._entries[kept], self._least[kept[len(self._right) :]]
 
     def solve(self) -> Solved | None:
         """The cheapest columns, None where no optimum is found."""
-        self._highs.run()
-        if self._highs.getModelStatus() != _solver.HighsModelStatus.kOptimal:
+        equations, rows = self._entries[: len(self._right)], self._entries[len(self._right) :]
+        many = rows.shape[0] > 0
+        solved = linprog(
+            self._cost,
+            A_ub=-rows if many else None,
+            b_ub=-self._least if many else None,
+            A_eq=equations,
+            b_eq=self._right,
+            method="highs",
+        )
+        if solved.x is None or solved.status != 0:
             return None
-        solution = self._highs.getSolution()
-        iterations = int(self._highs.getInfo().simplex_iteration_count)
-        return Solved(np.array(solution.col_value), np.array(solution.row_dual), iterations)
+        paid = -solved.ineqlin.marginals if many else self._least
+        return Solved(solved.x, np.append(solved.eqlin.marginals, paid), int(solved.nit))
