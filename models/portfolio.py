@@ -33,8 +33,9 @@ DENSE = 0.15
 """Share of the pairs of contours that hard orders decide, from which on the sets that can occur are few."""
 BEAM_DENSE, BEAM_SPARSE = 0.5, 0.1
 """Share of what is left for the beam, which proves where orders are dense and guides where they are not."""
-FLOW = 0.15
-"""Share of what is left, where nothing is proven, for the bound by flows."""
+FLOW, FLOW_PLAIN = 0.3, 0.15
+"""Share of what is left, where nothing is proven, for the bound by flows; routing problems ask for nothing but orders.
+"""
 SEARCH, SEARCH_PLAIN = 0.6, 0.9
 """Share of what is left, where nothing is proven, for more search; CP-SAT has the rest.
 
@@ -105,7 +106,7 @@ class _Run:
             share = BEAM_DENSE if self._density() >= DENSE else BEAM_SPARSE
             self._beam(self._left() * (1.0 if self.options.member else share))
         if not self._over() and self.options.member is None:
-            self._flow(self._left() * FLOW)
+            self._flow(self._left() * (FLOW if self.problem.conditions or self.problem.lags else FLOW_PLAIN))
         if not self._over() and self.options.member is None:
             self._search(self._left() * (SEARCH if self._carried() else SEARCH_PLAIN))
             self._windows(self._left() * WINDOWS)

@@ -24,7 +24,7 @@ UNIT = 1_000_000
 """Flows are whole millionths."""
 LITTLE = 0.05
 """What may be missing of a flow without a cut."""
-MOST = 400
+MOST = 800
 """Cuts in a round."""
 MOVES_PER_S = 2e6
 """Moves of a flow that a second is counted for, every time that it is looked through."""

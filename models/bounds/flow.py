@@ -26,15 +26,19 @@ Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
-NEAREST = 10
+NEAREST = 5
 """Moves from and to every site that are looked at from the start."""
 MORE = 8000
 """Moves that are added at once at the most."""
 LEAST_GAIN = 3e-4
 """Share of the bound that the last few rounds must bring."""
-PATIENCE = 3
+PATIENCE = 12
+CROWD = 6
+"""Cuts a contour, beyond which those that nothing is paid for are dropped."""
 ADDITIONS_PER_S = 3.6e7
 """Moves times rounds of the simplex method that a second is counted for."""
+FEW = 1000
+"""Rounds of the simplex method that there is always time for."""
 PRODUCTS_PER_S = 6e9
 """Of multipliers and moves, in the same way."""
 MOST_SITES, MOST_CONTOURS = 3000, 1500
@@ -68,20 +72,18 @@ def flow_bound(problem: Problem, plan: Incumbent, work: float, progress: Progres
         problem = merged(problem)
     blocks = block_cuts(problem)
     flow, best, seen = _Flow(problem, plan, blocks), 0.0, [0.0] * PATIENCE
-    while flow.cheapest():
+    while flow.cheapest(work):
         best = max(best, flow.bound)
         if best > plan.cost - 1 or flow.work > work or (progress and not progress("bound", plan.cost, _whole(best))):
             break
-        if flow.complete:
-            seen.append(best)
-            found, work_found = broken_cuts(
-                problem, flow.moves, lambda: not progress or progress("bound", plan.cost, None)
-            )
-            flow.work += work_found
-            if not len(found) or best < (1 + LEAST_GAIN) * seen[-1 - PATIENCE]:
-                break
+        found, work_found = broken_cuts(problem, flow.moves, lambda: not progress or progress("bound", plan.cost, None))
+        flow.work += work_found
+        seen.append(best)
+        if (flow.complete and not len(found)) or best < (1 + LEAST_GAIN) * seen[-1 - PATIENCE]:
+            break
+        if flow.complete or flow.cuts > CROWD * problem.n:
             flow.drop_idle(len(blocks))
-            flow.cut(found)
+        flow.cut(found)
     return FlowBound(max(0, min(plan.cost, _whole(best))), flow.work)
 
 
@@ -119,9 +121,10 @@ class _Flow:
         self.work, self.bound, self.complete = 0.0, 0.0, False
         self._binding: Bools = np.zeros(0, dtype=np.bool_)
 
-    def cheapest(self) -> bool:
-        """Solve; add the moves that would have made it cheaper. False where it cannot be solved."""
-        solved = self._program.solve()
+    def cheapest(self, work: float) -> bool:
+        """Solve; add the moves that would have made it cheaper. False where it cannot be solved within that work."""
+        left = max(0.0, work - self.work) * ADDITIONS_PER_S / len(self._leave)
+        solved = self._program.solve(FEW + int(left))
         if solved is None:
             return False
         n = self._n
@@ -137,6 +140,11 @@ class _Flow:
         """Ask for these cuts, too."""
         self._program.add_rows(found.across(self._leave, self._reach), found.sure)
         self._cuts = self._cuts.joined(found)
+
+    @property
+    def cuts(self) -> int:
+        """Number of cuts."""
+        return len(self._cuts)
 
     def drop_idle(self, kept: int) -> None:
         """Drop the cuts that nothing is paid for, but for the first few."""

@@ -31,10 +31,10 @@ class Growing:
     >>> from scipy.sparse import csr_matrix
     >>> program = Growing(np.array([4.0]))
     >>> program.add_columns(np.array([2.0, 3.0]), csr_matrix([[1.0, 1.0]]))
-    >>> program.solve().value.tolist()
+    >>> program.solve(100).value.tolist()
     [4.0, 0.0]
     >>> program.add_rows(csr_matrix([[0.0, 1.0]]), np.array([1.0]))
-    >>> program.solve().multiplier.tolist()
+    >>> program.solve(100).multiplier.tolist()
     [2.0, 1.0]
     """
 
@@ -60,8 +60,8 @@ class Growing:
         kept[rows] = False
         self._entries, self._least = self._entries[kept], self._least[kept[len(self._right) :]]
 
-    def solve(self) -> Solved | None:
-        """The cheapest columns, None where no optimum is found."""
+    def solve(self, most: int) -> Solved | None:
+        """The cheapest columns, None where no optimum is found in so many iterations."""
         equations, rows = self._entries[: len(self._right)], self._entries[len(self._right) :]
         many = rows.shape[0] > 0
         solved = linprog(
@@ -71,6 +71,7 @@ class Growing:
             A_eq=equations,
             b_eq=self._right,
             method="highs",
+            options={"maxiter": most},
         )
         if solved.x is None or solved.status != 0:
             return None
