@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from . import beam, ideals
-from .bounds import flow_bound
+from .bounds import MOST_SITES, flow_bound
 from .cpsat import solve_cpsat
 from .engines import Member
 from .evaluate import route_cost
@@ -33,9 +33,9 @@ DENSE = 0.15
 """Share of the pairs of contours that hard orders decide, from which on the sets that can occur are few."""
 BEAM_DENSE, BEAM_SPARSE = 0.5, 0.1
 """Share of what is left for the beam, which proves where orders are dense and guides where they are not."""
-FLOW, FLOW_PLAIN = 0.3, 0.15
-"""Share of what is left, where nothing is proven, for the bound by flows; routing problems ask for nothing but orders.
-"""
+FLOW, FLOW_PLAIN = 0.4, 0.15
+"""Share of what is left, where nothing is proven, for the bound by flows; less where only orders bind, or where there
+are so many sites that it does not come near the plan anyway."""
 SEARCH, SEARCH_PLAIN = 0.6, 0.9
 """Share of what is left, where nothing is proven, for more search; CP-SAT has the rest.
 
@@ -106,7 +106,7 @@ class _Run:
             share = BEAM_DENSE if self._density() >= DENSE else BEAM_SPARSE
             self._beam(self._left() * (1.0 if self.options.member else share))
         if not self._over() and self.options.member is None:
-            self._flow(self._left() * (FLOW if self.problem.conditions or self.problem.lags else FLOW_PLAIN))
+            self._flow(self._left() * (FLOW if self._bounded_well() else FLOW_PLAIN))
         if not self._over() and self.options.member is None:
             self._search(self._left() * (SEARCH if self._carried() else SEARCH_PLAIN))
             self._windows(self._left() * WINDOWS)
@@ -212,6 +212,10 @@ class _Run:
         """Share of the pairs of contours that hard orders decide."""
         n = self.problem.n
         return float(self.problem.before.sum()) / max(1, n * (n - 1) // 2)
+
+    def _bounded_well(self) -> bool:
+        """Whether the bound by flows is worth its time: a nest, with all its sites in it."""
+        return self.problem.m <= MOST_SITES and bool(self.problem.conditions or self.problem.lags)
 
     def _carried(self) -> bool:
         """Whether CP-SAT alone can hold all that is asked."""

@@ -22,8 +22,8 @@ from .cuts import ANY, Bools, Cuts, Floats, Ints
 
 UNIT = 1_000_000
 """Flows are whole millionths."""
-LITTLE = 0.05
-"""What may be missing of a flow without a cut."""
+MUCH, LITTLE = 0.2, 0.05
+"""What may be missing of a flow without a cut: less only where there is no cut by more."""
 MOST = 800
 """Cuts in a round."""
 MOVES_PER_S = 2e6
@@ -63,13 +63,16 @@ def broken_cuts(problem: Problem, flow: Flow, go: Callable[[], bool] = lambda: T
     graph = _Graph(problem, flow)
     found: dict[bytes, _Missing] = {}
     work = 0.0
-    for way in _ways(problem, graph.used):
-        if not go():
+    for little in (MUCH, LITTLE):
+        for way in _ways(problem, graph.used):
+            if not go():
+                break
+            work += graph.size / MOVES_PER_S
+            cut = graph.least_cut(way, little)
+            if cut is not None:
+                found.setdefault(cut.tail.tobytes() + cut.head.tobytes() + bytes(str(cut.through), "ascii"), cut)
+        if found:
             break
-        work += graph.size / MOVES_PER_S
-        cut = graph.least_cut(way)
-        if cut is not None:
-            found.setdefault(cut.tail.tobytes() + cut.head.tobytes() + bytes(str(cut.through), "ascii"), cut)
     chosen = sorted(found.values(), key=lambda cut: -cut.amount)[:MOST]
     tail, head = (np.array([cut[side] for cut in chosen], dtype=np.bool_).reshape(-1, problem.m + 1) for side in (1, 2))
     through = np.array([cut.through for cut in chosen], dtype=np.int64)
@@ -104,8 +107,8 @@ class _Graph:
         self.size = int(taken.sum())
         self.used: Floats = np.bincount(flow.reach, flow.amount, problem.m + 1).astype(np.float64)
 
-    def least_cut(self, way: _Way) -> _Missing | None:
-        """The least cut on a way, if less goes across than should."""
+    def least_cut(self, way: _Way, little: float) -> _Missing | None:
+        """The least cut on a way, if more than a little is missing of what should go across."""
         through = way.start_site if way.start_site != ANY else way.end_site
         need = 1.0 if through == ANY else float(self.used[through])
         kept = np.append(~way.barred, self._n in (way.start, way.end))[self._contour]
@@ -114,7 +117,7 @@ class _Graph:
         room, source, sink = self._network(kept, start, end)
         flow = maximum_flow(room, source, sink)
         amount = need - flow.flow_value / UNIT
-        if amount <= LITTLE:
+        if amount <= little:
             return None
         left = room - flow.flow
         left.data = np.maximum(left.data, 0)

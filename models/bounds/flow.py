@@ -33,7 +33,7 @@ MORE = 8000
 LEAST_GAIN = 3e-4
 """Share of the bound that the last few rounds must bring."""
 PATIENCE = 12
-CROWD = 6
+CROWD = 3
 """Cuts a contour, beyond which those that nothing is paid for are dropped."""
 ADDITIONS_PER_S = 3.6e7
 """Moves times rounds of the simplex method that a second is counted for."""
