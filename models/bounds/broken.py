@@ -61,19 +61,17 @@ class _Missing(NamedTuple):
 def broken_cuts(problem: Problem, flow: Flow, go: Callable[[], bool] = lambda: True) -> tuple[Cuts, float]:
     """The cuts that most is missing of, and the deterministic seconds spent; no more are looked for if `go` says no."""
     graph = _Graph(problem, flow)
-    found: dict[bytes, _Missing] = {}
+    found: dict[tuple[bytes, bytes, int], _Missing] = {}
     work = 0.0
-    for little in (MUCH, LITTLE):
-        for way in _ways(problem, graph.used):
-            if not go():
-                break
-            work += graph.size / MOVES_PER_S
-            cut = graph.least_cut(way, little)
-            if cut is not None:
-                found.setdefault(cut.tail.tobytes() + cut.head.tobytes() + bytes(str(cut.through), "ascii"), cut)
-        if found:
+    for way in _ways(problem, graph.used):
+        if not go():
             break
-    chosen = sorted(found.values(), key=lambda cut: -cut.amount)[:MOST]
+        work += graph.size / MOVES_PER_S
+        cut = graph.least_cut(way)
+        if cut is not None:
+            found.setdefault((cut.tail.tobytes(), cut.head.tobytes(), cut.through), cut)
+    by_much = [cut for cut in found.values() if cut.amount > MUCH]
+    chosen = sorted(by_much or found.values(), key=lambda cut: -cut.amount)[:MOST]
     tail, head = (np.array([cut[side] for cut in chosen], dtype=np.bool_).reshape(-1, problem.m + 1) for side in (1, 2))
     through = np.array([cut.through for cut in chosen], dtype=np.int64)
     return Cuts(tail, head, np.ones(len(chosen)), through), work
@@ -107,24 +105,24 @@ class _Graph:
         self.size = int(taken.sum())
         self.used: Floats = np.bincount(flow.reach, flow.amount, problem.m + 1).astype(np.float64)
 
-    def least_cut(self, way: _Way, little: float) -> _Missing | None:
+    def least_cut(self, way: _Way) -> _Missing | None:
         """The least cut on a way, if more than a little is missing of what should go across."""
         through = way.start_site if way.start_site != ANY else way.end_site
         need = 1.0 if through == ANY else float(self.used[through])
-        kept = np.append(~way.barred, self._n in (way.start, way.end))[self._contour]
+        kept = np.append(~way.barred, self._n in (way.start, way.end))
         start = self._sites == way.start_site if way.start_site != ANY else self._contour == way.start
         end = self._sites == way.end_site if way.end_site != ANY else self._contour == way.end
-        room, source, sink = self._network(kept, start, end)
+        room, source, sink = self._network(kept[self._contour], start, end)
         flow = maximum_flow(room, source, sink)
         amount = need - flow.flow_value / UNIT
-        if amount <= little:
+        if amount <= LITTLE:
             return None
         left = room - flow.flow
         left.data = np.maximum(left.data, 0)
         left.eliminate_zeros()
         side = np.zeros(room.shape[0], dtype=np.bool_)
         side[breadth_first_order(left, source, return_predecessors=False)] = True
-        return _Missing(amount, *self._sides(side[: len(kept)], way), through)
+        return _Missing(amount, *self._sides(side[: len(self._sites)], way, kept[self._owner]), through)
 
     def _network(self, kept: Bools, start: Bools, end: Bools) -> tuple[csr_matrix, int, int]:
         """The kept moves, from one node more to all starts and from all ends to another."""
@@ -135,7 +133,7 @@ class _Graph:
         room = np.concatenate([self._room[taken], np.full(len(first) + len(last), 2 * UNIT, dtype=np.int32)])
         return csr_matrix((room, (leave, reach)), shape=(size + 2, size + 2), dtype=np.int32), size, size + 1
 
-    def _sides(self, side: Bools, way: _Way) -> tuple[Bools, Bools]:
+    def _sides(self, side: Bools, way: _Way, kept: Bools) -> tuple[Bools, Bools]:
         """All sites that are not barred on either side; those not in use go with the contour's own, or to the end."""
         before, after = (np.bincount(self._contour[which], minlength=self._n + 1) for which in (side, ~side))
         tail = ((before > 0) & (after == 0))[self._owner]
@@ -144,7 +142,6 @@ class _Graph:
             tail[way.start_site] = True
         elif way.start < self._n:
             tail |= self._owner == way.start
-        kept = np.append(~way.barred, self._n in (way.start, way.end))[self._owner]
         if way.end_site == ANY:
             tail &= self._owner != way.end
         else:
