@@ -57,10 +57,15 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """The stock: its outline and, for a remnant, its own holes."""
+    """The stock: its outline and, for a remnant, its own holes.
+
+    `stated` says that the drawing, the nest file or the planner gave the outline and where it lies; False where it was
+    laid around the parts because nobody said, so that its edges are nowhere in particular.
+    """
 
     outline: Curve
     holes: tuple[Curve, ...] = ()
+    stated: bool = True
 
     @cached_property
     def polygon(self) -> shapely.Polygon:

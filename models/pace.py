@@ -33,7 +33,7 @@ class Pace:
             if facts.nest.contours[candidate.contour].kind == "mark":
                 times.append(feeds.mark_start_s + candidate.cut_mm / feeds.mark_mm_s)
             else:
-                pierce = 0.0 if candidate.edge_start else feeds.pierce_s
+                pierce = feeds.edge_s if candidate.edge_start else feeds.pierce_s
                 times.append(pierce + candidate.cut_mm / feeds.cut_mm_s)
         return Pace(np.asarray(np.rint(np.array(times) * 1000), dtype=np.int64), 1.0 / feeds.travel_mm_s)
 

@@ -32,7 +32,7 @@ def facts_of(nest: Nest, profile: Profile) -> Facts:
         If a lock names what the nest does not have, or a contour cannot be cut as the profile asks.
     """
     check_locks(profile.locks, nest)
-    candidates = build_candidates(nest, profile.lead_options())
+    candidates = build_candidates(nest, profile.lead_options(nest))
     return compute_facts(nest, profile.fact_options(nest), candidates, contour_heat_kj(nest, candidates, profile))
 
 

@@ -37,7 +37,7 @@ def contour_heat_kj(nest: Nest, candidates: Sequence[Candidate], profile: Profil
     No plan of these candidates, and no program of it, leaves more. At constant feeds it is exact for the entry that
     takes longest.
     """
-    motion, pierce_s = _slowest(nest, candidates, profile), profile.machine.pierce_time_s
+    motion, machine = _slowest(nest, candidates, profile), profile.machine
     # On an axis that takes time to stop, a path that begins elsewhere stops there instead of where it was timed from.
     stop_s = motion.feeds.cut_mm_s / motion.acceleration_mm_s2 if isinstance(motion, Accelerated) else 0.0
     rounds_s: dict[int, float] = {}
@@ -50,7 +50,7 @@ def contour_heat_kj(nest: Nest, candidates: Sequence[Candidate], profile: Profil
             ring = compensated(contour, profile.material.kerf_mm)
             rounds_s[number] = motion.run_s(ring.opened_at(0.0), False) + stop_s
         leads_s = sum(motion.run_s(lead, False) for lead in (candidate.lead_in, candidate.lead_out) if lead is not None)
-        on_s = rounds_s[number] + leads_s + (0.0 if candidate.edge_start else pierce_s)
+        on_s = rounds_s[number] + leads_s + (machine.edge_preheat_s if candidate.edge_start else machine.pierce_time_s)
         longest_s[number] = max(longest_s[number], on_s)
     return np.asarray(profile.heat.absorbed_power_w * longest_s / J_PER_KJ)
 

@@ -11,7 +11,7 @@ from ..models.heat.timed_path import in_order, torch_on
 from ..models.plan import Plan
 from ..rules.profile import Profile
 from .check.nc_program import NcProgram
-from .dialects import load_dialect
+from .dialects import pierce_dwell_of
 from .plan_paths import outside, toolpaths
 
 _CHORD_MM = 0.05
@@ -34,7 +34,7 @@ def path_of_plan(plan: Plan, nest: Nest, profile: Profile) -> TimedPath:
             made.path.flatten(_CHORD_MM),
             made.planned.cut.start_s,
             made.planned.cut.end_s,
-            0.0 if made.edge_start else profile.machine.pierce_time_s,
+            profile.machine.edge_preheat_s if made.edge_start else profile.machine.pierce_time_s,
         )
         for made in toolpaths(plan, nest, profile)
         if not made.marks
@@ -48,7 +48,7 @@ def path_of_program(program: NcProgram, nest: Nest, profile: Profile) -> TimedPa
     Rapids are as profiled, and so are pierces where the dialect leaves them to the machine.
     """
     machine = profile.machine
-    waits = load_dialect(machine.dialect).pierce_dwell == "machine"
+    waits = pierce_dwell_of(profile) == "machine"
     burns, late_s = [], 0.0
     edge_starts = outside(nest, [(float(b.path.vertices[0, 0]), float(b.path.vertices[0, 1])) for b in program.burns])
     for burn, edge_start in zip(program.burns, edge_starts, strict=True):

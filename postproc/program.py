@@ -9,7 +9,7 @@ from ..encoder.nest import Nest
 from ..models.plan import Plan
 from ..rules.profile import Profile
 from .blocks import comment, is_comment, number, numbered, path_blocks, plain, rapid_block, seconds_text
-from .dialects import Dialect, load_dialect
+from .dialects import Dialect, load_dialect, pierce_dwell_of
 from .plan_paths import SHA_DIGITS, Toolpath, toolpaths
 
 
@@ -89,8 +89,9 @@ def _cut(order: int, made: Toolpath, profile: Profile, dialect: Dialect) -> Iter
     if made.planned.dwell_s > 0:  # metal cools, the torch being off
         yield dialect.dwell.format(seconds=number(made.planned.dwell_s, 3))
     yield dialect.mark_on if mark else dialect.torch_on
-    dwell_s = machine.mark_time_s if mark else machine.pierce_time_s
-    if dialect.pierce_dwell == "program" and dwell_s > 0 and not made.edge_start:
+    start_s = machine.edge_preheat_s if made.edge_start else machine.pierce_time_s
+    dwell_s = machine.mark_time_s if mark else start_s
+    if pierce_dwell_of(profile, dialect) == "program" and dwell_s > 0:
         yield dialect.dwell.format(seconds=number(dwell_s, 3))
     yield from path_blocks(made.path, machine.mark_feed_mm_s if mark else machine.cut_feed_mm_s, dialect)
     yield dialect.mark_off if mark else dialect.torch_off

@@ -17,7 +17,7 @@ from ..models.timing.run import Job, Run
 from ..rules.profile import Profile
 from .check.nc_program import NcProgram
 from .check.nc_reader import read_nc
-from .dialects import load_dialect
+from .dialects import pierce_dwell_of
 from .plan_paths import outside, toolpaths
 from .program import count_blocks
 
@@ -71,7 +71,7 @@ def job_of_program(program: NcProgram, nest: Nest, own: Profile | None = None) -
         run = Run(burn.path, burn.tool != 0, not edge_start, burn.travels_mm, burn.wait_s)
         if own is not None:
             standing_s = burn.pierce_s + burn.paused_s
-            if load_dialect(own.machine.dialect).pierce_dwell == "machine" and not edge_start:
+            if pierce_dwell_of(own) == "machine" and not edge_start:
                 standing_s += own.machine.mark_time_s if run.marks else own.machine.pierce_time_s
             run = replace(run, moving_s=burn.moving_s, standing_s=standing_s)
         runs.append(run)

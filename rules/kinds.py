@@ -299,6 +299,32 @@ class PointXY(Kind):
         return "a point [x, y] in mm"
 
 
+@dataclass(frozen=True, slots=True)
+class Span(Kind):
+    """Two lengths [least, most], the first less than the second; `none` is the word for not known."""
+
+    none: str
+
+    def read(self, node: yaml.Node) -> tuple[float, float] | None:
+        if isinstance(node, yaml.ScalarNode) and node.value == self.none:
+            return None
+        if not isinstance(node, yaml.SequenceNode) or len(node.value) != 2:
+            raise self.refuse(node)
+        low, high = PointXY().read(node)
+        if low >= high:
+            raise Unfit(f"expected {self.expected()}, got {low:g} and {high:g}", node)
+        return low, high
+
+    def write(self, value: tuple[float, float] | None) -> str:
+        return self.none if value is None else PointXY().write(value)
+
+    def schema(self) -> dict[str, Any]:
+        return {"anyOf": [{"const": self.none}, PointXY().schema()]}
+
+    def expected(self) -> str:
+        return f"[least, most] in mm, the least first, or {self.none!r}"
+
+
 def _decimal_comma(node: yaml.Node) -> str:
     """A hint where a number was written as in German or Russian."""
     text = str(node.value) if isinstance(node, yaml.ScalarNode) else ""

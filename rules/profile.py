@@ -15,6 +15,7 @@ from ..encoder.candidates.candidate import LeadOptions
 from ..encoder.cut import Direction
 from ..encoder.errors import InputError
 from ..encoder.facts.facts import FactOptions
+from ..encoder.geometry.segment import Point
 from ..encoder.nest import Kind, Nest
 from ..encoder.readers.options import ReadOptions
 from .catalogue.cut_direction import CutDirectionOptions
@@ -22,6 +23,7 @@ from .catalogue.part_rigidity import PartRigidityOptions
 from .catalogue.pierce import PierceOptions
 from .catalogue.start_side import StartSideOptions
 from .catalogue.zone_order import ZoneOrderOptions
+from .frame import Bounds, frame_of, reach_of
 from .heat_section import Heat
 from .lock import Lock
 from .own import Own, Thresholds, as_rule, own_pairs
@@ -104,8 +106,19 @@ class Profile:
         unset = [f.name for f in dataclasses.fields(options) if "kind" not in f.metadata]
         return dataclasses.replace(options, **{name: shared[name] for name in unset})
 
-    def lead_options(self) -> LeadOptions:
-        """How candidates are made: `leads`, the kerf, and what the rules pierce and cut-direction and the locks say."""
+    def home_on(self, nest: Nest) -> Point:
+        """The machine's home in the coordinates of the nest's drawing."""
+        return frame_of(nest, self.machine).on_drawing(self.machine.home)
+
+    def reach_on(self, nest: Nest) -> Bounds | None:
+        """What the torch can go to, in the coordinates of the nest's drawing; None where the profile does not say."""
+        return reach_of(nest, self.machine)
+
+    def lead_options(self, nest: Nest | None = None) -> LeadOptions:
+        """How candidates are made: `leads`, the kerf, and what the rules pierce and cut-direction and the locks say.
+
+        Given a nest, they keep to what the machine reaches of it.
+        """
         leads, directions = self.leads, self._options("cut-direction", CutDirectionOptions)
         fixed = self.rules["cut-direction"].strength == "hard"
         both: tuple[Direction, ...] = ("cw", "ccw")
@@ -121,6 +134,7 @@ class Profile:
             pierce_clearance_mm=self._options("pierce", PierceOptions).clearance_mm if self._is_on("pierce") else 0.0,
             hole_overcut_mm=leads.hole_overcut_mm,
             edge_start=leads.edge_start,
+            reach=None if nest is None else self.reach_on(nest),
             directions={kind: directions.allowed(kind) if fixed else both for kind in kinds},
             entry_points={lock.contour: lock.entry for lock in self.locks if lock.contour and lock.entry},
         )

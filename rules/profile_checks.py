@@ -7,14 +7,21 @@ from typing import Any
 import yaml
 
 from .heat_section import Heat
-from .sections import Leads, Material, RuleSetting
+from .sections import Leads, Machine, Material, RuleSetting
 from .time_section import Time
 from .yaml_positions import Problems
+
+MACHINE_WAITS = (
+    "a control that holds the pierce delay itself probes for the sheet and waits at every start, also beside the "
+    "sheet: say false, or machine.pierce_dwell: program where the control does neither"
+)
+"""Why edge starts do not go with a pierce delay in the machine."""
 
 
 def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -> None:
     """Note values that contradict each other, at the one that the file gives."""
     leads: Leads = given["leads"]
+    machine: Machine = given["machine"]
     material: Material = given["material"]
     rules: dict[str, RuleSetting] = given["rules"]
     time: Time = given["time"]
@@ -25,6 +32,23 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
             _deepest(root, "leads", "lead_in_min"),
             f"leads.lead_in_min: {leads.lead_in_min_mm:g} mm is more than lead_in, {leads.lead_in_mm:g} mm",
         )
+    if leads.edge_start and machine.process == "oxyfuel" and machine.edge_preheat_s <= 0:
+        problems.add(
+            _deepest(root, "leads", "edge_start"),
+            "leads.edge_start: a flame has to heat the sheet's edge before it cuts: give machine.edge_preheat, such as "
+            "7 s",
+        )
+    if leads.edge_start and machine.pierce_dwell == "machine":
+        problems.add(
+            _deepest(root, "leads", "edge_start"),
+            f"leads.edge_start: {MACHINE_WAITS}",
+        )
+    for key, span, at_mm in zip("xy", (machine.travel_x_mm, machine.travel_y_mm), machine.home, strict=True):
+        if span is not None and not span[0] <= at_mm <= span[1]:
+            problems.add(
+                _deepest(root, "machine", "home"),
+                f"machine.home: {at_mm:g} mm lies outside machine.travel_{key}, {span[0]:g} to {span[1]:g} mm",
+            )
     if time.model == "blocks" and time.feed_by_blocks is None and not problems.found:
         problems.add(
             _deepest(root, "time", "model"),

@@ -7,36 +7,16 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..encoder.candidates.candidate import LeadKind
-from ..encoder.geometry.segment import Point
 from ..encoder.readers.units import MM_PER
-from .dialect_kind import DialectName
 from .heat_section import Heat
-from .kinds import DURATION, LENGTH, SPEED, Choice, Flag, Number, PointXY, Text, over_zero
+from .kinds import LENGTH, Choice, Flag, Number, Text, over_zero
+from .machine_section import Machine
 from .option import option
 from .registry import RULES
 from .rule import Strength
 from .time_section import Prices, Time
 
 _LEADS = Choice(("line", "arc", "none"))
-
-
-@dataclass(frozen=True, slots=True)
-class Machine:
-    """What the machine can do, and the language its control speaks."""
-
-    dialect: str = field(
-        default="linuxcnc-qtplasmac",
-        metadata=option(DialectName(("linuxcnc-qtplasmac",)), "language of the NC program"),
-    )
-    home: Point = field(default=(0.0, 0.0), metadata=option(PointXY(), "where the torch starts and returns to"))
-    cut_feed_mm_s: float = field(default=2500 / 60, metadata=option(SPEED, "speed while cutting"))
-    mark_feed_mm_s: float = field(default=100.0, metadata=option(SPEED, "speed while marking"))
-    travel_mm_s: float = field(default=250.0, metadata=option(SPEED, "speed of idle travel"))
-    pierce_time_s: float = field(default=0.5, metadata=option(DURATION, "time to pierce"))
-    mark_time_s: float = field(default=0.2, metadata=option(DURATION, "time to start marking"))
-    head: str = field(
-        default="up", metadata=option(Choice(("up", "down")), "whether the head is lifted on idle travel")
-    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +40,7 @@ class Leads:
     lead_out_length_mm: float = field(default=2.0, metadata=option(LENGTH, "length of the lead-out"))
     hole_overcut_mm: float = field(default=1.0, metadata=option(LENGTH, "how far a hole is cut past its entry"))
     edge_start: bool = field(
-        default=True, metadata=option(Flag(), "whether to come in from the sheet edge, unpierced, where that is near")
+        default=False, metadata=option(Flag(), "whether to come in from the sheet edge, unpierced, where that is near")
     )
 
 
@@ -111,6 +91,8 @@ def default_settings() -> dict[str, RuleSetting]:
         for name, rule in RULES.items()
     }
 
+
+__all__ = ["SECTIONS", "Drawing", "Leads", "Machine", "Material", "Objective", "RuleSetting", "default_settings"]
 
 SECTIONS: Mapping[str, type] = {
     "machine": Machine,

@@ -39,4 +39,6 @@ def _seconds(candidate: Candidate, marks: bool, profile: Profile) -> float:
     machine = profile.machine
     if marks:
         return machine.mark_time_s + candidate.cut_mm / machine.mark_feed_mm_s
-    return (0.0 if candidate.edge_start else machine.pierce_time_s) + candidate.cut_mm / machine.cut_feed_mm_s
+    return (
+        machine.edge_preheat_s if candidate.edge_start else machine.pierce_time_s
+    ) + candidate.cut_mm / machine.cut_feed_mm_s

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,14 +20,15 @@ from .marks import mark_candidates
 from .no_room import no_room
 from .search import approaches_to
 from .surroundings import Surroundings
+from .within_reach import out_of_reach, within_reach
 
 
 def build_candidates(nest: Nest, options: LeadOptions) -> tuple[Candidate, ...]:
     """The ways to cut each contour: entries well spread around it, each in every direction allowed.
 
     A pierce lies in waste and keeps clear of every contour and of the sheet's edges (Petunin 2009, section 2); the kerf
-    of a lead touches no contour but its own. Near the edge of the sheet there are edge starts besides, which come in
-    from outside it and pierce nothing.
+    of a lead touches no contour but its own. Where the options allow it, the sheet's outline is stated and
+    the machine is known to reach there, edge starts come in from outside that edge besides and pierce nothing.
 
     Returns
     -------
@@ -47,22 +49,29 @@ def build_candidates(nest: Nest, options: LeadOptions) -> tuple[Candidate, ...]:
     [((50.0, 50.0), 'cw'), ((50.0, 50.0), 'ccw'), ((90.0, 50.0), 'cw')]
     """
     _check(options, nest)
+    if not nest.sheet.stated or options.reach is None:
+        options = replace(options, edge_start=False)
     if not nest.contours:
         return ()
-    outlines, faults = _outlines(nest, options.kerf_mm)
+    outlines, faults = _outlines(nest, options)
     around = Surroundings.of(nest)
     locked = _locked(outlines, nest, options)
     found = approaches_to(outlines, locked, around, options)
     faults |= no_room(found, locked, outlines, around, options)
     if faults:
-        count = "a contour" if len(faults) == 1 else f"{len(faults)} contours"
-        details = tuple(faults[k] for k in sorted(faults))
-        raise InputError(
-            f"{count} of the nest cannot be cut as the options ask", file=nest.file or None, details=details
-        )
+        raise _faulty(nest, [faults[k] for k in sorted(faults)])
     marks = [c for k, m in enumerate(nest.contours) if m.kind == "mark" for c in mark_candidates(k, m, options)]
-    torch = _candidates(found, outlines, around, options)
+    torch = within_reach(_candidates(found, outlines, around, options), options.reach)
+    if lost := sorted(set(outlines) - {c.contour for c in torch}):
+        raise _faulty(nest, [f"{nest.contours[k].id}: no lead to it stays within the machine's travel" for k in lost])
     return tuple(sorted([*marks, *torch], key=lambda c: c.contour))
+
+
+def _faulty(nest: Nest, faults: Sequence[str]) -> InputError:
+    count = "a contour" if len(faults) == 1 else f"{len(faults)} contours"
+    return InputError(
+        f"{count} of the nest cannot be cut as the options ask", file=nest.file or None, details=tuple(faults)
+    )
 
 
 def _check(options: LeadOptions, nest: Nest) -> None:
@@ -91,17 +100,25 @@ def _check(options: LeadOptions, nest: Nest) -> None:
         )
 
 
-def _outlines(nest: Nest, kerf_mm: float) -> tuple[dict[int, Outline], dict[int, str]]:
-    """The outlines of all contours that the torch cuts, and what is wrong with those that have none."""
+def _outlines(nest: Nest, options: LeadOptions) -> tuple[dict[int, Outline], dict[int, str]]:
+    """The outlines of all contours that the torch cuts, and what is wrong with those that have none.
+
+    A contour that the machine does not reach, marks included, is wrong too.
+    """
     outlines: dict[int, Outline] = {}
     faults: dict[int, str] = {}
+    kerf_mm = options.kerf_mm
     for k, contour in enumerate(nest.contours):
-        if contour.kind == "mark":
-            continue
+        path = contour.curve
         try:
-            outlines[k] = Outline.of(k, contour, compensated(contour, kerf_mm), kerf_mm / 2)
+            if contour.kind != "mark":
+                path = compensated(contour, kerf_mm)
+                outlines[k] = Outline.of(k, contour, path, kerf_mm / 2)
         except InputError as error:
             faults[k] = error.message
+            continue
+        if far := out_of_reach(contour, path, options.reach):
+            faults[k] = far
     return outlines, faults
 
 

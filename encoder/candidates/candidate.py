@@ -29,9 +29,12 @@ class LeadOptions:
 
     The lead is made as long as `lead_in_mm` where there is room, shorter down to `lead_in_min_mm` where there is
     not; `pierce_clearance_mm` is the least distance from the pierce point to every contour (rule `pierce`). With lead
-    "none" the torch pierces on its path, and only other contours have to be that far. An `edge_start` is offered
-    where the edge of the sheet is within `2 * lead_in_mm`. `entry_points` are entries that must be among the
-    candidates, at the point of the contour nearest to the one given.
+    "none" the torch pierces on its path, and only other contours have to be that far.
+
+    `reach` is what the torch can go to (least X and Y, most X and Y); None where nobody has said. With `edge_start` the
+    torch may come in from the edge of the sheet where that is within `2 * lead_in_mm`; never from an edge that was only
+    assumed (`Sheet.stated`), and only where `reach` says that the machine gets there. `entry_points` are entries that
+    must be among the candidates, at the point of the contour nearest to the one given.
     """
 
     entries: int = 8
@@ -43,7 +46,8 @@ class LeadOptions:
     lead_out_mm: float = 2.0
     pierce_clearance_mm: float = 1.0
     hole_overcut_mm: float = 1.0
-    edge_start: bool = True
+    edge_start: bool = False
+    reach: tuple[float, float, float, float] | None = None
     directions: Mapping[Kind, tuple[Direction, ...]] = field(
         default_factory=lambda: {"outer": ("cw", "ccw"), "hole": ("cw", "ccw"), "mark": ("cw", "ccw")}
     )

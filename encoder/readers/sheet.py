@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import shapely
@@ -50,9 +51,9 @@ def choose_sheet(
     if page is not None and page.polygon.buffer(options.join_tolerance_mm).covers(shapely.box(x0, y0, x1, y1)):
         width, height = page.bounds[2], page.bounds[3]
         text = f"no layer is the sheet's: the page, {width:g} × {height:g} mm, is taken for it"
-        return page, [*notes, Note("warning", text)]
+        return replace(page, stated=False), [*notes, Note("warning", text)]
     m = options.margin_mm
-    sheet = _rectangle(x0 - m, y0 - m, x1 - x0 + 2 * m, y1 - y0 + 2 * m)
+    sheet = _laid_around(x0 - m, y0 - m, x1 - x0 + 2 * m, y1 - y0 + 2 * m)
     text = (
         f"no layer is the sheet's (drawing.sheet_layer '{options.sheet_layer}'): the parts' bounding box and {m:g} mm"
         f" around it, {x1 - x0 + 2 * m:g} × {y1 - y0 + 2 * m:g} mm, is taken for it; pass --sheet WxH or name a layer"
@@ -97,8 +98,10 @@ def _given_sheet(
         start - min(margin_mm, (size - (end - start)) / 2) for start, end, size in ((x0, x1, width), (y0, y1, height))
     )
     text = f"the parts do not lie in (0, 0)…({width:g}, {height:g}): the sheet is laid around them, from ({x:g}, {y:g})"
-    return _rectangle(x, y, width, height), [Note("warning", text)]
+    return _laid_around(x, y, width, height), [Note("warning", text)]
 
 
-def _rectangle(x: float, y: float, width: float, height: float) -> Sheet:
-    return Sheet(Curve.of([(x, y), (x + width, y), (x + width, y + height), (x, y + height)]))
+def _laid_around(x: float, y: float, width: float, height: float) -> Sheet:
+    """A sheet whose place nobody has stated."""
+    outline = Curve.of([(x, y), (x + width, y), (x + width, y + height), (x, y + height)])
+    return Sheet(outline, stated=False)

@@ -12,13 +12,14 @@ from ...encoder.geometry.segment import Point
 
 @dataclass(frozen=True, slots=True)
 class Feeds:
-    """Speeds in mm/s and the time to pierce (or to start marking), s."""
+    """Speeds in mm/s and the time to pierce, to start marking, and to preheat for an edge start, s."""
 
     cut_mm_s: float
     mark_mm_s: float
     travel_mm_s: float
     pierce_s: float
     mark_start_s: float = 0.0
+    edge_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +68,7 @@ def schedule(legs: Sequence[Leg], feeds: Feeds, home: Point) -> list[tuple[float
     for leg in legs:
         begin = now + math.dist(at, leg.start) / feeds.travel_mm_s
         speed = feeds.mark_mm_s if leg.marks else feeds.cut_mm_s
-        wait = feeds.mark_start_s if leg.marks else feeds.pierce_s if leg.pierced else 0.0
+        wait = feeds.mark_start_s if leg.marks else feeds.pierce_s if leg.pierced else feeds.edge_s
         now, at = begin + wait + leg.length_mm / speed, leg.end
         times.append((begin, now))
     return times

@@ -10,6 +10,7 @@ from ...encoder.nest import Nest
 from ...rules.profile import Profile
 from ...rules.rule import Violation
 from .coverage import coverage, once_each
+from .edge_starts import edge_starts, forbidden
 from .heating import Thermometer, heatings_of_cuts, heatings_of_program, measured
 from .judge import judge
 from .metal import gouges, off_sheet
@@ -74,8 +75,8 @@ def _judge_paths(
     nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], faults: Sequence[Violation], profile: Profile
 ) -> tuple[list[Judgement], list[str]]:
     found = gouges(nest, runs, profile.material.kerf_mm)
-    leads = profile.leads
-    margin_mm = profile.material.kerf_mm + (leads.lead_in_mm if leads.edge_start else 0.0)
+    runs_up = forbidden(nest, profile) is None
+    margin_mm = profile.material.kerf_mm + (profile.leads.lead_in_mm if runs_up else 0.0)
     judged = [
         judgement(
             "every-contour-once", [*coverage(nest, cuts), *(f for f in faults if f.rule == "every-contour-once")]
@@ -83,6 +84,7 @@ def _judge_paths(
         judgement("contour-geometry", _of("contour-geometry", faults)),
         judgement("kerf-side", _of("kerf-side", faults)),
         judgement("on-sheet", off_sheet(nest, runs, margin_mm)),
+        judgement("edge-start", edge_starts(nest, runs, profile)),
         judgement("no-gouging", found.violations),
     ]
     return judged, list(found.warnings)

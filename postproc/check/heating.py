@@ -19,7 +19,7 @@ from shapely import ops
 from ...encoder.cut import Cut, CutSequence, HotSpot
 from ...encoder.nest import Nest
 from ...rules.profile import Profile
-from ..dialects import load_dialect
+from ..dialects import pierce_dwell_of
 from .nc_program import NcProgram
 from .torch_run import TorchRun
 
@@ -59,18 +59,19 @@ def measured(cuts: CutSequence, heatings: Iterator[Heating], thermometer: Thermo
 
 def heatings_of_cuts(nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], profile: Profile) -> Iterator[Heating]:
     """The stretches of a plan, at the times that it states; marks heat nothing worth speaking of."""
+    machine = profile.machine
     for run in runs:
         if run.marks or run.contour is None:
             continue
         cut = cuts[run.position - 1]
         points = np.concatenate([shapely.get_coordinates(line) for line in _in_order(run, cut)])
-        pierce_s = profile.machine.pierce_time_s if _pierced(nest, cut.pierce) else 0.0
+        pierce_s = machine.pierce_time_s if _pierced(nest, cut.pierce) else machine.edge_preheat_s
         yield Heating(run.name, points, cut.start_s, max(cut.start_s, cut.end_s), pierce_s, cut.start_s)
 
 
 def heatings_of_program(nest: Nest, program: NcProgram, profile: Profile) -> Iterator[Heating]:
     """The stretches of a program at its own feeds, with the waits that it makes or leaves to the machine."""
-    unsaid_s = profile.machine.pierce_time_s if load_dialect(profile.machine.dialect).pierce_dwell == "machine" else 0.0
+    unsaid_s = profile.machine.pierce_time_s if pierce_dwell_of(profile) == "machine" else 0.0
     late_s = 0.0
     for burn in program.burns:
         if burn.tool != 0:

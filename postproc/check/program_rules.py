@@ -17,6 +17,7 @@ SENTENCES = {
     "pierce-delay": "The torch stands at each pierce for the profile's time, and else only, off, to let metal cool.",
     "returns-home": "The torch ends where it starts, at the machine's home.",
     "on-sheet": "The torch burns only over the sheet, but for the run-up of an edge start.",
+    "edge-start": "The torch begins off the sheet only where edge starts are allowed, at an edge that is stated.",
     "no-gouging": "The kerf enters no part.",
     "totals": "The totals, lengths and times that the plan states are those of its cuts.",
     "claims": "Each hard rule holds in the plan where the plan says so.",

@@ -13,7 +13,7 @@ from ...encoder.nest import Nest
 from ...rules.catalogue.t_max import TMaxOptions
 from ...rules.profile import Profile
 from ...rules.rule import Violation
-from ..dialects import load_dialect
+from ..dialects import pierce_dwell_of
 from .nc_program import Burn, NcProgram
 from .program_rules import TOLERANCE_MM, judgement
 from .result import Judgement
@@ -53,19 +53,20 @@ def _feeds(program: NcProgram, profile: Profile) -> Iterator[tuple[int, str]]:
 
 
 def _waits(nest: Nest, burns: Sequence[Burn], profile: Profile) -> Iterator[tuple[int, str]]:
-    """Pierces too short or too long. A torch that comes in from the sheet's edge pierces nothing and does not wait."""
+    """Pierces too short or too long. A torch that comes in from the sheet's edge pierces nothing, but may preheat."""
     if not burns:
         return
     machine = profile.machine
-    waits = load_dialect(machine.dialect).pierce_dwell == "program"
+    waits = pierce_dwell_of(profile) == "program"
     cooling_s = _longest_dwell_s(profile)
     points = shapely.points(np.array([burn.path.vertices[0, :2] for burn in burns]))
     sheet = shapely.make_valid(nest.sheet.polygon)
     inside, near = (shapely.contains(shapely.buffer(sheet, by), points) for by in (-TOLERANCE_MM, TOLERANCE_MM))
     for burn, pierced, maybe in zip(burns, inside.tolist(), near.tolist(), strict=True):
         marks = burn.tool != 0
-        asked_s = machine.mark_time_s if marks else machine.pierce_time_s
-        allowed = {asked_s if waits else 0.0} if marks or pierced else {asked_s, 0.0} if maybe and waits else {0.0}
+        start_s = {machine.pierce_time_s} if pierced else {machine.edge_preheat_s}
+        start_s |= {machine.pierce_time_s} if maybe else set()
+        allowed = ({machine.mark_time_s} if marks else start_s) if waits else {0.0}
         if all(abs(burn.pierce_s - s) > _WAIT_S for s in allowed):
             says = " or ".join(f"{s:g} s" for s in sorted(allowed))
             yield burn.line, f"the torch stands for {burn.pierce_s:g} s before it moves, the profile asks for {says}"

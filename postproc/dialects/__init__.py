@@ -1,5 +1,5 @@
 """Controls and how they spell a program."""
 
-from .dialect import Dialect, LineNumbers, dialect_names, load_dialect
+from .dialect import Dialect, LineNumbers, dialect_names, load_dialect, pierce_dwell_of
 
-__all__ = ["Dialect", "LineNumbers", "dialect_names", "load_dialect"]
+__all__ = ["Dialect", "LineNumbers", "dialect_names", "load_dialect", "pierce_dwell_of"]

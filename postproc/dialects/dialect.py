@@ -12,6 +12,8 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 import yaml
 
 from ...encoder.errors import InputError
+from ...rules.machine_section import PierceDwell
+from ...rules.profile import Profile
 from ...rules.suggest import unknown
 from ...rules.yaml_positions import Problems, compose, entries, plain, shape
 
@@ -73,11 +75,16 @@ class Dialect:
     arc_centre: Literal["relative", "absolute"]
     feed: str
     dwell: str
-    pierce_dwell: Literal["machine", "program"]
+    pierce_dwell: PierceDwell
     comment: str
     line_numbers: LineNumbers | None
     decimals: int
     max_line: int
+
+
+def pierce_dwell_of(profile: Profile, dialect: Dialect | None = None) -> PierceDwell:
+    """Who waits at a pierce: what the profile says, else the dialect of its machine."""
+    return profile.machine.pierce_dwell or (dialect or load_dialect(profile.machine.dialect)).pierce_dwell
 
 
 def dialect_names() -> tuple[str, ...]:

@@ -98,7 +98,9 @@ def test_a_simulated_plan_and_its_program_take_up_no_more(plant: Profile, choice
 
 def test_the_entry_that_takes_longest_counts_wherever_it_is_listed() -> None:
     corner = nest(200, 200, part("A", rect(5, 5, 80, 80)), part("B", rect(90, 5, 80, 80)))
-    candidates = build_candidates(corner, PLAIN.lead_options())
+    candidates = build_candidates(
+        corner, replace(PLAIN.lead_options(), edge_start=True, reach=(-9.0, -9.0, 300.0, 300.0))
+    )
     assert any(c.edge_start for c in candidates)
     assert len({round(c.cut_mm, 3) for c in candidates}) > 1
     forth, back = (contour_heat_kj(corner, listed, PLAIN) for listed in (candidates, candidates[::-1]))

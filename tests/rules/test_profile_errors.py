@@ -38,8 +38,8 @@ MISTAKES = {
     "name: ''": "1:7: name: expected a text, got ''",
     "machine: fast": "1:10: machine: expected a mapping (key: value), got 'fast'",
     "machine: {dialect: fanuc}": (
-        "1:20: machine.dialect: expected one of linuxcnc-qtplasmac, or a dialect file of your own that ends in .yaml, "
-        "got 'fanuc'"
+        "1:20: machine.dialect: expected one of linuxcnc-qtplasmac, linuxcnc, or a dialect file of your own that ends in "
+        ".yaml, got 'fanuc'"
     ),
     "material:\n  kerv: 1": "2:3: material: unknown key 'kerv': did you mean 'kerf'? (valid: kerf, name, thickness)",
     "material:\n  kerf: wide": f"2:9: material.kerf: expected {LENGTH}, got 'wide'",

@@ -15,7 +15,7 @@ from kerfwise.rules.lock import Lock
 from kerfwise.rules.option import NoOptions
 from kerfwise.rules.own import OwnFile
 from kerfwise.rules.profile import Profile
-from kerfwise.rules.sections import Objective, RuleSetting, default_settings
+from kerfwise.rules.sections import Leads, Objective, RuleSetting, default_settings
 from kerfwise.rules.state import Stated, resolve, state_rules
 from kerfwise.rules.statements import About, Contiguous, Forbid, IdleTravel, Precede
 from kerfwise.tests.nests import circle, nest, part, rect
@@ -76,10 +76,11 @@ def test_idle_travel_costs_its_time_too() -> None:
 
 def test_slower_ways_cost_the_seconds_they_add() -> None:
     """P1 lies at the edge: where it is not pierced it is quicker, and nothing else tells its ways apart but leads."""
-    profile = replace(plant(), objective=Objective(time=50.0))
+    profile = replace(plant(), objective=Objective(time=50.0), leads=Leads(edge_start=True))
+    profile = replace(profile, machine=replace(profile.machine, travel_x_mm=(-9, 300), travel_y_mm=(-9, 300)))
     machine = profile.machine
     sheet = nest(200, 100, part("P1", rect(4, 20, 60, 60)), part("P2", rect(110, 20, 60, 60)))
-    facts = compute_facts(sheet, profile.fact_options(), build_candidates(sheet, profile.lead_options()))
+    facts = compute_facts(sheet, profile.fact_options(), build_candidates(sheet, profile.lead_options(sheet)))
     found = {s.candidate: s for s in state_rules(facts, profile).statements if isinstance(s, Forbid)}
     edge = [k for k, c in enumerate(facts.candidates) if c.edge_start]
     assert edge

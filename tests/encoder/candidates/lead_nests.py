@@ -51,4 +51,6 @@ def lead_options() -> st.SearchStrategy[LeadOptions]:
         lead_out_mm=st.floats(1, 6),
         pierce_clearance_mm=st.floats(0.5, 1.2),
         hole_overcut_mm=st.sampled_from([0.0, 1.0]),
+        edge_start=st.just(True),
+        reach=st.just((-100.0, -100.0, 3000.0, 1500.0)),
     )

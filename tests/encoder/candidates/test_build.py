@@ -19,6 +19,8 @@ from kerfwise.encoder.nest import Contour, Nest, Sheet
 from kerfwise.encoder.readers import read_nest
 from kerfwise.tests.nests import circle, nest, part, rect
 
+REACH = (-100.0, -100.0, 3000.0, 1500.0)
+
 ROOT = Path(kerfwise.__file__).parent
 
 
@@ -135,12 +137,14 @@ def test_a_lead_does_not_cross_a_slit_in_the_sheet() -> None:
 def test_where_the_edge_is_too_thin_to_stand_in_nothing_starts() -> None:
     slit = Curve.of(rect(50, 95, 200, 1))
     remnant = Nest(Sheet(Curve.of(rect(0, 0, 400, 300)), (slit,)), (part("A", rect(100, 100, 80, 80)),))
-    assert not any(c.edge_start for c in build_candidates(remnant, LeadOptions()))
+    assert not any(c.edge_start for c in build_candidates(remnant, LeadOptions(edge_start=True, reach=REACH)))
 
 
 def test_a_lead_out_stays_on_the_sheet() -> None:
     near = nest(400, 300, part("A", rect(1.6, 100, 80, 80)))
-    found = build_candidates(near, LeadOptions(lead_out="line", entry_points={"A.outer": (1.6, 140)}))
+    found = build_candidates(
+        near, LeadOptions(lead_out="line", entry_points={"A.outer": (1.6, 140)}, edge_start=True, reach=REACH)
+    )
     beside = [c for c in found if c.entry == pytest.approx((1.6, 140))]
     assert beside
     assert all(0 < c.end[0] < 0.8 for c in beside)
@@ -216,17 +220,24 @@ def test_only_the_directions_asked_for_are_offered() -> None:
 
 def test_near_the_edge_of_the_sheet_the_torch_may_come_in_from_it() -> None:
     near = nest(400, 300, part("A", rect(10, 100, 80, 80)))
-    found = build_candidates(near, LeadOptions())
+    found = build_candidates(near, LeadOptions(edge_start=True, reach=REACH))
     edge = [c for c in found if c.edge_start]
     assert {c.entry for c in edge} == {(10, 100), (10, 140), (10, 180)}
     assert {c.entry for c in edge} <= {c.entry for c in found if not c.edge_start}
     middle = next(c for c in edge if c.entry == (10, 140))
     assert middle.pierce == pytest.approx((-1.5, 140))
-    assert not any(c.edge_start for c in build_candidates(near, LeadOptions(edge_start=False)))
+    assert not any(c.edge_start for c in build_candidates(near, LeadOptions()))
+
+
+def test_nothing_comes_in_from_an_edge_that_was_only_assumed() -> None:
+    near = nest(400, 300, part("A", rect(10, 100, 80, 80)))
+    assumed = dataclasses.replace(near, sheet=dataclasses.replace(near.sheet, stated=False))
+    assert any(c.edge_start for c in build_candidates(near, LeadOptions(edge_start=True, reach=REACH)))
+    assert not any(c.edge_start for c in build_candidates(assumed, LeadOptions(edge_start=True, reach=REACH)))
 
 
 def test_an_edge_start_does_not_run_along_the_part() -> None:
-    options = LeadOptions(entry_points={"A.outer": (8, 100)})
+    options = LeadOptions(entry_points={"A.outer": (8, 100)}, edge_start=True, reach=REACH)
     found = build_candidates(nest(400, 300, part("A", rect(4, 100, 8, 80))), options)
     assert any(c.entry == (8, 100) for c in found)
     assert not any(c.edge_start and c.entry == (8, 100) for c in found)
@@ -234,7 +245,7 @@ def test_an_edge_start_does_not_run_along_the_part() -> None:
 
 def test_a_contour_with_room_at_the_edge_only_starts_there() -> None:
     tight = nest(84, 84, part("A", rect(2, 2, 80, 80)))
-    found = build_candidates(tight, LeadOptions())
+    found = build_candidates(tight, LeadOptions(edge_start=True, reach=REACH))
     assert found
     assert all(c.edge_start for c in found)
 
@@ -310,3 +321,42 @@ def test_marks_may_be_closed() -> None:
     found = of(build_candidates(closed, LeadOptions()), closed, "A.mark1")
     assert len({c.entry for c in found}) == 4
     assert all(c.entry == c.pierce == c.end and c.cut_mm == pytest.approx(math.tau * 5) for c in found)
+
+
+def test_nothing_comes_in_from_an_edge_that_the_machine_is_not_known_to_reach() -> None:
+    near = nest(400, 300, part("A", rect(10, 100, 80, 80)))
+    for reach in (None, (0.0, 0.0, 400.0, 300.0), (-1.4, 0.0, 400.0, 300.0)):
+        found = build_candidates(near, LeadOptions(edge_start=True, reach=reach))
+        assert found
+        assert not any(c.edge_start for c in found)
+    found = build_candidates(near, LeadOptions(edge_start=True, reach=(-1.5, 0.0, 400.0, 300.0)))
+    assert any(c.edge_start for c in found)
+
+
+def test_pierces_and_leads_keep_to_what_the_machine_reaches() -> None:
+    near = nest(400, 300, part("A", rect(10, 100, 80, 80)))
+    everywhere, reached = (build_candidates(near, LeadOptions(reach=r)) for r in (None, (9.0, 90.0, 400.0, 300.0)))
+    assert any(c.pierce[0] < 9 for c in everywhere)
+    assert reached
+    assert all(c.pierce[0] >= 9 for c in reached)
+
+
+def test_a_contour_that_the_machine_does_not_reach_is_named() -> None:
+    far = nest(
+        400, 300, part("A", rect(10, 100, 80, 80)), part("B", rect(200, 100, 80, 80), marks=[[(210, 120), (270, 120)]])
+    )
+    with pytest.raises(InputError) as caught:
+        build_candidates(far, LeadOptions(reach=(0.0, 0.0, 250.0, 300.0)))
+    assert caught.value.details == (
+        "B.mark1 at (270.0, 120.0) is 20.0 mm out of the machine's travel: move the part, or correct machine.travel_x "
+        "and machine.travel_y",
+        "B.outer at (280.8, 100.0) is 30.8 mm out of the machine's travel: move the part, or correct machine.travel_x "
+        "and machine.travel_y",
+    )
+
+
+def test_a_contour_without_a_lead_within_reach_is_named() -> None:
+    tight = nest(400, 300, part("A", rect(10, 100, 80, 80)))
+    with pytest.raises(InputError) as caught:
+        build_candidates(tight, LeadOptions(reach=(9.0, 99.0, 91.0, 181.0)))
+    assert caught.value.details == ("A.outer: no lead to it stays within the machine's travel",)

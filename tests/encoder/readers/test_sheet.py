@@ -32,18 +32,19 @@ def test_two_sheets_are_refused() -> None:
 def test_a_drawn_sheet_comes_before_a_given_size_and_says_so() -> None:
     drawn = pieces(square(0, 0, 200), closed=True)
     sheet, notes = choose_sheet(drawn, PARTS, None, ReadOptions(sheet_size_mm=(500, 500)))
-    assert sheet.bounds == (0, 0, 200, 200)
+    assert (sheet.bounds, sheet.stated) == ((0, 0, 200, 200), True)
     assert texts(notes) == ["--sheet is not used: the sheet is drawn, at (0.000, 0.000) on layer '0'"]
 
 
 def test_a_given_size_lies_at_the_origin_where_the_parts_are() -> None:
     sheet, notes = choose_sheet([], PARTS, None, ReadOptions(sheet_size_mm=(100, 80)))
-    assert (sheet.bounds, notes) == ((0, 0, 100, 80), [])
+    assert (sheet.bounds, sheet.stated, notes) == ((0, 0, 100, 80), True, [])
 
 
 def test_a_given_size_is_laid_around_parts_that_lie_elsewhere() -> None:
     sheet, notes = choose_sheet([], PARTS, None, ReadOptions(sheet_size_mm=(90, 24)))
     assert sheet.bounds == (40, 58, 130, 82)
+    assert not sheet.stated
     assert texts(notes) == ["the parts do not lie in (0, 0)…(90, 24): the sheet is laid around them, from (40, 58)"]
 
 
@@ -54,6 +55,7 @@ def test_a_size_too_small_for_the_parts_stays_at_the_origin() -> None:
 def test_the_page_is_the_sheet_if_it_holds_the_parts() -> None:
     sheet, [note] = choose_sheet([], PARTS, Sheet.rectangle(210, 297), ReadOptions())
     assert sheet.bounds == (0, 0, 210, 297)
+    assert not sheet.stated
     assert "the page, 210 × 297 mm, is taken for it" in note.text
     assert choose_sheet([], PARTS, Sheet.rectangle(90, 297), ReadOptions())[0].bounds == (40, 50, 110, 90)
 
@@ -61,6 +63,7 @@ def test_the_page_is_the_sheet_if_it_holds_the_parts() -> None:
 def test_the_bounding_box_is_the_last_resort() -> None:
     sheet, [note] = choose_sheet([], PARTS, None, ReadOptions(margin_mm=5))
     assert sheet.bounds == (45, 55, 105, 85)
+    assert not sheet.stated
     assert "bounding box and 5 mm around it, 60 × 30 mm" in note.text
 
 

@@ -11,6 +11,8 @@ from kerfwise.postproc.check import CheckResult, check_cuts
 from kerfwise.tests.nests import circle, nest, part, rect
 from kerfwise.tests.postproc.plans import cut_of, profile
 
+REACHING = replace(profile().machine, travel_x_mm=(-20.0, 3000.0), travel_y_mm=(-20.0, 1500.0))
+
 
 def one(sheet: Nest, name: str, pierce: tuple[float, float], **changes: object) -> CheckResult:
     """The check of the first part of a nest, joined at a tenth of its outline from this pierce."""
@@ -51,7 +53,27 @@ def test_a_part_that_was_cut_out_before_still_counts() -> None:
 def test_only_an_edge_start_leaves_the_sheet(x: float, edge_start: bool, holds: bool) -> None:
     sheet = nest(200, 200, part("A", rect(3, 20, 60, 60)))
     leads = replace(profile().leads, edge_start=edge_start)
-    assert one(sheet, "A.outer", (x, 15), leads=leads).rule("on-sheet").holds is holds
+    found = one(sheet, "A.outer", (x, 15), leads=leads, machine=REACHING)
+    assert found.rule("on-sheet").holds is holds
+    assert found.rule("edge-start").holds is edge_start
+
+
+def test_an_edge_start_needs_an_edge_and_a_machine_that_gets_there() -> None:
+    sheet = nest(200, 200, part("A", rect(3, 20, 60, 60)))
+    leads = replace(profile().leads, edge_start=True)
+    assert one(sheet, "A.outer", (-1.5, 15), leads=leads, machine=REACHING).rule("edge-start").holds
+    assumed = replace(sheet, sheet=replace(sheet.sheet, stated=False))
+    for where, machine, why in (
+        (assumed, REACHING, "nobody has stated where the sheet's edge is"),
+        (
+            sheet,
+            profile().machine,
+            "the profile does not say how far the torch can go (machine.travel_x, machine.travel_y)",
+        ),
+    ):
+        (violation,) = one(where, "A.outer", (-1.5, 15), leads=leads, machine=machine).rule("edge-start").violations
+        assert violation.text == f"cut 1: A.outer begins 1.5 mm off the sheet, at (-1.50, 15.00): {why}"
+    assert one(assumed, "A.outer", (1.5, 15), leads=leads).rule("edge-start").holds
 
 
 def test_no_kerf_no_gouge() -> None:
