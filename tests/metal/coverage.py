@@ -1,0 +1,66 @@
+"""Contours of which something was not cut."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+
+import numpy as np
+import shapely
+
+from kerfwise.tests.metal.burns import Burn
+from kerfwise.tests.metal.drawing import Drawing, Meant
+from kerfwise.tests.metal.findings import Finding
+from kerfwise.tests.metal.program import Path
+from kerfwise.tests.metal.tolerances import NUMERIC_MM, RING_MM
+
+
+def uncut(drawing: Drawing, burns: Sequence[Burn], kerf_mm: float, excused: Collection[str]) -> Iterator[Finding]:
+    """Contours where metal stays that a torch could have burnt, and features too narrow for it."""
+    lines = np.array([b.line for b in burns], dtype=object)
+    tree = shapely.STRtree(lines)
+    own = {b.contour.id: k for k, b in enumerate(burns) if b.contour is not None}
+    for contour in drawing.closed:
+        if contour.id in excused:
+            continue
+        near = sorted(tree.query(contour.line, predicate="dwithin", distance=kerf_mm + RING_MM).tolist())
+        if contour.id in own:  # nearly always enough by itself
+            near = [own[contour.id], *(k for k in near if k != own[contour.id])]
+        cut = burns[own[contour.id]].cut if contour.id in own else 0
+        yield from _of_one(contour, [lines[k] for k in near], kerf_mm, cut)
+
+
+def _of_one(contour: Meant, near: list[shapely.Geometry], kerf_mm: float, cut: int) -> Iterator[Finding]:
+    reachable = contour.line.intersection(contour.reachable(kerf_mm).buffer(NUMERIC_MM))
+    stays = _beyond(reachable, near, kerf_mm / 2 + RING_MM)
+    if stays.length > NUMERIC_MM:
+        yield _finding("left-uncut", contour, cut, stays, "metal stays on the contour for")
+        return
+    lost = _beyond(contour.line, near, kerf_mm + RING_MM)
+    if lost.length > NUMERIC_MM:
+        text = "a slot, notch or corner that the kerf cannot enter is lost, contour not reached for"
+        yield _finding("feature-lost", contour, cut, lost, text)
+
+
+def _beyond(line: shapely.Geometry, near: list[shapely.Geometry], within_mm: float) -> shapely.Geometry:
+    """What of a line is further than that from every burn."""
+    for burn in near:
+        if line.is_empty:
+            break
+        line = line.difference(burn.buffer(within_mm, quad_segs=16))
+    return line
+
+
+def unmarked(drawing: Drawing, paths: Sequence[Path]) -> Iterator[Finding]:
+    """Marks that the marking tool does not follow."""
+    made = shapely.union_all(
+        [shapely.linestrings(p.points).buffer(RING_MM) for p in paths if not p.burns and len(p.points) > 1]
+    )
+    for mark in drawing.marks:
+        left = mark.line.difference(made)
+        if left.length > NUMERIC_MM:
+            yield _finding("mark-not-made", mark, 0, left, "the mark is not made for")
+
+
+def _finding(kind: str, contour: Meant, cut: int, where: shapely.Geometry, text: str) -> Finding:
+    x, y = (float(v) for v in shapely.get_coordinates(where)[0])
+    return Finding(kind, cut, (contour.id,), (x, y), float(where.length), "mm", text)  # type: ignore[arg-type]

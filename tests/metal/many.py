@@ -1,0 +1,153 @@
+"""Hundreds of made nests under every shipped profile, each program burnt by the simulation.
+
+`python -m kerfwise.tests.metal.many --nests 300` prints the counts and exits 1 where there is a finding.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from itertools import product
+from pathlib import Path
+
+import click
+
+from kerfwise.rules.profile import shipped_profiles
+from kerfwise.tests.metal.findings import KINDS
+from kerfwise.tests.metal.made_nests import made
+from kerfwise.tests.metal.planned import Tried, tried
+
+Task = tuple[int, str, tuple[str, ...]]
+PLANS_A_PROCESS = 40
+"""A process plans this many and then gives its memory back."""
+
+
+@click.command()
+@click.option("--nests", default=300, show_default=True, help="How many.")
+@click.option("--first", default=0, show_default=True, help="Seed of the first.")
+@click.option("--profiles", default="all", show_default=True, help="Names, with commas between.")
+@click.option("--time", "time_s", type=float, help="Seconds for each plan, instead of work.")
+@click.option("--work", default=2.0, show_default=True, help="Deterministic limit for each plan.")
+@click.option("--processes", default=2, show_default=True, help="How many plan at the same time.")
+@click.option(
+    "--save", type=click.Path(file_okay=False, path_type=Path), help="Folder for the smallest nest of a kind."
+)
+@click.option("--each", is_flag=True, help="Print every finding.")
+def main(
+    nests: int,
+    first: int,
+    profiles: str,
+    time_s: float | None,
+    work: float,
+    processes: int,
+    save: Path | None,
+    each: bool,
+) -> None:
+    """Plan made nests under profiles and judge every program by what it burns."""
+    names = shipped_profiles() if profiles == "all" else tuple(profiles.split(","))
+    effort = ("--time-limit", str(time_s)) if time_s else ("--work", str(work))
+    tasks = [(seed, name, effort) for seed, name in product(range(first, first + nests), names)]
+    started, tally = time.monotonic(), Tally()
+    for done in _run(tasks, processes):
+        tally.add(done)
+        for line in _told(done, each):
+            click.echo(line)
+    sizes = [made(seed).contours for seed in range(first, first + nests)]
+    click.echo(f"nests made: {nests} (seeds {first} to {first + nests - 1}, {min(sizes)} to {max(sizes)} contours)")
+    click.echo("\n".join(tally.lines(names)))
+    if save:
+        tally.save(save)
+    click.echo(f"minutes: {(time.monotonic() - started) / 60:.1f}", err=True)
+    sys.exit(1 if tally.faulty else 0)
+
+
+def _run(tasks: list[Task], processes: int) -> Iterator[Tried]:
+    """In the order of the tasks, whatever the number of processes."""
+    if processes == 1:
+        yield from map(_one, tasks)
+        return
+    context = multiprocessing.get_context("spawn")
+    with context.Pool(processes, maxtasksperchild=PLANS_A_PROCESS) as pool:
+        yield from pool.imap(_one, tasks)
+
+
+def _one(task: Task) -> Tried:
+    seed, profile, effort = task
+    return tried(made(seed), profile, effort)
+
+
+def _told(done: Tried, each: bool) -> Iterable[str]:
+    head = f"seed {done.seed}, {done.profile}"
+    if done.broken:
+        yield f"{head}: {done.broken}"
+    if each:
+        yield from (f"{head}: {found}" for found in done.findings)
+
+
+class Tally:
+    """Counts of what came of all plans, and the smallest nest of every kind of finding."""
+
+    def __init__(self) -> None:
+        self.plans: Counter[str] = Counter()
+        self.refused: Counter[str] = Counter()
+        self.programs: Counter[str] = Counter()
+        self.cuts: Counter[str] = Counter()
+        self.found: Counter[str] = Counter()
+        self.found_by: Counter[str] = Counter()
+        self.in_programs: Counter[str] = Counter()
+        self.broken = 0
+        self.smallest: dict[str, tuple[int, Tried]] = {}
+
+    @property
+    def faulty(self) -> bool:
+        """Whether anything is wrong."""
+        return bool(self.found or self.broken)
+
+    def add(self, done: Tried) -> None:
+        """Count one."""
+        self.plans[done.profile] += 1
+        if done.refused:
+            self.refused[done.refused] += 1
+        elif done.broken:
+            self.broken += 1
+        else:
+            self.programs[done.profile] += 1
+            self.cuts[done.profile] += done.cuts
+        kinds = Counter[str](f.kind for f in done.findings)
+        self.found.update(kinds)
+        self.in_programs.update(kinds.keys())
+        self.found_by[done.profile] += len(done.findings)
+        for kind in kinds:
+            size = made(done.seed).contours
+            if kind not in self.smallest or size < self.smallest[kind][0]:
+                self.smallest[kind] = size, done
+
+    def lines(self, profiles: Iterable[str]) -> Iterator[str]:
+        """The report."""
+        yield f"plans asked: {self.plans.total()}, refused: {self.refused.total()}, broken: {self.broken}"
+        for text, count in sorted(self.refused.items(), key=lambda item: (-item[1], item[0])):
+            yield f"  refused {count:5d}  {text}"
+        yield f"programs burnt: {self.programs.total()}, cuts: {self.cuts.total()}, findings: {self.found.total()}"
+        for name in profiles:
+            counts = f"programs {self.programs[name]:4d}  cuts {self.cuts[name]:6d}  findings {self.found_by[name]:5d}"
+            yield f"  {name:22s} {counts}"
+        for kind in KINDS:
+            if kind in self.smallest:
+                size, done = self.smallest[kind]
+                where = f"smallest: seed {done.seed} ({made(done.seed).family}, {size} contours), {done.profile}"
+                yield f"  {kind:18s} {self.found[kind]:5d} in {self.in_programs[kind]:4d} programs; {where}"
+                yield f"      {next(f for f in done.findings if f.kind == kind)}"
+
+    def save(self, folder: Path) -> None:
+        """Write the smallest nest of every kind, with its program, as KIND.json and KIND.nc."""
+        folder.mkdir(parents=True, exist_ok=True)
+        for kind, (_, done) in self.smallest.items():
+            (folder / f"{kind}.json").write_text(made(done.seed).text, encoding="utf-8")
+            (folder / f"{kind}.nc").write_text(done.program, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

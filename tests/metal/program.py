@@ -1,0 +1,161 @@
+"""A strict reader of the programs that kerfwise writes: what burns, in order. Written apart from the project's own.
+
+It knows the words of LinuxCNC with QtPlasmaC that occur in such programs and refuses every other one. A test holds it
+against LinuxCNC's own interpreter.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from kerfwise.tests.metal.arcs import Floats, Point, chords
+
+_COMMENT = re.compile(r"\(([^()]*)\)")
+_WORD = re.compile(r"([A-Z$])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
+_CUT = re.compile(r"^(?:CUT|MARK|SPOT) (\d+) (.+?)(?: ZONE .*)?$")
+_RESUMED = re.compile(r"^RESUME AFTER CUT (\d+)")
+_HARMLESS = {
+    "G": {"4", "17", "21", "40", "49", "64", "80", "90", "91.1", "94"},
+    "M": {"2", "30", "66", "67", "68", "190"},
+}
+"""Words that move nothing and burn nothing. G20, G91, G41, offsets and M62 to M65 (torch off while the path goes on)
+are not among them: the project never writes them."""
+
+
+class UnreadableProgram(AssertionError):
+    """A block that this reader does not know; the message has its line and text."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Path:
+    """One stretch with a tool on: `points` is an array (n, 2), mm; `tool` 0 is the torch, 1 the scribe.
+
+    `order` and `label` are those of the comment before it (CUT n contour), else its place in the program and nothing.
+    """
+
+    order: int
+    label: str
+    tool: int
+    points: Floats
+    line: int
+
+    @property
+    def burns(self) -> bool:
+        """Whether the torch is the tool."""
+        return self.tool == 0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Program:
+    """What a program does: its torch-on paths in order, its idle moves, and after which cut it takes up the work."""
+
+    paths: tuple[Path, ...]
+    idle: tuple[tuple[Point, Point], ...]
+    resumed_after: int | None
+
+
+def read_program(text: str) -> Program:
+    """Read a program; coordinates are absolute, mm.
+
+    Raises
+    ------
+    UnreadableProgram
+        At the first block that this reader does not know, or if the torch is still on at the end.
+    """
+    reader = _Reader()
+    for number, line in enumerate(text.splitlines(), 1):
+        reader.block(number, line)
+    if reader.on is not None:
+        raise UnreadableProgram("the program ends with the torch on")
+    return Program(tuple(reader.paths), tuple(reader.idle), reader.resumed_after)
+
+
+@dataclass(slots=True)
+class _Reader:
+    at: Point = (0.0, 0.0)
+    on: int | None = None
+    started: int = 0
+    points: list[Floats] = field(default_factory=list)
+    order: int = 0
+    label: str = ""
+    paths: list[Path] = field(default_factory=list)
+    idle: list[tuple[Point, Point]] = field(default_factory=list)
+    resumed_after: int | None = None
+    ended: bool = False
+
+    def block(self, number: int, line: str) -> None:
+        for said in _COMMENT.findall(line):
+            self._comment(said.strip())
+        code = _COMMENT.sub(" ", line).strip()
+        if not code or code == "%" or self.ended:
+            return
+        words = _WORD.findall(code)
+        if "".join(letter + value for letter, value in words) != code.replace(" ", ""):
+            raise UnreadableProgram(f"line {number}: not understood: {line.strip()}")
+        self._words(number, line, [(letter, value) for letter, value in words if letter != "N"])
+
+    def _comment(self, said: str) -> None:
+        if found := _CUT.match(said):
+            self.order, self.label = int(found[1]), found[2]
+        elif found := _RESUMED.match(said):
+            self.resumed_after = int(found[1])
+
+    def _words(self, number: int, line: str, words: list[tuple[str, str]]) -> None:
+        codes = [(letter, _plain(value)) for letter, value in words if letter in "GM"]
+        values = {letter: float(value) for letter, value in words if letter not in "GM"}
+        for letter, value in codes:
+            if letter == "G" and value in "0123":
+                self._move(int(value), values)
+            elif letter == "M" and value == "3":
+                self._start(number, int(values.get("$", 0)))
+            elif letter == "M" and value == "5":
+                self._stop(int(values.get("$", 0)))
+            elif value not in _HARMLESS[letter]:
+                raise UnreadableProgram(f"line {number}: {letter}{value} is not known here: {line.strip()}")
+            self.ended = self.ended or (letter == "M" and value in ("2", "30"))
+        if not codes and set(values) - {"F", "S"}:
+            raise UnreadableProgram(f"line {number}: expected a G or M word: {line.strip()}")
+
+    def _move(self, code: int, values: dict[str, float]) -> None:
+        start, end = self.at, (values.get("X", self.at[0]), values.get("Y", self.at[1]))
+        self.at = end
+        if code < 2:
+            way = np.array([end])
+        else:
+            centre = (start[0] + values.get("I", 0.0), start[1] + values.get("J", 0.0))
+            way = chords(start, centre, _sweep_rad(start, centre, end, ccw=code == 3), end)
+        if self.on is not None:
+            self.points.append(way)
+        elif start != end:
+            self.idle.append((start, end))
+
+    def _start(self, number: int, tool: int) -> None:
+        if self.on is not None:
+            raise UnreadableProgram(f"line {number}: tool ${tool} comes on while ${self.on} is on")
+        self.on, self.started, self.points = tool, number, [np.array([self.at])]
+
+    def _stop(self, tool: int) -> None:
+        if self.on is None or tool not in (self.on, -1):
+            return
+        points = np.concatenate(self.points)
+        moves = np.concatenate([[True], np.any(np.diff(points, axis=0) != 0, axis=1)])
+        order = self.order or len(self.paths) + 1
+        self.paths.append(Path(order, self.label, self.on, points[moves], self.started))
+        self.on, self.order, self.label = None, 0, ""
+
+
+def _plain(value: str) -> str:
+    """Digits without leading zeros or an empty fraction: 01 and 1.0 are 1."""
+    return f"{float(value):g}"
+
+
+def _sweep_rad(start: Point, centre: Point, end: Point, ccw: bool) -> float:
+    """The angle an arc turns through; the same start and end are a full turn."""
+    turn = math.atan2(end[1] - centre[1], end[0] - centre[0]) - math.atan2(start[1] - centre[1], start[0] - centre[0])
+    if math.dist(start, end) < 1e-4:
+        return math.tau if ccw else -math.tau
+    return turn % math.tau if ccw else -(-turn % math.tau)

@@ -1,0 +1,103 @@
+"""The simulation: a program burns its nest, cut after cut, and what goes wrong is found by geometry alone.
+
+It shares nothing with the planner or the check: no offset curves, no facts, no rules, no reader of programs. It has
+the drawing, the program and the width of the kerf.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from typing import TYPE_CHECKING
+
+from kerfwise.tests.metal.burns import burns_of
+from kerfwise.tests.metal.coverage import uncut, unmarked
+from kerfwise.tests.metal.drawing import drawing_of
+from kerfwise.tests.metal.erosion import PartMetal
+from kerfwise.tests.metal.findings import KINDS, Finding
+from kerfwise.tests.metal.pieces import Pieces
+from kerfwise.tests.metal.program import Path, read_program
+from kerfwise.tests.metal.stock import not_free, off_sheet, on_loose, twice
+from kerfwise.tests.metal.void import OlderKerfs
+
+if TYPE_CHECKING:
+    from kerfwise.encoder.nest import Nest
+
+
+def simulate(
+    nest: Nest,
+    program: str,
+    kerf_mm: float,
+    *,
+    before: str | None = None,
+    splash_mm: float = 0.0,
+    edge_starts: bool = False,
+    excused: Collection[str] = (),
+) -> list[Finding]:
+    """Burn a program and say what is wrong with it.
+
+    Parameters
+    ----------
+    nest
+        The sheet and its parts, mm.
+    program
+        The text of the program.
+    kerf_mm
+        Width of the kerf, over 0.
+    before
+        The text of the program that was broken off, where `program` takes up its work (RESUME AFTER CUT n).
+    splash_mm
+        How far a pierce must keep from an older kerf, beyond half a kerf.
+    edge_starts
+        Whether a cut may begin off the sheet and run in over its edge.
+    excused
+        Ids of contours that are not to be cut (small holes that are skipped or only spotted).
+
+    Returns
+    -------
+    The findings of `program` in the order of its cuts, then those of the finished sheet.
+
+    Raises
+    ------
+    UnreadableProgram
+        If a program has words that are not known here.
+    """
+    if kerf_mm <= 0:
+        raise ValueError("a burn without width burns nothing: kerf_mm must be over 0")
+    drawing, now = drawing_of(nest), read_program(program)
+    history: Sequence[Path] = ()
+    findings: list[Finding] = []
+    if before is not None:
+        upto = now.resumed_after
+        if upto is None:
+            return [_resumed("the program does not say after which cut it takes up the work")]
+        history = read_program(before).paths[:upto]
+        if now.paths and now.paths[0].order != upto + 1:
+            findings.append(_resumed(f"the work stopped after cut {upto}, the program begins with", now.paths[0].order))
+    elif now.resumed_after:
+        raise ValueError("the program takes up the work of another: give that one as `before`")
+    paths = [*history, *now.paths]
+    burns = burns_of(paths, drawing, kerf_mm)
+    first = sum(path.burns for path in history)
+    pieces, metal = Pieces(drawing.sheet), PartMetal(drawing, kerf_mm)
+    kerfs = OlderKerfs(burns, drawing.sheet, kerf_mm, splash_mm)
+    for k, burn in enumerate(burns):
+        if k >= first:
+            findings += metal.judge(burn)
+            findings += kerfs.judge(k)
+            findings += off_sheet(burn, drawing.sheet, edge_starts)
+            findings += on_loose(burn, pieces, drawing)
+        pieces.burn(burn.kerf(kerf_mm / 2))
+    findings += [found for k, found in twice(burns) if k >= first]
+    findings += uncut(drawing, burns, kerf_mm, excused)
+    findings += unmarked(drawing, paths)
+    findings += not_free(drawing, pieces, {b.contour.id for b in burns if b.contour is not None})
+    return findings
+
+
+def _resumed(text: str, order: int = 0) -> Finding:
+    return Finding("resumed-wrong", order, (), (0.0, 0.0), float(order), "", text)
+
+
+def by_kind(findings: Sequence[Finding]) -> dict[str, int]:
+    """How many findings there are of each kind, in the order of reports."""
+    return {kind: n for kind in KINDS if (n := sum(f.kind == kind for f in findings))}

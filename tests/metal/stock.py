@@ -1,0 +1,79 @@
+"""The torch over the sheet and its loose pieces, and contours cut twice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import shapely
+
+from kerfwise.tests.metal.arcs import Point
+from kerfwise.tests.metal.burns import Burn
+from kerfwise.tests.metal.drawing import Drawing
+from kerfwise.tests.metal.findings import Finding
+from kerfwise.tests.metal.pieces import Pieces
+from kerfwise.tests.metal.tolerances import CROSSED_MM, NUMERIC_MM, OVERCUT_MM
+
+
+def off_sheet(burn: Burn, sheet: shapely.Polygon, edge_starts: bool) -> Iterator[Finding]:
+    """Where the torch is lit off the sheet; a run-up from outside is lawful where edge starts are."""
+    off = burn.line.difference(sheet)
+    if burn.line.geom_type == "Point" and not off.is_empty:
+        yield Finding("off-sheet", burn.cut, (burn.name,), burn.pierce, 0.0, "mm", "the torch is lit off the sheet")
+        return
+    runs = [run for run in shapely.get_parts(off) if not run.is_empty]
+    if edge_starts:
+        runs = [run for run in runs if run.distance(shapely.Point(burn.pierce)) > NUMERIC_MM]
+    length = sum(run.length for run in runs)
+    if length > CROSSED_MM:
+        text = "the torch is lit off the sheet for"
+        yield Finding("off-sheet", burn.cut, (burn.name,), _first(runs[0]), float(length), "mm", text)
+
+
+def on_loose(burn: Burn, pieces: Pieces, drawing: Drawing) -> Iterator[Finding]:
+    """Loose pieces that a burn runs over: the part or slug has dropped, tipped or moved."""
+    for piece, over in pieces.under(burn.line):
+        if over.length <= CROSSED_MM and not piece.contains(shapely.Point(burn.pierce)):
+            continue
+        lost = [name for name, part in drawing.parts.items() if piece.intersects(part.representative_point())]
+        kind = "loose-part-burnt" if lost else "loose-waste-burnt"
+        what = f"a piece with {', '.join(lost)}" if lost else f"a piece of waste of {piece.area:.0f} mm²"
+        text = f"{what} has come loose before; the torch runs over it for"
+        yield Finding(kind, burn.cut, (burn.name,), _first(over), float(over.length), "mm", text)
+
+
+def not_free(drawing: Drawing, pieces: Pieces, cut: set[str]) -> Iterator[Finding]:
+    """Parts whose outer contour was cut and that yet hold to the sheet or to each other."""
+    inside: dict[str, str] = {}
+    for name, part in drawing.parts.items():
+        outer = next(c.id for c in drawing.closed if c.part == name and c.kind == "outer")
+        if outer not in cut:
+            continue
+        point = part.representative_point()
+        x, y = float(point.x), float(point.y)
+        if any(piece.intersects(point) for piece in pieces.held):
+            text = "the part still holds to the sheet at the end"
+            yield Finding("part-not-free", 0, (outer,), (x, y), 0.0, "", text)
+        for k in (k for k, piece in enumerate(pieces.loose) if piece.intersects(point)):
+            if str(k) in inside:
+                text = "the two parts still hold together at the end"
+                yield Finding("part-not-free", 0, (inside[str(k)], outer), (x, y), 0.0, "", text)
+            inside[str(k)] = outer
+
+
+def twice(burns: Sequence[Burn], overcut_mm: float = OVERCUT_MM) -> Iterator[tuple[int, Finding]]:
+    """Contours of which more is cut again than where a ring closes, each with the place of the burn in the row."""
+    done: dict[str, float] = {}
+    for k, burn in enumerate(burns):
+        if burn.contour is None:
+            continue
+        name = burn.contour.id
+        before = done.get(name, 0.0)
+        done[name] = before + burn.on_ring_mm
+        again = min(done[name] - burn.ring_mm, burn.on_ring_mm)
+        if again > overcut_mm:
+            yield k, Finding("cut-twice", burn.cut, (name,), burn.pierce, again, "mm", "the contour is cut again for")
+
+
+def _first(where: shapely.Geometry) -> Point:
+    x, y = shapely.get_coordinates(where)[0]
+    return float(x), float(y)

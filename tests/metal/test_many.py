@@ -1,0 +1,72 @@
+"""A few of the nests that `many` plans by the hundred, and its counts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from kerfwise.tests.metal import many
+from kerfwise.tests.metal.findings import Finding
+from kerfwise.tests.metal.hand_made import CUTS, around, program, sheet
+from kerfwise.tests.metal.made_nests import made
+from kerfwise.tests.metal.planned import Tried, reason, tried
+from kerfwise.tests.metal.simulate import simulate
+
+EFFORT = ("--work", "0.5")
+
+
+@pytest.mark.parametrize("seed", [9, 12])
+def test_a_made_nest_is_planned_and_burnt_without_a_finding(seed: int) -> None:
+    done = tried(made(seed), "plasma-carbon-steel", EFFORT)
+    assert done.findings == ()
+    assert done.cuts == made(seed).contours
+
+
+def test_a_refusal_is_counted_by_its_reason() -> None:
+    done = tried(made(7), "plasma-carbon-steel", EFFORT)
+    assert done.refused.startswith("no lead from leads.lead_in_min, N mm, to leads.lead_in, N mm")
+    assert done.findings == ()
+
+
+@pytest.mark.parametrize(
+    ("said", "told"),
+    [
+        ("kerfwise: nest.json: P1.outer and P22.hole3 are 0.5 mm apart\n  - more", "more"),
+        ("kerfwise: nest.json:7: there is no rule 'P7' in a.yaml", "N: there is no rule '…' in a.yaml"),
+        ("holds hard pierce x\nbroken     hard no-gouging   y\nbroken hard pierce z", "no-gouging, pierce"),
+        ("", "nothing said"),
+    ],
+)
+def test_reasons_are_classes(said: str, told: str) -> None:
+    assert reason(said).endswith(told)
+
+
+def test_findings_are_counted_told_and_saved(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    bad = program([*CUTS[:3], ("B.outer", around(90, 20, 50, 50, (72.5, 45)))])
+
+    def faulty(task: many.Task) -> Tried:
+        return Tried(task[0], task[1], cuts=3, findings=tuple(simulate(sheet(), bad, 2.0)), program=bad)
+
+    monkeypatch.setattr(many, "_one", faulty)
+    words = ["--nests", "2", "--processes", "1", "--profiles", "water-jet", "--save", str(tmp_path), "--each"]
+    ran = CliRunner().invoke(many.main, words)
+    assert ran.exit_code == 1
+    assert "programs burnt: 2, cuts: 6, findings: 2" in ran.output
+    assert "pierce-over-void       2 in    2 programs; smallest: seed 0 (grid, 4 contours), water-jet" in ran.output
+    assert ran.output.count("seed 1, water-jet: pierce-over-void: cut 4, B.outer and A.outer at (72.50, 45.00)") == 1
+    assert (tmp_path / "pierce-over-void.nc").read_text() == bad
+    assert (tmp_path / "pierce-over-void.json").read_text() == made(0).text
+
+
+def test_no_finding_is_exit_code_0(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(many, "_one", lambda task: Tried(task[0], task[1], cuts=3))
+    assert CliRunner().invoke(many.main, ["--nests", "3", "--processes", "1"]).exit_code == 0
+    monkeypatch.setattr(many, "_one", lambda task: Tried(task[0], task[1], broken="exit code 70: Traceback"))
+    assert CliRunner().invoke(many.main, ["--nests", "3", "--processes", "1"]).exit_code == 1
+
+
+def test_a_finding_says_what_and_where() -> None:
+    found = Finding("left-uncut", 3, ("A.outer",), (1.0, 2.0), 4.5, "mm", "metal stays for")
+    assert str(found) == "left-uncut: cut 3, A.outer at (1.00, 2.00): metal stays for 4.50 mm"

@@ -1,0 +1,73 @@
+"""Pierces and leads over the kerfs of earlier cuts, where there is no metal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import shapely
+from shapely.ops import substring
+
+from kerfwise.tests.metal.arcs import Point
+from kerfwise.tests.metal.burns import Burn
+from kerfwise.tests.metal.findings import Finding
+from kerfwise.tests.metal.tolerances import NUMERIC_MM
+
+
+class OlderKerfs:
+    """The kerfs of a row of burns, in the order in which they come to be."""
+
+    def __init__(self, burns: list[Burn], sheet: shapely.Polygon, kerf_mm: float, splash_mm: float) -> None:
+        self.burns, self.sheet, self.kerf_mm, self.splash_mm = burns, sheet, kerf_mm, splash_mm
+        self.lines = np.array([b.line for b in burns], dtype=object)
+        self.tree = shapely.STRtree(self.lines)
+
+    def judge(self, k: int) -> Iterator[Finding]:
+        """What is wrong with the pierce and the leads of burn `k`, all before it having been burnt."""
+        yield from self._pierce(k)
+        for lead in _leads(self.burns[k], self.kerf_mm / 2):
+            yield from self._lead(k, lead)
+
+    def _older(self, k: int, what: shapely.Geometry, within_mm: float) -> list[int]:
+        near = self.tree.query(what, predicate="dwithin", distance=within_mm)
+        return sorted(j for j in near.tolist() if j < k)
+
+    def _pierce(self, k: int) -> Iterator[Finding]:
+        burn, point = self.burns[k], shapely.Point(self.burns[k].pierce)
+        if not self.sheet.intersects(point):  # no metal to pierce: that is another finding, or an edge start
+            return
+        older = self._older(k, point, self.kerf_mm + self.splash_mm - NUMERIC_MM)
+        if not older:
+            return
+        away = {j: float(point.distance(self.lines[j])) - self.kerf_mm / 2 for j in older}
+        j = min(away, key=lambda j: away[j])
+        text = f"the pierce is {away[j]:.2f} mm from the kerf of cut {self.burns[j].cut}; less than half a kerf by"
+        lacking = self.kerf_mm / 2 + self.splash_mm - away[j]
+        names = (burn.name, self.burns[j].name)
+        yield Finding("pierce-over-void", burn.cut, names, burn.pierce, lacking, "mm", text)
+
+    def _lead(self, k: int, lead: shapely.LineString) -> Iterator[Finding]:
+        burn, half = self.burns[k], self.kerf_mm / 2 - NUMERIC_MM
+        for j in self._older(k, lead, half):
+            over = lead.intersection(self.lines[j].buffer(half, quad_segs=16))
+            if over.length <= NUMERIC_MM:
+                continue
+            text = f"a lead crosses the kerf of cut {self.burns[j].cut} for"
+            names = (burn.name, self.burns[j].name)
+            yield Finding("lead-over-void", burn.cut, names, _place(over), float(over.length), "mm", text)
+
+
+def _leads(burn: Burn, end_mm: float) -> Iterator[shapely.LineString]:
+    """The leads and strays of a burn, each without its last half kerf at the burn's own ring."""
+    if burn.lead_in is not None and burn.lead_in.length > end_mm:
+        yield substring(burn.lead_in, 0, burn.lead_in.length - end_mm)
+    if burn.lead_out is not None and burn.lead_out.length > end_mm:
+        yield substring(burn.lead_out, end_mm, burn.lead_out.length)
+    for stray in burn.strays:
+        if stray.length > 2 * end_mm:
+            yield substring(stray, end_mm, stray.length - end_mm)
+
+
+def _place(over: shapely.Geometry) -> Point:
+    x, y = shapely.get_coordinates(over)[0]
+    return float(x), float(y)
