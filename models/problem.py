@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..encoder.errors import RulesConflict
 from ..encoder.facts.facts import Facts
+from ..encoder.geometry.segment import Point
 from ..rules.statements import (
     About,
     AtLeast,
@@ -36,6 +37,8 @@ from .successors import lawful_successors
 from .timing.constant import Feeds
 
 UM_PER_MM = 1000
+HALF = 0.501
+"""What is added before a length in µm is cut off: coordinates carry rounding, and a half must not fall either way."""
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -176,10 +179,10 @@ def make_problem(
         site_contour=contours,
         site_candidate=chosen,
         candidate_site=candidate_site,
-        pierce_um=_um([facts.candidates[c].pierce for c in representatives]),
-        end_um=_um([facts.candidates[c].end for c in representatives]),
+        pierce_um=points_um([facts.candidates[c].pierce for c in representatives], home_mm),
+        end_um=points_um([facts.candidates[c].end for c in representatives], home_mm),
         site_cost=costs[chosen] if len(chosen) else np.zeros(0, dtype=np.int64),
-        home_um=_um([home_mm])[0],
+        home_um=points_um([home_mm], home_mm)[0],
         travel_weight=sum(s.weight for s in statements if isinstance(s, IdleTravel)),
         before=before,
         block=blocks,
@@ -222,8 +225,19 @@ def _same_moves(one: Problem, other: Problem) -> bool:
     )
 
 
-def _um(points: list[tuple[float, float]]) -> Ints:
-    return np.asarray(np.rint(np.array(points, dtype=np.float64).reshape(-1, 2) * UM_PER_MM), dtype=np.int64)
+def points_um(points_mm: Sequence[Point], home_mm: Point) -> Ints:
+    """Points (k, 2) in whole µm, counted from home: a nest that is shifted with its home has the same travel.
+
+    Half a micrometre is rounded away from home, and so is what is less by no more than rounding.
+
+    Examples
+    --------
+    >>> points_um([(1.0005, -0.0005)], (0.0, 0.0)).tolist(), points_um([(0.3005, 0.1)], (0.1, 0.1)).tolist()
+    ([[1001, -1]], [[301, 100]])
+    """
+    from_home = (np.array(points_mm, dtype=np.float64).reshape(-1, 2) - home_mm) * UM_PER_MM
+    whole = np.copysign(np.floor(np.abs(from_home) + HALF), from_home)
+    return np.asarray(whole + np.rint(np.array(home_mm) * UM_PER_MM), dtype=np.int64)
 
 
 def _cost(weight_mm: float | None) -> int:

@@ -11,7 +11,9 @@ from ..geometry.curve import FloatArray
 from .joints import Outline
 
 CORNER_RAD = math.radians(30)
-"""A contour that turns by less has no corner there."""
+"""A contour that turns by no more has no corner there."""
+TIED_MM, TIED_RAD = 1e-6, 1e-9
+"""What differs by less is equal: where a drawing lies on the sheet must not tell which entry is better."""
 
 CORNER, MIDDLE, ANYWHERE = 0, 1, 2
 Ranks = NDArray[np.int64]
@@ -25,9 +27,9 @@ def places(outline: Outline, count: int) -> tuple[FloatArray, Ranks]:
     """
     drawn = outline.drawn
     around_mm = float(drawn.starts_mm[-1])
-    corners = np.flatnonzero(drawn.turn_rad * outline.right > CORNER_RAD)
+    corners = np.flatnonzero(drawn.turn_rad * outline.right > CORNER_RAD + TIED_RAD)
     length_mm = np.diff(drawn.starts_mm)
-    edges = np.flatnonzero((drawn.bulge == 0) & (length_mm > around_mm / (8 * count)))
+    edges = np.flatnonzero((drawn.bulge == 0) & (length_mm > around_mm / (8 * count) + TIED_MM))
     groups = [
         drawn.starts_mm[corners + 1] % around_mm,
         drawn.starts_mm[edges] + length_mm[edges] / 2,
@@ -39,7 +41,8 @@ def places(outline: Outline, count: int) -> tuple[FloatArray, Ranks]:
 def choose(at_mm: FloatArray, ranks: Ranks, around_mm: float, count: int, taken_mm: FloatArray) -> list[int]:
     """Up to `count` of the places, best rank first and each as far as can be from those before it and those taken.
 
-    Places closer than a quarter of an even share of the way round to another are passed over.
+    Places no farther than a quarter of an even share of the way round from another are passed over; of places that are
+    equally far, the first is taken.
 
     Examples
     --------
@@ -53,9 +56,10 @@ def choose(at_mm: FloatArray, ranks: Ranks, around_mm: float, count: int, taken_
     for rank in (CORNER, MIDDLE, ANYWHERE):
         of_rank = ranks == rank
         while of_rank.any() and len(chosen) < count:
-            k = int(np.argmax(np.where(of_rank, apart_mm, -1.0)))
-            if not of_rank[k] or apart_mm[k] <= around_mm / (4 * count):
+            farthest_mm = float(apart_mm[of_rank].max())
+            if farthest_mm <= around_mm / (4 * count) + TIED_MM:
                 break
+            k = int(np.argmax(of_rank & (apart_mm >= farthest_mm - TIED_MM)))
             chosen.append(k)
             apart_mm = np.minimum(apart_mm, _distance_mm(at_mm, float(at_mm[k]), around_mm))
     return chosen

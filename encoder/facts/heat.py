@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .facts import SIDES, Floats, Ints
-from .outlines import ROUNDING_MM, Outlines
+from .outlines import ROUNDING_MM, SAME_SHARE, Outlines
 from .sides import AWAY, AXIS, Bounds
 
 
@@ -13,11 +13,12 @@ def heat(outlines: Outlines, sheet_mm: Bounds) -> tuple[Floats, Ints]:
     """Cut length, mm, and number of small parts in the half of the sheet at each side, in the order of SIDES.
 
     Marks are left out: they do not cut through. A part counts as small when its outer contour encloses no more than
-    the median part does, and lies in the half that has its centroid.
+    the median part does, and lies in the half that has its centroid. What lies on the line between two halves belongs
+    half to each, a part to neither.
     """
     outers = outlines.outers
     area = outlines.area_mm2[outers]
-    small = outers[area <= np.median(area)] if len(outers) else outers
+    small = outers[area <= np.median(area) * (1 + SAME_SHARE)] if len(outers) else outers
     through = ~outlines.is_mark[outlines.chord_contour]
     start, end = outlines.chord_start[through], outlines.chord_end[through]
     length_mm = np.hypot(*(end - start).T)
@@ -33,6 +34,7 @@ def heat(outlines: Outlines, sheet_mm: Bounds) -> tuple[Floats, Ints]:
 def _share_below(a: Floats, b: Floats, limit: float) -> Floats:
     """How much of each stretch from a to b lies below the limit; half of one that lies on it."""
     low, high = np.minimum(a, b), np.maximum(a, b)
-    level = high == low
+    level = high - low <= ROUNDING_MM
     share = np.clip((limit - low) / np.where(level, 1.0, high - low), 0.0, 1.0)
-    return np.where(level, (np.sign(limit - low) + 1) / 2, share)
+    side = np.where(np.abs(limit - low) <= ROUNDING_MM, 0.0, np.sign(limit - low))
+    return np.where(level, (side + 1) / 2, share)

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from .facts import Ints
-from .outlines import ROUNDING_MM, Outlines
+from .outlines import ROUNDING_MM, Outlines, well_inside
 
 FLAT_MM = 0.05
 """A contour none of whose points lies deeper inside its hull is convex: drawings carry such rounding."""
@@ -29,7 +29,7 @@ def in_hull(outlines: Outlines, parent: Ints) -> Ints:
     which, j = centroids.query(hulls, predicate="dwithin", distance=ROUNDING_MM)
     i, j = hollow[which], outers[j]
     kept = (parent[i] == parent[j]) & (i != j)
-    kept[kept] = ~shapely.contains(outlines.polygon[i[kept]], shapely.points(outlines.centroid[j[kept]]))
+    kept[kept] = ~well_inside(outlines, i[kept], outlines.centroid[j[kept]])
     i, j = i[kept], j[kept]
     return np.column_stack([j, i])[np.lexsort((i, j))]
 
@@ -42,4 +42,4 @@ def _hollow(outlines: Outlines, outers: Ints) -> Ints:
     of = np.searchsorted(maybe, outlines.chord_contour[asked])
     rims = shapely.boundary(shapely.convex_hull(outlines.line[maybe]))
     depth_mm = shapely.distance(shapely.points(outlines.chord_start[asked]), rims[of])
-    return np.unique(maybe[of[depth_mm > FLAT_MM]])
+    return np.unique(maybe[of[depth_mm > FLAT_MM + ROUNDING_MM]])

@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from .facts import Bools
-from .outlines import Outlines
+from .outlines import SAME_SHARE, Outlines
 
 
 def long_parts(outlines: Outlines, long_ratio: float) -> Bools:
@@ -17,5 +17,5 @@ def long_parts(outlines: Outlines, long_ratio: float) -> Bools:
     one, other = (np.hypot(*(corners[:, k + 1] - corners[:, k]).T) for k in (0, 1))
     is_long = np.zeros(outlines.n, dtype=bool)
     # Relative to the ratio, so that a part drawn exactly 4 : 1 counts at any angle.
-    is_long[outers] = np.maximum(one, other) >= long_ratio * np.minimum(one, other) * (1 - 1e-9)
+    is_long[outers] = np.maximum(one, other) >= long_ratio * np.minimum(one, other) * (1 - SAME_SHARE)
     return is_long

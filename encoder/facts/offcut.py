@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .facts import SIDES, Bools, Floats
-from .outlines import ROUNDING_MM, Outlines
+from .outlines import SAME_SHARE, Outlines
 from .sides import AXIS, Bounds
 
 
@@ -32,4 +32,4 @@ def offcuts(edge_gap_mm: Floats, sheet_mm: Bounds, offcut_share: float) -> tuple
     """
     extent = extents(sheet_mm)
     depth = np.minimum(edge_gap_mm.min(axis=0, initial=np.inf), extent)
-    return depth, depth > offcut_share * extent + ROUNDING_MM
+    return depth, depth > (offcut_share + SAME_SHARE) * extent

@@ -16,6 +16,8 @@ from .sums import summed_by
 Geometries = NDArray[Any]
 ROUNDING_MM = 1e-6
 """Lengths that differ by less are equal: no fact may hang on the last bit of a coordinate."""
+SAME_SHARE = 1e-6
+"""Amounts that differ by less than this share of the larger one are equal: where a drawing lies must not tell."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -86,3 +88,11 @@ def outlines_of(nest: Nest) -> Outlines:
         chord_end=end,
         chord_contour=of,
     )
+
+
+def well_inside(outlines: Outlines, contour: Ints, at: Floats) -> Bools:
+    """Which of the points (k, 2) lie in the area of the contour (k,) of the same row; none that lies on its line."""
+    points = shapely.points(at)
+    within = shapely.contains(outlines.polygon[contour], points)
+    within[within] = ~shapely.dwithin(points[within], outlines.line[contour[within]], ROUNDING_MM)
+    return np.asarray(within, dtype=np.bool_)

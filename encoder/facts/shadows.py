@@ -14,7 +14,7 @@ import shapely
 
 from ..cut import Side
 from .facts import Ints
-from .outlines import ROUNDING_MM, Outlines
+from .outlines import ROUNDING_MM, Outlines, well_inside
 from .sides import AWAY, AXIS
 
 
@@ -49,7 +49,6 @@ def level_ahead(outlines: Outlines, parent: Ints, start_side: Side) -> Ints:
     meets[beside] = shapely.dwithin(rays, outlines.line[outers[i[beside]]], ROUNDING_MM)
     # a centroid inside the outline is in the mouth of a part, not between it and the start side
     met = np.flatnonzero(meets)
-    middles = shapely.points(outlines.centroid[outers[j[met]]])
-    meets[met] = ~shapely.contains(outlines.polygon[outers[i[met]]], middles)
+    meets[met] = ~well_inside(outlines, outers[i[met]], outlines.centroid[outers[j[met]]])
     j, i = outers[j[meets]], outers[i[meets]]
     return np.column_stack([j, i])[np.lexsort((i, j))]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..cut import Side
+from .outlines import SAME_SHARE
 
 Bounds = tuple[float, float, float, float]
 
@@ -16,7 +17,7 @@ OPPOSITE: dict[Side, Side] = {"left": "right", "right": "left", "bottom": "top",
 
 
 def narrow_sides(bounds_mm: Bounds) -> tuple[Side, Side]:
-    """The two short sides of the sheet's bounding rectangle; left and right of a square.
+    """The two short sides of the sheet's bounding rectangle; left and right of a square, a millionth more or less.
 
     Examples
     --------
@@ -24,4 +25,4 @@ def narrow_sides(bounds_mm: Bounds) -> tuple[Side, Side]:
     ('left', 'right')
     """
     xmin, ymin, xmax, ymax = bounds_mm
-    return ("left", "right") if xmax - xmin >= ymax - ymin else ("bottom", "top")
+    return ("left", "right") if xmax - xmin >= (ymax - ymin) * (1 - SAME_SHARE) else ("bottom", "top")

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from ..cut import Side
 from .facts import SIDES, Because, Bools, FactOptions, Floats, Ints
-from .outlines import ROUNDING_MM
+from .outlines import ROUNDING_MM, SAME_SHARE
 from .sides import OPPOSITE, Bounds, narrow_sides
-
-SAME_HEAT = 1e-9
-"""Cut lengths that differ by less than this share are equal: mirrored halves must not be told apart by rounding."""
 
 
 def start_side(
@@ -25,7 +22,8 @@ def start_side(
     The profile may fix the side ("profile"). Else only the two narrow sides are eligible, and of these (b) the one
     with more long parts within `edge_band_mm` of it, so that they are cut before heat has gathered ("long-parts");
     (c) the one opposite a large offcut, which then stiffens the end ("offcut"); (d) the one with more cut length in
-    its half, then more small parts ("heat"). If all are even, (a) the left or bottom one ("narrow-side").
+    its half, then more small parts ("heat"). If all are even, (a) the left or bottom one ("narrow-side"). Cut lengths
+    that differ by less than a millionth are even.
     """
     if options.start_side != "auto":
         return options.start_side, "profile"
@@ -37,7 +35,7 @@ def start_side(
         return (one if near[a] > near[b] else other), "long-parts"
     if offcut_large[a] != offcut_large[b]:
         return OPPOSITE[one if offcut_large[a] else other], "offcut"
-    if abs(heat_mm[a] - heat_mm[b]) > SAME_HEAT * max(heat_mm[a], heat_mm[b]):
+    if abs(heat_mm[a] - heat_mm[b]) > SAME_SHARE * max(heat_mm[a], heat_mm[b]):
         return (one if heat_mm[a] > heat_mm[b] else other), "heat"
     if heat_parts[a] != heat_parts[b]:
         return (one if heat_parts[a] > heat_parts[b] else other), "heat"

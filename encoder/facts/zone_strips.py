@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from operator import itemgetter
-
 import numpy as np
 
 from ..cut import Side
 from .facts import FactOptions, Floats, Ints
-from .outlines import ROUNDING_MM
+from .outlines import ROUNDING_MM, SAME_SHARE
 from .ranges import laid_out
 from .sides import AWAY, AXIS
 from .zone_blocks import Blocks
 from .zone_heat import fitting
+
+_GAP_MM = 2 * ROUNDING_MM
+"""Gaps between two lines of parts that differ by less are equal: either line may be off by rounding."""
 
 
 def strips_of(blocks: Blocks, start_side: Side, options: FactOptions) -> list[Ints]:
@@ -20,13 +21,12 @@ def strips_of(blocks: Blocks, start_side: Side, options: FactOptions) -> list[In
     count = len(blocks.contours)
     across: tuple[Side, Side] = ("bottom", "top") if AXIS[start_side] == 0 else ("left", "right")
     sides: tuple[Side, ...] = (start_side, *across)  # the side opposite the start stays to the end
-    # Rounded, so that parts on one line keep their order in the nest.
-    depth = {s: AWAY[s] * np.round(blocks.centroid[:, AXIS[s]] / ROUNDING_MM) for s in sides}
+    depth = {s: _in_lines(AWAY[s] * blocks.centroid[:, AXIS[s]]) for s in sides}
     order = {s: np.argsort(depth[s], kind="stable") for s in sides}
     before, first = _predecessors(blocks.pairs, count)
     strips, left = list[Ints](), np.ones(count, dtype=np.bool_)
     while left.any():
-        square = bool(strips) and _side_ratio(blocks.bounds_mm[left]) <= options.square_ratio
+        square = bool(strips) and _side_ratio(blocks.bounds_mm[left]) <= options.square_ratio * (1 + SAME_SHARE)
         choices = []
         for side in sides if square else sides[:1]:
             remaining = order[side][left[order[side]]]
@@ -37,9 +37,26 @@ def strips_of(blocks: Blocks, start_side: Side, options: FactOptions) -> list[In
             # A side is not admissible where something that would remain must go before a block of the strip.
             if side == start_side or not remains[ahead].any():
                 choices.append((_side_ratio(blocks.bounds_mm[remains]), strip))
-        strips.append(min(choices, key=itemgetter(0))[1])
+        squarest = min(ratio for ratio, _ in choices)
+        strips.append(next(strip for ratio, strip in choices if ratio <= squarest * (1 + SAME_SHARE)))
         left[strips[-1]] = False
     return strips
+
+
+def _in_lines(depth_mm: Floats) -> Floats:
+    """The depths, those that follow each other within rounding made equal: parts on one line keep their order.
+
+    Examples
+    --------
+    >>> _in_lines(np.array([7.0, 1 / 3, 7.0 + 1e-9])).tolist()
+    [7.0, 0.3333333333333333, 7.0]
+    """
+    by_depth = np.argsort(depth_mm, kind="stable")
+    ranked = depth_mm[by_depth]
+    new = np.diff(ranked, prepend=-np.inf) > ROUNDING_MM
+    in_lines = np.empty_like(ranked)
+    in_lines[by_depth] = ranked[new][np.cumsum(new) - 1]
+    return in_lines
 
 
 def _strip(order: Ints, place: Floats, blocks: Blocks, options: FactOptions) -> Ints:
@@ -47,7 +64,8 @@ def _strip(order: Ints, place: Floats, blocks: Blocks, options: FactOptions) -> 
 
     It ends before its heat passes the budget. Of the strips that miss the number by a quarter at most (fewer, where the
     budget leaves room for fewer), the one that ends at the widest gap between centroids is taken, so that a row or
-    column of parts stays whole; where none does, the one that comes closest.
+    column of parts stays whole; where none does, the one that comes closest. Of gaps that are equal, all but rounding,
+    the one is taken that comes closest to the number, then the first.
     """
     about, budget_kj = options.zone_contours, options.zone_heat_kj
     room = len(order) if budget_kj is None else fitting(blocks.heat_kj[order], budget_kj)
@@ -59,15 +77,16 @@ def _strip(order: Ints, place: Floats, blocks: Blocks, options: FactOptions) -> 
     missed = np.abs(so_far - wanted)
     gap = np.diff(place[order[: len(first) + 1]], append=np.inf)[: len(first)]
     gap[missed > wanted / 4] = 0.0
-    return order[: int(np.lexsort((missed, -gap))[0]) + 1]
+    widest = np.flatnonzero(gap >= gap.max() - _GAP_MM)
+    return order[: int(widest[missed[widest].argmin()]) + 1]
 
 
 def _side_ratio(bounds_mm: Floats) -> float:
-    """Long side by short side of the rectangle around these bounds, 1 for none; rounded, so that equal is equal."""
+    """Long side by short side of the rectangle around these bounds, 1 for none."""
     if not len(bounds_mm):
         return 1.0
     size = bounds_mm[:, 2:].max(axis=0) - bounds_mm[:, :2].min(axis=0)
-    return round(float(size.max() / size.min()), 9)
+    return float(size.max() / size.min())
 
 
 def _predecessors(pairs: Ints, count: int) -> tuple[Ints, Ints]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +14,7 @@ from ...rules.profile import Profile
 from ...rules.state import Stated
 from ...rules.statements import IdleTravel, Precede
 from ..pace import Pace
-from ..problem import UM_PER_MM
+from ..problem import points_um
 from ..solution import SolveOptions
 from .asked import rules_in_files
 from .dzn import Fields, assignments, numbers, table_from_0
@@ -73,9 +72,6 @@ def _clock(facts: Facts, options: SolveOptions) -> Fields:
 
 def _points_um(facts: Facts, home_mm: Point) -> tuple[Floats, Floats]:
     """Where idle travel leaves from, and where it arrives: home, then the candidates."""
-    ends = [home_mm, *(c.end for c in facts.candidates)]
-    return _um(ends), _um([home_mm, *(c.pierce for c in facts.candidates)])
-
-
-def _um(points_mm: Sequence[Point]) -> Floats:
-    return np.rint(np.array(points_mm, dtype=np.float64).reshape(-1, 2) * UM_PER_MM)
+    ends = points_um([home_mm, *(c.end for c in facts.candidates)], home_mm)
+    pierces = points_um([home_mm, *(c.pierce for c in facts.candidates)], home_mm)
+    return ends.astype(np.float64), pierces.astype(np.float64)

@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from ...encoder.facts.facts import Bools, Facts, Floats, Ints, Stretch
 from ...encoder.geometry.segment import Point
 from ..crossings import GRAZE_UM
-from ..problem import UM_PER_MM
+from ..problem import UM_PER_MM, points_um
 
 PER_MM = 100
 """Lengths in MiniZinc data are whole hundredths of a millimetre."""
@@ -66,7 +66,9 @@ def near_pairs(facts: Facts, radius_mm: float) -> list[tuple[int, int]]:
     """Contours of different parts, cut through, that are nearer than the radius."""
     cut = [(k, c) for k, c in enumerate(facts.nest.contours) if c.kind != "mark"]
     return [
-        (i, j) for (i, a), (j, b) in combinations(cut, 2) if a.part != b.part and a.line.distance(b.line) < radius_mm
+        (i, j)
+        for (i, a), (j, b) in combinations(cut, 2)
+        if a.part != b.part and a.line.distance(b.line) < radius_mm - 1e-6
     ]
 
 
@@ -77,18 +79,18 @@ def tip_moves(facts: Facts, home_mm: Point) -> dict[int, Bools]:
     """
     over = {facts.nest.index[part.outer.id]: part.outer.polygon for part in facts.nest.parts}
     areas = shapely.STRtree(shapely.buffer(list(over.values()), -GRAZE_UM / UM_PER_MM))
-    pierces = rounded_mm([home_mm, *(c.pierce for c in facts.candidates)])
+    pierces = rounded_mm([home_mm, *(c.pierce for c in facts.candidates)], home_mm)
     leads = np.zeros((len(over), len(pierces), len(pierces)), dtype=np.bool_)
-    for stop, end in enumerate(rounded_mm([c.end for c in facts.candidates]), 1):
+    for stop, end in enumerate(rounded_mm([c.end for c in facts.candidates], home_mm), 1):
         moves = shapely.linestrings(np.stack([np.broadcast_to(end, pierces.shape), pierces], axis=1))
         reached, part = areas.query(moves, "intersects")
         leads[part, stop, reached] = True
     return {outer: leads[k] for k, outer in enumerate(over) if leads[k].any()}
 
 
-def rounded_mm(points_mm: list[Point]) -> Floats:
+def rounded_mm(points_mm: list[Point], home_mm: Point) -> Floats:
     """Points at whole µm, as every engine sees them."""
-    return np.rint(np.array(points_mm, dtype=np.float64).reshape(-1, 2) * UM_PER_MM) / UM_PER_MM
+    return points_um(points_mm, home_mm) / UM_PER_MM
 
 
 def _owners(facts: Facts) -> tuple[Bools, Ints]:

@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from ...encoder.facts.facts import Facts
 
 
+ROUNDING_MM = 1e-6
+"""Contours that are nearer than the radius by no more are as far as the radius: rounding must not decide."""
+
+
 @dataclass(frozen=True, slots=True)
 class HeatLagOptions:
     """How far heat reaches, and how long the metal takes to cool."""
@@ -107,4 +111,4 @@ def _near(contours: Sequence[Contour], radius_mm: float) -> list[tuple[int, int]
     order = np.lexsort((second, first))
     pairs = zip(first[order].tolist(), second[order].tolist(), strict=True)
     apart = [(a, b) for a, b in pairs if contours[a].part != contours[b].part]
-    return [(a, b) for a, b in apart if lines[a].distance(lines[b]) < radius_mm]
+    return [(a, b) for a, b in apart if lines[a].distance(lines[b]) < radius_mm - ROUNDING_MM]

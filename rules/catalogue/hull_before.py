@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 FLAT_MM = 0.05
 """A contour that nowhere lies deeper inside its hull is convex: drawings carry such rounding."""
 ON_HULL_MM = 1e-6
+"""A centroid this near to a hull or a contour lies on it."""
 
 
 class HullBefore(OrderRule[NoOptions]):
@@ -72,7 +73,9 @@ def _in_mouths(nest: Nest) -> tuple[Ids, ...]:
     hulls = shapely.convex_hull(outlines)
     centroids = shapely.centroid([part.outer.polygon for part in nest.parts])
     inside, hull = shapely.STRtree(hulls).query(centroids, "dwithin", distance=ON_HULL_MM)
-    within = shapely.contains([nest.parts[k].outer.polygon for k in hull], centroids[inside])
+    around = [nest.parts[k].outer for k in hull]
+    within = shapely.contains([outer.polygon for outer in around], centroids[inside])
+    within &= ~shapely.dwithin([outer.line for outer in around], centroids[inside], ON_HULL_MM)
     pairs = same_place(nest, inside[~within], hull[~within])
     hollow = {part.id for part in {b.id: b for _, b in pairs}.values() if _is_hollow(part.outer)}
     return tuple((a.outer.id, b.outer.id) for a, b in pairs if b.id in hollow)
@@ -81,4 +84,4 @@ def _in_mouths(nest: Nest) -> tuple[Ids, ...]:
 def _is_hollow(outer: Contour) -> bool:
     """Whether a point of the contour lies deeper inside its hull than drawing noise does."""
     rim = shapely.boundary(shapely.convex_hull(outer.line))
-    return bool((shapely.distance(shapely.points(outer.curve.flatten()), rim) > FLAT_MM).any())
+    return bool((shapely.distance(shapely.points(outer.curve.flatten()), rim) > FLAT_MM + ON_HULL_MM).any())

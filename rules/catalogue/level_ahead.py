@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ...encoder.facts.facts import Facts
 
 GRAZE_MM = 1e-6
+"""A ray that passes a contour this near grazes it; a centroid this near to a contour lies on it, not inside."""
 AWAY = {"left": (1.0, 0.0), "right": (-1.0, 0.0), "bottom": (0.0, 1.0), "top": (0.0, -1.0)}
 
 
@@ -31,7 +32,7 @@ class LevelAhead(OrderRule[NoOptions]):
     Let d be the direction of cutting, away from the start side. The shadow of a part is every point from which a ray
     in direction d meets its outer contour: the space between the start side and the part, its own area left out. A
     part whose centroid lies in the shadow of another in the same place (straight on the sheet, or in the same hole)
-    is cut before it. A ray that grazes the contour meets it.
+    is cut before it. A ray that grazes the contour meets it; a centroid on the contour is not in its area.
 
     ## Why
 
@@ -81,5 +82,7 @@ def _ahead(nest: Nest, start_side: Side) -> tuple[Ids, ...]:
     start = shapely.get_coordinates(shapely.centroid([part.outer.polygon for part in nest.parts]))
     rays = shapely.linestrings(np.stack([start, start + reach], axis=1))
     ahead, met = shapely.STRtree(outlines).query(rays, "dwithin", distance=GRAZE_MM)
-    within = shapely.contains([nest.parts[k].outer.polygon for k in met], shapely.points(start[ahead]))
+    middles, around = shapely.points(start[ahead]), [nest.parts[k].outer for k in met]
+    within = shapely.contains([outer.polygon for outer in around], middles)
+    within &= ~shapely.dwithin([outer.line for outer in around], middles, GRAZE_MM)
     return tuple((a.outer.id, b.outer.id) for a, b in same_place(nest, ahead[~within], met[~within]))

@@ -22,6 +22,11 @@ if TYPE_CHECKING:
 
 Box = tuple[float, float, float, float]
 
+SAME = 1e-6
+"""What differs by less than this share is equal, so that no rounding decides on a side."""
+ON_LINE_MM = 1e-6
+"""What lies this near to the line between the two halves of the sheet lies on it."""
+
 
 @dataclass(frozen=True, slots=True)
 class StartSideOptions:
@@ -53,7 +58,8 @@ class StartSide(Rule[StartSideOptions]):
     Only the two narrow sides of the sheet are eligible (left and right of a square). Of these, the first that tells
     them apart: the one with more long parts within `edge_band` of it; the one opposite a large offcut; the one with
     more cut length in its half of the sheet, then more small parts (no larger than the median); else left or bottom.
-    The profile may fix the side. It states nothing by itself: level-ahead and zone-order follow it.
+    What differs by less than a millionth is even, counts not at all: where a drawing lies does not decide. The profile
+    may fix the side. The rule states nothing by itself: level-ahead and zone-order follow it.
 
     ## Why
 
@@ -103,7 +109,7 @@ def expected_side(nest: Nest, options: StartSideOptions) -> tuple[Side, str]:
     if options.side != "auto":
         return options.side, "the profile fixes the side"
     x0, y0, x1, y1 = nest.sheet.bounds
-    sides: tuple[Side, Side] = ("left", "right") if x1 - x0 >= y1 - y0 else ("bottom", "top")
+    sides: tuple[Side, Side] = ("left", "right") if x1 - x0 >= (1 - SAME) * (y1 - y0) else ("bottom", "top")
     start, end = (x0, x1) if sides[0] == "left" else (y0, y1)
     outers = [part.outer.polygon for part in nest.parts]
     if not outers:
@@ -112,20 +118,19 @@ def expected_side(nest: Nest, options: StartSideOptions) -> tuple[Side, str]:
     low, high = (bounds[:, 0], bounds[:, 2]) if sides[0] == "left" else (bounds[:, 1], bounds[:, 3])
     gaps = np.stack([low - start, end - high])
 
-    near = (gaps[:, _are_long(outers, options.long_ratio)] <= options.edge_band_mm).sum(axis=1)
+    near = (gaps[:, _are_long(outers, options.long_ratio)] <= options.edge_band_mm + ON_LINE_MM).sum(axis=1)
     if near[0] != near[1]:
         side = sides[int(near.argmax())]
         return side, f"more long parts lie at the {side} side"
-    large = gaps.min(axis=1) > options.offcut_share * (end - start)
+    large = gaps.min(axis=1) > (options.offcut_share + SAME) * (end - start)
     if large[0] != large[1]:
         return sides[int(large.argmin())], f"there is a large offcut on the {sides[int(large.argmax())]}"
-    for amounts, what in (
-        (_cut_lengths(nest, sides[0]), "more is cut"),
-        (_small_parts(nest, sides[0]), "more parts lie"),
-    ):
-        if abs(amounts[0] - amounts[1]) > 1e-9 * max(amounts):
-            side = sides[0] if amounts[0] > amounts[1] else sides[1]
-            return side, f"{what} in its half of the sheet"
+    one_mm, other_mm = _cut_lengths(nest, sides[0])
+    if abs(one_mm - other_mm) > SAME * max(one_mm, other_mm):
+        return sides[0 if one_mm > other_mm else 1], "more is cut in its half of the sheet"
+    one, other = _small_parts(nest, sides[0])
+    if one != other:
+        return sides[0 if one > other else 1], "more parts lie in its half of the sheet"
     return sides[0], "nothing tells the sides apart"
 
 
@@ -133,19 +138,22 @@ def _are_long(outers: Sequence[shapely.Polygon], ratio: float) -> NDArray[np.boo
     """Which outlines fit in a rectangle, at any angle, with one side `ratio` times the other."""
     corners = shapely.get_coordinates(shapely.oriented_envelope(outers)).reshape(-1, 5, 2)
     one, other = (np.linalg.norm(corners[:, k + 1] - corners[:, k], axis=1) for k in (0, 1))
-    return np.asarray(np.maximum(one, other) >= ratio * np.minimum(one, other) * (1 - 1e-9))
+    return np.asarray(np.maximum(one, other) >= ratio * np.minimum(one, other) * (1 - SAME))
 
 
 def _halves(nest: Nest, first: Side) -> tuple[Box, Box]:
-    """Rectangles (xmin, ymin, xmax, ymax) over the half of the sheet at the first narrow side, and over the other."""
+    """Rectangles (xmin, ymin, xmax, ymax) over the half of the sheet at the first narrow side, and over the other.
+
+    What lies on the line between them is in neither.
+    """
     x0, y0, x1, y1 = nest.sheet.bounds
     far = x1 - x0 + y1 - y0
     a, b, c, d = x0 - far, y0 - far, x1 + far, y1 + far
     if first == "left":
         middle = (x0 + x1) / 2
-        return (a, b, middle, d), (middle, b, c, d)
+        return (a, b, middle - ON_LINE_MM, d), (middle + ON_LINE_MM, b, c, d)
     middle = (y0 + y1) / 2
-    return (a, b, c, middle), (a, middle, c, d)
+    return (a, b, c, middle - ON_LINE_MM), (a, middle + ON_LINE_MM, c, d)
 
 
 def _cut_lengths(nest: Nest, first: Side) -> tuple[float, float]:
@@ -155,10 +163,10 @@ def _cut_lengths(nest: Nest, first: Side) -> tuple[float, float]:
     return one, other
 
 
-def _small_parts(nest: Nest, first: Side) -> tuple[float, float]:
+def _small_parts(nest: Nest, first: Side) -> tuple[int, int]:
     """Number of parts no larger than the median whose centroid lies in each half."""
     outers = [part.outer.polygon for part in nest.parts]
     areas = shapely.area(outers)
-    centroids = shapely.centroid(outers)[areas <= np.median(areas)]
+    centroids = shapely.centroid(outers)[areas <= np.median(areas) * (1 + SAME)]
     one, other = (shapely.contains(shapely.box(*half), centroids) for half in _halves(nest, first))
-    return float(one.sum()), float(other.sum())
+    return int(one.sum()), int(other.sum())

@@ -1,6 +1,8 @@
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.rules.catalogue.start_side import StartSideOptions
 from kerfwise.rules.rule import Violation
-from kerfwise.tests.nests import nest, part, rect
+from kerfwise.tests.nests import circle, nest, part, rect
 from kerfwise.tests.rules.case import Case, in_order
 
 # Long strips (80 x 20) near the right side, though the offcut on the left would ask for the left's opposite as well.
@@ -15,6 +17,10 @@ JUST_LARGE = nest(400, 200, part("A", rect(30, 10, 60, 60)), part("B", rect(240,
 # A strip 100 x 25 is exactly 4 : 1, so long; 25 mm from the right side is just at it.
 JUST_LONG = nest(400, 200, part("A", rect(275, 10, 100, 25)), part("B", rect(30, 60, 100, 100)))
 JUST_SHORT = nest(400, 200, part("A", rect(275, 10, 100, 25.1)), part("B", rect(30, 60, 100, 100)))
+# A disc in the middle of a round sheet: both halves are alike but for rounding, so that the order of the sides decides.
+ROUND = Nest(Sheet(Curve.of(circle(200, 200, 200)), ()), (part("A", circle(200, 200, 80)),))
+# An edge of each part lies on the line between the halves and counts half for each.
+ON_THE_MIDDLE = nest(400, 300, part("A", rect(100.1, 40, 99.9, 60)), part("B", rect(200, 200, 99.9, 60)))
 
 
 def wrong(given: str, expected: str, because: str) -> Violation:
@@ -22,6 +28,15 @@ def wrong(given: str, expected: str, because: str) -> Violation:
 
 
 CASES = (
+    Case("a tie goes left", "boundary", ROUND, in_order(ROUND, "A.outer", "left")),
+    Case(
+        "a tie does not go right",
+        "boundary",
+        ROUND,
+        in_order(ROUND, "A.outer", "right"),
+        (wrong("right", "left", "nothing tells the sides apart"),),
+    ),
+    Case("an edge on the middle", "boundary", ON_THE_MIDDLE, in_order(ON_THE_MIDDLE, "A.outer B.outer", "left")),
     Case("from the long part", "passes", LONG, in_order(LONG, "A.outer B.outer", "right")),
     Case(
         "away from the long part",
