@@ -17,9 +17,9 @@ from .outlines import Outlines
 class Blocks:
     """What shares a zone: a part straight on the sheet with everything nested in it.
 
-    `of` (n,) is the block of each contour; `contours` how many it has, `heat_kj` what cutting them leaves in the sheet
-    (0 where nobody knows), `centroid` and `bounds_mm` those of its outer contour. Rows (before, after) of `pairs` say
-    which block must not be in a later zone than which.
+    `of` (n,) is the block of each contour; `contours` how many it has that are cut through (marks are not), `heat_kj`
+    what cutting them leaves in the sheet (0 where nobody knows), `centroid` and `bounds_mm` those of its outer
+    contour. Rows (before, after) of `pairs` say which block must not be in a later zone than which.
     """
 
     of: Ints
@@ -45,7 +45,7 @@ def blocks_of(
     before, after = of[np.concatenate([respected, locked.reshape(-1, 2)])].T
     return Blocks(
         of,
-        np.bincount(of),
+        np.bincount(of[~outlines.is_mark], minlength=len(tops)),
         np.bincount(of, np.nan_to_num(heat_kj)).astype(np.float64),
         outlines.centroid[tops],
         outlines.bounds_mm[tops],

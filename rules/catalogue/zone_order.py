@@ -26,7 +26,9 @@ if TYPE_CHECKING:
 class ZoneOrderOptions:
     """How the sheet is divided into zones; the last two are `heat.absorbed_power_w` and the profile's locks."""
 
-    zone_contours: int = field(default=12, metadata=option(Number(1, whole=True), "contours in a zone, about"))
+    zone_contours: int = field(
+        default=12, metadata=option(Number(1, whole=True), "contours in a zone, about, marks aside")
+    )
     square_ratio: float = field(
         default=1.25,
         metadata=option(
@@ -48,7 +50,8 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
     Parts are grouped into zones 1…m of about `zone_contours` contours, strip after strip off the start side while
     what is left is longer than wide by more than `square_ratio`, then off whichever side leaves it most square. Every
     hole and outer contour of a zone is cut before any of the next. A host and what it contains share a zone; no zone
-    goes against the order rules. Marks have no zone order: they neither free metal nor heat it.
+    goes against the order rules. Marks do not count towards `zone_contours` and have no zone order: they neither free
+    metal nor heat it.
 
     With `zone_heat`, a strip ends before the heat of its contours passes that budget: `heat.absorbed_power_w` for as
     long as the torch is on, piercing included, at the feeds that the section `time` names. What the order rules then

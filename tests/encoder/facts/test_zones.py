@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -8,7 +10,8 @@ from kerfwise.encoder.cut import Side
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import FactOptions, Facts, compute_facts
 from kerfwise.encoder.facts.facts import SIDES
-from kerfwise.encoder.nest import Nest, Part
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Contour, Nest, Part
 from kerfwise.tests.encoder.facts.random_nests import nests
 from kerfwise.tests.nests import nest, part, rect
 
@@ -41,6 +44,19 @@ def test_a_long_sheet_is_cut_in_strips_from_the_start_side(side: Side, first: st
     assert [found[f"{c}0"] for c in range(8)] == (
         [1, 2, 3, 4, 5, 6, 7, 8] if side == "left" else [8, 7, 6, 5, 4, 3, 2, 1]
     )
+
+
+def test_marks_do_not_count() -> None:
+    plain = grid(8, 2)
+    marked = Nest(plain.sheet, tuple(replace(p, marks=_three_marks(p)) for p in plain.parts))
+    assert zones(marked, zone_contours=4) == zones(plain, zone_contours=4)
+    assert max(zones(marked, zone_contours=4).values()) == 4
+
+
+def _three_marks(given_part: Part) -> tuple[Contour, ...]:
+    (x, y), name = given_part.outer.curve.point_at(0.0), given_part.id
+    lines = [Curve.of([(x + 10 * k, y + 10), (x + 10 * k, y + 20)], closed=False) for k in (1, 2, 3)]
+    return tuple(Contour(f"{name}.mark{k}", name, "mark", line) for k, line in enumerate(lines, 1))
 
 
 SQUARE_REST: dict[str, object] = {"zone_contours": 4, "square_ratio": 1.4, "zone_respects": ("contains",)}
