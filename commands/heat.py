@@ -68,7 +68,7 @@ def _path(made: str, given: Given) -> TimedPath:
         path = path_of_plan(plan, given.nest, given.profile)
         note_if_others(plan, given)
         return path
-    return path_of_program(read_program_of(made, given), given.nest, given.profile)
+    return path_of_program(read_program_of(made, given))
 
 
 def _note_if_long(nest: Nest, path: TimedPath, heat: Heat) -> None:

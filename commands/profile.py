@@ -17,10 +17,10 @@ def command() -> None:
 @click.argument("profile", metavar="PROFILE")
 def check(profile: str) -> None:
     """Say whether PROFILE can be used, and if not, where it is wrong."""
-    from ..postproc.dialects import load_dialect
+    from ..postproc.dialects import fitting_dialect
 
     loaded = load_profile(profile)
-    load_dialect(loaded.machine.dialect)
+    fitting_dialect(loaded)
     strengths = [setting.strength for setting in loaded.settings().values()]
     hard, soft = strengths.count("hard"), strengths.count("soft")
     click.echo(f"{loaded.name}: fine, {hard} hard and {soft} soft rules")

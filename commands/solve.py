@@ -68,7 +68,7 @@ def command(
     from ..models.solution import SolveOptions
     from ..models.timing.choose import feeds_of
     from ..postproc.ask import ask, facts_of
-    from ..postproc.dialects import load_dialect
+    from ..postproc.dialects import fitting_dialect
     from ..postproc.files import write_files
     from ..postproc.produce import produce
     from ..postproc.report import draw
@@ -85,7 +85,7 @@ def command(
     _expect((output, plan_path, picture, conflict_picture), (picture, conflict_picture), (file, lock_from))
     given = read_given(**options)
     nest, profile = given.nest, keeping(given.profile, lock_from, upto)
-    load_dialect(profile.machine.dialect)  # a file of the plant's own may be wrong: better said now than at the end
+    fitting_dialect(profile)  # a file of the plant's own may be wrong: better said now than at the end
     limits = SolveOptions(
         seed, work, time_limit, profile.machine.home, feeds_of(profile), gap, no_improvement, member_of(engine)
     )

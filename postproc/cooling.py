@@ -173,10 +173,7 @@ class Cooler:
         for _ in range(REPEATS):
             plan = with_times(_waiting(plan, waits, heated, self._options.most_c), nest, profile)
             written = read_program(write_program(plan, nest, profile), profile)
-            paces = [
-                self._pace(path, grid)
-                for path in (path_of_plan(plan, nest, profile), path_of_program(written, nest, profile))
-            ]
+            paces = [self._pace(path, grid) for path in (path_of_plan(plan, nest, profile), path_of_program(written))]
             if not any(paced.heated for paced in paces):
                 return replace(one, plan=plan)
             for contour in dict.fromkeys(name for paced in paces for name in paced.waits):

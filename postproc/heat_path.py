@@ -11,8 +11,7 @@ from ..models.heat.timed_path import in_order, torch_on
 from ..models.plan import Plan
 from ..rules.profile import Profile
 from .check.nc_program import NcProgram
-from .dialects import pierce_dwell_of
-from .plan_paths import outside, toolpaths
+from .plan_paths import toolpaths
 
 _CHORD_MM = 0.05
 _CUT = re.compile(r"CUT \d+ (?P<contour>\S+)")
@@ -42,23 +41,18 @@ def path_of_plan(plan: Plan, nest: Nest, profile: Profile) -> TimedPath:
     return in_order(burns, plan.totals.time_s)
 
 
-def path_of_program(program: NcProgram, nest: Nest, profile: Profile) -> TimedPath:
+def path_of_program(program: NcProgram) -> TimedPath:
     """Where the torch burns by a program, at its own feeds and for its own waits.
 
     Rapids are as profiled, and so are pierces where the dialect leaves them to the machine.
     """
-    machine = profile.machine
-    waits = pierce_dwell_of(profile) == "machine"
-    burns, late_s = [], 0.0
-    edge_starts = outside(nest, [(float(b.path.vertices[0, 0]), float(b.path.vertices[0, 1])) for b in program.burns])
-    for burn, edge_start in zip(program.burns, edge_starts, strict=True):
-        begin_s, marks = burn.start_s + late_s, burn.tool != 0
-        unsaid_s = (machine.mark_time_s if marks else machine.pierce_time_s) if waits and not edge_start else 0.0
-        late_s += unsaid_s
-        if marks:
+    burns = []
+    for burn in program.burns:
+        if burn.tool != 0:
             continue
-        pierce_s, end_s = burn.pierce_s + unsaid_s, burn.end_s + late_s
         named = _CUT.search(burn.comment)
         name = named["contour"] if named else f"line {burn.line}"
-        burns.append(torch_on(name, burn.path.flatten(_CHORD_MM), begin_s, end_s, pierce_s))
+        burns.append(
+            torch_on(name, burn.path.flatten(_CHORD_MM), burn.start_s, burn.end_s, burn.held_s + burn.pierce_s)
+        )
     return in_order(burns, burns[-1].at_s[-1] if burns else 0.0)

@@ -9,7 +9,7 @@ from ..encoder.nest import Nest
 from ..models.plan import Plan
 from ..rules.profile import Profile
 from .blocks import comment, is_comment, number, numbered, path_blocks, plain, rapid_block, seconds_text
-from .dialects import Dialect, load_dialect, pierce_dwell_of
+from .dialects import Dialect, fitting_dialect, load_dialect, pierce_dwell_of
 from .plan_paths import SHA_DIGITS, Toolpath, toolpaths
 
 
@@ -24,7 +24,7 @@ def write_program(plan: Plan, nest: Nest, profile: Profile) -> str:
     InputError
         If the plan was made from another nest, or the dialect is unknown or cannot spell the program.
     """
-    dialect = load_dialect(profile.machine.dialect)
+    dialect = fitting_dialect(profile)
     body = _body(toolpaths(plan, nest, profile), profile, dialect)
     return "\n".join([*numbered([*_header(plan, nest, profile, dialect), *body], dialect), ""])
 
@@ -47,6 +47,8 @@ def _header(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect) -> Itera
     yield comment(dialect, f"ESTIMATED TIME {seconds_text(totals.time_s)}")
     if plan.time is not None:
         yield comment(dialect, "TIME MODEL", plan.time.model.upper())
+    if plan.cuts:
+        yield from _assumed(plan, profile, dialect)
     if plan.waits:
         yield comment(dialect, f"WAITS FOR METAL TO COOL {len(plan.waits)}, {seconds_text(plan.wait_s)}")
     yield comment(dialect, f"START SIDE {plan.start_side.upper()}")
@@ -54,6 +56,16 @@ def _header(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect) -> Itera
         for rule in planned.cut.excused:
             yield comment(dialect, f"EXCUSED {plain(rule)}", planned.cut.contour)
     yield from _relaxed(plan, dialect)
+
+
+def _assumed(plan: Plan, profile: Profile, dialect: Dialect) -> Iterator[str]:
+    """What the program takes for granted of the machine, and who waits at a pierce."""
+    machine = profile.machine
+    waits = pierce_dwell_of(profile, dialect)
+    yield comment(dialect, f"PIERCE DELAY {number(machine.pierce_time_s, 3)} S, HELD BY THE {waits.upper()}")
+    of = [machine.process, *(["marks"] if any(planned.kind == "mark" for planned in plan.cuts) else [])]
+    for told in (text for key in of for text in dialect.assumes.get(key, ())):
+        yield comment(dialect, "ASSUMES", told)
 
 
 def _relaxed(plan: Plan, dialect: Dialect) -> Iterator[str]:

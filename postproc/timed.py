@@ -15,9 +15,8 @@ from ..models.timing.motion import Motion
 from ..models.timing.report import TimeReport, report_times
 from ..models.timing.run import Job, Run
 from ..rules.profile import Profile
+from .check.nc_on_machine import read_on_machine
 from .check.nc_program import NcProgram
-from .check.nc_reader import read_nc
-from .dialects import pierce_dwell_of
 from .plan_paths import outside, toolpaths
 from .program import count_blocks
 
@@ -70,10 +69,7 @@ def job_of_program(program: NcProgram, nest: Nest, own: Profile | None = None) -
     for burn, edge_start in zip(program.burns, edge_starts, strict=True):
         run = Run(burn.path, burn.tool != 0, not edge_start, burn.travels_mm, burn.wait_s)
         if own is not None:
-            standing_s = burn.pierce_s + burn.paused_s
-            if pierce_dwell_of(own) == "machine" and not edge_start:
-                standing_s += own.machine.mark_time_s if run.marks else own.machine.pierce_time_s
-            run = replace(run, moving_s=burn.moving_s, standing_s=standing_s)
+            run = replace(run, moving_s=burn.moving_s, standing_s=burn.held_s + burn.pierce_s + burn.paused_s)
         runs.append(run)
     return Job(tuple(runs), program.homing_mm, program.blocks)
 
@@ -86,7 +82,7 @@ def read_program(text: str, profile: Profile, file: str = "") -> NcProgram:
     InputError
         With the line, for what is malformed or not understood.
     """
-    return read_nc(text, profile.machine.travel_mm_s, file, profile.machine.home)
+    return read_on_machine(text, profile, file)
 
 
 def with_times(plan: Plan, nest: Nest, profile: Profile) -> Plan:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import yaml
@@ -147,3 +148,28 @@ def plain(node: yaml.Node) -> Any:
         raise InputError(f"expected plain data: {error.problem}", line=mark.line + 1, column=mark.column + 1) from None
     finally:
         loader.dispose()
+
+
+def deepest(node: yaml.Node, *path: str) -> yaml.Node:
+    """The node that the keys lead to, or the last one on the way that the file has."""
+    for key in path:
+        members = node.value if isinstance(node, yaml.MappingNode) else ()
+        step = next((value for name, value in members if name.value == key), None)
+        if step is None:
+            return node
+        node = step
+    return node
+
+
+def place_in(file: str, *paths: tuple[str, ...]) -> Place | None:
+    """Where a file has the first of these keys that it has at all; None where it has none or cannot be read."""
+    try:
+        root = compose(Path(file).read_text(encoding="utf-8-sig"), file)
+    except (OSError, UnicodeDecodeError, InputError):
+        return None
+    for path in paths:
+        holder = deepest(root, *path[:-1]) if root is not None else None
+        node = deepest(holder, path[-1]) if holder is not None else None
+        if node is not None and node is not holder:
+            return Problems(file).place(node)
+    return None

@@ -14,7 +14,7 @@ from .edge_starts import edge_starts, forbidden
 from .heating import Thermometer, heatings_of_cuts, heatings_of_program, measured
 from .judge import judge
 from .metal import gouges, off_sheet
-from .nc_reader import read_nc
+from .nc_on_machine import read_on_machine
 from .program_rules import judgement
 from .rebuild import rebuild
 from .relaxed import Relaxed, read_relaxed, relaxed_warnings
@@ -60,12 +60,12 @@ def check_program(
     InputError
         With the line, for a program that is malformed or says something the reader does not understand.
     """
-    program = read_nc(nc_text, profile.machine.travel_mm_s, file, profile.machine.home)
+    program = read_on_machine(nc_text, profile, file)
     built = rebuild(nest, program, profile.material.kerf_mm, profile.machine.home)
     judged, warnings = _judge_paths(nest, built.cuts, built.runs, built.violations, profile)
     judged += judge_running(nest, program, profile)
     relaxed = read_relaxed(nest, program.comments)
-    felt = measured(once_each(nest, built.cuts), heatings_of_program(nest, program, profile), thermometer)
+    felt = measured(once_each(nest, built.cuts), heatings_of_program(program), thermometer)
     rules = judge(nest, felt, profile, relaxed)
     warnings += relaxed_warnings(relaxed)
     return CheckResult((*judged, *rules), (*built.warnings, *warnings), _measured(built.runs, program.idle_mm))

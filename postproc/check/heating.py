@@ -19,7 +19,6 @@ from shapely import ops
 from ...encoder.cut import Cut, CutSequence, HotSpot
 from ...encoder.nest import Nest
 from ...rules.profile import Profile
-from ..dialects import pierce_dwell_of
 from .nc_program import NcProgram
 from .torch_run import TorchRun
 
@@ -69,20 +68,13 @@ def heatings_of_cuts(nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], pr
         yield Heating(run.name, points, cut.start_s, max(cut.start_s, cut.end_s), pierce_s, cut.start_s)
 
 
-def heatings_of_program(nest: Nest, program: NcProgram, profile: Profile) -> Iterator[Heating]:
+def heatings_of_program(program: NcProgram) -> Iterator[Heating]:
     """The stretches of a program at its own feeds, with the waits that it makes or leaves to the machine."""
-    unsaid_s = profile.machine.pierce_time_s if pierce_dwell_of(profile) == "machine" else 0.0
-    late_s = 0.0
     for burn in program.burns:
-        if burn.tool != 0:
-            continue
-        begin_s = burn.start_s + late_s
-        x, y = burn.path.vertices[0, :2].tolist()
-        if unsaid_s and _pierced(nest, (x, y)):
-            late_s += unsaid_s
-        pierce_s = burn.pierce_s + (burn.start_s + late_s - begin_s)
-        points = burn.path.flatten(_CHORD_MM)
-        yield Heating(f"line {burn.line}", points, begin_s, burn.end_s + late_s, pierce_s, burn.start_s)
+        if burn.tool == 0:
+            points = burn.path.flatten(_CHORD_MM)
+            stood_s = burn.held_s + burn.pierce_s
+            yield Heating(f"line {burn.line}", points, burn.start_s, burn.end_s, stood_s, burn.start_s)
 
 
 def _pierced(nest: Nest, point: tuple[float, float]) -> bool:

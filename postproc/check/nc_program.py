@@ -14,7 +14,8 @@ class Burn:
 
     `line` is where it begins, `comment` the last comment before it. Times in s from the program's start. `travels_mm`
     are the moves with no tool on since the burn before, `wait_s` is how long it has stood still since, off. The tool
-    stands for `pierce_s` before it moves and for `paused_s` later on; `feeds_mm_s` are the speeds it moves at.
+    stands for `pierce_s` before it moves, by the program's own words, after the control has held it for `held_s` by
+    itself, and for `paused_s` later on; `feeds_mm_s` are the speeds it moves at.
     """
 
     tool: int
@@ -28,11 +29,12 @@ class Burn:
     paused_s: float = 0.0
     feeds_mm_s: tuple[float, ...] = ()
     wait_s: float = 0.0
+    held_s: float = 0.0
 
     @property
     def moving_s(self) -> float:
         """How long the tool moves, at the program's own feeds, s."""
-        return self.end_s - self.start_s - self.pierce_s - self.paused_s
+        return self.end_s - self.start_s - self.held_s - self.pierce_s - self.paused_s
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,7 @@
 """A small reader of RS274 programs of its own: what the torch does, line by line, as paths in mm.
 
-It takes nothing from the writer: modal motion G0 to G3, G20 and G21, G90 and G91, arcs by I and J or by R, M3 and M5
-with the tool number $, G4. What it does not understand it refuses, with the line.
+It takes nothing from the writer: modal motion G0 to G3, G20 and G21, G90 and G91, arcs by I and J or by R, M3 and M5,
+G4, and what each control has of its own (`nc_controls.py`). What it does not understand it refuses, with the line.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from ...encoder.errors import InputError
 from ...encoder.geometry.curve import Curve
 from ...encoder.geometry.segment import Point, Segment
 from .nc_arcs import arc_by_centre, arc_by_radius
+from .nc_controls import QTPLASMAC, Control
 from .nc_modes import Modes
 from .nc_program import Burn, Fault, NcProgram, Stretch
 from .nc_words import Block, read_blocks
 
 _MOTION = {0.0, 1.0, 2.0, 3.0, 80.0}
 _SILENT_G = {17.0, 40.0, 49.0, 54.0, 61.0, 61.1, 64.0, 92.1, 94.0, 97.0}
-_SILENT_M = {0.0, 1.0, 7.0, 8.0, 9.0, 48.0, 49.0, 50.0, 51.0, 52.0, 53.0, 66.0, 67.0, 68.0, 190.0}
 _HALTS = {0.0, 1.0}
 _OUTPUTS = {67.0, 68.0}
 _SPEED_OUTPUT = 3.0
@@ -31,11 +31,22 @@ _REFUSED_G = {
     41.1: "the control would shift the path by its own kerf, which the program does not show",
     42.1: "the control would shift the path by its own kerf, which the program does not show",
 }
+_SET_BIT = 64.0
+_BITS = {64.0, 65.0}
 _TORCH_BITS = {62.0, 63.0, 64.0, 65.0}
 
 
-def read_nc(text: str, travel_mm_s: float = 100.0, file: str = "", home: Point = (0.0, 0.0)) -> NcProgram:
+def read_nc(
+    text: str,
+    travel_mm_s: float = 100.0,
+    file: str = "",
+    home: Point = (0.0, 0.0),
+    control: Control = QTPLASMAC,
+    held_s: tuple[float, float] = (0.0, 0.0),
+) -> NcProgram:
     """Read a program; `travel_mm_s` is the speed of its rapids, for the times, `home` where it finds the torch.
+
+    The control holds the torch for `held_s` by itself where it starts to cut, and where it starts to mark.
 
     Raises
     ------
@@ -48,7 +59,7 @@ def read_nc(text: str, travel_mm_s: float = 100.0, file: str = "", home: Point =
     >>> [(burn.tool, burn.line, burn.path.length_mm) for burn in program.burns]
     [(0, 3, 10.0)]
     """
-    machine = _Machine(travel_mm_s, home)
+    machine = _Machine(travel_mm_s, control, held_s, home)
     line = 0
     try:
         for block in read_blocks(text):
@@ -93,6 +104,7 @@ class _Open:
     paused_s: float = 0.0
     feeds_mm_s: set[float] = field(default_factory=set)
     wait_s: float = 0.0
+    held_s: float = 0.0
 
 
 @dataclass(slots=True)
@@ -100,6 +112,8 @@ class _Machine:
     """Modal state, in the order RS274 executes a block: feed, torch, dwell, units, distance mode, motion, end."""
 
     travel_mm_s: float
+    control: Control
+    held_s: tuple[float, float]
     at: Point = (0.0, 0.0)
     unit_mm: float = 1.0
     absolute: bool = True
@@ -156,29 +170,49 @@ class _Machine:
 
     def _tool(self, code: float, block: Block) -> None:
         tool = int(block.words.get("$", 0))
+        if "$" in block.words and not self.control.numbered:
+            raise InputError(
+                f"tools by number ($) are not a word of {self.control.title}, for which the profile's dialect is",
+                line=block.line,
+            )
         if code == 3.0:
-            if self.on:
-                self.fault(block.line, "torch-off-travel", f"tool ${tool} is started while ${self.on[0]} is on")
             if block.words.get("S", 0.0) <= 0:
                 self.fault(block.line, "program-state", f"tool ${tool} is started without S1, which turns it on")
-            if tool not in self.on:
-                self.on.append(tool)
-            if self.open is None:
-                self._begin(tool, block.line)
+            self._on(tool, block.line)
         elif code == 5.0:
-            self.on = [] if tool == -1 else [t for t in self.on if t != tool]
-            if self.open is not None and self.open.tool not in self.on:
-                self.close()
+            self._off(tool)
+        elif code in _BITS and self.control.marks_by is not None:
+            if block.words.get("P") != self.control.marks_by:
+                raise InputError(f"M{code:g} of another output than {self.control.marks_by}", line=block.line)
+            if code == _SET_BIT:
+                self._on(1, block.line)
+            else:
+                self._off(1)
         elif code in _HALTS and self.open is not None:
             self.fault(block.line, "torch-off-travel", f"M{code:g} halts the program while tool ${self.on[0]} is on")
-        elif code in _OUTPUTS:
+        elif code in _OUTPUTS and self.control.speed_outputs:
             self._output(code, block)
         elif code in _TORCH_BITS:
             raise InputError(
                 f"M{code:g} can stop the torch while the path goes on; this is not checked", line=block.line
             )
-        elif code not in _SILENT_M and code not in (2.0, 30.0):
+        elif code not in self.control.silent_m and code not in (2.0, 30.0):
             raise InputError(f"M{code:g} is not understood", line=block.line)
+
+    def _on(self, tool: int, line: int) -> None:
+        if self.on:
+            self.fault(line, "torch-off-travel", f"tool ${tool} is started while ${self.on[0]} is on")
+        if tool not in self.on:
+            self.on.append(tool)
+        if self.open is None:
+            begun = self._begin(tool, line)
+            begun.held_s = self.held_s[0] if tool == 0 else self.held_s[1]
+            self.clock_s += begun.held_s
+
+    def _off(self, tool: int) -> None:
+        self.on = [] if tool == -1 else [t for t in self.on if t != tool]
+        if self.open is not None and self.open.tool not in self.on:
+            self.close()
 
     def _dwell(self, block: Block) -> None:
         if "P" not in block.words or block.words["P"] < 0:
@@ -255,10 +289,11 @@ class _Machine:
         self.idle_mm += length_mm
         self.travels_mm.append(length_mm)
 
-    def _begin(self, tool: int, line: int) -> None:
+    def _begin(self, tool: int, line: int) -> _Open:
         self.open = _Open(tool, line, self.clock_s, [], self.comment, tuple(self.travels_mm), wait_s=self.wait_s)
         self.travels_mm.clear()
         self.wait_s = 0.0
+        return self.open
 
     def close(self) -> None:
         """End the burn that is going on, if any; one that did not move is a hole and is kept."""
@@ -269,7 +304,7 @@ class _Machine:
             self.burns.append(
                 Burn(
                     o.tool, o.line, path, o.start_s, self.clock_s, o.comment, o.travels_mm, o.pierce_s, o.paused_s,
-                    feeds_mm_s, o.wait_s,
+                    feeds_mm_s, o.wait_s, o.held_s,
                 )
             )  # fmt: skip
             self.open = None

@@ -1,5 +1,14 @@
 """Controls and how they spell a program."""
 
-from .dialect import Dialect, LineNumbers, dialect_names, load_dialect, pierce_dwell_of
+from .dialect import ControlName, Dialect, LineNumbers, dialect_names, load_dialect, pierce_dwell_of
+from .fit import fitting_dialect
 
-__all__ = ["Dialect", "LineNumbers", "dialect_names", "load_dialect", "pierce_dwell_of"]
+__all__ = [
+    "ControlName",
+    "Dialect",
+    "LineNumbers",
+    "dialect_names",
+    "fitting_dialect",
+    "load_dialect",
+    "pierce_dwell_of",
+]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import string
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -12,11 +13,12 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 import yaml
 
 from ...encoder.errors import InputError
-from ...rules.machine_section import PierceDwell
+from ...rules.machine_section import PROCESSES, PierceDwell, Process
 from ...rules.profile import Profile
 from ...rules.suggest import unknown
 from ...rules.yaml_positions import Problems, compose, entries, plain, shape
 
+ControlName = Literal["linuxcnc-qtplasmac", "linuxcnc"]
 HOLES = {"feed": "mm_min", "dwell": "seconds", "comment": "text"}
 LEAST = {"decimals": 2, "max_line": 80}
 
@@ -37,6 +39,12 @@ class Dialect:
     ----------
     name, title, suffix
         The name a profile uses, the control's own name, and the ending of its files.
+    control
+        Which of the check's readers reads its programs back: it knows the words of the control by itself.
+    processes
+        The processes that it is for; others are refused (see `fit.py`).
+    assumes
+        What each program assumes of the machine, a comment each: by process, and of what marks under "marks".
     header, footer
         Blocks before the first cut and after the last; the footer ends the program.
     torch_on, torch_off, mark_on, mark_off
@@ -62,6 +70,9 @@ class Dialect:
     name: str
     title: str
     suffix: str
+    control: ControlName
+    processes: tuple[Process, ...]
+    assumes: Mapping[str, tuple[str, ...]]
     header: tuple[str, ...]
     footer: tuple[str, ...]
     torch_on: str
@@ -153,6 +164,14 @@ def _value(key: str, value: object, hint: Any) -> Any:
     if get_origin(hint) is Literal:
         if value not in get_args(hint):
             raise ValueError(" or ".join(get_args(hint)))
+    elif key == "processes":
+        if not isinstance(value, list) or not value or not set(value) <= set(PROCESSES):
+            raise ValueError(f"a list of {', '.join(PROCESSES)}")
+        return tuple(value)
+    elif key == "assumes":
+        if not isinstance(value, dict) or not set(value) <= {*PROCESSES, "marks"}:
+            raise ValueError(f"lists of comments under {', '.join(PROCESSES)} or marks")
+        return {of: _value(of, told, tuple[str, ...]) for of, told in value.items()}
     elif get_origin(hint) is tuple:
         if not isinstance(value, list) or not all(isinstance(v, str) for v in value):
             raise ValueError("a list of blocks")

@@ -133,9 +133,17 @@ def test_a_dialect_file_of_the_plants_own(tmp_path: Path, monkeypatch: pytest.Mo
     Path("plant.yaml").write_text("machine: {dialect: shop.yaml}\n")
     for verb in (("solve", NEST, "-p"), ("profile", "check")):
         refused(kerfwise(*verb, "plant.yaml"), "shop.yaml: cannot read the dialect")
-    Path("shop.yaml").write_text(shipped.replace("pierce_dwell: program", "pierce_dwell: machine"))
+    Path("shop.yaml").write_text(shipped.replace("pierce_dwell: machine", "pierce_dwell: program"))
     ended = kerfwise("solve", NEST, "-p", "plant.yaml", "--work", "0.5", "-o", "cut.nc")
     assert ended.code == 0, ended.err
-    assert "G4 P" not in Path("cut.nc").read_text()
+    assert "G4 P" in Path("cut.nc").read_text()
     assert kerfwise("check", NEST, "cut.nc", "-p", "plant.yaml").code == 0
-    assert kerfwise("check", NEST, "cut.nc").code == 1
+    assert kerfwise("check", NEST, "cut.nc").code == 1  # the material's own delay would come on top
+
+
+def test_a_profile_for_another_process_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("plant.yaml").write_text("machine: {process: oxyfuel}\n")
+    for verb in (("solve", NEST, "-p"), ("profile", "check")):
+        refused(kerfwise(*verb, "plant.yaml"), "plant.yaml:1:20: machine.dialect: 'linuxcnc-qtplasmac' is for plasma")
+    assert not Path("e1x_6.nc").exists()

@@ -15,6 +15,7 @@ from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.models.plan import Plan, PlannedCut, SolveReport, Totals
 from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
 from kerfwise.rules.profile import Profile, RuleSetting, default_settings
+from kerfwise.rules.sections import Machine
 from kerfwise.tests.nests import circle, nest, part, rect
 
 KERF_MM = 1.5
@@ -43,13 +44,15 @@ def plate() -> Nest:
 def profile(**changes: object) -> Profile:
     """The default rules, with outer contours cut clockwise and holes counter-clockwise, as plasma asks.
 
-    The plans made here by hand have neither rigidity nor heat nor tipped parts in mind: those rules are off.
+    The plans made here by hand have neither rigidity nor heat nor tipped parts in mind: those rules are off. Programs
+    wait for the pierce themselves.
     """
     rules = default_settings()
     for name in ("heat-lag", "no-narrow-strips", "no-tip-travel", "part-rigidity"):
         rules[name] = RuleSetting("off", None, rules[name].options)
     rules["cut-direction"] = RuleSetting("hard", None, CutDirectionOptions(outer="cw", hole="ccw"))
-    return dataclasses.replace(Profile("test", rules=rules, sha256="c0de" * 16), **changes)
+    machine = Machine(pierce_dwell="program")
+    return dataclasses.replace(Profile("test", machine=machine, rules=rules, sha256="c0de" * 16), **changes)
 
 
 def cut_of(

@@ -5,12 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-import kerfwise
 from kerfwise.models.heat import TimedPath
 from kerfwise.postproc.heat_path import path_of_plan, path_of_program
 from kerfwise.postproc.program import write_program
@@ -25,7 +23,7 @@ PIERCE_S = PLANT.machine.pierce_time_s
 
 
 def path(text: str = PROGRAM, plant: Profile = PLANT) -> TimedPath:
-    return path_of_program(read_program(text, plant), SHEET, plant)
+    return path_of_program(read_program(text, plant))
 
 
 def edited(pattern: str, change: Callable[[float], float]) -> str:
@@ -70,10 +68,8 @@ def test_a_wait_with_the_torch_off_lets_the_sheet_cool() -> None:
     assert [b.seconds for b in waiting.burns] == pytest.approx([b.seconds for b in plain.burns])
 
 
-def test_pierces_that_the_dialect_leaves_to_the_machine_are_as_profiled(tmp_path: Path) -> None:
-    shipped = Path(kerfwise.__file__).parent / "postproc" / "dialects" / "linuxcnc-qtplasmac.yaml"
-    (tmp_path / "shop.yaml").write_text(shipped.read_text().replace("pierce_dwell: program", "pierce_dwell: machine"))
-    shop = replace(PLANT, machine=replace(PLANT.machine, dialect=str(tmp_path / "shop.yaml")))
+def test_pierces_that_the_dialect_leaves_to_the_machine_are_as_profiled() -> None:
+    shop = replace(PLANT, machine=replace(PLANT.machine, pierce_dwell=None))
     text = write_program(PLAN, SHEET, shop)
     assert "G4 P" not in text
     silent = path(text, shop)

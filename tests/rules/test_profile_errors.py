@@ -38,8 +38,18 @@ MISTAKES = {
     "name: ''": "1:7: name: expected a text, got ''",
     "machine: fast": "1:10: machine: expected a mapping (key: value), got 'fast'",
     "machine: {dialect: fanuc}": (
-        "1:20: machine.dialect: expected one of linuxcnc-qtplasmac, linuxcnc, or a dialect file of your own that ends in "
-        ".yaml, got 'fanuc'"
+        "1:20: machine.dialect: expected one of linuxcnc-qtplasmac, linuxcnc, or a dialect file of your own that ends "
+        "in .yaml, got 'fanuc'"
+    ),
+    "machine: {travel_x: [0, 3 m], home: [-5, 0]}": (
+        "1:37: machine.home: -5 mm lies outside machine.travel_x, 0 to 3000 mm"
+    ),
+    "machine: {travel_y: [1500, 0]}": (
+        "1:21: machine.travel_y: expected [least, most] in mm, the least first, or 'unknown', got 1500 and 0"
+    ),
+    "leads: {edge_start: true}\nmachine: {process: oxyfuel}": (
+        "1:21: leads.edge_start: a flame has to heat the sheet's edge before it cuts: give machine.edge_preheat, such "
+        "as 7 s"
     ),
     "material:\n  kerv: 1": "2:3: material: unknown key 'kerv': did you mean 'kerf'? (valid: kerf, name, thickness)",
     "material:\n  kerf: wide": f"2:9: material.kerf: expected {LENGTH}, got 'wide'",

@@ -130,6 +130,8 @@ _IGNORED = {
 }  # fmt: skip
 # name -> how many of its numbers come before the offsets themselves
 _OFFSETS = {"SET_G5X_OFFSET": 1, "SET_G92_OFFSET": 0, "SET_XY_ROTATION": 0, "USE_TOOL_LENGTH_OFFSET": 0}
+MARKS_BY = 0
+"""The digital output that marks, where M3 has but one tool."""
 Call = tuple[int | None, str, str]
 
 
@@ -184,9 +186,11 @@ class _Machine:
         elif name in ("START_SPINDLE_CLOCKWISE", "START_SPINDLE_COUNTERCLOCKWISE"):
             self._start(block, int(argument))
         elif name == "STOP_SPINDLE_TURNING":
-            self.on.discard(int(argument))
-            if self.burn is not None and self.burn.tool not in self.on:
-                self.burn = None
+            self._stop(int(argument))
+        elif name == "SET_AUX_OUTPUT_BIT" and int(argument) == MARKS_BY:
+            self._start(block, 1)
+        elif name == "CLEAR_AUX_OUTPUT_BIT" and int(argument) == MARKS_BY:
+            self._stop(1)
         elif name == "USE_LENGTH_UNITS":
             self.unit_mm = 25.4 if "INCHES" in argument else 1.0
         elif name == "SET_FEED_RATE":
@@ -210,6 +214,11 @@ class _Machine:
         if self.burn is None:
             self.burn = Burn(tool, [self.run.position], block)
             self.run.burns.append(self.burn)
+
+    def _stop(self, tool: int) -> None:
+        self.on.discard(tool)
+        if self.burn is not None and self.burn.tool not in self.on:
+            self.burn = None
 
     def _line(self, block: int | None, rapid: bool, end: Point) -> None:
         start, self.run.position = self.run.position, end

@@ -15,8 +15,9 @@ from kerfwise.models.plan import Plan
 from kerfwise.postproc.blocks import path_blocks
 from kerfwise.postproc.dialects import load_dialect
 from kerfwise.postproc.program import write_program
+from kerfwise.postproc.timed import read_program
 from kerfwise.postproc.toolpath import torch_path
-from kerfwise.rules.profile import Profile
+from kerfwise.rules.profile import Profile, load_profile, shipped_profiles
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 from kerfwise.tests.tools import canon
 
@@ -100,16 +101,27 @@ def test_the_comparison_can_fail(damage: object) -> None:
     assert differences(PLAN, PLATE, PROFILE, canon.run(bad)) != []
 
 
-def test_a_machine_that_dwells_by_itself(tmp_path) -> None:  # type: ignore[no-untyped-def]
-    from kerfwise.postproc.dialects import dialect
-
-    folder = dialect.resources.files("kerfwise.postproc.dialects")
-    text = (
-        folder.joinpath("linuxcnc-qtplasmac.yaml").read_text().replace("pierce_dwell: program", "pierce_dwell: machine")
-    )
-    (tmp_path / "shop.yaml").write_text(text)
-    plant = profile(machine=replace(PROFILE.machine, dialect=str(tmp_path / "shop.yaml")))
+def test_a_machine_that_dwells_by_itself() -> None:
+    plant = profile(machine=replace(PROFILE.machine, pierce_dwell=None))
     assert canon.run(write_program(PLAN, PLATE, plant)).dwell_s == 0
+    assert canon.run(write_program(PLAN, PLATE, PROFILE)).dwell_s > 0
+
+
+@pytest.mark.parametrize("name", list(shipped_profiles()))
+def test_every_shipped_profile_has_a_program_that_linuxcnc_reads(name: str) -> None:
+    plant = load_profile(name)
+    plan = plan_of(PLATE, good_cuts(PLATE, plant.material.kerf_mm), plant)
+    text = write_program(plan, PLATE, plant)
+    run = canon.run(text)
+    assert differences(plan, PLATE, plant, run) == []
+    assert run.ended == "M2"
+    # and the check's own reader makes the same of it
+    program = read_program(text, plant)
+    assert [burn.tool for burn in program.burns] == [burn.tool for burn in run.burns]
+    assert program.idle_mm == pytest.approx(run.idle_mm, abs=1e-3)
+    assert [b.path.length_mm for b in program.burns] == pytest.approx([b.length_mm for b in run.burns], abs=1e-2)
+    (home,) = [c for c in run.comments if c.startswith("PIERCE DELAY")]
+    assert home.endswith("MACHINE" if run.dwell_s == 0 else "PROGRAM")
 
 
 bulges = st.one_of(

@@ -1,0 +1,32 @@
+"""Whether a profile and the dialect that it names belong together."""
+
+from __future__ import annotations
+
+from ...rules.profile import Profile
+from ...rules.profile_checks import MACHINE_WAITS
+from ...rules.yaml_positions import place_in, wrong_at
+from .dialect import Dialect, dialect_names, load_dialect, pierce_dwell_of
+
+
+def fitting_dialect(profile: Profile) -> Dialect:
+    """The dialect of the profile's machine.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name, if it is for another process and the profile does not accept that, or if the
+        profile asks for edge starts of a control that waits at every start: with the place in the profile's file.
+    """
+    machine = profile.machine
+    dialect = load_dialect(machine.dialect)
+    if machine.process not in dialect.processes and not machine.accept_dialect:
+        others = [name for name in dialect_names() if machine.process in load_dialect(name).processes]
+        raise wrong_at(
+            place_in(profile.file, ("machine", "dialect"), ("machine", "process")),
+            f"machine.dialect: '{machine.dialect}' is for {' and '.join(dialect.processes)}, the machine's process is "
+            f"{machine.process}: its programs would not run, or would run wrong. Say dialect: {' or '.join(others)}, "
+            "correct machine.process, or say accept_dialect: true to have it all the same",
+        )
+    if profile.leads.edge_start and pierce_dwell_of(profile, dialect) == "machine":
+        raise wrong_at(place_in(profile.file, ("leads", "edge_start")), f"leads.edge_start: {MACHINE_WAITS}")
+    return dialect

@@ -1,0 +1,59 @@
+"""A profile and its dialect belong together: a laser is not given a plasma program."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.postproc.dialects import dialect_names, fitting_dialect, load_dialect
+from kerfwise.postproc.program import write_program
+from kerfwise.rules.machine_section import PROCESSES
+from kerfwise.rules.profile import load_profile, shipped_profiles
+from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
+
+
+def test_every_shipped_profile_has_a_dialect_that_fits() -> None:
+    fits = {name: fitting_dialect(load_profile(name)).name for name in shipped_profiles()}
+    assert fits["plasma-carbon-steel"] == "linuxcnc-qtplasmac"
+    assert {name for name, dialect in fits.items() if dialect == "linuxcnc-qtplasmac"} == {"plasma-carbon-steel"}
+    assert {load_profile(name).machine.process for name in fits} == set(PROCESSES)
+
+
+@pytest.mark.parametrize("name", dialect_names())
+def test_every_dialect_says_what_it_assumes_of_each_of_its_processes_or_is_for_one_alone(name: str) -> None:
+    dialect = load_dialect(name)
+    assert len(dialect.processes) == 1 or set(dialect.processes) <= set(dialect.assumes)
+
+
+def test_a_mismatch_is_refused_with_its_place(tmp_path: Path) -> None:
+    shop = tmp_path / "shop.yaml"
+    shop.write_text("based_on: laser-wood\nmachine:\n  cut_feed: 500 mm/min\n  dialect: linuxcnc-qtplasmac\n")
+    with pytest.raises(InputError) as caught:
+        fitting_dialect(load_profile(shop))
+    assert str(caught.value) == (
+        f"{shop}:4:12: machine.dialect: 'linuxcnc-qtplasmac' is for plasma, the machine's process is laser: its "
+        "programs would not run, or would run wrong. Say dialect: linuxcnc, correct machine.process, or say "
+        "accept_dialect: true to have it all the same"
+    )
+    shop.write_text("machine: {process: water-jet}\n")
+    with pytest.raises(InputError, match=r":1:20: machine.dialect: 'linuxcnc-qtplasmac' is for plasma"):
+        fitting_dialect(load_profile(shop))
+    shop.write_text("machine: {process: water-jet, accept_dialect: true}\n")
+    assert fitting_dialect(load_profile(shop)).name == "linuxcnc-qtplasmac"
+
+
+def test_no_program_is_written_for_another_process() -> None:
+    plant = profile(machine=replace(profile().machine, process="laser"))
+    sheet = plate()
+    with pytest.raises(InputError, match="is for plasma, the machine's process is laser"):
+        write_program(plan_of(sheet, good_cuts(sheet), plant), sheet, plant)
+
+
+def test_a_control_that_waits_at_every_start_has_no_edge_starts(tmp_path: Path) -> None:
+    shop = tmp_path / "shop.yaml"
+    shop.write_text("leads: {edge_start: true}\n")
+    with pytest.raises(InputError, match=r"shop.yaml:1:21: leads.edge_start: a control that holds the pierce delay"):
+        fitting_dialect(load_profile(shop))
+    shop.write_text("leads: {edge_start: true}\nmachine: {pierce_dwell: program}\n")
+    assert fitting_dialect(load_profile(shop)).name == "linuxcnc-qtplasmac"
