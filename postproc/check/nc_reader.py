@@ -197,7 +197,8 @@ class _Machine:
                 f"M{code:g} can stop the torch while the path goes on; this is not checked", line=block.line
             )
         elif code not in self.control.silent_m and code not in (2.0, 30.0):
-            raise InputError(f"M{code:g} is not understood", line=block.line)
+            of = "" if self.control is QTPLASMAC else f" in a program for {self.control.title}, the profile's dialect"
+            raise InputError(f"M{code:g} is not understood{of}", line=block.line)
 
     def _on(self, tool: int, line: int) -> None:
         if self.on:

@@ -45,10 +45,16 @@ def test_the_logical_model_has_no_energies(made: Path) -> None:
 
 
 def test_a_torch_that_leaves_no_heat(made: Path) -> None:
-    done = kerfwise("heat", NEST, made / "e.nc", "-p", "water-jet")
+    done = kerfwise("heat", NEST, made / "e.json", "-p", "water-jet")
     assert done.code == 0
     assert "peak       20.0 °C" in done.out
     assert "overheats  0 points" in done.out
+
+
+def test_a_program_for_another_control_is_not_guessed_at(made: Path) -> None:
+    done = kerfwise("heat", NEST, made / "e.nc", "-p", "water-jet")
+    assert done.code == 2
+    assert "M68 is not understood in a program for LinuxCNC, the profile's dialect" in done.err
 
 
 def test_map_and_frames(made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
