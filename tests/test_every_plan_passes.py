@@ -1,4 +1,4 @@
-"""Whatever the nest, the plan and the program made of it pass the independent check."""
+"""Whatever the nest, the plan and the program made of it pass the independent check, and the program burns no scrap."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from kerfwise.postproc.check import report
 from kerfwise.postproc.produce import produce
 from kerfwise.rules.profile import load_profile, shipped_profiles
 from kerfwise.tests.encoder.facts.random_nests import nests
+from kerfwise.tests.metal.clean import assert_clean
 
 
 @pytest.mark.parametrize("profile_name", shipped_profiles())
@@ -37,4 +38,5 @@ def test_every_plan_passes_the_check(profile_name: str, nest: Nest, seed: int, b
         raise
     made = produce(asked, profile, SolveOptions(seed, 2.0, None, profile.machine.home, feeds_of(profile)))
     assert made.verdict.ok, report(made.verdict)
+    assert_clean(nest, made.program, profile.material.kerf_mm, edge_starts=profile.leads.edge_start)
     assert len(made.plan.cuts) == len(nest.contours)

@@ -10,6 +10,7 @@ from kerfwise.encoder.errors import RulesConflict
 from kerfwise.models.make_plan import make_plan
 from kerfwise.models.solution import Solution
 from kerfwise.postproc.check.judge import judge
+from kerfwise.postproc.program import write_program
 from kerfwise.rules.afterthoughts import afterthoughts
 from kerfwise.rules.catalogue.part_rigidity import ALLOWANCE
 from kerfwise.rules.state import Stated, state_rules
@@ -19,6 +20,7 @@ from kerfwise.tests.agreement.cases import judged_case
 from kerfwise.tests.agreement.engines import ENGINES, IMPOSSIBLE, UNPROVEN, Answer
 from kerfwise.tests.agreement.orders import ORDER_RULES, order_disagreements
 from kerfwise.tests.agreement.trial import Trial
+from kerfwise.tests.metal.clean import faults
 from kerfwise.tests.models.minizinc.cases import Case
 
 ROUNDED_MM = 0.01
@@ -117,7 +119,7 @@ def _differ(answer: Answer, told: list[float], tried: list[float]) -> list[str]:
 
 
 def _broken(case: Case, stated: Stated, answer: Answer) -> list[str]:
-    """Hard rules that the answer's plan breaks by the check, all that is excused granted."""
+    """Hard rules that the answer's plan breaks by the check, all that is excused granted; and scrap it would burn."""
     if answer.mm is None:
         return []
     seen = afterthoughts(case.facts, case.profile)([case.facts.candidates[c].contour for c in answer.route])
@@ -126,4 +128,7 @@ def _broken(case: Case, stated: Stated, answer: Answer) -> list[str]:
     plan = make_plan(case.facts, case.profile, stated, solution, "", 0)
     cuts = CutSequence(tuple(p.cut for p in plan.cuts), plan.start_side, case.profile.machine.home)
     judged = judge(case.facts.nest, cuts, case.profile)
-    return [j.id for j in judged if j.strength == "hard" and not j.holds]
+    kerf_mm, edge_starts = case.profile.material.kerf_mm, case.profile.leads.edge_start
+    program = write_program(plan, case.facts.nest, case.profile)
+    scrap = faults(case.facts.nest, program, kerf_mm, edge_starts=edge_starts)
+    return [*(j.id for j in judged if j.strength == "hard" and not j.holds), *map(str, scrap)]

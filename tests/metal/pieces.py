@@ -22,6 +22,9 @@ class Pieces:
 
     def burn(self, kerf: shapely.Geometry) -> None:
         """Take `kerf` away."""
+        if self.loose and (hit := np.flatnonzero(shapely.intersects(self.loose, kerf)).tolist()):
+            apart = [p for k in hit for p in _polygons(self.loose[k], kerf) if _is_metal(p)]
+            self.loose = [piece for k, piece in enumerate(self.loose) if k not in hit] + apart
         touched = shapely.intersects(self.held, kerf).tolist()
         left = [p for piece, hit in zip(self.held, touched, strict=True) if hit for p in _polygons(piece, kerf)]
         untouched = [piece for piece, hit in zip(self.held, touched, strict=True) if not hit]

@@ -50,7 +50,7 @@ def tried(nest: Made, profile: str, effort: tuple[str, ...]) -> Tried:
 def judged(seed: int, file: Path, profile_name: str, text: str) -> Tried:
     """The program's findings."""
     profile = load_profile(profile_name)
-    edge_starts = bool(getattr(profile.leads, "edge_start", False))
+    edge_starts = profile.leads.edge_start
     try:
         cuts = len(read_program(text).paths)
         found = simulate(

@@ -30,11 +30,16 @@ def off_sheet(burn: Burn, sheet: shapely.Polygon, edge_starts: bool) -> Iterator
 
 
 def on_loose(burn: Burn, pieces: Pieces, drawing: Drawing) -> Iterator[Finding]:
-    """Loose pieces that a burn runs over: the part or slug has dropped, tipped or moved."""
+    """Loose pieces that a burn runs over: the part or slug has dropped, tipped or moved.
+
+    Where the torch is in a part's own metal it burns that, loose or not, which is another finding.
+    """
     for piece, over in pieces.under(burn.line):
-        if over.length <= CROSSED_MM and not piece.contains(shapely.Point(burn.pierce)):
-            continue
         lost = [name for name, part in drawing.parts.items() if piece.intersects(part.representative_point())]
+        for name in lost:
+            over = over.difference(drawing.parts[name])
+        if over.is_empty or (over.length <= CROSSED_MM and not over.intersects(shapely.Point(burn.pierce))):
+            continue
         kind = "loose-part-burnt" if lost else "loose-waste-burnt"
         what = f"a piece with {', '.join(lost)}" if lost else f"a piece of waste of {piece.area:.0f} mm²"
         text = f"{what} has come loose before; the torch runs over it for"

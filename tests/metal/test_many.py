@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from kerfwise.tests.metal import many
+from kerfwise.tests.metal import many, one
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.hand_made import CUTS, around, program, sheet
 from kerfwise.tests.metal.made_nests import made
@@ -70,3 +70,12 @@ def test_no_finding_is_exit_code_0(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_finding_says_what_and_where() -> None:
     found = Finding("left-uncut", 3, ("A.outer",), (1.0, 2.0), 4.5, "mm", "metal stays for")
     assert str(found) == "left-uncut: cut 3, A.outer at (1.00, 2.00): metal stays for 4.50 mm"
+
+
+def test_one_program_is_judged_by_a_command(tmp_path: Path) -> None:
+    (tmp_path / "nest.json").write_text(made(12).text, encoding="utf-8")
+    (tmp_path / "none.nc").write_text(program([]), encoding="utf-8")
+    ran = CliRunner().invoke(one.main, [str(tmp_path / "nest.json"), str(tmp_path / "none.nc")])
+    assert ran.exit_code == 1
+    assert ran.output.startswith("left-uncut: Q.outer at")
+    assert ran.output.endswith("0 cuts and marks burnt, findings: 1\n")

@@ -131,7 +131,7 @@ def test_the_last_half_kerf_of_a_lead_may_meet_an_older_kerf() -> None:
 def test_a_pierce_in_a_part_is_found() -> None:
     kinds = by_kind(judged(with_cut("B.outer", around(90, 20, 50, 50, (65, 45)))))
     assert kinds["pierce-in-part"] == 1
-    assert kinds["loose-part-burnt"] == 1
+    assert kinds["lead-over-void"] == 1
 
 
 def test_a_torch_lit_off_the_sheet_is_found() -> None:
