@@ -14,6 +14,7 @@ from ..encoder.nest import Nest
 from ..rules.profile import DEFAULT, Profile, load_profile
 
 if TYPE_CHECKING:
+    from ..encoder.readers.options import Frame
     from ..models.plan import Plan
     from ..postproc.check.nc_program import NcProgram
 
@@ -33,6 +34,11 @@ def given_options(verb: Verb) -> Verb:
     for add in (
         click.option("--repair", is_flag=True, help="Mend what can be mended in the drawing, and say what was done."),
         click.option("--sheet", metavar="WxH", help="Sheet size in mm, where the drawing has no outline for it."),
+        click.option(
+            "--frame",
+            type=click.Choice(["sheet", "part"]),
+            help="What one rectangle around everything is, where no layer is the sheet's.",
+        ),
         click.option("--units", metavar="UNIT", help="Unit of the drawing: mm, cm, m, in or ft."),
         click.option(
             "-p", "--profile", metavar="PROFILE", default=DEFAULT, show_default=True, help="Its name or path."
@@ -43,7 +49,9 @@ def given_options(verb: Verb) -> Verb:
     return verb
 
 
-def read_given(nest: str, profile: str, units: str | None, sheet: str | None, repair: bool) -> Given:
+def read_given(
+    nest: str, profile: str, units: str | None, sheet: str | None, frame: Frame | None, repair: bool
+) -> Given:
     """Read both; what the reader has to say goes to standard error, a line each."""
     from ..encoder.readers import read_nest
 
@@ -53,6 +61,7 @@ def read_given(nest: str, profile: str, units: str | None, sheet: str | None, re
         options,
         units=units or options.units,
         sheet_size_mm=_size(sheet) if sheet else options.sheet_size_mm,
+        frame=frame or options.frame,
         repair=repair,
     )
     read = read_nest(nest, options)

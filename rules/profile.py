@@ -17,6 +17,7 @@ from ..encoder.errors import InputError
 from ..encoder.facts.facts import FactOptions
 from ..encoder.geometry.segment import Point
 from ..encoder.nest import Kind, Nest
+from ..encoder.readers.layers import Layers
 from ..encoder.readers.options import ReadOptions
 from .catalogue.cut_direction import CutDirectionOptions
 from .catalogue.part_rigidity import PartRigidityOptions
@@ -26,6 +27,7 @@ from .catalogue.zone_order import ZoneOrderOptions
 from .frame import Bounds, frame_of, reach_of
 from .heat_section import Heat
 from .lock import Lock
+from .option import options_of
 from .own import Own, Thresholds, as_rule, own_pairs
 from .profile_reader import Given, read_given
 from .registry import RULES
@@ -169,8 +171,9 @@ class Profile:
         drawing = self.drawing
         return ReadOptions(
             units=drawing.units,
-            sheet_layer=drawing.sheet_layer,
-            mark_layer=drawing.mark_layer,
+            layers=Layers(**{o.name: getattr(drawing.layers, o.name) for o in options_of(drawing.layers)}),
+            frame=drawing.frame,
+            open_lines=drawing.open_lines,
             margin_mm=drawing.margin_mm,
             join_tolerance_mm=drawing.join_tolerance_mm,
         )

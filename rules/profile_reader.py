@@ -11,6 +11,8 @@ import yaml
 from ..encoder.errors import InputError
 from .kinds import LENGTH, Choice, Text, Unfit
 from .lock import Lock
+from .members import Members
+from .older_keys import with_new_names
 from .option import options_of
 from .own import read_own_rules
 from .profile_checks import check_together
@@ -46,7 +48,7 @@ def read_given(text: str, file: str, start: Given, load_base: Callable[[str], Gi
         given["name"] = _read(found["name"], Text(), problems, "name") or ""
     for section in SECTIONS:
         if section in found:
-            members = entries(found[section], problems, section)
+            members = with_new_names(section, list(entries(found[section], problems, section)), problems)
             given[section] = read_fields(members, given[section], problems, section)
     if "rules" in found:
         given["rules"] = read_rules(found["rules"], given["rules"], problems)
@@ -106,6 +108,10 @@ def read_fields(
         if key not in options:
             comma = "; decimals are written with a point" if key.isdigit() and is_empty(value) else ""
             problems.add(key_node, f"{what}: {unknown('key', key, [*options, *other])}{comma}")
+            continue
+        if isinstance(options[key].kind, Members):
+            inner = entries(value, problems, f"{what}.{key}")
+            given[options[key].name] = read_fields(inner, getattr(base, options[key].name), problems, f"{what}.{key}")
             continue
         try:
             given[options[key].name] = options[key].kind.read(value)

@@ -9,6 +9,7 @@ import yaml
 
 from .kinds import LENGTH, Text
 from .lock import Lock
+from .members import Members
 from .option import options_of
 from .profile import Profile
 from .registry import RULES
@@ -43,6 +44,10 @@ def _rule(name: str, setting: RuleSetting) -> Iterator[str]:
 
 def _options(owner: Any, indent: int) -> Iterator[str]:
     for option in options_of(owner):
+        if isinstance(option.kind, Members):
+            yield _line(indent, f"{option.key}:", option.help)
+            yield from _options(getattr(owner, option.name), indent + 2)
+            continue
         value = option.kind.write(getattr(owner, option.name))
         yield _line(indent, f"{option.key}: {value}", option.help)
 

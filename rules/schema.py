@@ -11,6 +11,8 @@ from typing import Any
 
 from .kinds import LENGTH, Choice, Text
 from .lock import Lock
+from .members import Members
+from .older_keys import MOVED
 from .option import options_of
 from .own import own_rules_definitions, own_rules_schema
 from .registry import RULES
@@ -32,7 +34,7 @@ def profile_schema() -> Json:
                 "based_on": _described(
                     Text().schema(), "a shipped profile, or a file, whose values hold where none is given"
                 ),
-                **{key: _section(section) for key, section in SECTIONS.items()},
+                **{key: _section(key, section) for key, section in SECTIONS.items()},
                 "rules": _closed({name: _rule(rule) for name, rule in RULES.items()}),
                 "own_rules": own_rules_schema(),
                 "locks": _locks(),
@@ -42,14 +44,24 @@ def profile_schema() -> Json:
     }
 
 
-def _section(owner: type) -> Json:
+def _section(key: str, owner: type) -> Json:
     text = (owner.__doc__ or "").strip().splitlines()[0]
-    return _described(_closed(_options(owner)), text)
+    return _described(_closed(_options(owner) | _older(key)), text)
+
+
+def _older(section: str) -> Json:
+    return {
+        key: {"description": f"now {section}.{group}.{name}", "deprecated": True, **Text().schema()}
+        for key, (group, name) in MOVED.get(section, {}).items()
+    }
 
 
 def _options(owner: type) -> Json:
     made = {}
     for option in options_of(owner):
+        if isinstance(option.kind, Members):
+            made[option.key] = _described(_closed(_options(option.kind.owner)), option.help)
+            continue
         default = None if option.default is None else option.kind.write(option.default)
         shown = f"{option.help} (default {default})" if default is not None else option.help
         made[option.key] = _described(option.kind.schema(), shown)

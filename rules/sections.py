@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, get_args
 
 from ..encoder.candidates.candidate import LeadKind
+from ..encoder.readers.layers import DEFAULT as LAYERS
+from ..encoder.readers.options import Frame, OpenLines
 from ..encoder.readers.units import MM_PER
 from .heat_section import Heat
 from .kinds import LENGTH, Choice, Flag, Number, Text, over_zero
 from .machine_section import Machine
+from .members import Members
 from .option import option
 from .registry import RULES
 from .rule import Strength
@@ -44,6 +47,22 @@ class Leads:
     )
 
 
+_LAYER = Text(pattern=True)
+
+
+@dataclass(frozen=True, slots=True)
+class LayerMap:
+    """What the layers of a drawing are for: regular expressions, searched without regard to case."""
+
+    cut: str = field(
+        default=LAYERS.cut, metadata=option(_LAYER, "layers that are cut; others are asked about, once given")
+    )
+    mark: str = field(default=LAYERS.mark, metadata=option(_LAYER, "layers that are marked, not cut through"))
+    ignore: str = field(default=LAYERS.ignore, metadata=option(_LAYER, "layers that are left out"))
+    sheet: str = field(default=LAYERS.sheet, metadata=option(_LAYER, "layers that hold the sheet"))
+    scrap: str = field(default=LAYERS.scrap, metadata=option(_LAYER, "layers of lines that cut up scrap; left out"))
+
+
 @dataclass(frozen=True, slots=True)
 class Drawing:
     """How drawings of nests are read."""
@@ -54,11 +73,19 @@ class Drawing:
             Choice(("auto", *MM_PER), none="auto"), "units of the drawing (auto: what the file says, else mm)"
         ),
     )
-    sheet_layer: str = field(
-        default="sheet|plate", metadata=option(Text(pattern=True), "layers that hold the sheet (regular expression)")
+    layers: LayerMap = field(
+        default=LayerMap(), metadata=option(Members(LayerMap), "what layers are for (regular expressions)")
     )
-    mark_layer: str = field(
-        default="mark|scribe|engrav", metadata=option(Text(pattern=True), "layers of marks (regular expression)")
+    frame: Frame | None = field(
+        default=None,
+        metadata=option(
+            Choice(("ask", *get_args(Frame)), none="ask"),
+            "what one rectangle around everything is, where no layer is the sheet's",
+        ),
+    )
+    open_lines: OpenLines = field(
+        default="mark",
+        metadata=option(Choice(get_args(OpenLines)), "what becomes of open lines on layers that layers.cut names"),
     )
     margin_mm: float = field(
         default=10.0, metadata=option(LENGTH, "room around the parts where the drawing has no sheet")

@@ -14,12 +14,14 @@ from .depth import surrounding
 from .drawing import Piece
 
 
-def assemble(rings: Sequence[Piece], marks: Sequence[Piece]) -> tuple[tuple[Part, ...], list[Note]]:
+def assemble(rings: Sequence[Piece], marks: Sequence[Piece] = ()) -> tuple[tuple[Part, ...], list[Note]]:
     """Parts P1, P2, … in the order their outer rings are drawn in, and notes on what was left out.
 
     A ring at even depth is the outside of a part, one at odd depth a hole of the part around it. A ring that is
-    the same line as an earlier one is dropped; a mark belongs to the part whose metal it starts on, else touches.
+    the same line as an earlier one is dropped; a mark belongs to the part that has most of it.
     """
+    if not rings:
+        return (), []
     repeats: dict[int, int] = {}
     for first, again in coincident([r.curve for r in rings]):
         repeats.setdefault(again, repeats.get(first, first))
@@ -44,11 +46,12 @@ def assemble(rings: Sequence[Piece], marks: Sequence[Piece]) -> tuple[tuple[Part
         )
         for k, first in sorted(repeats.items())
     ]
-    marked, lost = _with_marks(parts, marks)
+    marked, lost = with_marks(parts, marks)
     return marked, notes + lost
 
 
-def _with_marks(parts: Sequence[Part], marks: Sequence[Piece]) -> tuple[tuple[Part, ...], list[Note]]:
+def with_marks(parts: Sequence[Part], marks: Sequence[Piece]) -> tuple[tuple[Part, ...], list[Note]]:
+    """The parts with these marks, and notes on marks that are on no part."""
     if not marks:
         return tuple(parts), []
     metal = metal_of(parts)

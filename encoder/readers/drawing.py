@@ -14,11 +14,20 @@ from ..validate.rings import enclosed
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """One drawn curve in mm, open or closed, on its layer; `order` counts in the order of the file."""
+    """One drawn curve in mm, open or closed, on its layer; `order` counts in the order of the file.
+
+    `within` are the names it can be known by, outermost first, where those are more than its layer's: groups of groups.
+    """
 
     curve: Curve
     layer: str
     order: int
+    within: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names that say what it is for, outermost first."""
+        return self.within or (self.layer,)
 
     @cached_property
     def area(self) -> shapely.Geometry:

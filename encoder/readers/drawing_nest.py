@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from ..errors import InputError
-from ..nest import Nest, Note, Severity
-from ..validate import wrong
-from .assemble import assemble
+from ..nest import Nest, Note, Severity, Sheet
+from .assemble import assemble, with_marks
+from .by_layer import by_layer
 from .drawing import Drawing, Piece
+from .frame import frame_note, frame_of, use_of_frame
 from .join import Joined, join
-from .open_ends import ends, open_end_problems
+from .open_ends import REPAIR_FACTOR, ends, open_end_problems
+from .open_lines import settled
 from .options import ReadOptions
 from .sheet import choose_sheet
 from .units import doubts
-
-REPAIR_FACTOR = 10
-"""With `repair`, gaps up to this many times the join tolerance are closed."""
 
 MOST_NOTES = 100
 
@@ -25,40 +24,55 @@ def nest_of(drawing: Drawing, options: ReadOptions) -> Nest:
     Raises
     ------
     InputError
-        When nothing in it can be cut, when several sheets are drawn, or when lines do not close.
+        When nothing in it can be cut, when several sheets are drawn, when lines do not close, or when nobody can tell
+        what a layer or a rectangle around everything is for.
     """
-    sheet_pieces = [p for p in drawing.pieces if options.is_sheet(p.layer)]
-    mark_pieces = [p for p in drawing.pieces if options.is_mark(p.layer) and not options.is_sheet(p.layer)]
-    cut_pieces = [p for p in drawing.pieces if not options.is_sheet(p.layer) and not options.is_mark(p.layer)]
-    if not cut_pieces:
-        raise InputError(_nothing(drawing, sheet_pieces, options))
+    told_apart = by_layer(drawing.pieces, options.layers)
     bridge_mm = REPAIR_FACTOR * options.join_tolerance_mm if options.repair else 0.0
-    cut, stock = (join(pieces, options.join_tolerance_mm, bridge_mm) for pieces in (cut_pieces, sheet_pieces))
-    marks = join(mark_pieces, options.join_tolerance_mm)
-    notes = [*drawing.notes, *(note for joined in (stock, cut, marks) for note in _join_notes(joined, options))]
-    open_chains = [*stock.chains, *cut.chains]
-    if open_chains and options.repair and cut.rings:
-        notes += [Note("repaired", f"the open line {ends(c)} is left out: it does not close") for c in open_chains]
-    elif open_chains:
-        raise wrong("lines do not close to contours", open_end_problems(open_chains, options))
-    if not cut.rings:
+    cut = join(told_apart.cut, options.join_tolerance_mm, bridge_mm)
+    stock = join(told_apart.sheet, options.join_tolerance_mm, bridge_mm)
+    marks = join(told_apart.mark, options.join_tolerance_mm)
+    joined_notes = [note for joined in (stock, cut) for note in _join_notes(joined, "cut", options)]
+    joined_notes += _join_notes(marks, "marked", options)
+    sheet_notes = _open_on_the_sheet(stock, options)
+    rings, outline, frame_notes = _frame(cut.rings, stock.rings, drawing.page, options)
+    parts, part_notes = assemble(rings)
+    open_lines = settled(cut.chains, rings, parts, bridge_mm, options)
+    if not rings:
         raise InputError("nothing to cut: the drawing holds no closed contour")
-    parts, part_notes = assemble(cut.rings, [*marks.rings, *marks.chains])
-    sheet, sheet_notes = choose_sheet(stock.rings, cut.rings, drawing.page, options)
-    notes += [*part_notes, *sheet_notes, *doubts(sheet, drawing.units)]
+    parts, mark_notes = with_marks(parts, [*marks.rings, *marks.chains, *open_lines.marks])
+    sheet, choice_notes = choose_sheet(outline, rings, drawing.page, options)
+    notes = [*drawing.notes, *told_apart.notes, *joined_notes, *sheet_notes, *frame_notes, *open_lines.notes]
+    notes += [*part_notes, *mark_notes, *choice_notes, *doubts(sheet, drawing.units)]
     return Nest(sheet, parts, notes=tuple(notes))
 
 
-def _nothing(drawing: Drawing, on_sheet: list[Piece], options: ReadOptions) -> str:
-    if not drawing.pieces:
-        return "nothing to cut: the drawing holds no line, arc, circle, polyline, ellipse or spline"
-    layers = ", ".join(sorted({f"'{p.layer}'" for p in drawing.pieces}))
-    which = "sheet_layer" if on_sheet else "mark_layer"
-    pattern = options.sheet_layer if on_sheet else options.mark_layer
-    return f"nothing to cut: every line is on a layer that {which}='{pattern}' matches ({layers}); pass another {which}"
+def _frame(
+    rings: tuple[Piece, ...], stock: tuple[Piece, ...], page: Sheet | None, options: ReadOptions
+) -> tuple[tuple[Piece, ...], tuple[Piece, ...], list[Note]]:
+    """The rings of parts and those of the sheet, where a rectangle around everything may be either."""
+    frame = () if stock or not rings else frame_of(rings)
+    if not frame or use_of_frame(frame, rings, page, options) == "part":
+        return rings, stock, []
+    return tuple(p for p in rings if p not in frame), frame, [frame_note(frame)]
 
 
-def _join_notes(joined: Joined, options: ReadOptions) -> list[Note]:
+def _open_on_the_sheet(stock: Joined, options: ReadOptions) -> list[Note]:
+    """Open lines on the sheet's layer burn nothing; only where the outline itself is open is there no sheet."""
+    if not stock.chains:
+        return []
+    if not stock.rings:
+        raise InputError(
+            f"the sheet does not close, on layer '{stock.chains[0].layer}'",
+            details=tuple(open_end_problems(stock.chains, options)),
+        )
+    count = len(stock.chains)
+    lines = "line" if count == 1 else "lines"
+    text = f"{count} open {lines} on the sheet's layer left out, the first {ends(stock.chains[0])}"
+    return [Note("warning", text)]
+
+
+def _join_notes(joined: Joined, done: str, options: ReadOptions) -> list[Note]:
     """What was closed or passed over; gaps within the tolerance are what it is there for, and need no word."""
     severity: Severity = "repaired" if options.repair else "warning"
     notes = [
@@ -66,7 +80,7 @@ def _join_notes(joined: Joined, options: ReadOptions) -> list[Note]:
         for g in joined.gaps
         if g.width_mm > options.join_tolerance_mm
     ]
-    notes += [Note(severity, f"the line {ends(p)} is drawn twice; it is cut once") for p in joined.repeats]
+    notes += [Note(severity, f"the line {ends(p)} is drawn twice; it is {done} once") for p in joined.repeats]
     notes += [Note(severity, f"the line {p.place} has no length: left out") for p in joined.specks]
     if len(notes) > MOST_NOTES:
         notes[MOST_NOTES:] = [Note(severity, f"… and {len(notes) - MOST_NOTES} more lines mended or left out")]

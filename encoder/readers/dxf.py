@@ -15,10 +15,11 @@ from ..errors import InputError
 from ..nest import Note
 from .copies import check_copies
 from .drawing import Drawing, Piece
-from .dxf_entities import Unread, curve, entities
+from .dxf_entities import curve, entities
 from .foreign import FOREIGN_ERRORS
 from .options import ReadOptions
 from .units import DXF_UNITS, MM_PER
+from .unread import Unread
 
 DXF_ERRORS: tuple[type[Exception], ...] = (*FOREIGN_ERRORS, DXFError)
 
@@ -51,12 +52,12 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions) -> Drawing:
         for order, (entity, layer) in enumerate(entities(document.modelspace(), hidden, unread)):
             drawn = curve(entity, MM_PER[units])
             if drawn is None:
-                unread.types[entity.dxftype()] += 1
+                unread.types[entity.dxftype(), layer] += 1
             else:
                 pieces.append(Piece(drawn, layer, order))
     except DXF_ERRORS as error:
         raise InputError(f"an entity of this DXF file is damaged ({error}); open and save it anew in CAD") from error
-    return Drawing(tuple(pieces), units, (*notes, *unit_notes, *_unread_notes(unread)))
+    return Drawing(tuple(pieces), units, (*notes, *unit_notes, *unread.notes(options.layers)))
 
 
 def _whole(data: bytes, options: ReadOptions) -> tuple[Note, ...]:
@@ -101,14 +102,3 @@ def _units(document: Document, data: bytes, options: ReadOptions) -> tuple[str, 
     known = ", ".join(f"{k} {v}" for k, v in DXF_UNITS.items())
     text = f"$INSUNITS is {code}, which is no unit of a nest ({known}): read in mm; pass --units if they are others"
     return "mm", (Note("warning", text),)
-
-
-def _unread_notes(unread: Unread) -> list[Note]:
-    notes = []
-    if unread.types:
-        listed = ", ".join(f"{n} {kind}" for kind, n in sorted(unread.types.items()))
-        notes.append(Note("warning", f"left out, as they are not lines one can cut: {listed}; explode them in CAD"))
-    if unread.hidden_layers:
-        listed = ", ".join(f"{n} on '{layer}'" for layer, n in sorted(unread.hidden_layers.items()))
-        notes.append(Note("warning", f"left out, as they are invisible or their layer is off or frozen: {listed}"))
-    return notes

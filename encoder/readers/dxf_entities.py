@@ -1,19 +1,18 @@
 """DXF entities as curves: arcs stay arcs, splines and ellipses become arcs again, Z is dropped.
 
-Only what can be cut is read. Writing, dimensions and fillings are passed over; whatever else cannot be read is
-counted, so that its absence can be said aloud.
+Only what can be cut is read. Whatever else is drawn is counted, so that its absence can be said aloud.
 """
 
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from ezdxf.entities.arc import Arc
 from ezdxf.entities.circle import Circle
+from ezdxf.entities.dxfentity import DXFTagStorage
 from ezdxf.entities.dxfgfx import DXFGraphic
 from ezdxf.entities.ellipse import Ellipse
 from ezdxf.entities.insert import Insert
@@ -29,25 +28,12 @@ from ..geometry.curve import Curve
 from .arcs import FLATTEN_MM, fitted
 from .limits import LIMIT_MM, checked_curve
 from .unclamped import Unclamped
+from .unread import NO_LINES, Unread, layer_of
 
-ANNOTATION = frozenset(
-    (
-        *("TEXT", "MTEXT", "RTEXT", "ATTRIB", "ATTDEF", "SHAPE", "TOLERANCE", "ACAD_TABLE"),
-        *("DIMENSION", "ARC_DIMENSION", "LARGE_RADIAL_DIMENSION", "LEADER", "MLEADER", "MULTILEADER"),
-        *("HATCH", "MPOLYGON", "SOLID", "TRACE", "WIPEOUT", "IMAGE", "OLE2FRAME", "PDFUNDERLAY"),
-        *("POINT", "RAY", "XLINE", "VIEWPORT"),
-    )
-)
+EXTERNAL = 4
+"""The bit in a block's flags that says that its lines are in another file."""
 ROUND = 1e-6
 """An ellipse whose axes differ by less than this share is a circle."""
-
-
-@dataclass(slots=True)
-class Unread:
-    """What was passed over on the way: entity types and layers, with how many of each."""
-
-    types: Counter[str] = field(default_factory=Counter)
-    hidden_layers: Counter[str] = field(default_factory=Counter)
 
 
 def entities(
@@ -59,18 +45,55 @@ def entities(
     frozen, in lower case. Blocks must not contain themselves (`check_copies`).
     """
     for entity in drawn:
-        kind, layer = entity.dxftype(), str(entity.dxf.get("layer", "0"))
+        layer = layer_of(entity)
         if block_layer is not None and layer == "0":
             layer = block_layer
-        if kind in ANNOTATION:
-            continue
-        if layer.lower() in hidden or entity.dxf.get("invisible", 0):
-            unread.hidden_layers[layer] += 1
+        if layer.lower() in hidden or _invisible(entity):
+            unread.hidden(entity, layer)
+        elif entity.dxftype() in NO_LINES:
+            unread.add(entity, layer)
         elif isinstance(entity, Insert):
-            for insert in entity.multi_insert() if entity.mcount > 1 else (entity,):
-                yield from entities(insert.virtual_entities(), hidden, unread, layer)
+            for insert in _inserted(entity, layer, unread):
+                skip = partial(_skipped, unread=unread, layer=layer)
+                yield from entities(insert.virtual_entities(skipped_entity_callback=skip), hidden, unread, layer)
         else:
             yield entity, layer
+
+
+def _inserted(insert: Insert, layer: str, unread: Unread) -> Iterable[Insert]:
+    """Each copy that an INSERT makes, none where there is nothing to copy; heights do not matter, so neither do theirs.
+
+    Some CAD systems write a scale of 0 for the height of what is flat; the scale of a plane is not 0.
+    """
+    for attribute in insert.attribs:
+        if not _invisible(attribute):
+            own_layer = layer_of(attribute)
+            unread.add(attribute, layer if own_layer == "0" else own_layer)
+    block = insert.block()
+    if block is None or block.block is None:
+        unread.types["INSERT of a block that the file does not hold", layer] += insert.mcount
+        return ()
+    if block.block.dxf.get("flags", 0) & EXTERNAL:
+        unread.types["INSERT of another file (XREF)", layer] += insert.mcount
+        return ()
+    if not insert.dxf.xscale or not insert.dxf.yscale:
+        unread.types["INSERT of a block at scale 0", layer] += insert.mcount
+        return ()
+    for entity in block:
+        if isinstance(entity, DXFTagStorage):  # the library copies all but these, and says nothing of them
+            unread.types[entity.dxftype(), layer] += insert.mcount
+    if not insert.dxf.zscale:
+        unread.flattened += insert.mcount
+        insert.dxf.zscale = 1.0
+    return insert.multi_insert() if insert.mcount > 1 else (insert,)
+
+
+def _skipped(entity: DXFGraphic, reason: str, *, unread: Unread, layer: str) -> None:
+    unread.add(entity, layer)
+
+
+def _invisible(entity: DXFGraphic) -> bool:
+    return bool(entity.dxf.is_supported("invisible") and entity.dxf.get("invisible", 0))
 
 
 def curve(entity: DXFGraphic, scale: float) -> Curve | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -134,7 +134,7 @@ def _linked(trail: Trail, loose: Sequence[Piece], tolerance_mm: float) -> tuple[
             before[-1, :2] = after[0, :2] = (start + end) / 2
     kept = [r[:-1] for r in rows] if trail.closed else [*(r[:-1] for r in rows[:-1]), rows[-1]]
     first = min((loose[k] for k, _ in trail.steps), key=lambda p: p.order)
-    return Piece(Curve(np.concatenate(kept), trail.closed), first.layer, first.order), gaps
+    return replace(first, curve=Curve(np.concatenate(kept), trail.closed)), gaps
 
 
 def _halved(vertices: FloatArray) -> FloatArray:

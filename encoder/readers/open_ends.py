@@ -7,8 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ..geometry.curve import FloatArray
 from .drawing import Piece
 from .options import ReadOptions
+
+REPAIR_FACTOR = 10
+"""With `repair`, gaps up to this many times the join tolerance are closed."""
 
 
 def ends(chain: Piece) -> str:
@@ -19,16 +23,21 @@ def ends(chain: Piece) -> str:
     )
 
 
+def nearest_ends(chains: Sequence[Piece]) -> FloatArray:
+    """Array (n, 2): how far the start and the end of each chain are from the nearest other end, its own too, mm."""
+    points = np.concatenate([c.curve.vertices[[0, -1], :2] for c in chains])
+    distances: FloatArray = cKDTree(points).query(points, k=2)[0][:, 1].reshape(-1, 2)
+    return distances
+
+
 def open_end_problems(chains: Sequence[Piece], options: ReadOptions) -> list[str]:
     """A line for each open chain: where its ends are, how far the nearest other open end is, and what to do."""
-    points = np.concatenate([c.curve.vertices[[0, -1], :2] for c in chains])
-    distance = cKDTree(points).query(points, k=2)[0][:, 1].reshape(-1, 2)
     problems = []
-    for chain, gaps, pair in zip(chains, distance.tolist(), points.reshape(-1, 2, 2).tolist(), strict=True):
-        gap, (x, y) = min(zip(gaps, pair, strict=True))
-        advice = f"raise join_tolerance_mm over {gap:.3f}, close the line in CAD, or try --repair"
-        if gap > 100 * options.join_tolerance_mm:
-            advice = "close the line in CAD, or try --repair, which leaves it out"
+    for chain, gaps in zip(chains, nearest_ends(chains).tolist(), strict=True):
+        gap, (x, y) = min(zip(gaps, chain.curve.vertices[[0, -1], :2].tolist(), strict=True))
+        advice = "close the line in CAD"
+        if gap <= REPAIR_FACTOR * options.join_tolerance_mm:
+            advice = f"{advice}, raise drawing.join_tolerance over {gap:.3f} mm, or try --repair"
         problems.append(
             f"the line {ends(chain)} is open: the end at ({x:.3f}, {y:.3f}) is {gap:.3f} mm from any other: {advice}"
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import shapely
@@ -43,7 +44,7 @@ def trimmed(chains: Sequence[Piece], tolerance_mm: float) -> tuple[list[Piece], 
             continue
         for n in (a, b):  # the one line of a chain is both its first and its last
             taken |= {n, n ^ 1} if len(chains[n // 2].curve.segments) == 1 else {n}
-        shared.append(Piece(Curve.of([ends[a], ends[b]], closed=False), chains[b // 2].layer, chains[b // 2].order))
+        shared.append(replace(chains[b // 2], curve=Curve.of([ends[a], ends[b]], closed=False)))
         rows[b // 2][-(b % 2), :2] = ends[a]
-    left = [Piece(Curve(r, closed=False), c.layer, c.order) for r, c in zip(rows, chains, strict=True)]
+    left = [replace(c, curve=Curve(r, closed=False)) for r, c in zip(rows, chains, strict=True)]
     return left, shared

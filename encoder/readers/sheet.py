@@ -14,6 +14,7 @@ from ..nest import Note, Sheet
 from ..validate import coincident
 from .depth import surrounding
 from .drawing import Piece
+from .frame import alike
 from .options import ReadOptions
 
 
@@ -36,40 +37,28 @@ def choose_sheet(
     InputError
         When several sheets are drawn.
     """
-    notes: list[Note] = []
     if drawn:
-        if options.sheet_size_mm is not None:
-            notes.append(Note("warning", f"--sheet is not used: the sheet is drawn, {drawn[0].place}"))
-        return _drawn_sheet(drawn), notes
+        sheet, asked = _drawn_sheet(drawn), options.sheet_size_mm
+        x0, y0, x1, y1 = sheet.bounds
+        if asked is None or alike((x1 - x0, y1 - y0), asked):
+            return sheet, []
+        return sheet, [Note("warning", f"--sheet is not used: the sheet is drawn, {drawn[0].place}")]
     # chords cut the round side of an arc short, by less than what is rounded here
     lines = np.array([p.curve.line(1e-3) for p in parts], dtype=object)
     x0, y0, x1, y1 = shapely.total_bounds(lines).round(2).tolist()
-    notes += _frame(parts, (x0, y0, x1, y1))
     if options.sheet_size_mm is not None:
-        sheet, said = _given_sheet(options.sheet_size_mm, (x0, y0, x1, y1), options.margin_mm)
-        return sheet, notes + said
+        return _given_sheet(options.sheet_size_mm, (x0, y0, x1, y1), options.margin_mm)
     if page is not None and page.polygon.buffer(options.join_tolerance_mm).covers(shapely.box(x0, y0, x1, y1)):
         width, height = page.bounds[2], page.bounds[3]
         text = f"no layer is the sheet's: the page, {width:g} × {height:g} mm, is taken for it"
-        return replace(page, stated=False), [*notes, Note("warning", text)]
+        return replace(page, stated=False), [Note("warning", text)]
     m = options.margin_mm
     sheet = _laid_around(x0 - m, y0 - m, x1 - x0 + 2 * m, y1 - y0 + 2 * m)
     text = (
-        f"no layer is the sheet's (drawing.sheet_layer '{options.sheet_layer}'): the parts' bounding box and {m:g} mm"
-        f" around it, {x1 - x0 + 2 * m:g} × {y1 - y0 + 2 * m:g} mm, is taken for it; pass --sheet WxH or name a layer"
+        f"no layer is the sheet's: the parts' bounding box and {m:g} mm around it, {x1 - x0 + 2 * m:g} × "
+        f"{y1 - y0 + 2 * m:g} mm, is taken for it; pass --sheet WxH, or name the sheet's layer in drawing.layers.sheet"
     )
-    return sheet, [*notes, Note("warning", text)]
-
-
-def _frame(parts: Sequence[Piece], bounds: tuple[float, float, float, float]) -> list[Note]:
-    """A doubt where one rectangle holds everything else: it may well be the sheet."""
-    largest = max((p.area for p in parts), key=lambda g: g.area)
-    if len(parts) < 2 or not shapely.box(*bounds).equals_exact(largest.normalize(), 1e-6, normalize=True):
-        return []
-    text = (
-        "every contour lies in one rectangle; if that is the sheet, put it on a layer that drawing.sheet_layer matches"
-    )
-    return [Note("warning", text)]
+    return sheet, [Note("warning", text)]
 
 
 def _drawn_sheet(drawn: Sequence[Piece]) -> Sheet:
@@ -79,8 +68,8 @@ def _drawn_sheet(drawn: Sequence[Piece]) -> Sheet:
     outlines = [p for p, d in zip(drawn, depth, strict=True) if d == 0]
     if len(outlines) > 1:
         raise InputError(
-            f"{len(outlines)} sheets are drawn; one nest at a time can be read. Keep one, or set a drawing.sheet_layer "
-            "that only the sheet's layer matches",
+            f"{len(outlines)} sheets are drawn; one nest at a time can be read. Keep one, or set a "
+            "drawing.layers.sheet that only the sheet's layer matches",
             details=tuple(p.place for p in outlines[:10]),
         )
     return Sheet(outlines[0].curve, tuple(p.curve for p, d in zip(drawn, depth, strict=True) if d == 1))

@@ -3,31 +3,40 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import svgelements
 
 from ..errors import InputError
+from ..nest import Note
 from .drawing import Drawing, Piece
 from .foreign import FOREIGN_ERRORS
+from .layers import Layers, Purpose
 from .options import ReadOptions
 from .svg_page import page_of
 from .svg_paths import curves
 from .svg_sound import sound
+from .writing import writing_note
 
+NUMBERED = re.compile(
+    "(path|rect|circle|ellipse|line|polyline|polygon|g|group|use|text|tspan|image|layer|svg)[-_]?[0-9][-_0-9]*"
+)
+"""Ids that a drawing program numbers on by itself: `text12` says nothing of what a shape is for."""
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 
 
 def read_svg(data: bytes, options: ReadOptions) -> Drawing:
-    """Every shape that is shown, in mm with y up; writing and images are passed over.
+    """Every shape that is shown, in mm with y up; writing is passed over, and that is said; so are images.
 
     Parameters
     ----------
     data
         The file's bytes.
     options
-        `units` says what a user unit (of the viewBox) is.
+        `units` says what a user unit (of the viewBox) is, `layers` what the groups are for.
 
     Raises
     ------
@@ -42,20 +51,44 @@ def read_svg(data: bytes, options: ReadOptions) -> Drawing:
         raise InputError("not an SVG file: its root is no <svg> element")
     try:
         page = page_of(svg, options)
-        drawn = [(c, layer) for shape, layer in _shapes(svg, ()) for c in curves(shape, page.to_mm)]
+        shown = list(_shown(svg, (), ()))
+        drawn = [
+            (c, s) for s in shown if isinstance(s.element, svgelements.Shape) for c in curves(s.element, page.to_mm)
+        ]
     except FOREIGN_ERRORS as error:
         raise InputError(f"a shape of this SVG file is damaged ({error}); save it anew as plain SVG") from error
-    pieces = tuple(Piece(c, layer, order) for order, (c, layer) in enumerate(drawn))
-    return Drawing(pieces, page.units, page=page.sheet)
+    pieces = tuple(Piece(c, s.layer, order, s.names) for order, (c, s) in enumerate(drawn))
+    return Drawing(pieces, page.units, tuple(_writing(shown, options.layers)), page.sheet)
 
 
-def _shapes(group: Any, names: tuple[str, ...]) -> Iterator[tuple[Any, str]]:
-    """Each shown shape with its layer: the ids and labels of the groups around it and its own id."""
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """A shape or a text with the layer it is said to be on, and every name that says what it is for."""
+
+    element: Any
+    layer: str
+    names: tuple[str, ...]
+
+
+def _shown(group: Any, layers: tuple[str, ...], names: tuple[str, ...]) -> Iterator[Shown]:
+    """Each shown shape and text. Its names are the ids and labels of the groups around it, then its own."""
     for element in group:
-        own = tuple(str(n) for n in (element.values.get(LABEL), element.id) if n is not None and str(n) not in names)
         if element.values.get("tag") == "symbol":
             raise InputError("the drawing holds <symbol> elements; unlink the clones and save it as plain SVG")
+        label = element.values.get(LABEL)
+        label = None if label in layers else label  # svgelements hands on the label of the group around
+        known = [n for n in (element.id, label) if n is not None and not NUMBERED.fullmatch(str(n))]
+        own = tuple(dict.fromkeys(str(n) for n in known if n not in names))
+        called = [str(n) for n in (label, element.id) if n is not None][:1]
         if isinstance(element, svgelements.Group | svgelements.Use):
-            yield from _shapes(element, (*names, *own))
-        elif isinstance(element, svgelements.Shape) and element.values.get("visibility") != "hidden":
-            yield element, "/".join((*names, *own))
+            yield from _shown(element, (*layers, *called), (*names, *own))
+        elif isinstance(element, svgelements.Shape | svgelements.Text) and element.values.get("visibility") != "hidden":
+            yield Shown(element, "/".join(layers or called), (*names, *own))
+
+
+def _writing(shown: Sequence[Shown], layers: Layers) -> list[Note]:
+    found: dict[tuple[str, Purpose | None], list[str]] = {}
+    for one in shown:
+        if isinstance(one.element, svgelements.Text) and (text := str(one.element.text or "").strip()):
+            found.setdefault((one.layer, layers.use(one.names).purpose), []).append(text)
+    return [writing_note(texts, layer, use) for (layer, use), texts in found.items() if use != "ignore"]

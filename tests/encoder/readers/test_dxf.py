@@ -9,6 +9,7 @@ import pytest
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.readers import ReadOptions, read_nest
+from kerfwise.encoder.readers.layers import Layers
 from kerfwise.tests.encoder.readers.drawings import areas, lines, read_dxf, save_dxf, sheet, square, texts
 
 
@@ -58,7 +59,7 @@ def test_every_version_of_the_format(tmp_path: Path, version: str) -> None:
         lines(space, square(10, 10, 50))
         space.add_circle((35, 35), 10)
 
-    nest = read_nest(save_dxf(tmp_path, draw, version=version))
+    nest = read_nest(save_dxf(tmp_path, draw, version=version), ReadOptions(frame="part"))
     assert [c.id for c in nest.contours] == ["P1.hole1", "P1.outer"]
 
 
@@ -89,17 +90,20 @@ def test_layers_by_the_plants_own_names(tmp_path: Path) -> None:
         lines(space, square(10, 10, 50), layer="PLATES")
         space.add_line((20, 20), (40, 20), dxfattribs={"layer": "Körner"})
 
-    nest = read_dxf(tmp_path, draw, sheet_layer="^blech$", mark_layer="körner")
+    nest = read_dxf(tmp_path, draw, layers=Layers(sheet="^blech$", mark="körner"))
     assert nest.sheet.bounds == (0, 0, 200, 200)
     assert [c.id for c in nest.contours] == ["P1.mark1", "P1.outer"]
+    assert texts(nest.notes) == [
+        "layer 'PLATES' is cut, though it sounds like the sheet: drawing.layers.sheet does not match it"
+    ]
 
 
 def test_nothing_left_to_cut_names_the_layers(tmp_path: Path) -> None:
     with pytest.raises(InputError) as error:
         read_dxf(tmp_path, lambda s: lines(s, square(0, 0, 200), layer="BASEPLATE"))
     assert error.value.message == (
-        "nothing to cut: every line is on a layer that sheet_layer='sheet|plate' matches ('BASEPLATE'); "
-        "pass another sheet_layer"
+        "nothing to cut: every line is on a layer that is not cut ('BASEPLATE' is the sheet); to cut one, say so in "
+        "the profile: drawing: {layers: {cut: '^BASEPLATE$'}}"
     )
 
 
@@ -114,10 +118,13 @@ def test_open_lines_are_listed_in_one_error(tmp_path: Path) -> None:
         lines(space, [(100, 100), (150, 100), (150, 150), (100, 100.4)], closed=False)
         lines(space, [(300, 100), (350, 100)], closed=False, layer="CUT")
 
-    with pytest.raises(InputError, match="lines do not close to contours: 2 problems") as error:
+    with pytest.raises(InputError, match="2 lines do not close to contours") as error:
         read_dxf(tmp_path, draw)
-    assert "raise join_tolerance_mm over 0.400" in error.value.details[0]
-    assert "from (300.000, 100.000) to (350.000, 100.000) on layer 'CUT'" in error.value.details[1]
+    of_layer_0, of_layer_cut, first, second = error.value.details
+    assert of_layer_0.startswith("layer '0' holds 1 open line beside 1 closed one, which would be cut through. Say in ")
+    assert of_layer_cut.startswith("layer 'CUT' holds 1 open line and nothing closed. If they are no contours, say in ")
+    assert "raise drawing.join_tolerance over 0.400 mm" in first
+    assert "from (300.000, 100.000) to (350.000, 100.000) on layer 'CUT'" in second
 
 
 def test_repair_closes_and_drops_and_says_each(tmp_path: Path) -> None:

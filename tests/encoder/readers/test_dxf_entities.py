@@ -234,7 +234,7 @@ def test_a_block_that_contains_itself_is_refused(tmp_path: Path) -> None:
         read_dxf(tmp_path, draw)
 
 
-def test_writing_is_passed_over_without_a_word(tmp_path: Path) -> None:
+def test_writing_dimensions_and_fillings_are_passed_over_and_said(tmp_path: Path) -> None:
     def draw(space: Any) -> None:
         sheet(space)
         lines(space, square(10, 10, 50))
@@ -246,7 +246,11 @@ def test_writing_is_passed_over_without_a_word(tmp_path: Path) -> None:
 
     nest = read_dxf(tmp_path, draw)
     assert areas(nest) == {"P1.outer": 2500}
-    assert nest.notes == ()
+    assert texts(nest.notes) == [
+        "left out, as they are not lines one can cut: 1 DIMENSION, 1 HATCH, 1 POINT; explode them in CAD if they are "
+        "to be cut",
+        "2 texts on layer '0' are left out ('P1', '20 mm')",
+    ]
 
 
 def test_meshes_are_left_out_and_counted(tmp_path: Path) -> None:
@@ -259,7 +263,7 @@ def test_meshes_are_left_out_and_counted(tmp_path: Path) -> None:
 
     nest = read_dxf(tmp_path, draw)
     assert texts(nest.notes) == [
-        "left out, as they are not lines one can cut: 1 3DFACE, 2 POLYLINE; explode them in CAD"
+        "left out, as they are not lines one can cut: 1 3DFACE, 2 POLYLINE; explode them in CAD if they are to be cut"
     ]
 
 

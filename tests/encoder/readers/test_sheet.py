@@ -67,7 +67,6 @@ def test_the_bounding_box_is_the_last_resort() -> None:
     assert "bounding box and 5 mm around it, 60 × 30 mm" in note.text
 
 
-def test_one_rectangle_around_everything_may_be_the_sheet() -> None:
-    framed = pieces(square(0, 0, 200), square(50, 60, 20), closed=True)
-    _, notes = choose_sheet([], framed, None, ReadOptions())
-    assert "every contour lies in one rectangle" in notes[0].text
+def test_a_given_size_that_is_that_of_the_drawn_sheet_needs_no_word() -> None:
+    drawn = pieces(square(0, 0, 200), closed=True)
+    assert choose_sheet(drawn, PARTS, None, ReadOptions(sheet_size_mm=(200, 200.4)))[1] == []

@@ -1,0 +1,88 @@
+"""The pieces of a drawing, told apart by what their layers are for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..errors import InputError
+from ..nest import Note
+from .drawing import Piece
+from .layers import DEFAULT, Layers, Purpose, Use, counted, setting
+
+SOUNDS_LIKE = {"mark": "marks", "ignore": "something not to be cut", "sheet": "the sheet", "scrap": "scrap lines"}
+
+
+@dataclass(frozen=True, eq=False)
+class ByLayer:
+    """What is cut, what is marked, what the sheet is drawn with, and a word on all that is left out."""
+
+    cut: tuple[Piece, ...]
+    mark: tuple[Piece, ...]
+    sheet: tuple[Piece, ...]
+    notes: tuple[Note, ...]
+
+
+def by_layer(pieces: Sequence[Piece], layers: Layers) -> ByLayer:
+    """The pieces by the purpose of their layers.
+
+    Raises
+    ------
+    InputError
+        When there is nothing to cut, or a profile that says which layers are cut says nothing of one that is drawn on.
+    """
+    if not pieces:
+        raise InputError("nothing to cut: the drawing holds no line, arc, circle, polyline, ellipse or spline")
+    uses = {names: layers.use(names) for names in dict.fromkeys(p.names for p in pieces)}
+    of: dict[Purpose | None, list[Piece]] = {}
+    for piece in pieces:
+        of.setdefault(uses[piece.names].purpose, []).append(piece)
+    if None in of:
+        drawn = counted(p.layer for p in of[None])
+        raise InputError(
+            f"drawing.layers says nothing of some lines: {drawn}; let cut, mark, ignore, sheet or scrap match "
+            "their layers"
+        )
+    if "cut" not in of:
+        raise InputError(_nothing(pieces[0], uses[pieces[0].names], {p.layer: uses[p.names] for p in pieces}))
+    notes = [*_left_out(of), *_misheard([p for p in of["cut"] if not uses[p.names].stated])]
+    return ByLayer(tuple(of["cut"]), tuple(of.get("mark", ())), tuple(of.get("sheet", ())), tuple(notes))
+
+
+def _left_out(of: dict[Purpose | None, list[Piece]]) -> list[Note]:
+    notes = []
+    if ignored := of.get("ignore"):
+        text = f"left out, as drawing.layers.ignore matches their layers: {counted(p.layer for p in ignored)}"
+        notes.append(Note("warning", text))
+    if scrap := of.get("scrap"):
+        text = "left out, as lines that cut up scrap (drawing.layers.scrap) are not planned yet"
+        notes.append(Note("warning", f"{text}: {counted(p.layer for p in scrap)}"))
+    return notes
+
+
+def _misheard(cut: Sequence[Piece]) -> list[Note]:
+    """Layers that are cut since a plant's own pattern took the place of the one that would have matched them."""
+    heard = {p.layer: DEFAULT.use(p.names).purpose for p in cut}
+    return [
+        Note(
+            "warning",
+            f"layer '{layer}' is cut, though it sounds like {SOUNDS_LIKE[purpose]}: drawing.layers.{purpose} does not "
+            "match it",
+        )
+        for layer, purpose in sorted(heard.items())
+        if purpose is not None and purpose in SOUNDS_LIKE
+    ]
+
+
+def _nothing(first: Piece, use: Use, layers: dict[str, Use]) -> str:
+    listed = ", ".join(f"'{layer}' is {_word(layers[layer])}" for layer in sorted(layers)[:8])
+    more = f" and {len(layers) - 8} more" if len(layers) > 8 else ""
+    if use.stated:
+        advice = f"let drawing.layers.{use.purpose} match less"
+    else:
+        advice = f"to cut one, say so in the profile: {setting('cut', first.layer)}"
+    return f"nothing to cut: every line is on a layer that is not cut ({listed}{more}); {advice}"
+
+
+def _word(use: Use) -> str:
+    return {"mark": "marked", "ignore": "left out", "sheet": "the sheet", "scrap": "scrap lines"}[str(use.purpose)]

@@ -1,0 +1,85 @@
+"""One rectangle around everything, on no layer of its own: the sheet, or a part with openings? Nobody can tell."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+
+from ..errors import InputError
+from ..nest import Note, Sheet
+from ..validate import coincident
+from .drawing import Piece
+from .layers import setting
+from .options import Frame, ReadOptions
+
+STRAIGHT_MM = 0.05
+"""A ring is a rectangle if it leaves its bounding box by less than this, on the average of the box's outline."""
+
+ALIKE_MM = 1.0
+"""A frame and a sheet whose sides differ by less are one and the same."""
+
+ROUGHLY = 0.8
+"""A rectangle with sides of at least this share of those of the sheet that is given may be that sheet's margin."""
+
+
+def frame_of(rings: Sequence[Piece]) -> tuple[Piece, ...]:
+    """The rectangle that holds all other rings, with every copy of it; nothing where there is none."""
+    areas = [p.area for p in rings]
+    box = shapely.box(*shapely.total_bounds(np.array(areas, dtype=object)).tolist())
+    largest = max(range(len(rings)), key=lambda k: areas[k].area)
+    if box.area - areas[largest].area > STRAIGHT_MM * box.length:
+        return ()
+    pairs = coincident([p.curve for p in rings])
+    around = {largest} | {k for pair in pairs if largest in pair for k in pair}
+    return tuple(rings[k] for k in sorted(around)) if len(around) < len(rings) else ()
+
+
+def use_of_frame(frame: Sequence[Piece], rings: Sequence[Piece], page: Sheet | None, options: ReadOptions) -> Frame:
+    """What the frame is: as the options say, or as the size of the sheet or of the page makes plain.
+
+    Raises
+    ------
+    InputError
+        When nothing says so: a sheet that is cut out as a part is scrap, and so is a part that is taken for the sheet.
+    """
+    if options.frame is not None:
+        return options.frame
+    size = _size(frame[0])
+    if page is not None and alike(size, _sides(page.bounds)):
+        return "sheet"
+    if options.sheet_size_mm is not None:
+        if alike(size, options.sheet_size_mm):
+            return "sheet"
+        if any(side < ROUGHLY * given for side, given in zip(size, options.sheet_size_mm, strict=True)):
+            return "part"
+    own_layer = not {p.layer for p in frame} & {p.layer for p in rings if p not in frame}
+    layer = f", or {setting('sheet', frame[0].layer)}" if own_layer else ""
+    raise InputError(
+        f"a rectangle of {size[0]:g} × {size[1]:g} mm is drawn around everything, {frame[0].place}, and no layer says "
+        "whether it is the sheet or a part. Pass --frame sheet or --frame part, or say it in the profile: "
+        f"drawing: {{frame: sheet}}{layer}"
+    )
+
+
+def frame_note(frame: Sequence[Piece]) -> Note:
+    """That the frame is taken for the sheet."""
+    width, height = _size(frame[0])
+    return Note(
+        "warning", f"the rectangle around everything, {width:g} × {height:g} mm, {frame[0].place}, is the sheet"
+    )
+
+
+def _size(piece: Piece) -> tuple[float, float]:
+    return _sides(piece.area.bounds)
+
+
+def _sides(bounds: tuple[float, float, float, float]) -> tuple[float, float]:
+    x0, y0, x1, y1 = bounds
+    return round(x1 - x0, 3), round(y1 - y0, 3)
+
+
+def alike(one: tuple[float, float], other: tuple[float, float]) -> bool:
+    """Whether two sizes are those of one sheet."""
+    return all(abs(a - b) <= ALIKE_MM for a, b in zip(one, other, strict=True))

@@ -1,0 +1,146 @@
+"""What a drawing's layers are there for: cut, marked, left out, the sheet, or the cutting up of scrap."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal, NamedTuple
+
+from ..errors import InputError
+
+Purpose = Literal["ignore", "scrap", "mark", "sheet", "cut"]
+PURPOSES: tuple[Purpose, ...] = ("ignore", "scrap", "mark", "sheet", "cut")
+"""In the order in which they are tried: `DIM_TEXT` is a dimension, `Plate text` is writing."""
+
+
+def _words(anywhere: str, whole: str = "") -> str:
+    """A pattern of words, sought anywhere in a name, and of short ones that no letter may stand beside."""
+    words = "|".join(anywhere.split())
+    return rf"{words}|(?<![^\W\d_])({'|'.join(whole.split())})(?![^\W\d_])" if whole else words
+
+
+EVERY_LAYER = ".*"
+"""The default of `cut`: every layer that nothing else matches."""
+
+IGNORE_WORDS = _words(
+    # dimensions, notes and title blocks
+    "dimension defpoints bema(ß|ss) ma(ß|ss)(linie|kette) cotation acotac wymiar quotatur размер méret 标注 尺寸"
+    " annot adnotac comment kommentar bemerkung примечан title.?block schriftfeld cartouche штамп water.?mark viewport"
+    # what is not seen, and what only helps to draw
+    " hidden phantom verdeckt unsichtbar nascost ukryt niewidoczn скрыт невидим rejtett 隐藏"
+    " construction construcci costruzione konstruktion(slinie|sgeo) hilfs(linie|geo) pomocnicz построен вспомогат segéd"
+    " guide.?line unconsumed"
+    # axes and bends
+    " cent(er|re)_?.?line mittellinie tengely 中心线 tool.?cent arc.?cent"
+    " abkant kantlinie biege plegado pliegue pliage gięci сгиб гибк hajlít tangent осев 折弯",
+    "dims? annos? notes? maße cotes? cotas? quot[ae] ax[ei]s axes? achsen? ejes? ass[ei] osi[ea]? oś ось оси"
+    " bends? plis? pieg[ah]e? гиб",
+)
+SCRAP_WORDS = _words(
+    "scrap off.?cut skeleton waste schrott abfall restgitter gitterschnitt trennschnitt d[ée]chet squelette ferraille"
+    " chatarra retal sfrido scarto rottam odpad złom ażur обрез отход решётк решетк hulladék 废料 余料",
+    "chutes?",
+)
+MARK_WORDS = _words(
+    "grav mark marc marqu etch scrib text label v.?score cent(er|re).?punch prick"
+    " beschrift signier anr(ei|i)(ß|ss) k(ö|oe)rn(er|ung|punkt) ritzen ritzlinie pointage grabado grabar rotul"
+    " incisione incidere testo bulin graw grawer trasow napis znakow znaczen маркир разметк грав текст надпис керн"
+    " felirat pontoz popis znač tekst 刻 打标 标记 文字",
+    "jel jelöl[a-zé]*",
+)
+SHEET_WORDS = _words(
+    r"sheet (?<!tem)plate stock remnant blech platte tafel rohteil rohmaterial лист t[ôö]le chapa plancha l[áa]mina"
+    " lamiera lastra foglio arkusz blach lemez tábla tabule plech plaat 板材 钢板",
+    "toles?",
+)
+
+
+class Use(NamedTuple):
+    """What a layer is for; None where `cut` is given and nothing matches. `stated` if a plant's own pattern says so."""
+
+    purpose: Purpose | None
+    stated: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Layers:
+    """Which layers (DXF) or groups (SVG) hold what: a regular expression each, searched without regard to case.
+
+    A pattern that is not the default is a plant's own, and is tried before all defaults. Among a plant's own, and
+    among the defaults, the order is that of `PURPOSES`.
+
+    Raises
+    ------
+    InputError
+        For a pattern that is no regular expression.
+
+    Examples
+    --------
+    >>> layers = Layers(mark="^7$")
+    >>> [layers.use(["7"]).purpose, layers.use(["Bemaßung"]).purpose, layers.use(["Kontur"]).purpose]
+    ['mark', 'ignore', 'cut']
+    """
+
+    cut: str = EVERY_LAYER
+    mark: str = MARK_WORDS
+    ignore: str = IGNORE_WORDS
+    sheet: str = SHEET_WORDS
+    scrap: str = SCRAP_WORDS
+
+    def __post_init__(self) -> None:
+        for purpose in PURPOSES:
+            pattern = getattr(self, purpose)
+            try:
+                re.compile(pattern)
+            except re.error as error:
+                raise InputError(f"layers.{purpose} '{pattern}' is not a regular expression: {error}") from None
+
+    def use(self, names: Sequence[str]) -> Use:
+        """What the innermost of these names says, outermost first; a plant's own patterns are asked first."""
+        given = [p for p in PURPOSES if getattr(self, p) != getattr(DEFAULT, p)]
+        for own, asked in ((True, given), (False, [p for p in PURPOSES if p not in given and p != "cut"])):
+            for name in reversed(names):
+                for purpose in asked:
+                    if _found(getattr(self, purpose), name):
+                        return Use(purpose, own)
+        return Use(None if "cut" in given else "cut", False)
+
+
+DEFAULT = Layers()
+
+
+@lru_cache(maxsize=4096)
+def _found(pattern: str, name: str) -> bool:
+    return re.search(pattern, unicodedata.normalize("NFC", name), re.IGNORECASE) is not None
+
+
+def setting(purpose: Purpose, *layers: str) -> str:
+    """The line of a profile that says what layers are for, as it stands in a message.
+
+    Examples
+    --------
+    >>> print(setting("mark", "Gravír 2"))
+    drawing: {layers: {mark: '^Gravír 2$'}}
+    >>> print(setting("cut", "HOLES", "OUTER (new)"))
+    drawing: {layers: {cut: '^(HOLES|OUTER \\(new\\))$'}}
+    """
+    names = [re.sub(r"([.^$*+?{}\[\]\\|()])", r"\\\1", layer).replace("'", "''") for layer in sorted(set(layers))]
+    pattern = names[0] if len(names) == 1 else f"({'|'.join(names)})"
+    return f"drawing: {{layers: {{{purpose}: '^{pattern}$'}}}}"
+
+
+def counted(layers: Iterable[str], most: int = 8) -> str:
+    """How many lines are on which layer, by name.
+
+    Examples
+    --------
+    >>> counted(["DIM", "0", "DIM"])
+    "1 on '0', 2 on 'DIM'"
+    """
+    count = Counter(layers)
+    shown = [f"{count[name]} on '{name}'" for name in sorted(count)[:most]]
+    return ", ".join([*shown, *([f"… and {len(count) - most} more layers"] if len(count) > most else [])])

@@ -1,0 +1,139 @@
+"""Lines on layers to be cut that do not close: marked where a profile says so, else refused, never lost unsaid."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from ..errors import InputError
+from ..nest import Note, Part
+from ..validate.metal import metal_of
+from .drawing import Piece
+from .layers import setting
+from .nodes import SNAP_MM
+from .open_ends import REPAIR_FACTOR, ends, nearest_ends, open_end_problems
+from .options import ReadOptions
+
+BROKEN = 0.5
+"""A line whose ends lie nearer to each other than this share of its length may be a contour that does not close."""
+
+
+@dataclass(frozen=True, eq=False)
+class Settled:
+    """What becomes of open lines: those that are marked, and a word on each."""
+
+    marks: tuple[Piece, ...]
+    notes: tuple[Note, ...]
+
+
+def settled(
+    chains: Sequence[Piece], rings: Sequence[Piece], parts: Sequence[Part], bridge_mm: float, options: ReadOptions
+) -> Settled:
+    """What is done with open lines on layers that are cut.
+
+    On a layer that `layers.cut` names, a line that can be no broken contour is marked if it lies in the metal of a
+    part and left out if it lies in waste, or as `open_lines` says. With `repair`, a line shorter than the widest gap
+    that repair closes is left out, and so is one that can be no broken contour, on a layer that holds nothing closed.
+    All else is refused: closed lines beside open ones may be marks too, and would be cut through.
+
+    Raises
+    ------
+    InputError
+        With every line that is left, and by layer what a profile can say of it.
+    """
+    if not chains:
+        return Settled((), ())
+    stated = [options.layers.use(c.names) == ("cut", True) for c in chains]
+    whole = [not broken for broken in _maybe_broken(chains, options)]
+    metal_mm = _in_metal(chains, parts)
+    slack_mm = options.join_tolerance_mm
+    closed = Counter(r.layer for r in rings)
+    dropped: list[Piece] = []
+    marked: list[Piece] = []
+    in_waste: list[Piece] = []
+    ignored: list[Piece] = []
+    left: list[Piece] = []
+    for chain, is_stated, is_whole, inside_mm in zip(chains, stated, whole, metal_mm, strict=True):
+        if options.repair and (chain.curve.length_mm <= bridge_mm or (is_whole and not closed[chain.layer])):
+            dropped.append(chain)
+        elif not (is_stated and is_whole) or options.open_lines == "refuse":
+            left.append(chain)
+        elif options.open_lines == "ignore":
+            ignored.append(chain)
+        elif inside_mm >= chain.curve.length_mm - slack_mm:
+            marked.append(chain)
+        else:
+            (in_waste if inside_mm <= slack_mm else left).append(chain)
+    if left:
+        which = "1 line does" if len(left) == 1 else f"{len(left)} lines do"
+        cut = {p.layer for p in (*rings, *chains)}
+        details = (*_by_layer(left, closed, cut, options), *open_end_problems(left, options))
+        raise InputError(f"{which} not close to contours", details=details)
+    notes = [Note("repaired", f"the open line {ends(c)} is left out: it does not close") for c in dropped]
+    notes += _told(marked, "marked, not cut") + _told(ignored, "left out")
+    notes += _told(in_waste, "left out, for it lies in no part")
+    return Settled(tuple(marked), tuple(notes))
+
+
+def _maybe_broken(chains: Sequence[Piece], options: ReadOptions) -> list[bool]:
+    """Which chains may be a contour, or a piece of one, that was meant to close."""
+    across = [float(np.hypot(*(c.curve.vertices[-1, :2] - c.curve.vertices[0, :2]))) for c in chains]
+    other = nearest_ends(chains).min(axis=1).tolist()
+    return [
+        own < BROKEN * c.curve.length_mm or gap < min(own - SNAP_MM, REPAIR_FACTOR * options.join_tolerance_mm)
+        for c, own, gap in zip(chains, across, other, strict=True)
+    ]
+
+
+def _in_metal(chains: Sequence[Piece], parts: Sequence[Part]) -> list[float]:
+    """How much of each chain lies in the metal of parts, mm."""
+    metal = metal_of(parts)
+    tree = shapely.STRtree(metal)
+    lengths = []
+    for line in (c.curve.line() for c in chains):
+        near = tree.query(line, predicate="intersects").tolist()
+        lengths.append(sum(shapely.length(shapely.intersection(line, metal[k])) for k in near))
+    return lengths
+
+
+def _by_layer(left: Sequence[Piece], closed: Counter[str], cut: set[str], options: ReadOptions) -> list[str]:
+    """A sentence for each layer: what it holds, and what a profile can say of it."""
+    said = []
+    stated = {c.layer: options.layers.use(c.names) == ("cut", True) for c in left}
+    for layer, count in sorted(Counter(c.layer for c in left).items()):
+        held = f"layer '{layer}' holds {count} open line{'s' if count != 1 else ''}"
+        beside = closed[layer]
+        if stated[layer] and options.open_lines == "refuse":
+            said.append(f"{held}, and drawing.open_lines is refuse; with mark or ignore they are not refused")
+        elif stated[layer]:
+            said.append(f"{held} that cannot be marked: they may be broken contours, or cross one")
+        elif beside:
+            said.append(
+                f"{held} beside {beside} closed one{'s' if beside != 1 else ''}, which would be cut through. Say in "
+                f"the profile what it is: {setting('mark', layer)} marks all of it; with ignore in place of mark it "
+                f"is left out; {setting('cut', *cut)} cuts what is closed, and marks what is open in a part"
+            )
+        else:
+            said.append(
+                f"{held} and nothing closed. If they are no contours, say in the profile what they are: "
+                f"{setting('mark', layer)}, or ignore or scrap in place of mark"
+            )
+    return said
+
+
+def _told(chains: Sequence[Piece], how: str) -> list[Note]:
+    by_layer: dict[str, list[Piece]] = {}
+    for chain in chains:
+        by_layer.setdefault(chain.layer, []).append(chain)
+    return [
+        Note(
+            "warning",
+            f"open on layer '{layer}', which is cut, and therefore {how} (drawing.open_lines): "
+            f"{len(those)} line{'s' if len(those) != 1 else ''}, the first {ends(those[0])}",
+        )
+        for layer, those in sorted(by_layer.items())
+    ]

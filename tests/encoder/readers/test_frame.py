@@ -1,0 +1,87 @@
+"""One rectangle around everything: the sheet or a part is not guessed."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.readers import ReadOptions, read_nest
+from kerfwise.tests.encoder.readers.drawings import areas, lines, read_dxf, save_dxf, square, texts
+
+ASKED = (
+    "a rectangle of 200 × 200 mm is drawn around everything, at (0.000, 0.000) on layer '0', and no layer says whether "
+    "it is the sheet or a part. Pass --frame sheet or --frame part, or say it in the profile: drawing: {frame: sheet}"
+)
+
+
+def framed(space: Any, layer: str = "0") -> None:
+    lines(space, square(0, 0, 200), layer)
+    lines(space, square(50, 60, 20))
+
+
+def test_it_is_asked_about(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as error:
+        read_dxf(tmp_path, framed)
+    assert error.value.message == ASKED
+
+
+def test_a_layer_of_its_own_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as error:
+        read_dxf(tmp_path, lambda space: framed(space, "Rahmen"))
+    assert error.value.message == ASKED.replace("'0'", "'Rahmen'") + ", or drawing: {layers: {sheet: '^Rahmen$'}}"
+
+
+def test_it_is_what_the_options_say(tmp_path: Path) -> None:
+    path = save_dxf(tmp_path, framed)
+    nest = read_nest(path, ReadOptions(frame="sheet"))
+    assert (areas(nest), nest.sheet.bounds) == ({"P1.outer": 400}, (0, 0, 200, 200))
+    assert texts(nest.notes) == [
+        "the rectangle around everything, 200 × 200 mm, at (0.000, 0.000) on layer '0', is the sheet"
+    ]
+    assert areas(read_nest(path, ReadOptions(frame="part"))) == {"P1.outer": 40_000, "P1.hole1": 400}
+
+
+@pytest.mark.parametrize(
+    ("size", "found"),
+    [((200, 200), {"P1.outer": 400}), ((1000, 500), {"P1.outer": 40_000, "P1.hole1": 400})],
+)
+def test_the_size_of_the_sheet_may_make_it_plain(tmp_path: Path, size: tuple[float, float], found: Any) -> None:
+    assert areas(read_dxf(tmp_path, framed, sheet_size_mm=size)) == found
+
+
+def test_a_rectangle_a_little_smaller_than_the_sheet_may_be_its_margin(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="around everything"):
+        read_dxf(tmp_path, framed, sheet_size_mm=(220, 220))
+
+
+def test_a_frame_drawn_twice_is_one(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        framed(space)
+        space.add_lwpolyline(square(0, 0, 200)[::-1], close=True)
+
+    assert areas(read_dxf(tmp_path, draw, frame="sheet")) == {"P1.outer": 400}
+
+
+@pytest.mark.parametrize("around", ["round", "beside", "alone"])
+def test_what_is_no_frame_is_not_asked_about(tmp_path: Path, around: str) -> None:
+    def draw(space: Any) -> None:
+        if around == "round":
+            space.add_circle((100, 100), 100)
+        else:
+            lines(space, square(0, 0, 200))
+        if around == "beside":
+            lines(space, square(210, 0, 20))
+        elif around == "round":
+            lines(space, square(50, 60, 20))
+
+    assert "P1.outer" in areas(read_dxf(tmp_path, draw))
+
+
+def test_the_page_of_an_svg_file_is_the_sheet(tmp_path: Path) -> None:
+    path = tmp_path / "page.svg"
+    path.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="200mm" height="100mm" viewBox="0 0 200 100">'
+        '<rect width="200" height="100"/><rect x="20" y="20" width="40" height="40"/></svg>'
+    )
+    assert areas(read_nest(path)) == {"P1.outer": 1600}

@@ -1,0 +1,163 @@
+"""Open lines on layers that are cut: never lost without a word, and nothing beside them is cut through on a guess."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.readers import ReadOptions
+from kerfwise.encoder.readers.layers import Layers
+from kerfwise.tests.encoder.readers.drawings import areas, lines, read_dxf, sheet, square, texts
+
+NAMED = Layers(cut="^(0|G2)$")
+
+
+def engraved(space: Any) -> None:
+    """A part on layer 0, and on layer G2 a line and a circle that a planner means to mark."""
+    sheet(space)
+    lines(space, square(10, 10, 50))
+    space.add_line((20, 20), (30, 20), dxfattribs={"layer": "G2"})
+    space.add_circle((45, 45), 3, dxfattribs={"layer": "G2"})
+
+
+@pytest.mark.parametrize("repair", [False, True])
+def test_a_circle_beside_an_open_line_is_not_cut_through(tmp_path: Path, repair: bool) -> None:
+    with pytest.raises(InputError, match="1 line does not close to contours") as error:
+        read_dxf(tmp_path, engraved, repair=repair)
+    assert error.value.details[0] == (
+        "layer 'G2' holds 1 open line beside 1 closed one, which would be cut through. Say in the profile what it is: "
+        "drawing: {layers: {mark: '^G2$'}} marks all of it; with ignore in place of mark it is left out; "
+        "drawing: {layers: {cut: '^(0|G2)$'}} cuts what is closed, and marks what is open in a part"
+    )
+
+
+def test_what_the_message_advises_does_it(tmp_path: Path) -> None:
+    marked = read_dxf(tmp_path, engraved, layers=Layers(mark="^G2$"))
+    assert [c.id for c in marked.contours] == ["P1.mark1", "P1.mark2", "P1.outer"]
+    left_out = read_dxf(tmp_path, engraved, layers=Layers(ignore="^G2$"))
+    assert [c.id for c in left_out.contours] == ["P1.outer"]
+    assert texts(left_out.notes) == ["left out, as drawing.layers.ignore matches their layers: 2 on 'G2'"]
+    both = read_dxf(tmp_path, engraved, layers=NAMED)
+    assert [c.id for c in both.contours] == ["P1.mark1", "P1.hole1", "P1.outer"]
+    assert texts(both.notes) == [
+        "open on layer 'G2', which is cut, and therefore marked, not cut (drawing.open_lines): 1 line, the first of "
+        "10.000 mm from (20.000, 20.000) to (30.000, 20.000) on layer 'G2'"
+    ]
+
+
+def open_line(space: Any, a: tuple[float, float], b: tuple[float, float]) -> None:
+    sheet(space)
+    lines(space, square(10, 10, 50))
+    space.add_line(a, b)
+
+
+def test_a_line_in_waste_marks_nothing(tmp_path: Path) -> None:
+    nest = read_dxf(tmp_path, lambda space: open_line(space, (100, 100), (120, 100)), layers=NAMED)
+    assert [c.id for c in nest.contours] == ["P1.outer"]
+    assert "left out, for it lies in no part" in texts(nest.notes)[0]
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        [(5, 30), (20, 30)],  # runs over the outline
+        [(20, 20), (40, 20), (40, 40), (20, 40), (20, 21)],  # a hole that does not close
+    ],
+)
+def test_what_cannot_be_a_mark_is_refused_on_a_named_layer_too(tmp_path: Path, points: Any) -> None:
+    def draw(space: Any) -> None:
+        sheet(space)
+        lines(space, square(10, 10, 50))
+        lines(space, points, closed=False)
+
+    with pytest.raises(InputError) as error:
+        read_dxf(tmp_path, draw, layers=NAMED)
+    assert error.value.details[0].startswith("layer '0' holds 1 open line that cannot be marked")
+
+
+def test_two_halves_of_a_slot_are_no_marks(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        sheet(space)
+        lines(space, square(10, 10, 50))
+        lines(space, [(20, 20), (40, 20), (40, 24)], closed=False)
+        lines(space, [(40, 24.5), (20, 24.5), (20, 20.5)], closed=False)
+
+    with pytest.raises(InputError, match="2 lines do not close"):
+        read_dxf(tmp_path, draw, layers=NAMED)
+
+
+def test_open_lines_as_the_profile_says(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        open_line(space, (20, 20), (30, 20))
+
+    ignored = read_dxf(tmp_path, draw, layers=NAMED, open_lines="ignore")
+    assert [c.id for c in ignored.contours] == ["P1.outer"]
+    assert "and therefore left out (drawing.open_lines): 1 line" in texts(ignored.notes)[0]
+    with pytest.raises(InputError) as error:
+        read_dxf(tmp_path, draw, layers=NAMED, open_lines="refuse")
+    assert error.value.details[0].startswith("layer '0' holds 1 open line, and drawing.open_lines is refuse")
+
+
+def test_repair_leaves_out_a_stub_but_no_contour_that_is_broken(tmp_path: Path) -> None:
+    def stub(space: Any) -> None:
+        open_line(space, (60, 60), (60.5, 60.5))
+
+    nest = read_dxf(tmp_path, stub, repair=True)
+    assert areas(nest) == {"P1.outer": 2500}
+    assert texts(nest.notes, "repaired")[0].startswith("the open line of 0.707 mm from (60.500, 60.500) to (60.000")
+
+    def broken(space: Any) -> None:  # its hole would become a part
+        sheet(space)
+        lines(space, [(10, 10), (60, 10), (60, 60), (10, 60), (10, 15)], "OUTER", closed=False)
+        space.add_circle((35, 35), 5, dxfattribs={"layer": "HOLES"})
+
+    with pytest.raises(InputError, match="1 line does not close"):
+        read_dxf(tmp_path, broken, repair=True)
+
+
+def test_open_lines_on_the_sheets_layer_burn_nothing(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        sheet(space)
+        lines(space, square(10, 10, 50))
+        space.add_line((0, 290), (400, 290), dxfattribs={"layer": "Plate H300 W400"})
+
+    nest = read_dxf(tmp_path, draw)
+    assert areas(nest) == {"P1.outer": 2500}
+    assert texts(nest.notes)[0].startswith("1 open line on the sheet's layer left out, the first of 400.000 mm")
+
+
+def test_an_outline_of_the_sheet_that_is_open_is_no_sheet(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        lines(space, square(0, 0, 200)[:3], "Sheet", closed=False)
+        lines(space, square(10, 10, 50))
+
+    with pytest.raises(InputError, match="the sheet does not close, on layer 'Sheet'"):
+        read_dxf(tmp_path, draw)
+
+
+def test_scrap_lines_are_named_and_not_cut(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        sheet(space)
+        lines(space, square(10, 10, 50))
+        space.add_line((200, 0), (200, 300), dxfattribs={"layer": "Scrap cuts"})
+        lines(space, square(210, 10, 80), "OFFCUT")
+
+    nest = read_dxf(tmp_path, draw)
+    assert areas(nest) == {"P1.outer": 2500}
+    assert texts(nest.notes) == [
+        "left out, as lines that cut up scrap (drawing.layers.scrap) are not planned yet: 4 on 'OFFCUT', 1 on "
+        "'Scrap cuts'"
+    ]
+
+
+def test_a_layer_that_a_profile_says_nothing_of_is_asked_about(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as error:
+        read_dxf(tmp_path, engraved, layers=Layers(cut="^0$"))
+    assert error.value.message == (
+        "drawing.layers says nothing of some lines: 2 on 'G2'; let cut, mark, ignore, sheet or scrap match their layers"
+    )
+
+
+def test_the_options_come_from_the_library_too() -> None:
+    assert ReadOptions().layers.use(["Gravur"]).purpose == "mark"
