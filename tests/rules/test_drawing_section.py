@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from pathlib import Path
 from typing import Any
@@ -91,9 +92,12 @@ def keys_named(text: str) -> set[str]:
 
 def test_every_key_that_the_readers_name_is_one_of_a_profile() -> None:
     root = Path(kerfwise.__file__).parent
-    readers = "\n".join(p.read_text(encoding="utf-8") for p in sorted((root / "encoder").rglob("*.py")))
-    named = keys_named(readers.replace("{purpose}", "mark"))
-    assert {"drawing.layers.mark", "drawing.layers.sheet", "drawing.open_lines", "drawing.join_tolerance"} <= named
+    trees = [ast.parse(p.read_text(encoding="utf-8")) for p in sorted((root / "encoder").rglob("*.py"))]
+    texts = [
+        n.value for tree in trees for n in ast.walk(tree) if isinstance(n, ast.Constant) and isinstance(n.value, str)
+    ]
+    named = keys_named("\n".join(texts))
+    assert {"drawing.layers", "drawing.layers.sheet", "drawing.open_lines", "drawing.join_tolerance"} <= named
     assert named <= keys(Drawing(), "drawing")
     assert keys_named("raise drawing.join_tolerance_mm, drawing.layers.marks") - keys(Drawing(), "drawing")
 
