@@ -11,6 +11,7 @@ from kerfwise.models.plan import Plan
 from kerfwise.postproc import produce as production
 from kerfwise.rules.profile import Profile
 from kerfwise.tests.metal.clean import faults
+from kerfwise.tests.metal.plant import plant
 
 Made = list[tuple[Nest, Profile, str]]
 
@@ -35,5 +36,4 @@ def programs_made(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatc
 
 def judged(nest: Nest, profile: Profile, program: str) -> list[object]:
     """The findings of a program; without a kerf nothing is burnt that could be judged."""
-    kerf_mm = profile.material.kerf_mm
-    return [*faults(nest, program, kerf_mm, edge_starts=profile.leads.edge_start)] if kerf_mm > 0 else []
+    return [*faults(nest, program, **plant(profile))] if profile.material.kerf_mm > 0 else []

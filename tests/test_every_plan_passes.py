@@ -18,6 +18,7 @@ from kerfwise.postproc.produce import produce
 from kerfwise.rules.profile import load_profile, shipped_profiles
 from kerfwise.tests.encoder.facts.random_nests import nests
 from kerfwise.tests.metal.clean import assert_clean
+from kerfwise.tests.metal.plant import plant
 
 
 @pytest.mark.parametrize("profile_name", shipped_profiles())
@@ -38,5 +39,5 @@ def test_every_plan_passes_the_check(profile_name: str, nest: Nest, seed: int, b
         raise
     made = produce(asked, profile, SolveOptions(seed, 2.0, None, profile.machine.home, feeds_of(profile)))
     assert made.verdict.ok, report(made.verdict)
-    assert_clean(nest, made.program, profile.material.kerf_mm, edge_starts=profile.leads.edge_start)
+    assert_clean(nest, made.program, **plant(profile))
     assert len(made.plan.cuts) == len(nest.contours)

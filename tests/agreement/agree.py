@@ -21,6 +21,7 @@ from kerfwise.tests.agreement.engines import ENGINES, IMPOSSIBLE, UNPROVEN, Answ
 from kerfwise.tests.agreement.orders import ORDER_RULES, order_disagreements
 from kerfwise.tests.agreement.trial import Trial
 from kerfwise.tests.metal.clean import faults
+from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.models.minizinc.cases import Case
 
 ROUNDED_MM = 0.01
@@ -128,7 +129,6 @@ def _broken(case: Case, stated: Stated, answer: Answer) -> list[str]:
     plan = make_plan(case.facts, case.profile, stated, solution, "", 0)
     cuts = CutSequence(tuple(p.cut for p in plan.cuts), plan.start_side, case.profile.machine.home)
     judged = judge(case.facts.nest, cuts, case.profile)
-    kerf_mm, edge_starts = case.profile.material.kerf_mm, case.profile.leads.edge_start
     program = write_program(plan, case.facts.nest, case.profile)
-    scrap = faults(case.facts.nest, program, kerf_mm, edge_starts=edge_starts)
+    scrap = faults(case.facts.nest, program, **plant(case.profile))
     return [*(j.id for j in judged if j.strength == "hard" and not j.holds), *map(str, scrap)]

@@ -47,6 +47,12 @@ class Burn:
         """Where the torch comes on."""
         return float(self.path.points[0, 0]), float(self.path.points[0, 1])
 
+    @property
+    def off_ring(self) -> shapely.Geometry:
+        """Its leads and strays."""
+        leads = (self.lead_in, self.lead_out, *self.strays)
+        return shapely.MultiLineString([lead for lead in leads if lead is not None])
+
     def kerf(self, half_mm: float) -> shapely.Geometry:
         """What is burnt within `half_mm` of the centre."""
         return self.line.buffer(half_mm, quad_segs=16)

@@ -16,8 +16,8 @@ from kerfwise.tests.metal.tolerances import RING_MM
 class PartMetal:
     """The metal of every part, that no burn may reach into by more than the allowance."""
 
-    def __init__(self, drawing: Drawing, kerf_mm: float) -> None:
-        self.drawing, self.kerf_mm = drawing, kerf_mm
+    def __init__(self, drawing: Drawing, kerf_mm: float, touching: bool = False) -> None:
+        self.drawing, self.kerf_mm, self.touching = drawing, kerf_mm, touching
         self.ids = list(drawing.parts)
         self.areas = np.array(list(drawing.parts.values()), dtype=object)
         shapely.prepare(self.areas)
@@ -29,11 +29,15 @@ class PartMetal:
         if within <= 0:
             return
         for k in sorted(self.tree.query(burn.line, predicate="dwithin", distance=within).tolist()):
-            yield from self._eroded(burn, k)
+            line = burn.line
+            if self.touching and burn.contour is not None and burn.contour.part != self.ids[k]:
+                line = burn.off_ring
+            if shapely.dwithin(self.areas[k], line, within):
+                yield from self._eroded(burn, line, k)
 
-    def _eroded(self, burn: Burn, k: int) -> Iterator[Finding]:
+    def _eroded(self, burn: Burn, line: shapely.Geometry, k: int) -> Iterator[Finding]:
         part, pierce = self.areas[k], shapely.Point(burn.pierce)
-        lost = part.intersection(burn.kerf(self.kerf_mm / 2))
+        lost = part.intersection(line.buffer(self.kerf_mm / 2, quad_segs=16))
         corners = shapely.get_coordinates(shapely.segmentize(lost, self.kerf_mm / 2))
         depths = shapely.distance(part.boundary, shapely.points(corners))
         deepest = int(np.argmax(depths))

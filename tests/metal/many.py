@@ -10,7 +10,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from itertools import product
+from itertools import chain, product
 from pathlib import Path
 
 import click
@@ -20,7 +20,7 @@ from kerfwise.tests.metal.findings import KINDS
 from kerfwise.tests.metal.made_nests import made
 from kerfwise.tests.metal.planned import Tried, tried
 
-Task = tuple[int, str, tuple[str, ...]]
+Task = tuple[int, str, tuple[str, ...], bool]
 PLANS_A_PROCESS = 40
 """A process plans this many and then gives its memory back."""
 
@@ -35,6 +35,7 @@ PLANS_A_PROCESS = 40
 @click.option(
     "--save", type=click.Path(file_okay=False, path_type=Path), help="Folder for the smallest nest of a kind."
 )
+@click.option("--rests", is_flag=True, help="Stop after half of each program's cuts, and plan and judge the rest too.")
 @click.option("--each", is_flag=True, help="Print every finding.")
 def main(
     nests: int,
@@ -44,14 +45,15 @@ def main(
     work: float,
     processes: int,
     save: Path | None,
+    rests: bool,
     each: bool,
 ) -> None:
     """Plan made nests under profiles and judge every program by what it burns."""
     names = shipped_profiles() if profiles == "all" else tuple(profiles.split(","))
     effort = ("--time-limit", str(time_s)) if time_s else ("--work", str(work))
-    tasks = [(seed, name, effort) for seed, name in product(range(first, first + nests), names)]
+    tasks = [(seed, name, effort, rests) for seed, name in product(range(first, first + nests), names)]
     started, tally = time.monotonic(), Tally()
-    for done in _run(tasks, processes):
+    for done in chain.from_iterable(_run(tasks, processes)):
         tally.add(done)
         for line in _told(done, each):
             click.echo(line)
@@ -64,7 +66,7 @@ def main(
     sys.exit(1 if tally.faulty else 0)
 
 
-def _run(tasks: list[Task], processes: int) -> Iterator[Tried]:
+def _run(tasks: list[Task], processes: int) -> Iterator[tuple[Tried, ...]]:
     """In the order of the tasks, whatever the number of processes."""
     if processes == 1:
         yield from map(_one, tasks)
@@ -74,24 +76,28 @@ def _run(tasks: list[Task], processes: int) -> Iterator[Tried]:
         yield from pool.imap(_one, tasks)
 
 
-def _one(task: Task) -> Tried:
-    seed, profile, effort = task
-    return tried(made(seed), profile, effort)
+def _one(task: Task) -> tuple[Tried, ...]:
+    seed, profile, effort, rests = task
+    return tried(made(seed), profile, effort, rests)
 
 
 def _told(done: Tried, each: bool) -> Iterable[str]:
-    head = f"seed {done.seed}, {done.profile}"
+    head = f"seed {done.seed}, {_by(done)}"
     if done.broken:
         yield f"{head}: {done.broken}"
     if each:
         yield from (f"{head}: {found}" for found in done.findings)
 
 
+def _by(done: Tried) -> str:
+    return f"{done.profile}, the rest" if done.rest else done.profile
+
+
 class Tally:
     """Counts of what came of all plans, and the smallest nest of every kind of finding."""
 
     def __init__(self) -> None:
-        self.plans: Counter[str] = Counter()
+        self.plans, self.rests = 0, 0
         self.refused: Counter[str] = Counter()
         self.programs: Counter[str] = Counter()
         self.cuts: Counter[str] = Counter()
@@ -108,7 +114,8 @@ class Tally:
 
     def add(self, done: Tried) -> None:
         """Count one."""
-        self.plans[done.profile] += 1
+        self.plans += not done.rest
+        self.rests += done.rest
         if done.refused:
             self.refused[done.refused] += 1
         elif done.broken:
@@ -127,7 +134,8 @@ class Tally:
 
     def lines(self, profiles: Iterable[str]) -> Iterator[str]:
         """The report."""
-        yield f"plans asked: {self.plans.total()}, refused: {self.refused.total()}, broken: {self.broken}"
+        rests = f", rests of broken-off ones: {self.rests}" if self.rests else ""
+        yield f"plans asked: {self.plans}{rests}, refused: {self.refused.total()}, broken: {self.broken}"
         for text, count in sorted(self.refused.items(), key=lambda item: (-item[1], item[0])):
             yield f"  refused {count:5d}  {text}"
         yield f"programs burnt: {self.programs.total()}, cuts: {self.cuts.total()}, findings: {self.found.total()}"
@@ -137,7 +145,7 @@ class Tally:
         for kind in KINDS:
             if kind in self.smallest:
                 size, done = self.smallest[kind]
-                where = f"smallest: seed {done.seed} ({made(done.seed).family}, {size} contours), {done.profile}"
+                where = f"smallest: seed {done.seed} ({made(done.seed).family}, {size} contours), {_by(done)}"
                 yield f"  {kind:18s} {self.found[kind]:5d} in {self.in_programs[kind]:4d} programs; {where}"
                 yield f"      {next(f for f in done.findings if f.kind == kind)}"
 

@@ -9,6 +9,7 @@ import click
 
 from kerfwise.encoder.readers import read_nest
 from kerfwise.rules.profile import load_profile
+from kerfwise.tests.metal.plant import plant as given
 from kerfwise.tests.metal.program import read_program
 from kerfwise.tests.metal.simulate import simulate
 
@@ -22,14 +23,8 @@ from kerfwise.tests.metal.simulate import simulate
 def main(nest: str, program: Path, profile: str, before: Path | None, splash: float) -> None:
     """Print what PROGRAM does wrong to the metal of NEST; exit code 1 if it does anything."""
     plant, text = load_profile(profile), program.read_text(encoding="utf-8")
-    found = simulate(
-        read_nest(nest, plant.read_options()),
-        text,
-        plant.material.kerf_mm,
-        before=before and before.read_text(encoding="utf-8"),
-        splash_mm=splash,
-        edge_starts=plant.leads.edge_start,
-    )
+    old = before and before.read_text(encoding="utf-8")
+    found = simulate(read_nest(nest, plant.read_options()), text, before=old, splash_mm=splash, **given(plant))
     for finding in found:
         click.echo(str(finding))
     click.echo(f"{len(read_program(text).paths)} cuts and marks burnt, findings: {len(found)}")

@@ -8,7 +8,7 @@ import os
 import re
 import tempfile
 import traceback
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from kerfwise.cli import main as kerfwise
@@ -16,16 +16,21 @@ from kerfwise.encoder.readers import read_nest
 from kerfwise.rules.profile import load_profile
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.made_nests import Made
+from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.program import UnreadableProgram, read_program
 from kerfwise.tests.metal.simulate import simulate
 
 
 @dataclass(frozen=True, slots=True)
 class Tried:
-    """What came of a nest under a profile: a refusal, something broken, or a program with its findings."""
+    """What came of a nest under a profile: a refusal, something broken, or a program with its findings.
+
+    `rest` says that it takes up the work of another program, which stopped after half of its cuts.
+    """
 
     seed: int
     profile: str
+    rest: bool = False
     refused: str = ""
     broken: str = ""
     cuts: int = 0
@@ -33,48 +38,59 @@ class Tried:
     program: str = ""
 
 
-def tried(nest: Made, profile: str, effort: tuple[str, ...]) -> Tried:
-    """Plan, and judge what comes out; `effort` are the limit's words on the command line."""
+def tried(nest: Made, profile: str, effort: tuple[str, ...], rests: bool = False) -> tuple[Tried, ...]:
+    """Plan, and judge what comes out; `effort` are the limit's words on the command line.
+
+    With `rests` the work stops after half of the cuts, and what is left is planned and judged too.
+    """
     with tempfile.TemporaryDirectory(prefix="metal-") as name:
         folder = Path(name)
         (folder / "nest.json").write_text(nest.text, encoding="utf-8")
-        code, said = _solve(folder, profile, effort)
-        written = folder / "nest.nc"
-        if code in (1, 2) and not written.exists():
-            return Tried(nest.seed, profile, refused=reason(said))
-        if code != 0 or not written.exists():
-            return Tried(nest.seed, profile, broken=f"exit code {code}: {said.strip()[-400:]}")
-        return judged(nest.seed, folder / "nest.json", profile, written.read_text(encoding="utf-8"))
+        words = ("-p", profile, *effort)
+        whole = _planned(Tried(nest.seed, profile), folder, "nest.nc", (*words, "--plan", "nest.plan.json"))
+        if not rests or whole.cuts < 2:
+            return (whole,)
+        before = (folder / "nest.nc").read_text(encoding="utf-8")
+        resumed = (*words, "--lock-from", "nest.plan.json", "--upto", str(whole.cuts // 2))
+        return whole, _planned(Tried(nest.seed, profile, rest=True), folder, "rest.nc", resumed, before)
 
 
-def judged(seed: int, file: Path, profile_name: str, text: str) -> Tried:
+def _planned(asked: Tried, folder: Path, file: str, words: tuple[str, ...], before: str | None = None) -> Tried:
+    """What comes of `kerfwise solve` with these words."""
+    code, said = _solve(folder, ("-o", file, *words))
+    if code in (1, 2) and not (folder / file).exists():
+        return replace(asked, refused=reason(said))
+    if code != 0 or not (folder / file).exists():
+        return replace(asked, broken=f"exit code {code}: {said.strip()[-400:]}")
+    return _burnt(asked, folder, (folder / file).read_text(encoding="utf-8"), before)
+
+
+def _burnt(asked: Tried, folder: Path, text: str, before: str | None) -> Tried:
     """The program's findings."""
-    profile = load_profile(profile_name)
-    edge_starts = profile.leads.edge_start
+    profile = load_profile(asked.profile)
+    nest = read_nest(folder / "nest.json", profile.read_options())
     try:
         cuts = len(read_program(text).paths)
-        found = simulate(
-            read_nest(file, profile.read_options()), text, profile.material.kerf_mm, edge_starts=edge_starts
-        )
+        found = simulate(nest, text, before=before, **plant(profile))
     except UnreadableProgram as error:
-        return Tried(seed, profile_name, broken=f"unreadable: {error}", program=text)
-    return Tried(seed, profile_name, cuts=cuts, findings=tuple(found), program=text if found else "")
+        return replace(asked, broken=f"unreadable: {error}", program=text)
+    return replace(asked, cuts=cuts, findings=tuple(found), program=text if found else "")
 
 
-def _solve(folder: Path, profile: str, effort: tuple[str, ...]) -> tuple[int, str]:
+def _solve(folder: Path, words: tuple[str, ...]) -> tuple[int, str]:
     """Exit code and what was said, by the command line's own entry."""
     said, code = io.StringIO(), 0
-    before = Path.cwd()
+    here = Path.cwd()
     os.chdir(folder)
     try:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-            kerfwise(["solve", "nest.json", "-p", profile, "-o", "nest.nc", *effort])
+            kerfwise(["solve", "nest.json", *words])
     except SystemExit as left:
         code = int(left.code or 0)
     except Exception:
         return 70, traceback.format_exc()
     finally:
-        os.chdir(before)
+        os.chdir(here)
     return code, said.getvalue()
 
 
@@ -87,10 +103,9 @@ def reason(said: str) -> str:
     broken = re.findall(r"^broken\s+hard (\S+)", said, re.MULTILINE)
     if broken:
         return f"the plan does not pass the check: {', '.join(sorted(set(broken)))}"
-    told = (
-        [line for line in said.splitlines() if line.startswith("kerfwise: ")] or said.splitlines() or ["nothing said"]
-    )
-    line = told[0].removeprefix("kerfwise: ").removeprefix("nest.json: ")
+    lines = said.splitlines() or ["nothing said"]
+    line = next((line for line in lines if line.startswith("kerfwise: ")), lines[0])
+    line = line.removeprefix("kerfwise: ").removeprefix("nest.json: ")
     detail = next((text[4:] for text in said.splitlines() if text.startswith("  - ")), "")
     told_class = _NUMBERS.sub("N", _IDS.sub("…", detail or line))
     return told_class.removeprefix("… at (N, N): ").split(";")[0][:150]

@@ -112,6 +112,10 @@ class _Reader:
                 self._move(int(value), values)
             elif letter == "M" and value == "3":
                 self._start(number, int(values.get("$", 0)))
+            elif letter == "M" and value == "64" and values.get("P") == 0:  # an output of the machine: the marking tool
+                self._start(number, 1)
+            elif letter == "M" and value == "65" and values.get("P") == 0:
+                self._stop(1)
             elif letter == "M" and value == "5":
                 self._stop(int(values.get("$", 0)))
             elif value not in _HARMLESS[letter]:

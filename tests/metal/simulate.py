@@ -31,6 +31,7 @@ def simulate(
     before: str | None = None,
     splash_mm: float = 0.0,
     edge_starts: bool = False,
+    touching: bool = False,
     excused: Collection[str] = (),
 ) -> list[Finding]:
     """Burn a program and say what is wrong with it.
@@ -49,6 +50,8 @@ def simulate(
         How far a pierce must keep from an older kerf, beyond half a kerf.
     edge_starts
         Whether a cut may begin off the sheet and run in over its edge.
+    touching
+        Whether parts may touch, as in wood: a ring may then take as much of a neighbour as its kerf is wide.
     excused
         Ids of contours that are not to be cut (small holes that are skipped or only spotted).
 
@@ -78,7 +81,7 @@ def simulate(
     paths = [*history, *now.paths]
     burns = burns_of(paths, drawing, kerf_mm)
     first = sum(path.burns for path in history)
-    pieces, metal = Pieces(drawing.sheet), PartMetal(drawing, kerf_mm)
+    pieces, metal = Pieces(drawing.sheet), PartMetal(drawing, kerf_mm, touching)
     kerfs = OlderKerfs(burns, drawing.sheet, kerf_mm, splash_mm)
     for k, burn in enumerate(burns):
         if k >= first:

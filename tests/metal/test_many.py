@@ -19,13 +19,13 @@ EFFORT = ("--work", "0.5")
 
 @pytest.mark.parametrize("seed", [9, 12])
 def test_a_made_nest_is_planned_and_burnt_without_a_finding(seed: int) -> None:
-    done = tried(made(seed), "plasma-carbon-steel", EFFORT)
+    (done,) = tried(made(seed), "plasma-carbon-steel", EFFORT)
     assert done.findings == ()
     assert done.cuts == made(seed).contours
 
 
 def test_a_refusal_is_counted_by_its_reason() -> None:
-    done = tried(made(7), "plasma-carbon-steel", EFFORT)
+    (done,) = tried(made(7), "plasma-carbon-steel", EFFORT)
     assert done.refused.startswith("no lead from leads.lead_in_min, N mm, to leads.lead_in, N mm")
     assert done.findings == ()
 
@@ -46,8 +46,8 @@ def test_reasons_are_classes(said: str, told: str) -> None:
 def test_findings_are_counted_told_and_saved(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     bad = program([*CUTS[:3], ("B.outer", around(90, 20, 50, 50, (72.5, 45)))])
 
-    def faulty(task: many.Task) -> Tried:
-        return Tried(task[0], task[1], cuts=3, findings=tuple(simulate(sheet(), bad, 2.0)), program=bad)
+    def faulty(task: many.Task) -> tuple[Tried, ...]:
+        return (Tried(task[0], task[1], cuts=3, findings=tuple(simulate(sheet(), bad, 2.0)), program=bad),)
 
     monkeypatch.setattr(many, "_one", faulty)
     words = ["--nests", "2", "--processes", "1", "--profiles", "water-jet", "--save", str(tmp_path), "--each"]
@@ -61,9 +61,9 @@ def test_findings_are_counted_told_and_saved(monkeypatch: pytest.MonkeyPatch, tm
 
 
 def test_no_finding_is_exit_code_0(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(many, "_one", lambda task: Tried(task[0], task[1], cuts=3))
+    monkeypatch.setattr(many, "_one", lambda task: (Tried(task[0], task[1], cuts=3),))
     assert CliRunner().invoke(many.main, ["--nests", "3", "--processes", "1"]).exit_code == 0
-    monkeypatch.setattr(many, "_one", lambda task: Tried(task[0], task[1], broken="exit code 70: Traceback"))
+    monkeypatch.setattr(many, "_one", lambda task: (Tried(task[0], task[1], broken="exit code 70"),))
     assert CliRunner().invoke(many.main, ["--nests", "3", "--processes", "1"]).exit_code == 1
 
 

@@ -54,6 +54,14 @@ def test_the_programs_by_hand_are_read_as_linuxcnc_reads_them() -> None:
     assert read_program(program(head=["(RESUME AFTER CUT 7)"])).resumed_after == 7
 
 
+def test_a_marking_tool_on_an_output_is_read() -> None:
+    text = "\n".join([*HEAD, "G0 X1 Y1", "M64 P0", "G1 X5 F100", "M65 P0", "G0 X9", "M3 S1", "G1 X8", "M5", "M2"])
+    assert [(p.tool, p.points.tolist()) for p in read_program(text).paths] == [
+        (1, [[1, 1], [5, 1]]),
+        (0, [[9, 1], [8, 1]]),
+    ]
+
+
 COORDINATES = st.integers(-500, 500).map(lambda v: v / 10)
 
 

@@ -56,6 +56,19 @@ def test_metal_that_two_parts_share_is_found_on_the_other_part() -> None:
     assert "30.0 mm²" in eroded[0].text
 
 
+def test_where_parts_may_touch_a_ring_may_take_of_its_neighbour_and_a_lead_may_not() -> None:
+    """As in wood: A and C touch, each ring runs in the other part; the way to C then leads through A."""
+    drawn = nest(200, 100, part("A", rect(20, 20, 50, 50)), part("C", rect(70, 20, 50, 50)))
+    ring = around(70, 20, 50, 50, (69, 15))
+    from_below = ["G0 X95 Y12", "M3 $0 S1", "G1 X95 Y19 F2500", *ring[9:12], *ring[3:9], "G1 X95 Y19", "M5 $0"]
+    text = program([("A.outer", A), ("C.outer", from_below)])
+    assert by_kind(judged(text, drawn))["part-eroded"] == 2
+    assert "part-eroded" not in by_kind(judged(text, drawn, touching=True))
+    across = around(70, 20, 50, 50, (60, 45))
+    found = judged(program([("A.outer", A), ("C.outer", across)]), drawn, touching=True)
+    assert [f.contours for f in found if f.kind == "part-eroded"] == [("C.outer", "A.outer")]
+
+
 def test_a_ring_that_does_not_close_leaves_metal_and_the_part_hangs() -> None:
     open_ring = [*A[:-2], "G1 X19 Y41", "M5 $0"]
     kinds = by_kind(judged(with_cut("A.outer", open_ring)))
