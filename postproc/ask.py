@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..encoder.candidates import build_candidates
+from ..encoder.errors import MOST_DETAILS, InputError, RulesConflict
 from ..encoder.facts import compute_facts
 from ..encoder.facts.facts import Facts
 from ..encoder.nest import Nest
 from ..models.engines import Engine
 from ..rules.lock import check_locks
 from ..rules.profile import Profile
-from ..rules.state import Stated, state_rules
+from ..rules.state import HOPELESS, Stated, hopeless_anyway, state_rules
 from .contour_heat import contour_heat_kj
 
 
@@ -30,9 +31,17 @@ def facts_of(nest: Nest, profile: Profile) -> Facts:
     ------
     InputError
         If a lock names what the nest does not have, or a contour cannot be cut as the profile asks.
+    RulesConflict
+        If contours cannot be cut and hard rules cannot hold in any order: the second is mostly the reason of the first.
     """
     check_locks(profile.locks, nest)
-    candidates = build_candidates(nest, profile.lead_options(nest))
+    try:
+        candidates = build_candidates(nest, profile.lead_options(nest))
+    except InputError as error:
+        if alone := hopeless_anyway(compute_facts(nest, profile.fact_options(nest), ()), profile):
+            besides = (f"besides, {error.message}, and --relax does not help there:", *error.details[:MOST_DETAILS])
+            raise RulesConflict(HOPELESS, (*(about.sentence for about in alone), *besides)) from None
+        raise
     return compute_facts(nest, profile.fact_options(nest), candidates, contour_heat_kj(nest, candidates, profile))
 
 

@@ -56,6 +56,7 @@ class Rule(ABC, Generic[OptionsT]):
     profile is silent, `default_weight` (mm of idle travel) what breaking it once costs when soft. A rule with
     `gives_way` above 0 may be dropped where order rules contradict each other, the highest first. One that is
     `excusable`, and hard, is broken where nothing else is left, in as few places as can be, and the plan says where.
+    `relaxable` is a rule that cannot be soft, but whose statements an operator may let go by `--relax`.
 
     Fields of `Options` that no key sets (no metadata) are filled in by the profile from its other sections.
     """
@@ -69,6 +70,7 @@ class Rule(ABC, Generic[OptionsT]):
     default_weight: ClassVar[float] = 1000.0
     gives_way: ClassVar[int] = 0
     excusable: ClassVar[bool] = False
+    relaxable: ClassVar[bool] = False
 
     @abstractmethod
     def statements(self, facts: Facts, options: OptionsT) -> Iterable[Statement]:

@@ -12,12 +12,15 @@ from .cycles import Link, components, contracted, path
 from .feedback import Unbreakable, lightest_cut
 from .own import OwnFile
 from .slower_ways import slower_ways
-from .statements import EXEMPTION_MM, About, Contiguous, IdleTravel, Precede, Statement
+from .statements import EXEMPTION_MM, About, AtLeast, Contiguous, IdleTravel, Precede, Statement
 from .yaml_positions import wrong_at
 
 if TYPE_CHECKING:
     from ..encoder.facts.facts import Facts
     from .profile import Profile
+
+
+HOPELESS = "these hard rules cannot hold in any order"
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +64,8 @@ def state_rules(facts: Facts, profile: Profile, *, reads_files: bool = False) ->
         If a lock names something that the nest does not have, or the profile asks for what nothing can state: an own
         rule in a MiniZinc file where none is read.
     RulesConflict
-        If orders that may not be dropped contradict each other; the reasons are their sentences.
+        If orders that may not be dropped contradict each other, or no plan can meet a statement; the reasons are their
+        sentences.
 
     Examples
     --------
@@ -76,6 +80,8 @@ def state_rules(facts: Facts, profile: Profile, *, reads_files: bool = False) ->
     """
     refuse_unknown(profile, reads_files)
     statements, exempt = every_statement(facts, profile)
+    if alone := hopeless(statements):
+        raise RulesConflict(HOPELESS, tuple(about.sentence for about in alone))
     resolved = resolve(statements, facts.n, {name: rule.gives_way for name, rule in profile.rulebook().items()})
     return replace(resolved, exempt=exempt)
 
@@ -94,6 +100,19 @@ def every_statement(facts: Facts, profile: Profile) -> tuple[list[Statement], tu
             statements += (_softened(s, setting.weight) for s in stated)
     statements += _objective(facts, profile)
     return statements, tuple(exempt)
+
+
+def hopeless_anyway(facts: Facts, profile: Profile) -> tuple[About, ...]:
+    """As `hopeless`, of the rules that look at contours alone: for nests that have no candidates."""
+    book = profile.rulebook()
+    on = {name: setting for name, setting in profile.settings().items() if book[name].relaxable}
+    return hopeless([s for name, setting in on.items() for s in book[name].statements(facts, setting.options)])
+
+
+def hopeless(statements: Sequence[Statement]) -> tuple[About, ...]:
+    """Where the hard statements come from that no plan can meet, whatever the others ask."""
+    found = (s.about for s in statements if isinstance(s, AtLeast) and s.weight is None and s.hopeless)
+    return tuple(dict.fromkeys(found))
 
 
 def _softened(statement: Statement, weight: float) -> Statement:

@@ -68,6 +68,11 @@ class AtLeast:
     when: int | None = None
     weight: float | None = None
 
+    @property
+    def hopeless(self) -> bool:
+        """Whether no plan can meet it: not even with every literal true that helps."""
+        return self.when is None and sum(w for w in self.weights if w > 0) < self.bound
+
 
 @dataclass(frozen=True, slots=True)
 class Contiguous:

@@ -9,24 +9,35 @@ from dataclasses import dataclass, replace
 from ...encoder.errors import RulesConflict
 from ...encoder.facts.facts import Facts
 from ...rules.profile import Profile
-from ...rules.state import DroppedStatement, Stated, every_statement, refuse_unknown, resolve, unread_files
+from ...rules.state import (
+    HOPELESS,
+    DroppedStatement,
+    Stated,
+    every_statement,
+    hopeless,
+    refuse_unknown,
+    resolve,
+    unread_files,
+)
 from ...rules.statements import About, Forbid, Precede, Statement
 from ..plan import RELAXED
 from ..timing.choose import feeds_of
 from .core import Core, find_core
 from .group import Group, hard_groups, moves_or_seconds, on_order
 from .order_model import NotAnswered
-from .relax import find_relaxation, soften
+from .relax import find_relaxation, may_give_way, soften
 from .whole import Engines, find_whole_core
 
 MOST = 20
+NO_HELP = "no rule that may give way helps: change the locks or the nest"
 
 
 @dataclass(frozen=True, slots=True)
 class Conflict:
     """Statements that contradict each other, and those that should give way.
 
-    Without any one of `clash` the others of it could hold (unless `minimal` is False). `relax` is what must give way
+    Without any one of `clash` the others of it could hold (unless `minimal` is False); with `alone` none of them can be
+    met by any plan, whatever the others ask. `relax` is what must give way
     so that *all* rules can hold: None where nothing that may give way helps or none was found, and then `stuck` says
     which. `notes` are what no statement says.
     """
@@ -36,6 +47,7 @@ class Conflict:
     relax: tuple[About, ...] | None
     stuck: str = ""
     notes: tuple[str, ...] = ()
+    alone: bool = False
 
     @property
     def contours(self) -> tuple[str, ...]:
@@ -44,12 +56,16 @@ class Conflict:
 
     def lines(self) -> Iterator[str]:
         """The conflict in a planner's words."""
-        yield "these hard rules cannot all hold; " + (
-            "without any one of them the others can:"
-            if self.minimal
-            else "not all of them could be tried within the limit, so that some may have no part in it:"
-        )
-        yield from _listed(self.clash)
+        if self.alone:
+            yield f"{HOPELESS}: {_times(self.clash)}:"
+            yield from _listed(self.clash, len(self.clash))
+        else:
+            yield "these hard rules cannot all hold; " + (
+                "without any one of them the others can:"
+                if self.minimal
+                else "not all of them could be tried within the limit, so that some may have no part in it:"
+            )
+            yield from _listed(self.clash)
         yield from (f"  note: {note}" for note in self.notes)
         if self.relax is None:
             yield self.stuck
@@ -71,20 +87,18 @@ def find_conflict(facts: Facts, profile: Profile) -> Conflict | None:
     seconds included, by the engines.
     """
     statements, _ = every_statement(facts, profile)
-    hard = _asked(facts, profile, statements)
     finder = _Finder(facts, profile)
+    if alone := hopeless(statements):
+        stuck, relax = _way_out_or_why_none(facts, profile, statements, finder)
+        return Conflict(alone, True, relax, stuck, tuple(unread_files(profile)), alone=True)
     try:
-        core = finder.core(hard_groups(hard))
+        core = finder.core(hard_groups(_asked(facts, profile, statements)))
     except NotAnswered:
         return None
     if core is None:
         return None
     clash = tuple(group.about for group in core.groups)
-    stuck, relax = "", None
-    try:
-        relax = _way_out(facts, profile, statements, finder)
-    except RulesConflict as error:
-        stuck = error.message
+    stuck, relax = _way_out_or_why_none(facts, profile, statements, finder)
     forbidden = {s.candidate for group in core.groups for s in group.statements if isinstance(s, Forbid)}
     notes = (*_only_ways(facts, profile, forbidden), *unread_files(profile))
     return Conflict(clash, core.minimal, relax, stuck, notes)
@@ -107,7 +121,9 @@ def state_relaxed(facts: Facts, profile: Profile, *, reads_files: bool = False) 
     statements, exempt = every_statement(facts, profile)
     out = _way_out(facts, profile, statements, _Finder(facts, profile, trusting=True))
     relaxed = set(out)
-    resolved = resolve(soften(statements, relaxed), facts.n, _gives_way(profile))
+    never_met = set(hopeless(statements))
+    left = [s for s in soften(statements, relaxed) if s.about not in never_met]  # they would only add to every cost
+    resolved = resolve(left, facts.n, _gives_way(profile))
     given_up = {s.about: s for s in statements if s.weight is None and s.about in relaxed}
     dropped = tuple(DroppedStatement(s, f"{RELAXED}{about.sentence}") for about, s in given_up.items())
     return replace(resolved, dropped=(*resolved.dropped, *dropped), exempt=exempt)
@@ -136,10 +152,22 @@ class _Finder:
             raise
 
 
+def _way_out_or_why_none(
+    facts: Facts, profile: Profile, statements: Sequence[Statement], finder: _Finder
+) -> tuple[str, tuple[About, ...] | None]:
+    """Why nothing helps, "" where something does, and what must give way."""
+    try:
+        return "", _way_out(facts, profile, statements, finder)
+    except RulesConflict as error:
+        return error.message, None
+
+
 def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement], finder: _Finder) -> tuple[About, ...]:
     """What must give way: first where even rules that give way do not help."""
     book = profile.rulebook()
-    out: list[About] = []
+    out = list(hopeless(statements))
+    if not all(may_give_way(book[about.rule]) for about in out):
+        raise RulesConflict(NO_HELP)
     while True:
         left = soften(statements, out)
         try:
@@ -147,7 +175,7 @@ def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement], fi
         except NotAnswered:
             raise RulesConflict("no way out was found within the limit (none is proven impossible)") from None
         if found is None:
-            raise RulesConflict("no rule that may give way helps: change the locks or the nest")
+            raise RulesConflict(NO_HELP)
         if not found.groups:
             return tuple(out)
         out += [group.about for group in found.groups]
@@ -176,12 +204,15 @@ def _only_ways(facts: Facts, profile: Profile, forbidden: set[int]) -> Iterator[
             yield f"cut-direction offers no other way round {contour.id} than {ways[0]}"
 
 
-def _listed(abouts: Sequence[About]) -> Iterator[str]:
-    yield from (f"  - {about.rule}: {about.sentence}" for about in abouts[:MOST])
-    if len(abouts) > MOST:
-        counts = Counter(about.rule for about in abouts)
-        each = ", ".join(f"{count} of {rule}" for rule, count in sorted(counts.items()))
-        yield f"  … and {len(abouts) - MOST} more; in all {each}"
+def _listed(abouts: Sequence[About], most: int = MOST) -> Iterator[str]:
+    yield from (f"  - {about.rule}: {about.sentence}" for about in abouts[:most])
+    if len(abouts) > most:
+        yield f"  … and {len(abouts) - most} more; in all {_times(abouts)}"
+
+
+def _times(abouts: Sequence[About]) -> str:
+    counts = Counter(about.rule for about in abouts)
+    return ", ".join(f"{count} of {rule}" for rule, count in sorted(counts.items()))
 
 
 def _few(names: Sequence[str], most: int = 8) -> str:

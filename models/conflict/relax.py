@@ -66,6 +66,11 @@ def find_relaxation(
             return Relaxation(tuple(groups[k] for k in sorted(out)))
 
 
+def may_give_way(rule: Rule[Any]) -> bool:
+    """Whether single statements of a rule, hard as they are, may be let go."""
+    return rule.id not in NEVER and ("soft" in rule.strengths or rule.relaxable)
+
+
 def _lightest(clashes: Sequence[Sequence[int]], weights: Sequence[int | None]) -> set[int]:
     """The groups of least total weight that hit every clash."""
     model = CpModel()
@@ -84,8 +89,7 @@ def _weights(groups: Sequence[Group], book: Mapping[str, Rule[Any]]) -> list[int
     weights: list[int | None] = []
     for group in groups:
         rule = book[group.about.rule]
-        never = rule.id in NEVER or "soft" not in rule.strengths
-        weights.append(None if never else max(1, round(rule.default_weight * UNITS_A_MM)))
+        weights.append(max(1, round(rule.default_weight * UNITS_A_MM)) if may_give_way(rule) else None)
     heavy = 1 + sum(w for w in weights if w is not None)
     return [heavy if group.about.rule == LAST else w for group, w in zip(groups, weights, strict=True)]
 

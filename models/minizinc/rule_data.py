@@ -8,6 +8,7 @@ from typing import Any
 
 from ...encoder.facts.facts import Facts
 from ...encoder.geometry.segment import Point
+from ...encoder.tolerance import tolerance_mm
 from ...rules.catalogue.cut_direction import CutDirectionOptions
 from ...rules.catalogue.heat_lag import HeatLagOptions
 from ...rules.catalogue.locks import LocksOptions
@@ -16,12 +17,23 @@ from ...rules.catalogue.no_islands import NoIslandsOptions
 from ...rules.catalogue.part_contiguous import PartContiguousOptions
 from ...rules.catalogue.part_rigidity import PartRigidityOptions
 from ...rules.catalogue.pierce import PierceOptions
+from ...rules.catalogue.shared_metal import SharedMetalOptions
 from ...rules.option import NoOptions
 from ...rules.sections import RuleSetting
 from ...rules.state import Stated
 from ...rules.statements import Forbid
+from ..problem import UM_PER_MM
 from .dzn import Fields, assignments, flag, flags, number_set, numbers
-from .rule_facts import clusters, head_freed, near_pairs, on_the_frame, pierced_waste, tail_needed, tip_moves
+from .rule_facts import (
+    clusters,
+    head_freed,
+    near_pairs,
+    on_the_frame,
+    pierced_waste,
+    same_waste,
+    tail_needed,
+    tip_moves,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +122,17 @@ def _heat_lag(case: Case, options: HeatLagOptions) -> Fields:
     ]
 
 
+def _shared_metal(case: Case, options: SharedMetalOptions) -> Fields:
+    near = same_waste(case.facts, options.kerf_mm)
+    return [
+        ("n_shared_near", str(len(near))),
+        ("shared_one", numbers(i + 1 for i, _, _ in near)),
+        ("shared_other", numbers(j + 1 for _, j, _ in near)),
+        ("shared_gap_um", numbers(gap_um for _, _, gap_um in near)),
+        ("shared_least_um", str(round((options.kerf_mm - tolerance_mm(options.kerf_mm)) * UM_PER_MM))),
+    ]
+
+
 def _no_tip_travel(case: Case, options: NoOptions) -> Fields:
     over = tip_moves(case.facts, case.home_mm)
     last = len(case.facts.candidates)
@@ -131,5 +154,6 @@ DATA: Mapping[str, Callable[[Case, Any], Fields]] = {
     "part-contiguous": _part_contiguous,
     "part-rigidity": _part_rigidity,
     "pierce": _pierce,
+    "shared-metal": _shared_metal,
 }
 """Rule id → what its file under `rules/` reads beside the facts."""

@@ -14,6 +14,8 @@ from ...encoder.geometry.segment import Point
 from ..crossings import GRAZE_UM
 from ..problem import UM_PER_MM, points_um
 
+FINE_MM = 0.002
+"""Chords lie this close to contours whose gaps are measured."""
 PER_MM = 100
 """Lengths in MiniZinc data are whole hundredths of a millimetre."""
 
@@ -70,6 +72,18 @@ def near_pairs(facts: Facts, radius_mm: float) -> list[tuple[int, int]]:
         for (i, a), (j, b) in combinations(cut, 2)
         if a.part != b.part and a.line.distance(b.line) < radius_mm - 1e-6
     ]
+
+
+def same_waste(facts: Facts, kerf_mm: float) -> list[tuple[int, int, int]]:
+    """Contours of different parts that bound the same waste no further apart than the kerf, and the gap, µm."""
+    cut = [(k, c) for k, c in enumerate(facts.nest.contours) if c.kind != "mark"]
+    waste = {k: int(facts.parent[k]) if c.kind == "outer" else k for k, c in cut}
+    lines = {k: shapely.LinearRing(c.curve.flatten(FINE_MM)) for k, c in cut}
+    found = []
+    for (i, _), (j, _) in combinations(cut, 2):
+        if waste[i] == waste[j] and (gap_mm := lines[i].distance(lines[j])) <= kerf_mm:
+            found.append((i, j, round(gap_mm * UM_PER_MM)))
+    return found
 
 
 def tip_moves(facts: Facts, home_mm: Point) -> dict[int, Bools]:

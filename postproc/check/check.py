@@ -13,7 +13,7 @@ from .coverage import coverage, once_each
 from .edge_starts import edge_starts, forbidden
 from .heating import Thermometer, heatings_of_cuts, heatings_of_program, measured
 from .judge import judge
-from .metal import gouges, off_sheet
+from .metal import Pairs, gouges, off_sheet
 from .nc_on_machine import read_on_machine
 from .program_rules import judgement
 from .rebuild import rebuild
@@ -23,6 +23,9 @@ from .running import judge_running
 from .runs_from_cuts import runs_from_cuts
 from .torch_run import TorchRun
 from .totals import Claims, claims_kept, idle_mm, totals
+
+SHARED_METAL = "shared-metal"
+"""The rule that judges what the rounds of parts burn of each other."""
 
 
 def check_cuts(
@@ -39,7 +42,7 @@ def check_cuts(
     says it has let go. Without a thermometer no temperature is judged.
     """
     runs, faults = runs_from_cuts(nest, cuts, profile.material.kerf_mm)
-    judged, warnings = _judge_paths(nest, cuts, runs, faults, profile)
+    judged, warnings = _judge_paths(nest, cuts, runs, faults, profile, relaxed)
     felt = measured(once_each(nest, cuts), heatings_of_cuts(nest, cuts, runs, profile), thermometer)
     rules = judge(nest, felt, profile, relaxed)
     warnings += relaxed_warnings(relaxed)
@@ -62,9 +65,9 @@ def check_program(
     """
     program = read_on_machine(nc_text, profile, file)
     built = rebuild(nest, program, profile.material.kerf_mm, profile.machine.home)
-    judged, warnings = _judge_paths(nest, built.cuts, built.runs, built.violations, profile)
-    judged += judge_running(nest, program, profile)
     relaxed = read_relaxed(nest, program.comments)
+    judged, warnings = _judge_paths(nest, built.cuts, built.runs, built.violations, profile, relaxed)
+    judged += judge_running(nest, program, profile)
     felt = measured(once_each(nest, built.cuts), heatings_of_program(program), thermometer)
     rules = judge(nest, felt, profile, relaxed)
     warnings += relaxed_warnings(relaxed)
@@ -72,9 +75,14 @@ def check_program(
 
 
 def _judge_paths(
-    nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], faults: Sequence[Violation], profile: Profile
+    nest: Nest,
+    cuts: CutSequence,
+    runs: Sequence[TorchRun],
+    faults: Sequence[Violation],
+    profile: Profile,
+    relaxed: Sequence[Relaxed],
 ) -> tuple[list[Judgement], list[str]]:
-    found = gouges(nest, runs, profile.material.kerf_mm)
+    found = gouges(nest, runs, profile.material.kerf_mm, _sharing(nest, profile, relaxed))
     runs_up = forbidden(nest, profile) is None
     margin_mm = profile.material.kerf_mm + (profile.leads.lead_in_mm if runs_up else 0.0)
     judged = [
@@ -88,6 +96,14 @@ def _judge_paths(
         judgement("no-gouging", found.violations),
     ]
     return judged, list(found.warnings)
+
+
+def _sharing(nest: Nest, profile: Profile, relaxed: Sequence[Relaxed]) -> Pairs | None:
+    """Pairs of parts that may burn each other's metal; None for all, where the profile lets contours touch."""
+    if SHARED_METAL not in profile.settings():
+        return None
+    let = (statement.contours for statement in relaxed if statement.rule == SHARED_METAL)
+    return frozenset(frozenset(nest.contour(name).part for name in names if name in nest.index) for names in let)
 
 
 def _measured(runs: Sequence[TorchRun], idle_mm: float) -> Measured:

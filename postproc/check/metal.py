@@ -8,10 +8,19 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from ...encoder.nest import Nest
+from ...encoder.geometry.segment import Point
+from ...encoder.nest import Nest, Part
 from ...rules.rule import Violation
 from .program_rules import tolerance_mm
 from .torch_run import TorchRun
+
+Pairs = frozenset[frozenset[str]]
+"""Pairs of parts, by their ids."""
+
+SLACK_MM = 0.01
+"""What the chords of paths and contours may make of a depth."""
+_CHORD_MM = 0.002
+_STEP_MM = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,57 +31,85 @@ class Gouges:
     warnings: tuple[str, ...]
 
 
-def gouges(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float) -> Gouges:
-    """Where the kerf, half its width to each side of the torch, enters the metal of a part.
+@dataclass(frozen=True, eq=False, slots=True)
+class _Burn:
+    """One path of a run, the round or a lead."""
 
-    Two parts closer than the kerf cannot be cut apart without one losing metal: the round of one that touches the
-    other is a warning that names both; leads may not do it there either.
+    run: TorchRun
+    line: shapely.LineString
+    lead: bool
+
+
+def gouges(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float, shared: Pairs | None = frozenset()) -> Gouges:
+    """Where the kerf, half its width to each side of the torch, reaches more than the tolerance into a part's metal.
+
+    `shared` are pairs of parts whose metal the rounds of each may burn: those that the plan says it has let go, or all
+    (None) where the rule shared-metal is off. Where all may, a warning names those that do. What a lead burns beyond
+    its round is a gouge there too.
     """
-    reach_mm = kerf_mm / 2 - tolerance_mm(kerf_mm)
-    torch = [run for run in runs if not run.marks]
-    if reach_mm <= 0 or not torch or not nest.parts:
+    half_mm, allowed_mm = kerf_mm / 2, tolerance_mm(kerf_mm) + SLACK_MM
+    burns = [_Burn(run, run.loop, False) for run in runs if not run.marks]
+    burns += [_Burn(run, lead, True) for run in runs if not run.marks for lead in run.leads]
+    if kerf_mm <= 0 or not burns or not nest.parts:
         return Gouges((), ())
-    metal = np.array([shapely.make_valid(part.polygon) for part in nest.parts], dtype=object)
-    tree = shapely.STRtree(metal)
+    metal = np.array([_metal(part) for part in nest.parts], dtype=object)
+    lines = np.array([burn.line for burn in burns], dtype=object)
+    rows, parts = shapely.STRtree(metal).query(lines, predicate="dwithin", distance=max(half_mm - allowed_mm, 0.0))
     violations: list[Violation] = []
-    tight: dict[tuple[str, str], float] = {}
-    loops = np.array([run.loop for run in torch], dtype=object)
-    for k, p in sorted(map(tuple, tree.query(loops, predicate="dwithin", distance=reach_mm).T.tolist())):
-        run, other = torch[k], nest.parts[p].id
-        if run.contour is not None and run.contour.part != other:
-            gap_mm = float(shapely.distance(run.contour.line, metal[p]))
-            if gap_mm < 2 * reach_mm:
-                pair = (min(run.contour.part, other), max(run.contour.part, other))
-                tight[pair] = min(tight.get(pair, np.inf), gap_mm)
-                continue
-        violations.append(_gouge(run, "the kerf", run.loop, metal[p], other, kerf_mm))
-    leads = [(run, lead) for run in torch for lead in run.leads]
-    lines = np.array([lead for _, lead in leads], dtype=object)
-    for k, p in sorted(map(tuple, tree.query(lines, predicate="dwithin", distance=reach_mm).T.tolist())):
-        (run, lead), other = leads[k], nest.parts[p].id
-        if run.contour is not None and (min(run.contour.part, other), max(run.contour.part, other)) in tight:
-            # near its join a lead runs in the round's own kerf, which is already warned of
-            lead = shapely.difference(lead, shapely.buffer(run.loop, kerf_mm / 2))
-            if lead.is_empty or not shapely.dwithin(lead, metal[p], reach_mm):
-                continue
-        violations.append(_gouge(run, "a lead", lead, metal[p], other, kerf_mm))
+    warned: dict[tuple[str, str], float] = {}
+    for k, p in sorted(zip(rows.tolist(), parts.tolist(), strict=True)):
+        burn, part, struck = burns[k], nest.parts[p].id, metal[p]
+        own = burn.run.contour.part if burn.run.contour is not None else part
+        pair = (min(own, part), max(own, part))
+        let = own != part and (shared is None or frozenset(pair) in shared)
+        if let and burn.lead:  # near its join a lead runs in the round's own kerf
+            struck = shapely.difference(struck, shapely.buffer(burn.run.loop, half_mm))
+        depth_mm, place = _deepest(burn.line, struck, half_mm)
+        if depth_mm <= allowed_mm:
+            continue
+        if let and not burn.lead:
+            warned[pair] = max(warned.get(pair, 0.0), depth_mm)
+            continue
+        burnt_mm2 = float(shapely.area(shapely.intersection(shapely.buffer(burn.line, half_mm), struck)))
+        violations.append(_gouge(burn, part, depth_mm, burnt_mm2, place))
     warnings = [
-        f"{a} and {b} are {gap:.3f} mm apart, less than the kerf of {kerf_mm:g} mm: each cut takes metal of both"
-        for (a, b), gap in sorted(tight.items())
+        f"{a} and {b} are less than the kerf of {kerf_mm:g} mm apart: each cut takes metal of both, up to {mm:.3f} mm"
+        for (a, b), mm in sorted(warned.items())
     ]
-    return Gouges(tuple(violations), tuple(warnings))
+    return Gouges(tuple(violations), tuple(warnings) if shared is None else ())
 
 
-def _gouge(
-    run: TorchRun, what: str, line: shapely.LineString, metal: shapely.Geometry, part: str, kerf_mm: float
-) -> Violation:
-    depth_mm = kerf_mm / 2 - float(shapely.distance(line, metal))
+def _metal(part: Part) -> shapely.Geometry:
+    """The metal of a part in fine chords, whether shapely calls its rings valid or not."""
+    areas = [shapely.make_valid(c.curve.polygon(_CHORD_MM)) for c in (part.outer, *part.holes)]
+    return shapely.difference(areas[0], shapely.union_all(areas[1:])) if part.holes else areas[0]
+
+
+def _deepest(line: shapely.LineString, metal: shapely.Geometry, half_mm: float) -> tuple[float, Point]:
+    """How deep the kerf along a line reaches into metal (0 or less: not at all), mm, and where."""
+    if metal.is_empty:
+        return 0.0, (0.0, 0.0)
+    gap_mm = float(shapely.distance(line, metal))
+    if gap_mm > 0:
+        x, y = shapely.get_coordinates(shapely.shortest_line(line, metal))[-1].tolist()
+        return half_mm - gap_mm, (x, y)
+    inside = shapely.segmentize(shapely.intersection(line, metal), _STEP_MM)
+    points = shapely.get_coordinates(inside)
+    depths_mm = shapely.distance(shapely.boundary(metal), shapely.points(points))
+    k = int(np.argmax(depths_mm))
+    x, y = points[k].tolist()
+    return half_mm + float(depths_mm[k]), (x, y)
+
+
+def _gouge(burn: _Burn, part: str, depth_mm: float, burnt_mm2: float, place: Point) -> Violation:
+    run = burn.run
     contours = () if run.contour is None else (run.contour.id,)
-    where = f"{depth_mm:.3f} mm deep" if depth_mm < kerf_mm / 2 else "across it"
+    what = "a lead" if burn.lead else "the kerf"
     return Violation(
         "no-gouging",
         (*contours, f"{part}.outer"),
-        f"{run.where}: {what} of {run.name} enters the metal of {part}, {where}",
+        f"{run.where}: {what} of {run.name} reaches {depth_mm:.3f} mm into the metal of {part} at "
+        f"({place[0]:.1f}, {place[1]:.1f}) and burns {burnt_mm2:.1f} mm² of it",
         (run.position,) if run.position else (),
     )
 

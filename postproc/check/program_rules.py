@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ...encoder.tolerance import TOLERANCE_MM as TOLERANCE_MM
+from ...encoder.tolerance import tolerance_mm as tolerance_mm
 from ...rules.rule import Violation
 from .result import Judgement
 
@@ -18,24 +20,10 @@ SENTENCES = {
     "returns-home": "The torch ends where it starts, at the machine's home.",
     "on-sheet": "The torch burns only over the sheet, but for the run-up of an edge start.",
     "edge-start": "The torch begins off the sheet only where edge starts are allowed, at an edge that is stated.",
-    "no-gouging": "The kerf enters no part.",
+    "no-gouging": "The kerf of no cut, its leads included, enters the metal of a part by more than 0.05 mm.",
     "totals": "The totals, lengths and times that the plan states are those of its cuts.",
     "claims": "Each hard rule holds in the plan where the plan says so.",
 }
-
-TOLERANCE_MM = 0.05
-"""How far a torch path may be from where it belongs; less where the kerf is so thin that sides would be confused."""
-
-
-def tolerance_mm(kerf_mm: float) -> float:
-    """The tolerance at this kerf: 0.05 mm, a quarter of a kerf under 0.2 mm, but never less than 0.02 mm.
-
-    Examples
-    --------
-    >>> tolerance_mm(1.5), tolerance_mm(0.1), tolerance_mm(0.0)
-    (0.05, 0.025, 0.05)
-    """
-    return min(TOLERANCE_MM, max(kerf_mm / 4, 0.02)) if kerf_mm > 0 else TOLERANCE_MM
 
 
 def judgement(rule_id: str, violations: Iterable[Violation], unjudged: str | None = None) -> Judgement:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.rules import catalogue, facing, holding, pierce_places, placement, rigidity, strips
+from kerfwise.rules import burnt_metal, catalogue, facing, holding, pierce_places, placement, rigidity, strips
 from kerfwise.rules.own import criterion, measures
 from kerfwise.rules.registry import catalogue_modules
 
@@ -28,6 +28,7 @@ FILES = [
     for m in (
         *catalogue_modules(),
         catalogue,
+        burnt_metal,
         facing,
         holding,
         pierce_places,

@@ -15,6 +15,7 @@ from kerfwise.encoder.nest import Nest, Part
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.catalogue.marks_first import MarksFirstOptions
 from kerfwise.rules.catalogue.part_contiguous import PartContiguousOptions
+from kerfwise.rules.catalogue.shared_metal import SharedMetalOptions
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import AtLeast, Before, Contiguous, Lag, Precede, Statement
 from kerfwise.tests.nests import circle, nest, part, rect
@@ -37,6 +38,7 @@ SHEETS = {
 OPTIONS = {
     "marks-first": [MarksFirstOptions(scope="sheet"), MarksFirstOptions(scope="part")],
     "heat-lag": [HeatLagOptions(heat_radius_mm=25.0)],
+    "shared-metal": [SharedMetalOptions(kerf_mm=1.5)],
     "part-contiguous": [PartContiguousOptions(marks="apart"), PartContiguousOptions(marks="together")],
 }
 CHOICES = [(rule, options) for rule in RULES for options in OPTIONS.get(rule, [RULES[rule].Options()])]

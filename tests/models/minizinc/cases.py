@@ -95,6 +95,8 @@ def _shape(shape: str, name: str, x: int, y: int, rng: np.random.Generator) -> l
 
 SIMULATED = "t-max"
 """The rule of which no engine knows more than what a simulation says afterwards: it is off."""
+LAST_DRAWN = "shared-metal"
+"""The rule whose strength is drawn after all else, so that seeds keep the nests and rules that they had before it."""
 
 
 def random_profile(rng: np.random.Generator, drawn: Nest) -> Profile:
@@ -113,7 +115,7 @@ def random_profile(rng: np.random.Generator, drawn: Nest) -> Profile:
     }
     rules = {SIMULATED: base.rules[SIMULATED]}
     for name, rule in RULES.items():
-        if name == SIMULATED:
+        if name in (SIMULATED, LAST_DRAWN):
             continue
         strength = str(rng.choice(rule.strengths))
         weight = float(rng.choice([3.5, 40, 400])) if strength == "soft" else None
@@ -121,7 +123,9 @@ def random_profile(rng: np.random.Generator, drawn: Nest) -> Profile:
     objective = replace(base.objective, time=float(rng.choice([0, 0, 100])))
     leads = replace(base.leads, entries=int(rng.integers(1, 3)))
     machine = replace(base.machine, home=(float(rng.choice([0, 200])), 0.0))
-    return replace(base, rules=rules, objective=objective, leads=leads, machine=machine, locks=_locks(rng, drawn))
+    locks = _locks(rng, drawn)
+    rules[LAST_DRAWN] = replace(base.rules[LAST_DRAWN], strength=str(rng.choice(["hard", "off"])))  # type: ignore[arg-type]
+    return replace(base, rules=rules, objective=objective, leads=leads, machine=machine, locks=locks)
 
 
 def _locks(rng: np.random.Generator, drawn: Nest) -> tuple[Lock, ...]:

@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 
 from kerfwise.encoder.cut import CutSequence
-from kerfwise.postproc.check import CheckResult, check_cuts, report
+from kerfwise.postproc.check import CheckResult, Relaxed, check_cuts, report
 from kerfwise.postproc.check.nc_reader import read_nc
 from kerfwise.postproc.check.rebuild import rebuild
 from kerfwise.postproc.checking import check_plan, check_program, judge, report_of
@@ -109,18 +109,27 @@ def test_soft_rules_never_fail_the_check() -> None:
     assert "zone-order" not in {verdict.id for verdict in report_of(result)}
 
 
-def test_parts_closer_than_the_kerf_are_a_warning_that_names_them() -> None:
+def test_parts_closer_than_the_kerf_are_refused_unless_contours_may_touch() -> None:
     tight = nest(300, 120, part("A", rect(20, 20, 60, 60)), part("B", rect(81, 20, 60, 60)))
     cuts = [cut_of(tight.contour("A.outer"), 0.1, "cw"), cut_of(tight.contour("B.outer"), 0.1, "cw")]
+    rules = dict(PROFILE.rules)
+    rules["shared-metal"] = dataclasses.replace(rules["shared-metal"], strength="off")
+    wood = dataclasses.replace(PROFILE, rules=rules)
     plan = plan_of(tight, cuts, PROFILE)
-    for result in (
-        check_plan(tight, plan, PROFILE),
-        check_program(tight, write_program(plan, tight, PROFILE), PROFILE),
-    ):
+    program = write_program(plan, tight, PROFILE)
+    for result in (check_plan(tight, plan, PROFILE), check_program(tight, program, PROFILE)):
+        assert result.broken() == ("no-gouging", "shared-metal")
+    for result in (check_plan(tight, plan, wood), check_program(tight, program, wood)):
         assert result.ok, report(result)
         assert result.warnings == (
-            "A and B are 1.000 mm apart, less than the kerf of 1.5 mm: each cut takes metal of both",
+            "A and B are less than the kerf of 1.5 mm apart: each cut takes metal of both, up to 0.500 mm",
         )
+    let = Relaxed("shared-metal", ("A.outer", "B.outer"))
+    told = program.replace("(CUT 1", "(RELAXED 1 shared-metal A.outer B.outer)\n(CUT 1")
+    for result in (check_cuts(tight, plan.sequence(), PROFILE, None, (let,)), check_program(tight, told, PROFILE)):
+        assert result.ok, report(result)
+        assert result.rule("shared-metal").verdict == "excused"
+        assert result.warnings == ("relaxed: shared-metal about A.outer, B.outer",)
 
 
 def test_an_empty_nest_and_no_cuts() -> None:

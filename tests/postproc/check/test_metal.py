@@ -1,13 +1,18 @@
 """Gouges and paths off the sheet."""
 
+import re
 from dataclasses import replace
 
 import pytest
 
 from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.facts import FactOptions, compute_facts
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check import CheckResult, check_cuts
+from kerfwise.rules.catalogue.shared_metal import SharedMetalOptions
+from kerfwise.rules.profile import RuleSetting, default_settings
+from kerfwise.rules.registry import RULES
 from kerfwise.tests.nests import circle, nest, part, rect
 from kerfwise.tests.postproc.plans import cut_of, profile
 
@@ -28,15 +33,57 @@ def test_a_lead_along_a_neighbour_takes_metal_of_it() -> None:
     result = one(sheet, "A.outer", (44, 15.5))
     (violation,) = result.rule("no-gouging").violations
     assert violation.contours == ("A.outer", "B.outer")
-    assert violation.text == "cut 1: a lead of A.outer enters the metal of B, 0.250 mm deep"
+    assert violation.text == (
+        "cut 1: a lead of A.outer reaches 0.250 mm into the metal of B at (44.0, 15.0) and burns 0.2 mm² of it"
+    )
 
 
-def test_beside_a_part_closer_than_the_kerf_only_the_round_may_take_metal() -> None:
-    sheet = nest(200, 200, part("A", rect(20, 20, 60, 60)), part("B", rect(30, 5, 100, 14.2)))
-    result = one(sheet, "A.outer", (44, 18.9))
+def from_above(sheet: Nest, **changes: object) -> CheckResult:
+    """The check of A, 60 mm square, joined in the middle of its upper side."""
+    return check_cuts(sheet, CutSequence((cut_of(sheet.contour("A.outer"), 0.625, "cw"),), "left"), profile(**changes))
+
+
+CLOSE = nest(200, 200, part("A", rect(20, 20, 60, 60)), part("B", rect(30, 5, 100, 14.2)))
+
+
+def test_beside_a_part_closer_than_the_kerf_the_round_takes_metal_of_it() -> None:
+    result = from_above(CLOSE)
+    (gouge,) = result.rule("no-gouging").violations
+    assert gouge.contours == ("A.outer", "B.outer")
+    assert gouge.text == (
+        "cut 1: the kerf of A.outer reaches 0.700 mm into the metal of B at (80.0, 19.2) and burns 35.6 mm² of it"
+    )
+    (shared,) = result.rule("shared-metal").violations
+    assert shared.contours == ("A.outer", "B.outer")
+
+
+def test_where_contours_may_touch_the_round_is_warned_of_and_a_lead_is_not_let() -> None:
+    rules = default_settings()
+    rules["shared-metal"] = RuleSetting("off", None, rules["shared-metal"].options)
+    result = from_above(CLOSE, rules=rules)
     assert result.rule("no-gouging").holds
-    assert result.warnings[0].startswith("A and B are 0.800 mm apart, less than the kerf")
-    assert not one(sheet, "A.outer", (44, 12)).rule("no-gouging").holds
+    assert result.warnings[0] == (
+        "A and B are less than the kerf of 1.5 mm apart: each cut takes metal of both, up to 0.700 mm"
+    )
+    gouge, *_ = one(CLOSE, "A.outer", (44, 12), rules=rules).rule("no-gouging").violations
+    assert "a lead of A.outer reaches 7.250 mm into the metal of B" in gouge.text
+
+
+@pytest.mark.parametrize("gap_mm", [0.0, 0.01, 0.4, 0.75, 1.0, 1.39, 1.42, 1.44, 1.46, 1.49, 1.5, 1.51, 2.0])
+def test_one_line_for_all_gaps(gap_mm: float) -> None:
+    """What the planner refuses, the rule's own geometry and the burns of a program refuse alike."""
+    sheet = nest(300, 200, part("A", rect(20, 20, 60, 60)), part("B", rect(80 + gap_mm, 20, 60, 60)))
+    result = from_above(sheet)
+    told = list(RULES["shared-metal"].statements(compute_facts(sheet, FactOptions(), ()), SharedMetalOptions()))
+    holds = gap_mm > 1.45
+    assert result.rule("no-gouging").holds is holds
+    assert result.rule("shared-metal").holds is holds
+    assert (told == []) is holds
+    if not holds:
+        assert f"reaches {1.5 - gap_mm:.3f} mm into" in result.rule("no-gouging").violations[0].text
+        assert f"reaches {1.5 - gap_mm:.3f} mm into" in told[0].about.sentence
+        area = float(re.search(r"burns (\S+) mm²", result.rule("no-gouging").violations[0].text)[1])  # type: ignore[index]
+        assert area == pytest.approx(60 * (1.5 - gap_mm), rel=0.02, abs=0.1)
 
 
 def test_a_part_that_was_cut_out_before_still_counts() -> None:

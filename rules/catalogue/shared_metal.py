@@ -1,0 +1,110 @@
+"""Rule shared-metal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+
+from ...encoder.cut import CutSequence
+from ...encoder.geometry.segment import Point
+from ...encoder.nest import Nest
+from ...encoder.tolerance import tolerance_mm
+from ..burnt_metal import burnt_parts
+from ..rule import Rule, Violation
+from ..statements import AtLeast
+
+if TYPE_CHECKING:
+    from ...encoder.facts.facts import Facts
+
+CHORD_MM = 0.002
+"""Contours are measured by chords that lie this close to them."""
+
+
+@dataclass(frozen=True, slots=True)
+class SharedMetalOptions:
+    """`kerf_mm` is that of the material."""
+
+    kerf_mm: float = 1.5
+
+
+class SharedMetal(Rule[SharedMetalOptions]):
+    """No cut burns the metal of another part.
+
+    ## What it does
+
+    The kerf of a contour is a strip as wide as `material.kerf`, on the side of its waste: outside an outer contour,
+    inside a hole. Two contours of different parts that bound the same waste (two outer contours side by side, or a hole
+    and a part that lies in it) and are nearer to each other than the kerf burn each other's metal: each kerf reaches
+    as deep into the other part as the gap falls short of the kerf. More than 0.05 mm deep (a quarter of a kerf under
+    0.2 mm) is refused, since no order and no entry helps: `solve` names every such pair with place, gap and depth.
+    `--relax` lets these pairs go, and marks them in the plan, the program and the check. A web between a hole and the
+    outer contour of the same part may be as thin as it likes: both kerfs lie in waste. Marks burn nothing through.
+    Where the rule is off, as in wood, contours may touch; the check then only warns.
+
+    ## Why
+
+    Parts of metal must keep their size. Pavlov 1999 (section 1) lets contours touch in wood only; in metal a common cut
+    of two parts is a way of cutting of its own.
+
+    ## Wrong
+
+    A and B 0.5 mm apart with a kerf of 1.5 mm: the cut of each takes 1 mm of the other.
+
+    ## Right
+
+    A and B 1.5 mm apart or more.
+    """
+
+    id = "shared-metal"
+    sentence = "No cut burns the metal of another part."
+    source = "Pavlov 1999, section 1; Petunin 2009"
+    Options = SharedMetalOptions
+    strengths = ("hard", "off")
+    relaxable = True
+
+    def statements(self, facts: Facts, options: SharedMetalOptions) -> Iterator[AtLeast]:
+        for i, j, gap_mm, place in near_contours(facts, options.kerf_mm):
+            a, b = facts.nest.contours[i].id, facts.nest.contours[j].id
+            sentence = _said(a, b, gap_mm, place, options.kerf_mm)
+            yield AtLeast((), (), 1, self.about((a, b), sentence))
+
+    def violations(self, nest: Nest, cuts: CutSequence, options: SharedMetalOptions) -> list[Violation]:
+        at, found = cuts.positions(), []
+        for burnt in burnt_parts(nest, at, options.kerf_mm):
+            a, b = burnt.contours
+            places = tuple(sorted(at[name] for name in burnt.contours if name in at))
+            text = _said(a, b, burnt.gap_mm, burnt.place, options.kerf_mm)
+            found.append(Violation(self.id, burnt.contours, text, places))
+        return found
+
+
+def near_contours(facts: Facts, kerf_mm: float) -> list[tuple[int, int, float, Point]]:
+    """Pairs of contour numbers that bound the same waste nearer than the kerf, each with the gap, mm, and its place."""
+    reach_mm = kerf_mm - tolerance_mm(kerf_mm)
+    contours = facts.nest.contours
+    cut = np.array([k for k, c in enumerate(contours) if c.kind != "mark"], dtype=np.int64)
+    if reach_mm <= 0 or len(cut) < 2:
+        return []
+    lines = np.array([contours[k].curve.line(CHORD_MM) for k in cut], dtype=object)
+    waste = np.array([facts.parent[k] if contours[k].kind == "outer" else k for k in cut], dtype=np.int64)
+    i, j = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=reach_mm)
+    kept = (i < j) & (waste[i] == waste[j])
+    found = []
+    for a, b in sorted(zip(i[kept].tolist(), j[kept].tolist(), strict=True)):
+        gap_mm = float(shapely.distance(lines[a], lines[b]))
+        if gap_mm < reach_mm - 1e-6:
+            middle = shapely.shortest_line(lines[a], lines[b]).centroid
+            found.append((int(cut[a]), int(cut[b]), gap_mm, (middle.x, middle.y)))
+    return found
+
+
+def _said(one: str, other: str, gap_mm: float, place: Point, kerf_mm: float) -> str:
+    apart = f"are {gap_mm:.3f} mm apart" if gap_mm >= 0.0005 else "touch"
+    return (
+        f"{one} and {other} {apart} at ({place[0]:.1f}, {place[1]:.1f}): the kerf of {kerf_mm:g} mm reaches "
+        f"{kerf_mm - gap_mm:.3f} mm into the other part"
+    )
