@@ -52,7 +52,7 @@ def given_options(verb: Verb) -> Verb:
 def read_given(
     nest: str, profile: str, units: str | None, sheet: str | None, frame: Frame | None, repair: bool
 ) -> Given:
-    """Read both; what the reader has to say goes to standard error, a line each."""
+    """Read both, the nest as the profile has it cut; what the reader has to say goes to standard error, a line each."""
     from ..encoder.readers import read_nest
 
     plant = load_profile(profile)
@@ -67,7 +67,7 @@ def read_given(
     read = read_nest(nest, options)
     for note in read.notes:
         click.echo(f"{note.severity}: {note.text}", err=True)
-    return Given(read, plant)
+    return Given(plant.as_cut(read), plant)
 
 
 def note_if_others(plan: Plan, given: Given) -> None:

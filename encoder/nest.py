@@ -17,12 +17,16 @@ Severity = Literal["warning", "repaired"]
 
 @dataclass(frozen=True, eq=False)
 class Contour:
-    """One curve that the torch follows once; `id` is `<part>.outer`, `<part>.hole1`… or `<part>.mark1`…"""
+    """One curve that the torch follows once; `id` is `<part>.outer`, `<part>.hole1`… or `<part>.mark1`…
+
+    It is cut at `feed_share` of the machine's cut feed, which is less than 1 in small holes.
+    """
 
     id: str
     part: str
     kind: Kind
     curve: Curve
+    feed_share: float = 1.0
 
     @cached_property
     def polygon(self) -> shapely.Polygon:
@@ -97,7 +101,8 @@ class Note:
 class Nest:
     """A sheet with its parts; made by a reader, which validates it once.
 
-    `contours` lists every contour, part by part in file order, each part's marks, holes, then outer.
+    `contours` lists every contour, part by part in file order, each part's marks, holes, then outer. A nest as it is
+    cut keeps the one that was read as `drawn` (see `small_holes.as_cut`).
     """
 
     sheet: Sheet
@@ -105,6 +110,7 @@ class Nest:
     file: str = ""
     sha256: str = ""
     notes: tuple[Note, ...] = ()
+    drawn: Nest | None = None
 
     @cached_property
     def contours(self) -> tuple[Contour, ...]:
@@ -120,6 +126,20 @@ class Nest:
     def part_of(self) -> dict[str, Part]:
         """Part id → part."""
         return {p.id: p for p in self.parts}
+
+    @cached_property
+    def spotted(self) -> tuple[str, ...]:
+        """Holes of the drawing that are not cut but marked at their middle."""
+        return tuple(c.id for c in self._drawn_holes if c.id in self.index and self.contour(c.id).kind == "mark")
+
+    @cached_property
+    def left_out(self) -> tuple[str, ...]:
+        """Holes of the drawing that are neither cut nor marked."""
+        return tuple(c.id for c in self._drawn_holes if c.id not in self.index)
+
+    @property
+    def _drawn_holes(self) -> tuple[Contour, ...]:
+        return () if self.drawn is None else tuple(hole for part in self.drawn.parts for hole in part.holes)
 
     def contour(self, contour_id: str) -> Contour:
         """The contour of that id (KeyError if there is none)."""

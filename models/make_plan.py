@@ -8,10 +8,11 @@ from itertools import pairwise
 from ..encoder.cut import Cut
 from ..encoder.facts.facts import Facts
 from ..encoder.nest import Contour
+from ..encoder.small_holes import not_cut_because
 from ..rules.profile import Profile
 from ..rules.state import Stated
 from .excused import excused, excuses_used
-from .plan import Dropped, Plan, PlannedCut, SolveReport, Totals
+from .plan import Dropped, LeftOut, Plan, PlannedCut, SolveReport, Totals
 from .reasons import reasons
 from .solution import Solution
 from .timing.choose import feeds_of
@@ -27,13 +28,14 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
     candidates = [facts.candidates[c] for c in solution.route]
     contours = [nest.contours[c.contour] for c in candidates]
     legs = [
-        Leg(c.pierce, c.end, c.cut_mm, k.kind == "mark", not c.edge_start)
+        Leg(c.pierce, c.end, c.cut_mm, k.kind == "mark", not c.edge_start, k.feed_share)
         for c, k in zip(candidates, contours, strict=True)
     ]
     machine, feeds = profile.machine, feeds_of(profile)
     times = schedule(legs, feeds, machine.home)
     excuses = excused(facts, stated, solution.route)
     why = reasons(facts, stated, solution.route, machine.home)
+    small = not_cut_because(nest, profile.hole_limits())
     cuts = tuple(
         PlannedCut(
             Cut(
@@ -51,7 +53,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
             contour.part,
             contour.kind,
             candidate.cut_mm,
-            because,
+            (small[contour.id], *because) if contour.id in small else because,
         )
         for candidate, contour, (begin, end), because in zip(candidates, contours, times, why, strict=True)
     )
@@ -88,6 +90,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
             *(Dropped(d.rule, d.contours, d.why) for d in stated.dropped),
             *(Dropped(rule, (), f"not priced: {why}") for rule, why in solution.left_out),
         ),
+        left_out=tuple(LeftOut(name, small[name]) for name in nest.left_out),
     )
 
 

@@ -82,6 +82,14 @@ class RuleReport:
 
 
 @dataclass(frozen=True, slots=True)
+class LeftOut:
+    """A hole of the nest that the plan does not cut because the profile leaves it out, and why."""
+
+    contour: str
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
 class Dropped:
     """A statement left out because hard rules contradict each other: an order on a cycle, or one that was relaxed."""
 
@@ -100,6 +108,7 @@ class Plan:
     """The whole answer; `nest` and `profile` name files and their sha256.
 
     `time` says by which model the times are, and what they are spent on; None where no program has been timed.
+    `left_out` are small holes that are not cut.
     """
 
     nest: Mapping[str, str]
@@ -112,6 +121,7 @@ class Plan:
     rules: tuple[RuleReport, ...] = ()
     dropped: tuple[Dropped, ...] = field(default=())
     time: TimeReport | None = None
+    left_out: tuple[LeftOut, ...] = ()
 
     @property
     def waits(self) -> tuple[PlannedCut, ...]:
@@ -151,6 +161,8 @@ class Plan:
             ],
             "dropped": [{"rule": d.rule, "contours": list(d.contours), "why": d.why} for d in self.dropped],
         }
+        if self.left_out:
+            tail["left_out"] = [{"contour": left.contour, "why": left.why} for left in self.left_out]
         cuts = ",\n  ".join(json.dumps(_cut_row(k, c), ensure_ascii=False) for k, c in enumerate(self.cuts, 1))
         lines = [f' "{k}": {json.dumps(v, ensure_ascii=False)}' for k, v in head.items()]
         lines.append(f' "cuts": [\n  {cuts}\n ]')

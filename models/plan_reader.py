@@ -18,7 +18,7 @@ from ..encoder.geometry.curve import Curve
 from ..encoder.json_words import said
 from ..encoder.readers.json_place import places
 from ..encoder.readers.limits import LIMIT_MM, checked_curve
-from .plan import FORMAT, Dropped, Plan, PlannedCut, RuleReport, SolveReport, Totals
+from .plan import FORMAT, Dropped, LeftOut, Plan, PlannedCut, RuleReport, SolveReport, Totals
 from .timing.report import TimeReport
 
 MOST_ERRORS = 20
@@ -163,6 +163,7 @@ def _plan_of(data: dict[str, Any]) -> Plan:
         ),
         dropped=tuple(Dropped(d["rule"], tuple(d["contours"]), d["why"]) for d in data["dropped"]),
         time=_record(TimeReport, data["time"]) if "time" in data else None,
+        left_out=tuple(LeftOut(left["contour"], left["why"]) for left in data.get("left_out", ())),
     )
 
 

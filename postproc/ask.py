@@ -25,7 +25,7 @@ class Asked:
 
 
 def facts_of(nest: Nest, profile: Profile) -> Facts:
-    """All facts of the nest under the profile's thresholds.
+    """All facts of the nest, as the profile has it cut, under the profile's thresholds.
 
     Raises
     ------
@@ -34,6 +34,7 @@ def facts_of(nest: Nest, profile: Profile) -> Facts:
     RulesConflict
         If contours cannot be cut and hard rules cannot hold in any order: the second is mostly the reason of the first.
     """
+    nest = profile.as_cut(nest)
     check_locks(profile.locks, nest)
     try:
         candidates = build_candidates(nest, profile.lead_options(nest))

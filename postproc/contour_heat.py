@@ -48,8 +48,9 @@ def contour_heat_kj(nest: Nest, candidates: Sequence[Candidate], profile: Profil
             continue
         if number not in rounds_s:
             ring = compensated(contour, profile.material.kerf_mm)
-            rounds_s[number] = motion.run_s(ring.opened_at(0.0), False) + stop_s
-        leads_s = sum(motion.run_s(lead, False) for lead in (candidate.lead_in, candidate.lead_out) if lead is not None)
+            rounds_s[number] = motion.run_s(ring.opened_at(0.0), False, contour.feed_share) + stop_s
+        leads = (lead for lead in (candidate.lead_in, candidate.lead_out) if lead is not None)
+        leads_s = sum(motion.run_s(lead, False, contour.feed_share) for lead in leads)
         on_s = rounds_s[number] + leads_s + (machine.edge_preheat_s if candidate.edge_start else machine.pierce_time_s)
         longest_s[number] = max(longest_s[number], on_s)
     return np.asarray(profile.heat.absorbed_power_w * longest_s / J_PER_KJ)
@@ -87,7 +88,7 @@ def _paths(nest: Nest, candidates: Sequence[Candidate], profile: Profile) -> Ite
         cut = Cut(contour.id, candidate.entry, candidate.direction, candidate.pierce, *leads)
         path = torch_path(contour, cut, profile.material.kerf_mm)
         planned = PlannedCut(cut, contour.part, contour.kind, candidate.cut_mm)
-        yield Toolpath(planned, path, contour.kind == "mark", candidate.edge_start)
+        yield Toolpath(planned, path, contour.kind == "mark", candidate.edge_start, contour.feed_share)
 
 
 def _lead_moves(candidate: Candidate) -> int:

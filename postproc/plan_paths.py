@@ -21,12 +21,16 @@ SHA_DIGITS = 12
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Toolpath:
-    """One cut of the plan with its whole path; `edge_start` where it comes in from the edge and pierces nothing."""
+    """One cut of the plan with its whole path; `edge_start` where it comes in from the edge and pierces nothing.
+
+    The torch follows it at `feed_share` of the cut feed.
+    """
 
     planned: PlannedCut
     path: Curve
     marks: bool
     edge_start: bool
+    feed_share: float = 1.0
 
 
 def toolpaths(plan: Plan, nest: Nest, profile: Profile) -> tuple[Toolpath, ...]:
@@ -37,13 +41,14 @@ def toolpaths(plan: Plan, nest: Nest, profile: Profile) -> tuple[Toolpath, ...]:
     InputError
         If the plan was made from another nest.
     """
+    nest = profile.as_cut(nest)
     _same_nest(plan, nest)
     edge_starts = outside(nest, [p.cut.pierce for p in plan.cuts])
     made = []
     for planned, edge_start in zip(plan.cuts, edge_starts, strict=True):
         contour = nest.contour(planned.cut.contour)
         path = torch_path(contour, _as_filed(planned.cut), profile.material.kerf_mm)
-        made.append(Toolpath(planned, path, contour.kind == "mark", edge_start))
+        made.append(Toolpath(planned, path, contour.kind == "mark", edge_start, contour.feed_share))
     return tuple(made)
 
 

@@ -36,7 +36,7 @@ def count_blocks(paths: Iterable[Toolpath], profile: Profile) -> int:
 
 
 def _header(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect) -> Iterator[str]:
-    totals, material = plan.totals, profile.material
+    totals, material, nest = plan.totals, profile.material, profile.as_cut(nest)
     yield comment(dialect, f"KERFWISE FOR {plain(dialect.title).upper()}")
     yield comment(dialect, "NEST", PurePath(nest.file).name, f"SHA256 {nest.sha256[:SHA_DIGITS]}")
     yield comment(dialect, "PROFILE", profile.name, f"SHA256 {profile.sha256[:SHA_DIGITS]}")
@@ -51,6 +51,10 @@ def _header(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect) -> Itera
         yield from _assumed(plan, profile, dialect)
     if plan.waits:
         yield comment(dialect, f"WAITS FOR METAL TO COOL {len(plan.waits)}, {seconds_text(plan.wait_s)}")
+    if nest.spotted:
+        yield comment(dialect, f"SMALL HOLES MARKED AT THEIR MIDDLE {len(nest.spotted)}")
+    for k, left in enumerate(plan.left_out, 1):
+        yield comment(dialect, f"LEFT OUT {k}", left.contour)
     yield comment(dialect, f"START SIDE {plan.start_side.upper()}")
     for planned in plan.cuts:
         for rule in planned.cut.excused:
@@ -105,5 +109,6 @@ def _cut(order: int, made: Toolpath, profile: Profile, dialect: Dialect) -> Iter
     dwell_s = machine.mark_time_s if mark else start_s
     if pierce_dwell_of(profile, dialect) == "program" and dwell_s > 0:
         yield dialect.dwell.format(seconds=number(dwell_s, 3))
-    yield from path_blocks(made.path, machine.mark_feed_mm_s if mark else machine.cut_feed_mm_s, dialect)
+    feed_mm_s = machine.mark_feed_mm_s if mark else machine.cut_feed_mm_s * made.feed_share
+    yield from path_blocks(made.path, feed_mm_s, dialect)
     yield dialect.mark_off if mark else dialect.torch_off

@@ -53,7 +53,8 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
     runs, at = [], profile.machine.home
     for made in paths:
         travels_mm = (math.dist(at, _start(made.path)),)
-        runs.append(Run(made.path, made.marks, not made.edge_start, travels_mm, made.planned.dwell_s))
+        waits_s, share = made.planned.dwell_s, made.feed_share
+        runs.append(Run(made.path, made.marks, not made.edge_start, travels_mm, waits_s, feed_share=share))
         at = _end(made.path)
     return Job(tuple(runs), (math.dist(at, profile.machine.home),), count_blocks(paths, profile))
 

@@ -92,6 +92,8 @@ def check_locks(locks: tuple[Lock, ...], nest: Nest) -> None:
     """
     for lock in locks:
         for given in (lock.contour, lock.before):
+            if given in nest.left_out:
+                raise wrong_at(lock.place, f"lock: {given} is left out as a small hole (small_holes.under: skip)")
             if given is not None and given not in nest.index:
                 raise wrong_at(lock.place, f"lock: {unknown('contour', given, nest.index)}")
         if lock.part is not None and lock.part not in nest.part_of:

@@ -11,7 +11,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, Literal, TypeVar, cast
 
-from ..encoder.candidates.candidate import LeadOptions
+from ..encoder.candidates.candidate import LEAST_WASTE_MM, LeadOptions
 from ..encoder.cut import Direction
 from ..encoder.errors import InputError
 from ..encoder.facts.facts import FactOptions
@@ -19,6 +19,7 @@ from ..encoder.geometry.segment import Point
 from ..encoder.nest import Kind, Nest
 from ..encoder.readers.layers import Layers
 from ..encoder.readers.options import ReadOptions
+from ..encoder.small_holes import HoleLimits, as_cut
 from .catalogue.cut_direction import CutDirectionOptions
 from .catalogue.part_rigidity import PartRigidityOptions
 from .catalogue.pierce import PierceOptions
@@ -33,6 +34,7 @@ from .profile_reader import Given, read_given
 from .registry import RULES
 from .rule import Rule
 from .sections import Drawing, Leads, Machine, Material, Objective, RuleSetting, default_settings
+from .small_holes_section import SmallHoles
 from .suggest import unknown
 from .time_section import Prices, Time
 
@@ -65,6 +67,7 @@ class Profile:
     machine: Machine = field(default_factory=Machine)
     material: Material = field(default_factory=Material)
     leads: Leads = field(default_factory=Leads)
+    small_holes: SmallHoles = field(default_factory=SmallHoles)
     drawing: Drawing = field(default_factory=Drawing)
     rules: Mapping[str, RuleSetting] = field(default_factory=default_settings)
     objective: Objective = field(default_factory=Objective)
@@ -134,13 +137,27 @@ class Profile:
             lead_in_min_mm=leads.lead_in_min_mm,
             lead_out=leads.lead_out,
             lead_out_mm=leads.lead_out_length_mm,
-            pierce_clearance_mm=self._options("pierce", PierceOptions).clearance_mm if self._is_on("pierce") else 0.0,
+            pierce_clearance_mm=self._clearance_mm(),
             hole_overcut_mm=leads.hole_overcut_mm,
             edge_start=leads.edge_start,
             reach=None if nest is None else self.reach_on(nest),
             directions={kind: directions.allowed(kind) if fixed else both for kind in kinds},
             entry_points={lock.contour: lock.entry for lock in self.locks if lock.contour and lock.entry},
+            holes=self.hole_limits(),
         )
+
+    def hole_limits(self) -> HoleLimits:
+        """What is done with small holes, in mm on this sheet: `small_holes`, its thickness, and the pierce's room."""
+        asked_mm = self._clearance_mm() if self.leads.lead != "none" else 0.0  # without a lead it is on the path
+        clearance_mm = max(asked_mm, self.material.kerf_mm / 2 + LEAST_WASTE_MM)
+        return self.small_holes.limits(self.material.thickness_mm, clearance_mm)
+
+    def as_cut(self, nest: Nest) -> Nest:
+        """The nest as this plant cuts it: small holes are marks or gone, and others know their feed."""
+        return as_cut(nest, self.hole_limits())
+
+    def _clearance_mm(self) -> float:
+        return self._options("pierce", PierceOptions).clearance_mm if self._is_on("pierce") else 0.0
 
     def fact_options(self, nest: Nest | None = None) -> FactOptions:
         """The thresholds of the facts, as start-side, zone-order, part-rigidity, the order rules and the locks say.

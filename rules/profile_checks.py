@@ -8,6 +8,7 @@ import yaml
 
 from .heat_section import Heat
 from .sections import Leads, Machine, Material, RuleSetting
+from .small_holes_section import SmallHoles
 from .time_section import Time
 from .yaml_positions import Problems, deepest
 
@@ -26,6 +27,7 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
     rules: dict[str, RuleSetting] = given["rules"]
     time: Time = given["time"]
     heat: Heat = given["heat"]
+    holes: SmallHoles = given["small_holes"]
 
     if leads.lead_in_min_mm > leads.lead_in_mm:
         problems.add(
@@ -49,6 +51,12 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
                 deepest(root, "machine", "home"),
                 f"machine.home: {at_mm:g} mm lies outside machine.travel_{key}, {span[0]:g} to {span[1]:g} mm",
             )
+    least_mm, full_mm = (length.mm(material.thickness_mm) for length in (holes.min_hole, holes.full_feed_hole))
+    if holes.small_hole_feed < 1 and full_mm < least_mm:
+        problems.add(
+            _deepest(root, "small_holes", "full_feed_hole"),
+            f"small_holes.full_feed_hole: {full_mm:g} mm is less than min_hole, {least_mm:g} mm",
+        )
     if time.model == "blocks" and time.feed_by_blocks is None and not problems.found:
         problems.add(
             deepest(root, "time", "model"),

@@ -17,6 +17,7 @@ from .members import Members
 from .option import option
 from .registry import RULES
 from .rule import Strength
+from .small_holes_section import SmallHoles
 from .time_section import Prices, Time
 
 _LEADS = Choice(("line", "arc", "none"))
@@ -125,6 +126,7 @@ SECTIONS: Mapping[str, type] = {
     "machine": Machine,
     "material": Material,
     "leads": Leads,
+    "small_holes": SmallHoles,
     "drawing": Drawing,
     "objective": Objective,
     "time": Time,

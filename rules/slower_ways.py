@@ -10,6 +10,7 @@ from .statements import About, Forbid
 if TYPE_CHECKING:
     from ..encoder.candidates.candidate import Candidate
     from ..encoder.facts.facts import Facts
+    from ..encoder.nest import Contour
     from .profile import Profile
 
 _LEAST_S = 1e-3
@@ -23,7 +24,7 @@ def slower_ways(facts: Facts, profile: Profile) -> Iterator[Forbid]:
     """
     if not profile.objective.time:
         return
-    seconds = [_seconds(c, facts.nest.contours[c.contour].kind == "mark", profile) for c in facts.candidates]
+    seconds = [_seconds(c, facts.nest.contours[c.contour], profile) for c in facts.candidates]
     quickest: dict[int, float] = {}
     for candidate, s in zip(facts.candidates, seconds, strict=True):
         quickest[candidate.contour] = min(s, quickest.get(candidate.contour, s))
@@ -35,10 +36,10 @@ def slower_ways(facts: Facts, profile: Profile) -> Iterator[Forbid]:
             yield Forbid(number, About("objective", (name,), sentence), more * profile.objective.time)
 
 
-def _seconds(candidate: Candidate, marks: bool, profile: Profile) -> float:
+def _seconds(candidate: Candidate, contour: Contour, profile: Profile) -> float:
     machine = profile.machine
-    if marks:
+    if contour.kind == "mark":
         return machine.mark_time_s + candidate.cut_mm / machine.mark_feed_mm_s
-    return (
-        machine.edge_preheat_s if candidate.edge_start else machine.pierce_time_s
-    ) + candidate.cut_mm / machine.cut_feed_mm_s
+    feed_mm_s = machine.cut_feed_mm_s * contour.feed_share
+    start_s = machine.edge_preheat_s if candidate.edge_start else machine.pierce_time_s
+    return start_s + candidate.cut_mm / feed_mm_s

@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from ..compensation import compensated
 from ..errors import InputError
 from ..geometry.curve import Curve
 from ..nest import Nest
 from .approaches import Approaches
 from .candidate import IN_PROFILE, Candidate, LeadOptions
-from .joints import Joints, Outline
+from .joints import Outline
 from .lead_in import least_clearance_mm
 from .lead_out import lead_outs
 from .marks import mark_candidates
-from .no_room import no_room
-from .search import approaches_to
+from .refusal import cannot_be_cut, refusal
 from .surroundings import Surroundings
-from .within_reach import out_of_reach, within_reach
+from .tried import try_options
+from .within_reach import within_reach
 
 
 def build_candidates(nest: Nest, options: LeadOptions) -> tuple[Candidate, ...]:
@@ -37,7 +36,8 @@ def build_candidates(nest: Nest, options: LeadOptions) -> tuple[Candidate, ...]:
     Raises
     ------
     InputError
-        Naming every contour that the kerf leaves nothing of or that has no room for a lead, with what would free it.
+        For contours that the kerf leaves nothing of, that have no room for a lead, and holes too small to be cut: in
+        groups, with the option that frees each.
 
     Examples
     --------
@@ -53,25 +53,16 @@ def build_candidates(nest: Nest, options: LeadOptions) -> tuple[Candidate, ...]:
         options = replace(options, edge_start=False)
     if not nest.contours:
         return ()
-    outlines, faults = _outlines(nest, options)
     around = Surroundings.of(nest)
-    locked = _locked(outlines, nest, options)
-    found = approaches_to(outlines, locked, around, options)
-    faults |= no_room(found, locked, outlines, around, options)
-    if faults:
-        raise _faulty(nest, [faults[k] for k in sorted(faults)])
+    tried = try_options(nest, range(len(nest.contours)), around, options)
+    if tried.faulty:
+        raise refusal(nest, tried, around, options)
     marks = [c for k, m in enumerate(nest.contours) if m.kind == "mark" for c in mark_candidates(k, m, options)]
-    torch = within_reach(_candidates(found, outlines, around, options), options.reach)
-    if lost := sorted(set(outlines) - {c.contour for c in torch}):
-        raise _faulty(nest, [f"{nest.contours[k].id}: no lead to it stays within the machine's travel" for k in lost])
+    torch = within_reach(_candidates(tried.found, tried.outlines, around, options), options.reach)
+    if lost := sorted(set(tried.outlines) - {c.contour for c in torch}):
+        details = tuple(f"{nest.contours[k].id}: no lead to it stays within the machine's travel" for k in lost)
+        raise InputError(cannot_be_cut(len(lost)), file=nest.file or None, details=details)
     return tuple(sorted([*marks, *torch], key=lambda c: c.contour))
-
-
-def _faulty(nest: Nest, faults: Sequence[str]) -> InputError:
-    count = "a contour" if len(faults) == 1 else f"{len(faults)} contours"
-    return InputError(
-        f"{count} of the nest cannot be cut as the options ask", file=nest.file or None, details=tuple(faults)
-    )
 
 
 def _check(options: LeadOptions, nest: Nest) -> None:
@@ -98,39 +89,6 @@ def _check(options: LeadOptions, nest: Nest) -> None:
             f"{IN_PROFILE['pierce_clearance_mm']}, {options.pierce_clearance_mm:g} mm, away from the contour: "
             f"it must be at least {shortest_mm:g} mm"
         )
-
-
-def _outlines(nest: Nest, options: LeadOptions) -> tuple[dict[int, Outline], dict[int, str]]:
-    """The outlines of all contours that the torch cuts, and what is wrong with those that have none.
-
-    A contour that the machine does not reach, marks included, is wrong too.
-    """
-    outlines: dict[int, Outline] = {}
-    faults: dict[int, str] = {}
-    kerf_mm = options.kerf_mm
-    for k, contour in enumerate(nest.contours):
-        path = contour.curve
-        try:
-            if contour.kind != "mark":
-                path = compensated(contour, kerf_mm)
-                outlines[k] = Outline.of(k, contour, path, kerf_mm / 2)
-        except InputError as error:
-            faults[k] = error.message
-            continue
-        if far := out_of_reach(contour, path, options.reach):
-            faults[k] = far
-    return outlines, faults
-
-
-def _locked(outlines: Mapping[int, Outline], nest: Nest, options: LeadOptions) -> Joints:
-    """The joints at the entries that an operator asks for."""
-    found = []
-    for name, point in sorted(options.entry_points.items()):
-        outline = outlines.get(nest.index[name])
-        if outline is not None:
-            at_mm, _ = outline.drawn.project(np.array([point]))
-            found.append(outline.joints(at_mm)[0])
-    return Joints.joined(found)
 
 
 def _candidates(

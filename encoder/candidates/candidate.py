@@ -10,8 +10,12 @@ from ..cut import Direction
 from ..geometry.curve import Curve
 from ..geometry.segment import Point
 from ..nest import Kind
+from ..small_holes import HoleLimits
 
 LeadKind = Literal["line", "arc", "none"]
+
+LEAST_WASTE_MM = 0.01
+"""Waste between the kerf of a pierce and every contour, at the least."""
 
 
 IN_PROFILE = {
@@ -19,6 +23,8 @@ IN_PROFILE = {
     "lead_in_mm": "leads.lead_in",
     "lead_in_min_mm": "leads.lead_in_min",
     "pierce_clearance_mm": "rules.pierce.clearance",
+    "under": "small_holes.under",
+    "least_mm": "small_holes.min_hole",
 }
 """What the people who read messages know these options as."""
 
@@ -34,7 +40,8 @@ class LeadOptions:
     `reach` is what the torch can go to (least X and Y, most X and Y); None where nobody has said. With `edge_start` the
     torch may come in from the edge of the sheet where that is within `2 * lead_in_mm`; never from an edge that was only
     assumed (`Sheet.stated`), and only where `reach` says that the machine gets there. `entry_points` are entries that
-    must be among the candidates, at the point of the contour nearest to the one given.
+    must be among the candidates, at the point of the contour nearest to the one given. Holes under the limit of
+    `holes` are refused.
     """
 
     entries: int = 8
@@ -52,6 +59,7 @@ class LeadOptions:
         default_factory=lambda: {"outer": ("cw", "ccw"), "hole": ("cw", "ccw"), "mark": ("cw", "ccw")}
     )
     entry_points: Mapping[str, Point] = field(default_factory=dict)
+    holes: HoleLimits = field(default_factory=HoleLimits)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..geometry.curve import FloatArray
 from .approaches import Approaches, Ways
-from .candidate import LeadOptions
+from .candidate import LEAST_WASTE_MM, LeadOptions
 from .lead_shapes import Leads, Shape, shaped
 from .surroundings import CHORD_MM, Surroundings
 
@@ -18,7 +18,7 @@ EDGE_ANGLE_RAD = math.radians(60)
 
 def least_clearance_mm(options: LeadOptions) -> float:
     """How far a pierce keeps from contours and edges: as far as asked for, and more than half the kerf."""
-    return max(options.pierce_clearance_mm, options.kerf_mm / 2 + 0.01)
+    return max(options.pierce_clearance_mm, options.kerf_mm / 2 + LEAST_WASTE_MM)
 
 
 def shapes(options: LeadOptions, patient: bool = False) -> list[Shape]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from ...encoder.errors import InputError
 from ...encoder.facts.facts import Facts
+from ...encoder.small_holes import not_cut_because
 from ...rules.profile import Profile
 from ...rules.state import Stated
 from ...rules.statements import About
@@ -25,7 +26,8 @@ class Explanation:
     `previous` and `following` are its neighbours in the plan, "" for the machine's home. `earlier` and `later` hold
     it, nearest first; the chains lead on from there to the ends of the plan. `also` are statements of other kinds,
     `heat` prices on orders and entries that overheat metal. The torch waits for `dwell_s` before the contour is cut,
-    and why. Where zones have a budget of heat, `zone_heat_kj` says how much goes into this one at the most.
+    and why. Where zones have a budget of heat, `zone_heat_kj` says how much goes into this one at the most. `small`
+    says why a small hole is not cut but marked.
     """
 
     contour: str
@@ -47,6 +49,7 @@ class Explanation:
     waits_because: str = ""
     zone_heat_kj: float | None = None
     zone_budget_kj: float | None = None
+    small: str = ""
 
 
 def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour: str) -> Explanation:
@@ -58,6 +61,9 @@ def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour:
         If the nest has no such contour (the nearest names are given), or the plan is not one of this nest.
     """
     index = facts.nest.index
+    left = next((left for left in plan.left_out if left.contour == contour), None)
+    if contour not in index and left is not None:
+        raise InputError(f"{contour} is not in the plan: {left.why}")
     if contour not in index:
         raise InputError(unknown("contour", contour, index))
     setting = make_setting(facts, profile, stated, plan)
@@ -84,4 +90,5 @@ def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour:
         plan.cuts[k].waits_because,
         None if budget_kj is None else float(facts.zone_heat_kj[facts.zone[number] - 1]),
         budget_kj,
+        not_cut_because(facts.nest, profile.hole_limits()).get(contour, ""),
     )

@@ -53,8 +53,8 @@ class Accelerated:
         """The model in a few words."""
         return f"acceleration {self.acceleration_mm_s2 / 1000:g} m/s2, corners {self.corner_deviation_mm:g} mm"
 
-    def run_s(self, path: Curve, marks: bool) -> float:
-        """Time along an open torch-on path, s.
+    def run_s(self, path: Curve, marks: bool, feed_share: float = 1.0) -> float:
+        """Time along an open torch-on path, s, at a share of its feed.
 
         Examples
         --------
@@ -62,7 +62,7 @@ class Accelerated:
         >>> machine.run_s(Curve.of([(0, 0), (100, 0)], closed=False), marks=False)
         1.1
         """
-        feed = self.feeds.mark_mm_s if marks else self.feeds.cut_mm_s
+        feed = feed_share * (self.feeds.mark_mm_s if marks else self.feeds.cut_mm_s)
         segments = [s for s in path.segments if s.length_mm > _SPECK_MM]
         specks_mm = path.length_mm - sum(s.length_mm for s in segments)
         if not segments:

@@ -48,7 +48,7 @@ def times_of(job: Job, motion: Motion, feeds: Feeds) -> Times:
         wait_s = feeds.mark_start_s if run.marks else feeds.pierce_s if run.pierced else feeds.edge_s
         if run.standing_s is not None:
             wait_s = run.standing_s
-        on_s = motion.run_s(run.path, run.marks) if run.moving_s is None else run.moving_s
+        on_s = motion.run_s(run.path, run.marks, run.feed_share) if run.moving_s is None else run.moving_s
         begin_s = now + travel_s + run.wait_s
         spans.append((begin_s, begin_s + wait_s + on_s))
         now = spans[-1][1]

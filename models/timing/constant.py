@@ -35,9 +35,9 @@ class ConstantFeed:
     feeds: Feeds
     words: str = "constant feed"
 
-    def run_s(self, path: Curve, marks: bool) -> float:
-        """Time along an open torch-on path, s."""
-        return path.length_mm / (self.feeds.mark_mm_s if marks else self.feeds.cut_mm_s)
+    def run_s(self, path: Curve, marks: bool, feed_share: float = 1.0) -> float:
+        """Time along an open torch-on path, s, at a share of its feed."""
+        return path.length_mm / (feed_share * (self.feeds.mark_mm_s if marks else self.feeds.cut_mm_s))
 
     def travel_s(self, length_mm: float) -> float:
         """Time of an idle move, s."""
@@ -46,13 +46,14 @@ class ConstantFeed:
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """One torch-on path: where it starts and ends, its length, and whether it marks or enters from the edge."""
+    """One torch-on path: where it starts and ends, its length, whether it marks or enters from the edge, its feed."""
 
     start: Point
     end: Point
     length_mm: float
     marks: bool = False
     pierced: bool = True
+    feed_share: float = 1.0
 
 
 def schedule(legs: Sequence[Leg], feeds: Feeds, home: Point) -> list[tuple[float, float]]:
@@ -69,7 +70,7 @@ def schedule(legs: Sequence[Leg], feeds: Feeds, home: Point) -> list[tuple[float
         begin = now + math.dist(at, leg.start) / feeds.travel_mm_s
         speed = feeds.mark_mm_s if leg.marks else feeds.cut_mm_s
         wait = feeds.mark_start_s if leg.marks else feeds.pierce_s if leg.pierced else feeds.edge_s
-        now, at = begin + wait + leg.length_mm / speed, leg.end
+        now, at = begin + wait + leg.length_mm / (speed * leg.feed_share), leg.end
         times.append((begin, now))
     return times
 

@@ -15,8 +15,8 @@ class Motion(Protocol):
         """The model in a few words, as plans and programs state it."""
         ...
 
-    def run_s(self, path: Curve, marks: bool) -> float:
-        """Time along an open torch-on path, s."""
+    def run_s(self, path: Curve, marks: bool, feed_share: float = 1.0) -> float:
+        """Time along an open torch-on path, s, at a share of its feed."""
         ...
 
     def travel_s(self, length_mm: float) -> float:

@@ -14,7 +14,7 @@ class Run:
     The torch waits for `wait_s` before it is lit. `travels_mm` are the lengths of the idle moves that lead to it.
     `marks` says that it only marks; `pierced` is False where it comes in from the sheet edge. `moving_s` is how long it
     takes at feeds of its own, and `standing_s` how long the torch stands meanwhile, lit, as a program states them; None
-    where the model of motion, or the machine's feeds, say so.
+    where the model of motion, or the machine's feeds, say so. Then it moves at `feed_share` of its feed.
     """
 
     path: Curve
@@ -24,6 +24,7 @@ class Run:
     wait_s: float = 0.0
     moving_s: float | None = None
     standing_s: float | None = None
+    feed_share: float = 1.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)

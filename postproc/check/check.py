@@ -21,6 +21,7 @@ from .relaxed import Relaxed, read_relaxed, relaxed_warnings
 from .result import CheckResult, Judgement, Measured
 from .running import judge_running
 from .runs_from_cuts import runs_from_cuts
+from .small_holes import Judged, judged_nest, small_holes, told_of_small_holes
 from .torch_run import TorchRun
 from .totals import Claims, claims_kept, idle_mm, totals
 
@@ -41,8 +42,10 @@ def check_cuts(
     The torch's paths are made anew from the nest, the kerf and the leads. `relaxed` are the statements that the plan
     says it has let go. Without a thermometer no temperature is judged.
     """
+    judged_by = judged_nest(nest, profile)
+    nest = judged_by.nest
     runs, faults = runs_from_cuts(nest, cuts, profile.material.kerf_mm)
-    judged, warnings = _judge_paths(nest, cuts, runs, faults, profile, relaxed)
+    judged, warnings = _judge_paths(judged_by, cuts, runs, faults, profile, relaxed)
     felt = measured(once_each(nest, cuts), heatings_of_cuts(nest, cuts, runs, profile), thermometer)
     rules = judge(nest, felt, profile, relaxed)
     warnings += relaxed_warnings(relaxed)
@@ -63,11 +66,13 @@ def check_program(
     InputError
         With the line, for a program that is malformed or says something the reader does not understand.
     """
+    judged_by = judged_nest(nest, profile)
+    nest = judged_by.nest
     program = read_on_machine(nc_text, profile, file)
     built = rebuild(nest, program, profile.material.kerf_mm, profile.machine.home)
     relaxed = read_relaxed(nest, program.comments)
-    judged, warnings = _judge_paths(nest, built.cuts, built.runs, built.violations, profile, relaxed)
-    judged += judge_running(nest, program, profile)
+    judged, warnings = _judge_paths(judged_by, built.cuts, built.runs, built.violations, profile, relaxed)
+    judged += judge_running(nest, program, profile, built.runs, judged_by.shares)
     felt = measured(once_each(nest, built.cuts), heatings_of_program(program), thermometer)
     rules = judge(nest, felt, profile, relaxed)
     warnings += relaxed_warnings(relaxed)
@@ -75,13 +80,14 @@ def check_program(
 
 
 def _judge_paths(
-    nest: Nest,
+    judged_by: Judged,
     cuts: CutSequence,
     runs: Sequence[TorchRun],
     faults: Sequence[Violation],
     profile: Profile,
     relaxed: Sequence[Relaxed],
 ) -> tuple[list[Judgement], list[str]]:
+    nest = judged_by.nest
     found = gouges(nest, runs, profile.material.kerf_mm, _sharing(nest, profile, relaxed))
     runs_up = forbidden(nest, profile) is None
     margin_mm = profile.material.kerf_mm + (profile.leads.lead_in_mm if runs_up else 0.0)
@@ -89,13 +95,14 @@ def _judge_paths(
         judgement(
             "every-contour-once", [*coverage(nest, cuts), *(f for f in faults if f.rule == "every-contour-once")]
         ),
+        judgement("small-holes", small_holes(judged_by, cuts, runs, profile)),
         judgement("contour-geometry", _of("contour-geometry", faults)),
         judgement("kerf-side", _of("kerf-side", faults)),
         judgement("on-sheet", off_sheet(nest, runs, margin_mm)),
         judgement("edge-start", edge_starts(nest, runs, profile)),
         judgement("no-gouging", found.violations),
     ]
-    return judged, list(found.warnings)
+    return judged, [*told_of_small_holes(judged_by, profile), *found.warnings]
 
 
 def _sharing(nest: Nest, profile: Profile, relaxed: Sequence[Relaxed]) -> Pairs | None:

@@ -14,7 +14,9 @@ def coverage(nest: Nest, cuts: CutSequence) -> list[Violation]:
     found: list[Violation] = []
     first: dict[str, int] = {}
     for position, cut in enumerate(cuts, 1):
-        if cut.contour not in nest.index:
+        if cut.contour not in nest.index and nest.drawn is not None and cut.contour in nest.drawn.index:
+            text = f"cut {position} is of {cut.contour}, which the profile leaves out"
+        elif cut.contour not in nest.index:
             text = f"cut {position} is of {cut.contour}, which the nest does not have"
         elif cut.contour in first:
             text = f"{cut.contour} is cut again as cut {position}; it was cut as cut {first[cut.contour]}"

@@ -11,11 +11,12 @@ from .result import Judgement
 
 SENTENCES = {
     "every-contour-once": "Every contour of the nest is cut exactly once, and nothing else is.",
+    "small-holes": "Holes too small to be cut have their middle marked or are left out, as the profile says.",
     "contour-geometry": "The torch follows each contour, kerf allowed for, within 0.05 mm, and its leads join there.",
     "kerf-side": "The kerf lies outside outer contours and inside holes.",
     "torch-off-travel": "The torch is off on every rapid.",
     "program-state": "The program says itself in what units and how it moves, and starts its tools with S1.",
-    "feeds": "The torch moves at the profile's feeds, and travels by rapids.",
+    "feeds": "The torch moves at the profile's feeds, slower in small holes, and travels by rapids.",
     "pierce-delay": "The torch stands at each pierce for the profile's time, and else only, off, to let metal cool.",
     "returns-home": "The torch ends where it starts, at the machine's home.",
     "on-sheet": "The torch burns only over the sheet, but for the run-up of an edge start.",

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import zip_longest
 
 import numpy as np
 import shapely
@@ -17,18 +18,29 @@ from ..dialects import pierce_dwell_of
 from .nc_program import Burn, NcProgram
 from .program_rules import TOLERANCE_MM, judgement
 from .result import Judgement
+from .small_holes import Shares
+from .torch_run import TorchRun
 
 _FEED_SHARE, _WAIT_S = 1e-3, 2e-3
 
 
-def judge_running(nest: Nest, program: NcProgram, profile: Profile) -> list[Judgement]:
-    """What a program does with the machine, whichever contours it cuts."""
+def judge_running(
+    nest: Nest,
+    program: NcProgram,
+    profile: Profile,
+    runs: Sequence[TorchRun] = (),
+    shares: Mapping[str, Shares] | None = None,
+) -> list[Judgement]:
+    """What a program does with the machine.
+
+    `runs` say which contour each burn follows, `shares` at which shares of the cut feed a small hole may be cut.
+    """
     found = {
         "torch-off-travel": [
             (hot.line, f"the torch is on during a rapid of {hot.length_mm:.1f} mm") for hot in program.hot_rapids
         ],
         "program-state": [],
-        "feeds": list(_feeds(program, profile)),
+        "feeds": list(_feeds(program, profile, runs, shares or {})),
         "pierce-delay": list(_waits(nest, program.burns, profile)),
         "returns-home": list(_home(program, profile.machine.home)),
     }
@@ -40,14 +52,19 @@ def judge_running(nest: Nest, program: NcProgram, profile: Profile) -> list[Judg
     ]
 
 
-def _feeds(program: NcProgram, profile: Profile) -> Iterator[tuple[int, str]]:
+def _feeds(
+    program: NcProgram, profile: Profile, runs: Sequence[TorchRun], shares: Mapping[str, Shares]
+) -> Iterator[tuple[int, str]]:
     machine = profile.machine
-    for burn in program.burns:
-        asked = machine.cut_feed_mm_s if burn.tool == 0 else machine.mark_feed_mm_s
+    for burn, run in zip_longest(program.burns, runs):
+        cuts, name = burn.tool == 0, run.contour.id if run is not None and run.contour is not None else ""
+        asked = machine.cut_feed_mm_s if cuts else machine.mark_feed_mm_s
+        low, high = (asked * share for share in shares.get(name, (1.0, 1.0))) if cuts else (asked, asked)
         for feed in burn.feeds_mm_s:
-            if abs(feed - asked) > _FEED_SHARE * asked:
-                does = "cuts" if burn.tool == 0 else "marks"
-                yield burn.line, f"it {does} at {feed * 60:.0f} mm/min, the profile says {asked * 60:.0f} mm/min"
+            if not low * (1 - _FEED_SHARE) <= feed <= high * (1 + _FEED_SHARE):
+                where = f" in {name}" if high < asked else ""
+                says = f"the profile says {high * 60:.0f} mm/min{where}"
+                yield burn.line, f"it {'cuts' if cuts else 'marks'} at {feed * 60:.0f} mm/min, {says}"
     for slow in program.slow_travel:
         yield slow.line, f"it travels {slow.length_mm:.1f} mm at cutting feed with the torch off"
 
