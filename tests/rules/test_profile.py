@@ -12,6 +12,7 @@ import pytest
 from kerfwise.encoder.candidates.candidate import LeadOptions
 from kerfwise.encoder.facts import FactOptions
 from kerfwise.encoder.readers.options import ReadOptions
+from kerfwise.encoder.small_holes import HoleLimits
 from kerfwise.rules.catalogue.zone_order import ZoneOrderOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.option import options_of
@@ -166,7 +167,9 @@ def test_shipped_profiles_by_name() -> None:
 def test_bare_profile_gives_the_defaults_of_the_encoder() -> None:
     """The defaults are declared twice, there for the library and here for a plant: they must not drift apart."""
     profile = Profile("plant")
-    assert profile.lead_options() == replace(LeadOptions(), pierce_clearance_mm=1.5)
+    assert profile.lead_options() == replace(
+        LeadOptions(), pierce_clearance_mm=1.5, holes=HoleLimits(least_mm=6.0, room_mm=3.0)
+    )
     assert profile.fact_options() == FactOptions()
     assert profile.read_options() == ReadOptions()
 
