@@ -18,6 +18,9 @@ from .search import dense, longest_lead_mm
 from .surroundings import Surroundings
 from .tried import Tried
 
+WITHOUT_ROOM = ("pierce", "lead", "path")
+"""Causes that more room in the nest would take away."""
+
 _LOOKS = 8
 """Entries of a contour that are looked at; some of those that the search has tried."""
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..errors import InputError
 from ..nest import Nest
 from .candidate import LeadOptions
-from .no_room import Reason, reasons
+from .no_room import WITHOUT_ROOM, Reason, reasons
 from .remedies import ORDER, Key, Remedies, Remedy
 from .surroundings import Surroundings
 from .tried import Tried
@@ -67,12 +67,13 @@ def _groups(why: Mapping[int, Reason], of_each: Mapping[int, tuple[Remedy, ...]]
     """Contours with the same cause and remedies, the largest group first."""
     exact: dict[tuple[str, tuple[Remedy, ...]], list[int]] = {}
     for k in sorted(why):
-        exact.setdefault((why[k].cause, of_each[k]), []).append(k)
+        alone = why[k].text if why[k].cause == "reach" else why[k].cause  # how far each is out is what counts there
+        exact.setdefault((alone, of_each[k]), []).append(k)
     groups = [_Group(tuple(contours), of) for (_, of), contours in exact.items()]
     if len(groups) > MOST_GROUPS:
         alike: dict[tuple[str, tuple[Key, ...]], list[int]] = {}
-        for (cause, of), contours in exact.items():
-            alike.setdefault((cause, tuple(remedy.key for remedy in of)), []).extend(contours)
+        for (_, of), contours in exact.items():
+            alike.setdefault((why[contours[0]].cause, tuple(remedy.key for remedy in of)), []).extend(contours)
         groups = []
         for (_, keys), contours in alike.items():
             listed = [_hardest(key, [r for k in contours for r in of_each[k] if r.key == key]) for key in keys]
@@ -83,17 +84,18 @@ def _groups(why: Mapping[int, Reason], of_each: Mapping[int, tuple[Remedy, ...]]
 
 def _line(nest: Nest, group: _Group, why: Mapping[int, Reason]) -> str:
     """One group: how many and which, what frees them, and why not as it is."""
-    text = why[group.contours[0]].text
-    if len(group.contours) == 1:
-        return (
-            f"{text}; {f'{_either(group.remedies)} frees it' if group.remedies else 'it needs more room in the nest'}"
-        )
+    first = why[group.contours[0]]
+    one = len(group.contours) == 1
+    frees = "" if first.cause not in WITHOUT_ROOM else f"{'it needs' if one else 'they need'} more room in the nest"
+    if group.remedies:
+        frees = f"{_either(group.remedies)} frees {'it' if one else 'them'}"
+    if one:
+        return "; ".join(text for text in (first.text, frees) if text)
     kinds = {nest.contours[k].kind for k in group.contours}
     named = [nest.contours[k].id for k in group.contours]
     more = f" and {len(named) - _NAMED} more" if len(named) > _NAMED else ""
     what = f"{len(named)} {'holes' if kinds == {'hole'} else 'contours'} ({', '.join(named[:_NAMED])}{more})"
-    frees = f"{_either(group.remedies)} frees them" if group.remedies else "they need more room in the nest"
-    return f"{what}: {frees}; such as {text}"
+    return f"{what}: {'; '.join(text for text in (frees, f'such as {first.text}') if text)}"
 
 
 def _either(remedies: Sequence[Remedy]) -> str:

@@ -23,8 +23,9 @@ from .within_reach import out_of_reach
 class Tried:
     """The outlines of the contours that may be cut, the approaches found, and the joints that locks ask for.
 
-    `small` says what is wrong with holes that are too small, `uncut` with contours that the kerf cannot follow, `beyond`
-    with those that the machine does not reach, marks included, by contour number. `bare` are contours without any approach, `unmet` the rows of `locked` without one.
+    By contour number, `small` says what is wrong with holes that are too small, `uncut` with contours that the kerf
+    cannot follow, `beyond` with those that the machine does not reach, marks included. `bare` are contours without any
+    approach, `unmet` the rows of `locked` without one.
     """
 
     outlines: Mapping[int, Outline]

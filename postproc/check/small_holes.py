@@ -119,7 +119,7 @@ def _cross(hole: Contour, area: shapely.Geometry, limits: HoleLimits) -> Contour
 def small_holes(judged: Judged, cuts: CutSequence, runs: Sequence[TorchRun], profile: Profile) -> list[Violation]:
     """Holes that must not be cut through, and are; holes for which the profile refuses the nest."""
     limits, found = profile.hole_limits(), []
-    strays = [run for run in runs if run.contour is None and not run.marks]
+    strays = [run for run in runs if not run.marks and (run.contour is None or run.contour.kind == "mark")]
     positions = cuts.positions()
     for hole in judged.small:
         name = hole.contour.id

@@ -18,7 +18,10 @@ def error_of(tmp_path: Path, text: str) -> list[str]:
     return str(caught.value).replace(f"{tmp_path}/", "").splitlines()
 
 
-KEYS = "based_on, drawing, heat, leads, locks, machine, material, name, objective, own_rules, prices, rules, small_holes, time"
+KEYS = (
+    "based_on, drawing, heat, leads, locks, machine, material, name, objective, own_rules, prices, rules, small_holes, "
+    "time"
+)
 LENGTH = "a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in)"
 SHIPPED = "laser-amg3m-1mm, laser-st10kp-2mm, laser-wood, oxyfuel-thick-plate, plasma-carbon-steel, water-jet"
 OF_CONTOUR = "what can be locked of a contour is before, position, entry or direction"
