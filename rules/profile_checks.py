@@ -54,7 +54,7 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
     least_mm, full_mm = (length.mm(material.thickness_mm) for length in (holes.min_hole, holes.full_feed_hole))
     if holes.small_hole_feed < 1 and full_mm < least_mm:
         problems.add(
-            _deepest(root, "small_holes", "full_feed_hole"),
+            deepest(root, "small_holes", "full_feed_hole"),
             f"small_holes.full_feed_hole: {full_mm:g} mm is less than min_hole, {least_mm:g} mm",
         )
     if time.model == "blocks" and time.feed_by_blocks is None and not problems.found:

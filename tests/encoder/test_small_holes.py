@@ -74,8 +74,8 @@ def test_every_hole_that_is_not_cut_has_its_reason() -> None:
     assert not_cut_because(as_cut(holed(5, 7, 9), limits), limits) == {
         "A.hole1": "A.hole1 is 5.00 mm across, less than small_holes.min_hole, 6 mm: it is marked at its middle "
         "(small_holes.under: spot)",
-        "A.hole2": "A.hole2 is 7.00 mm across, and a pierce needs 8 mm to keep its clearance: it is marked at its middle "
-        "(small_holes.under: spot)",
+        "A.hole2": "A.hole2 is 7.00 mm across, and a pierce needs 8 mm to keep its clearance: it is marked at its "
+        "middle (small_holes.under: spot)",
     }
 
 

@@ -33,7 +33,7 @@ def test_it_is_read_and_written(text: str, value: ByThickness) -> None:
 
 @pytest.mark.parametrize("text", ["-1 × thickness", "thick", "1 × height", "[1]", "-3 mm", ""])
 def test_what_is_neither_is_refused(text: str) -> None:
-    with pytest.raises(Unfit, match="a length such as '5 mm', or '1.5 × thickness'"):
+    with pytest.raises(Unfit, match=r"a length such as '5 mm', or '1\.5 × thickness'"):
         KIND.read(yaml.compose(text) or yaml.ScalarNode("tag:yaml.org,2002:null", ""))
 
 
