@@ -67,7 +67,6 @@ class Profile:
     machine: Machine = field(default_factory=Machine)
     material: Material = field(default_factory=Material)
     leads: Leads = field(default_factory=Leads)
-    small_holes: SmallHoles = field(default_factory=SmallHoles)
     drawing: Drawing = field(default_factory=Drawing)
     rules: Mapping[str, RuleSetting] = field(default_factory=default_settings)
     objective: Objective = field(default_factory=Objective)
@@ -76,6 +75,7 @@ class Profile:
     time: Time = field(default_factory=Time)
     prices: Prices = field(default_factory=Prices)
     heat: Heat = field(default_factory=Heat)
+    small_holes: SmallHoles = field(default_factory=SmallHoles)
     sha256: str = field(default="", compare=False)
     file: str = field(default="", compare=False)
 
