@@ -76,6 +76,16 @@ class Lock:
             return f"{self.contour} cannot be cut before itself"
         return None
 
+    def place_among(self, n: int) -> int | Literal["first", "last"] | None:
+        """The position among n contours: 1 is first and n is last, however it is given.
+
+        Examples
+        --------
+        >>> Lock(contour="A", position=1).place_among(3), Lock(contour="A", position=3).place_among(3)
+        ('first', 'last')
+        """
+        return "first" if self.position == 1 else "last" if self.position == n else self.position
+
     @property
     def because(self) -> str:
         """The reason that sentences give."""

@@ -179,10 +179,23 @@ class Profile:
             zone_heat_kj=zones.zone_heat_kj,
             zone_respects=tuple(fact for rule, fact in ORDER_FACTS.items() if self.rules[rule].strength == "hard"),
             zone_pairs=(*((lock.contour, lock.before) for lock in self.locks if lock.contour and lock.before), *own),
+            zone_places=self._zone_places(nest),
             zone_fixed=tuple((lock.part, lock.zone) for lock in self.locks if lock.part and lock.zone),
             head_share=rigidity.head_share,
             tail_share=rigidity.tail_share,
         )
+
+    def _zone_places(self, nest: Nest | None) -> tuple[tuple[str, int], ...]:
+        """Part → the position that a lock gives one of its contours: its zone must reach there."""
+        if nest is None or self.rules["zone-order"].strength != "hard":
+            return ()
+        found: dict[str, int] = {}
+        ends = {"first": 1, "last": len(nest.contours)}
+        for lock in self.locks:
+            if lock.contour in nest.index and lock.position is not None:
+                at = lock.position if isinstance(lock.position, int) else ends[lock.position]
+                found.setdefault(nest.contour(lock.contour).part, at)
+        return tuple(found.items())
 
     def read_options(self) -> ReadOptions:
         """How nest files are read."""

@@ -11,6 +11,7 @@ from ..encoder.errors import RulesConflict
 from .cycles import Link, components, contracted, path
 from .feedback import Unbreakable, lightest_cut
 from .own import OwnFile
+from .places import in_the_way, positions
 from .slower_ways import slower_ways
 from .statements import EXEMPTION_MM, About, AtLeast, Contiguous, IdleTravel, Precede, Statement
 from .yaml_positions import wrong_at
@@ -152,6 +153,8 @@ def _objective(facts: Facts, profile: Profile) -> list[Statement]:
 def resolve(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int]) -> Stated:
     """The statements without those that must be dropped to leave the hard orders over n contours free of cycles.
 
+    Where a contour has a firm position, orders that leave it no such position are dropped as well.
+
     The weakest rules give way first (`gives_way`, the highest first; 0 never), and as few of their orders as can be.
     """
     orders = [s for s in statements if isinstance(s, Precede) and s.weight is None]
@@ -173,7 +176,27 @@ def resolve(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int
         why = "cycle: " + ", ".join(_spoken(_firmest(asking[distinct[m]], gives_way)) for m in against)
         dropped += [DroppedStatement(order, why) for order in asking[distinct[k]]]
     gone = {id(d.statement) for d in dropped}
-    return Stated(tuple(s for s in statements if id(s) not in gone), tuple(dropped))
+    left = [s for s in statements if id(s) not in gone]
+    late = _out_of_place(left, n, gives_way)
+    gone = {id(d.statement) for d in late}
+    return Stated(tuple(s for s in left if id(s) not in gone), (*dropped, *late))
+
+
+def _out_of_place(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int]) -> list[DroppedStatement]:
+    """The orders that must go so that contours can be cut at positions that are firm, such as those of locks."""
+    at = positions(statements, n)
+    if not at:
+        return []
+    asking: dict[Link, list[Precede]] = {}
+    for s in statements:
+        if isinstance(s, Precede) and s.weight is None:
+            asking.setdefault((s.before, s.after), []).append(s)
+    runs = [s.contours for s in statements if isinstance(s, Contiguous) and s.weight is None]
+    links = list(asking)
+    out = in_the_way(n, links, _weights(list(asking.values()), gives_way), runs, at)
+    firm = [s.about for s in statements if isinstance(s, AtLeast) and s.weight is None and len(s.literals) == n - 1]
+    why = "place: " + "; ".join(dict.fromkeys(about.sentence for about in firm))
+    return [DroppedStatement(order, why) for k in out for order in asking[links[k]]]
 
 
 def _weights(asking: Sequence[Sequence[Precede]], gives_way: Mapping[str, int]) -> list[int | None]:

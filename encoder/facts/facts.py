@@ -25,8 +25,9 @@ class FactOptions:
 
     `start_side` fixes the side ("auto" decides it). `zone_respects` names the order facts that no zone may
     contradict; `zone_pairs` adds pairs of contour ids (before, after), as locks do; `zone_fixed` puts a part
-    (by id) in a zone whatever the geometry says; what must go before it is brought forward with it. `zone_heat_kj`
-    is how much heat may go into a zone, None for any.
+    (by id) in a zone whatever the geometry says; what must go before it is brought forward with it. `zone_places` puts
+    a part in the zone that has this position of the order, counted from 1 over all contours. `zone_heat_kj` is how
+    much heat may go into a zone, None for any.
     """
 
     web_mm: float = 25.0
@@ -44,6 +45,7 @@ class FactOptions:
     )
     zone_pairs: tuple[tuple[str, str], ...] = ()
     zone_fixed: tuple[tuple[str, int], ...] = ()
+    zone_places: tuple[tuple[str, int], ...] = ()
     head_share: float = 0.25
     tail_share: float = 0.25
 

@@ -56,10 +56,15 @@ def zones_of(
     if options.zone_heat_kj is not None:
         zone = _closed_up(divided(zone, rank, blocks, options.zone_heat_kj))
         pairs = pairs[zone[pairs[:, 0]] <= zone[pairs[:, 1]]]  # without circles that were too hot for one zone
-    return _closed_up(_with_fixed(zone, pairs, _fixed(nest, blocks.of, options)))[blocks.of]
+    placed = _placed(nest, blocks.of, options)
+    first, last = ([block for block, position in placed.items() if position == end] for end in (1, outlines.n))
+    pairs = pairs[~np.isin(pairs[:, 1], first) & ~np.isin(pairs[:, 0], last)]  # nothing goes before the first of all
+    cut_by = np.cumsum(np.bincount(zone[blocks.of]))  # how many contours there are up to every zone, from zone 0 on
+    reached = {block: int(np.searchsorted(cut_by, position)) for block, position in placed.items()}
+    return _closed_up(_with_fixed(zone, pairs, reached | _fixed(nest, blocks.of, options)))[blocks.of]
 
 
-def _fixed(nest: Nest, block_of: Ints, options: FactOptions) -> Mapping[int, int]:
+def _fixed(nest: Nest, block_of: Ints, options: FactOptions) -> dict[int, int]:
     """Block → the zone it is fixed in."""
     fixed: dict[int, int] = {}
     for part_id, zone in options.zone_fixed:
@@ -74,6 +79,14 @@ def _fixed(nest: Nest, block_of: Ints, options: FactOptions) -> Mapping[int, int
                 f"host or guest, in zone {fixed[block]}; give them one zone"
             )
     return fixed
+
+
+def _placed(nest: Nest, block_of: Ints, options: FactOptions) -> dict[int, int]:
+    """Block → the position where a contour of it must be cut; the first that is named, of several."""
+    found: dict[int, int] = {}
+    for part_id, position in options.zone_places:
+        found.setdefault(int(block_of[nest.index[nest.part_of[part_id].outer.id]]), position)
+    return found
 
 
 def _raised(zone: Ints, pairs: Ints, kept: Ints | None = None) -> Ints:

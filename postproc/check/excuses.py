@@ -2,7 +2,8 @@
 
 Level-ahead and hull-before can ask for cycles (two hooks that interlock), so that some of their orders must be broken.
 An order "a before b" is excused only if the orders that the plan does keep, of rules that give way no sooner, lead from
-b to a: then keeping it as well would have broken another of them. Which of several orders equally firm is given up is
+b to a: then keeping it as well would have broken another of them; or if it leaves contours that locks give a position
+no room for that, beside the orders that are kept. Which of several orders equally firm is given up is
 not judged, nor which rule gives way in a tangle of more orders than the planner resolves exactly.
 """
 
@@ -20,6 +21,7 @@ from ...rules.feedback import EXACT_LINKS
 from ...rules.profile import Profile
 from ...rules.rule import Ids, Rule, Violation
 from .forcing import Forcing
+from .places import no_room
 from .result import Excused, Judgement
 
 
@@ -88,4 +90,29 @@ def _contradictions(nest: Nest, cuts: CutSequence, profile: Profile, holding: se
             if against:
                 orders = ", ".join(f"{' before '.join(pairs[m])} ({asked[pairs[m]]})" for m in against)
                 found[pairs[k]] = f"the order rules contradict each other here: {orders}"
+    return found | _out_of_place(nest, cuts, profile, asked, runs)
+
+
+def _out_of_place(
+    nest: Nest, cuts: CutSequence, profile: Profile, asked: Mapping[Ids, str], runs: Sequence[Sequence[str]]
+) -> dict[Ids, str]:
+    """Every broken order that leaves locks no room for the positions they give, beside the orders that are kept."""
+    at, book = cuts.positions(), profile.rulebook()
+    ends = {"first": 1, "last": len(at)}
+    places = {
+        lock.contour: lock.position if isinstance(lock.position, int) else ends[lock.position]
+        for lock in profile.locks
+        if lock.contour in at and lock.position is not None
+    }
+    if not places or any(at[name] != place for name, place in places.items()):
+        return {}
+    kept = [pair for pair in asked if at[pair[0]] < at[pair[1]]]
+    told = ", ".join(f"{name} at position {place}" for name, place in sorted(places.items(), key=lambda p: p[1]))
+    found = {}
+    for pair, rule in asked.items():
+        softest = book[rule].gives_way
+        if softest and at[pair[0]] > at[pair[1]]:
+            firm = [k for k in kept if book[asked[k]].gives_way <= softest]
+            if no_room(list(at), runs, [*firm, pair], places):
+                found[pair] = f"locks leave no room for this order: {told}"
     return found

@@ -71,7 +71,7 @@ class HeatLag(Rule[HeatLagOptions]):
         for a, b in _near([contours[k] for k in hot], options.heat_radius_mm):
             first, second = hot[a], hot[b]
             ids = (contours[first].id, contours[second].id)
-            sentence = f"{ids[0]} and {ids[1]} are not cut one right after the other: they heat each other"
+            sentence = f"between {ids[0]} and {ids[1]} there are at least {_wanted(options)}: they heat each other"
             yield Lag(first, second, self.about(ids, sentence), options.lag_cuts, options.lag_s)
 
     def unjudged(self, nest: Nest, cuts: CutSequence, options: HeatLagOptions) -> str | None:
@@ -98,6 +98,13 @@ class HeatLag(Rule[HeatLagOptions]):
                     Violation(self.id, (before.contour, after.contour), text + " and ".join(missing), (k, later))
                 )
         return sorted(found, key=lambda violation: violation.cuts)
+
+
+def _wanted(options: HeatLagOptions) -> str:
+    """What must lie between two contours that heat each other, in words."""
+    cuts = f"{options.lag_cuts} other cut" + ("s" if options.lag_cuts > 1 else "")
+    wanted = [cuts] * bool(options.lag_cuts) + [f"{options.lag_s:g} s"] * bool(options.lag_s)
+    return " and ".join(wanted)
 
 
 def _near(contours: Sequence[Contour], radius_mm: float) -> list[tuple[int, int]]:

@@ -37,8 +37,10 @@ class Locks(Rule[LocksOptions]):
     ## What it does
 
     A profile's `locks` fix single decisions: `{contour: ID, before: ID}`, `{contour: ID, position: first | last | N}`
-    (over all contours, marks included), `{contour: ID, entry: [x, y]}`, `{contour: ID, direction: cw | ccw}`,
-    `{part: ID, zone: N}`. Always hard; a lock that contradicts another hard rule is an error that names both.
+    (over all contours, marks included; 1 is first, and the number of contours is last),
+    `{contour: ID, entry: [x, y]}`, `{contour: ID, direction: cw | ccw}`, `{part: ID, zone: N}`. Always hard. Orders of
+    level-ahead and hull-before that locks leave no room for are dropped, as few as can be, and told; the zones follow
+    positions that are locked. A lock that contradicts any other hard rule is an error that names both.
 
     ## Why
 
@@ -73,18 +75,19 @@ class Locks(Rule[LocksOptions]):
         if lock.before is not None:
             sentence = f"{name} is cut before {lock.before}: {lock.because}"
             yield Precede(i, facts.nest.index[lock.before], self.about((name, lock.before), sentence))
-        if lock.position in ("first", "last"):
-            for k in others:
-                first, then = (i, k) if lock.position == "first" else (k, i)
-                ids = (contours[first].id, contours[then].id)
-                sentence = f"{ids[0]} is cut before {ids[1]}: {name} is {lock.position}, {lock.because}"
-                yield Precede(first, then, self.about(ids, sentence))
-        elif lock.position is not None:
-            about = self.about((name,), f"{name} is cut {lock.position} in order: {lock.because}")
+        place = lock.place_among(facts.n)
+        if isinstance(place, int):
+            about = self.about((name,), f"{name} is cut {place} in order: {lock.because}")
             ahead, behind = tuple(Before(k, i) for k in others), tuple(Before(i, k) for k in others)
             ones = (1,) * len(others)
-            yield AtLeast(ahead, ones, int(lock.position) - 1, about)
-            yield AtLeast(behind, ones, facts.n - int(lock.position), about)
+            yield AtLeast(ahead, ones, place - 1, about)
+            yield AtLeast(behind, ones, facts.n - place, about)
+        elif place is not None:
+            for k in others:
+                first, then = (i, k) if place == "first" else (k, i)
+                ids = (contours[first].id, contours[then].id)
+                sentence = f"{ids[0]} is cut before {ids[1]}: {name} is {place}, {lock.because}"
+                yield Precede(first, then, self.about(ids, sentence))
         for number in facts.candidates_of(i):
             candidate = facts.candidates[number]
             if lock.entry is not None and not _is_at(candidate.entry, lock.entry, contours[i], tolerance_mm):
@@ -99,9 +102,10 @@ class Locks(Rule[LocksOptions]):
             others = [c.id for c in nest.contours if c.id != lock.contour]
             if lock.contour is not None and lock.before is not None:
                 found.append((lock.contour, lock.before))
-            if lock.contour is not None and lock.position == "first":
+            place = lock.place_among(len(nest.contours))
+            if lock.contour is not None and place == "first":
                 found += [(lock.contour, other) for other in others]
-            if lock.contour is not None and lock.position == "last":
+            if lock.contour is not None and place == "last":
                 found += [(other, lock.contour) for other in others]
         return found
 
@@ -134,19 +138,20 @@ def _broken(
     cut = cuts[k - 1]
     if lock.before is not None and at.get(lock.before, k) < k:
         yield (name, lock.before), f"{name} (cut {k}) must be cut before {lock.before} (cut {at[lock.before]})", ()
-    if lock.position is not None and k != _place(lock.position, len(cuts)):
-        ahead = tuple((name, other.contour) for other in cuts[: k - 1]) if lock.position == "first" else ()
-        behind = tuple((other.contour, name) for other in cuts[k:]) if lock.position == "last" else ()
-        yield (name,), f"{name} is cut {k} in order, not {lock.position}", ahead + behind
+    place = lock.place_among(len(nest.contours))
+    if place is not None and k != _number(place, len(cuts)):
+        ahead = tuple((name, other.contour) for other in cuts[: k - 1]) if place == "first" else ()
+        behind = tuple((other.contour, name) for other in cuts[k:]) if place == "last" else ()
+        yield (name,), f"{name} is cut {k} in order, not {place}", ahead + behind
     if lock.entry is not None and not _is_at(cut.entry, lock.entry, nest.contour(name), tolerance_mm):
         yield (name,), f"{name} (cut {k}) is entered at {_spoken(cut.entry)}, not at {_spoken(lock.entry)}", ()
     if lock.direction is not None and cut.direction != lock.direction:
         yield (name,), f"{name} (cut {k}) is cut {cut.direction}, not {lock.direction}", ()
 
 
-def _place(position: int | Literal["first", "last"], n: int) -> int:
-    """A position as a number."""
-    return 1 if position == "first" else n if position == "last" else position
+def _number(place: int | Literal["first", "last"], n: int) -> int:
+    """A place as a number."""
+    return 1 if place == "first" else n if place == "last" else place
 
 
 def _is_at(entry: Point, locked: Point, contour: Contour, tolerance_mm: float) -> bool:

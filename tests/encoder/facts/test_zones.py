@@ -46,6 +46,14 @@ def test_a_long_sheet_is_cut_in_strips_from_the_start_side(side: Side, first: st
     )
 
 
+def test_zones_follow_locked_positions() -> None:
+    first = zones(grid(6, 2), zone_contours=2, zone_places=(("50", 1),))
+    assert (first["50"], first["51"], first["40"]) == (1, 6, 5)
+    assert zones(grid(6, 2), zone_contours=2, zone_places=(("00", 12),))["00"] == 6
+    assert zones(grid(6, 2), zone_contours=2, zone_places=(("50", 4),))["50"] == 2
+    assert zones(grid(6, 2), zone_contours=2, zone_places=(("20", 5),)) == zones(grid(6, 2), zone_contours=2)
+
+
 def test_marks_do_not_count() -> None:
     plain = grid(8, 2)
     marked = Nest(plain.sheet, tuple(replace(p, marks=_three_marks(p)) for p in plain.parts))

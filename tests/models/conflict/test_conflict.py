@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import pytest
 
 from kerfwise.encoder.errors import RulesConflict
@@ -23,7 +25,6 @@ PLATE = nest(
     part("P2", rect(110, 10, 80, 80)),
     part("P3", rect(210, 10, 80, 80)),
 )
-AHEAD = "and would be left on an island behind the torch"
 
 
 def conflict_of(profile: Profile) -> Conflict | None:
@@ -53,17 +54,31 @@ def test_locks_against_each_other_through_a_run() -> None:
     )
 
 
-def test_a_position_against_level_ahead() -> None:
-    assert told(Lock(contour="P3.outer", position=2)) == (
+def test_a_position_against_rules_that_may_not_give_way() -> None:
+    locks = (Lock(contour="P3.outer", position=2), Lock(contour="P1.outer", before="P3.outer"))
+    assert told(*locks) == (
         "these hard rules cannot all hold; without any one of them the others can:\n"
-        f"  - level-ahead: P1.outer is cut before P3.outer: it lies between P3.outer and the left side, where cutting "
-        f"starts, {AHEAD}\n"
-        f"  - level-ahead: P2.outer is cut before P3.outer: it lies between P3.outer and the left side, where cutting "
-        f"starts, {AHEAD}\n"
+        "  - inner-before-outer: P1.hole1 is cut before P1.outer: it lies inside it, and cutting P1.outer frees the "
+        "metal it is in\n"
         "  - locks: P3.outer is cut 2 in order: locked by the operator\n"
+        "  - locks: P1.outer is cut before P3.outer: locked by the operator\n"
         "the cheapest way out:\n"
-        "  relax level-ahead: 2 statements about P1.outer, P2.outer, P3.outer"
+        "  relax locks: 1 statement about P3.outer"
     )
+
+
+@pytest.mark.parametrize("position", [1, "first", 2, 3, 4, "last"])
+def test_level_ahead_gives_way_to_a_position(position: Literal["first", "last"] | int) -> None:
+    """P3 is ahead of nothing and behind two: at 1 and 2 it is cut too early for level-ahead, and that is told."""
+    profile = plant(Lock(contour="P3.outer", position=position))
+    _, stated, plan = proven_plan(PLATE, profile)
+    order = [p.cut.contour for p in plan.cuts]
+    assert order.index("P3.outer") + 1 == {"first": 1, "last": 4}.get(position, position)
+    assert {d.rule for d in stated.dropped} <= {"level-ahead"}
+    program = write_program(plan, PLATE, profile)
+    for verdict in (check_plan(PLATE, plan, profile), check_program(PLATE, program, profile)):
+        assert verdict.broken() == ()
+    assert len(stated.dropped) == {1: 2, "first": 2, 2: 2, 3: 1, 4: 0, "last": 0}[position]
 
 
 def test_a_direction_that_no_candidate_has() -> None:

@@ -49,7 +49,15 @@ CASES = (
     fails(
         "last", Lock(contour="B.outer", position="last"), ABC, ("B.outer",), "B.outer is cut 2 in order, not last", 2
     ),
-    fails("third", Lock(contour="B.outer", position=3), ABC, ("B.outer",), "B.outer is cut 2 in order, not 3", 2),
+    fails("third", Lock(contour="B.outer", position=3), ABC, ("B.outer",), "B.outer is cut 2 in order, not last", 2),
+    fails(
+        "position 1 is first",
+        Lock(contour="B.outer", position=1),
+        ABC,
+        ("B.outer",),
+        "B.outer is cut 2 in order, not first",
+        2,
+    ),
     fails(
         "entry",
         Lock(contour="A.outer", entry=(70, 50)),

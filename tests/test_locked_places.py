@@ -1,0 +1,46 @@
+"""Locked positions of any nest: a plan keeps them and passes the check, whatever level-ahead and hull-before ask."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.conflict import find_conflict
+from kerfwise.models.solution import SolveOptions
+from kerfwise.models.timing.choose import feeds_of
+from kerfwise.postproc.ask import ask, facts_of
+from kerfwise.postproc.check import report
+from kerfwise.postproc.produce import produce
+from kerfwise.rules.lock import Lock
+from kerfwise.rules.profile import load_profile
+from kerfwise.tests.encoder.facts.random_nests import nests
+
+
+@given(nest=nests(), data=st.data())
+@settings(max_examples=15, deadline=None)
+def test_a_locked_position_is_kept_and_passes_the_check(nest: Nest, data: st.DataObject) -> None:
+    assume(len(nest.parts) > 1)
+    ids = [c.id for c in nest.contours]
+    chosen = data.draw(st.lists(st.sampled_from(ids), min_size=1, max_size=2, unique=True))
+    at = data.draw(st.lists(st.integers(1, len(ids)), min_size=len(chosen), max_size=len(chosen), unique=True))
+    profile = load_profile()
+    locks = tuple(Lock(contour=name, position=place) for name, place in zip(chosen, at, strict=True))
+    profile = replace(profile, locks=locks)
+    try:
+        facts = facts_of(nest, profile)
+    except InputError:
+        assume(False)
+    try:
+        made = produce(ask(facts, profile), profile, SolveOptions(1, 2.0, None, (0.0, 0.0), feeds_of(profile)))
+    except RulesConflict:
+        conflict = find_conflict(facts, profile)
+        assert conflict is not None
+        firm = {about.rule for about in conflict.clash}
+        assert not firm & {"level-ahead", "hull-before"}, "\n".join(conflict.lines())
+        return
+    assert made.verdict.ok, report(made.verdict)
+    assert [made.plan.cuts[place - 1].cut.contour for place in at] == chosen
