@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ..errors import InputError
@@ -44,7 +45,7 @@ def by_layer(pieces: Sequence[Piece], layers: Layers) -> ByLayer:
             "their layers"
         )
     if "cut" not in of:
-        raise InputError(_nothing(pieces[0], uses[pieces[0].names], {p.layer: uses[p.names] for p in pieces}))
+        raise InputError(_nothing(pieces, uses))
     notes = [*_left_out(of), *_misheard([p for p in of["cut"] if not uses[p.names].stated])]
     return ByLayer(tuple(of["cut"]), tuple(of.get("mark", ())), tuple(of.get("sheet", ())), tuple(notes))
 
@@ -74,13 +75,16 @@ def _misheard(cut: Sequence[Piece]) -> list[Note]:
     ]
 
 
-def _nothing(first: Piece, use: Use, layers: dict[str, Use]) -> str:
+def _nothing(pieces: Sequence[Piece], uses: Mapping[tuple[str, ...], Use]) -> str:
+    layers = {p.layer: uses[p.names] for p in pieces}
     listed = ", ".join(f"'{layer}' is {_word(layers[layer])}" for layer in sorted(layers)[:8])
     more = f" and {len(layers) - 8} more" if len(layers) > 8 else ""
-    if use.stated:
-        advice = f"let drawing.layers.{use.purpose} match less"
+    count = Counter(p.layer for p in pieces)
+    likely = min(layers, key=lambda layer: (layers[layer].purpose == "sheet", -count[layer], layer))
+    if layers[likely].stated:
+        advice = f"let drawing.layers.{layers[likely].purpose} match less"
     else:
-        advice = f"to cut one, say so in the profile: {setting('cut', first.layer)}"
+        advice = f"to cut one, say so in the profile: {setting('cut', likely)}"
     return f"nothing to cut: every line is on a layer that is not cut ({listed}{more}); {advice}"
 
 

@@ -22,12 +22,12 @@ class Piece:
     curve: Curve
     layer: str
     order: int
-    within: tuple[str, ...] = ()
+    within: tuple[str, ...] | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
         """The names that say what it is for, outermost first."""
-        return self.within or (self.layer,)
+        return (self.layer,) if self.within is None else self.within
 
     @cached_property
     def area(self) -> shapely.Geometry:

@@ -181,5 +181,7 @@ def _flattened(
     """Fitted arcs through a curve that DXF draws and no machine can; `control` points bound its extent."""
     for p in control:  # flattening a curve of astronomic size would never end
         if not max(abs(p.x), abs(p.y), abs(p.z)) * scale <= LIMIT_MM:
-            raise InputError(f"({p.x:g}, {p.y:g}) lies more than a kilometre from the origin; check the units")
+            raise InputError(
+                f"({p.x:g}, {p.y:g}) lies more than a kilometre from the origin: if the units are wrong, pass --units"
+            )
     return fitted(np.array([(p.x, p.y) for p in drawn.flattening(FLATTEN_MM / scale, 8)]) * scale)

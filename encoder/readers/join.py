@@ -75,12 +75,17 @@ def join(pieces: Sequence[Piece], tolerance_mm: float, bridge_mm: float = 0.0) -
                 gaps.extend(wide)
     covered = _drawn_over(chains, rings, tolerance_mm)
     repeats = [c for c, over in zip(chains, covered, strict=True) if over]
-    open_chains, shared = trimmed([c for c, over in zip(chains, covered, strict=True) if not over], tolerance_mm)
-    if shared:
+    bare = [c for c, over in zip(chains, covered, strict=True) if not over]
+    open_chains, shared = trimmed(bare, tolerance_mm)
+    if shared and _length(open_chains) < _length(bare) - SNAP_MM:
         again = join(open_chains, tolerance_mm, bridge_mm)
         rings, open_chains = [*rings, *again.rings], list(again.chains)
-        repeats, gaps = [*repeats, *shared, *again.repeats], [*gaps, *again.gaps]
-    return Joined(_in_order(rings), _in_order(open_chains), _in_order(repeats), specks, tuple(gaps))
+        repeats, gaps = [*repeats, *again.repeats], [*gaps, *again.gaps]
+    return Joined(_in_order(rings), _in_order(open_chains), _in_order([*repeats, *shared]), specks, tuple(gaps))
+
+
+def _length(pieces: Iterable[Piece]) -> float:
+    return sum(p.curve.length_mm for p in pieces)
 
 
 def _in_order(pieces: Iterable[Piece]) -> tuple[Piece, ...]:

@@ -33,12 +33,12 @@ IGNORE_WORDS = _words(
     # what is not seen, and what only helps to draw
     " hidden phantom verdeckt unsichtbar nascost ukryt niewidoczn скрыт невидим rejtett 隐藏"
     " construction construcci costruzione konstruktion(slinie|sgeo) hilfs(linie|geo) pomocnicz построен вспомогат segéd"
-    " guide.?line unconsumed"
+    " guide.?line unconsumed schraff hachur tratteggi kreskow штрихов"
     # axes and bends
     " cent(er|re)_?.?line mittellinie tengely 中心线 tool.?cent arc.?cent"
     " abkant kantlinie biege plegado pliegue pliage gięci сгиб гибк hajlít tangent осев 折弯",
-    "dims? annos? notes? maße cotes? cotas? quot[ae] ax[ei]s axes? achsen? ejes? ass[ei] osi[ea]? oś ось оси"
-    " bends? plis? pieg[ah]e? гиб",
+    "hatch(es|ing)? dims? annos? notes? maße cotes? cotas? quot[ae] ax[ei]s axes? achsen? ejes? ass[ei]"
+    " osi[ea]? oś ось оси bends? plis? pieg[ah]e? гиб",
 )
 SCRAP_WORDS = _words(
     "scrap off.?cut skeleton waste schrott abfall restgitter gitterschnitt trennschnitt d[ée]chet squelette ferraille"
@@ -100,13 +100,13 @@ class Layers:
                 raise InputError(f"layers.{purpose} '{pattern}' is not a regular expression: {error}") from None
 
     def use(self, names: Sequence[str]) -> Use:
-        """What the innermost of these names says, outermost first; a plant's own patterns are asked first."""
+        """What the innermost of these names says of which any pattern knows; the names are given outermost first."""
         given = [p for p in PURPOSES if getattr(self, p) != getattr(DEFAULT, p)]
-        for own, asked in ((True, given), (False, [p for p in PURPOSES if p not in given and p != "cut"])):
-            for name in reversed(names):
-                for purpose in asked:
-                    if _found(getattr(self, purpose), name):
-                        return Use(purpose, own)
+        defaults = [p for p in PURPOSES if p not in given and p != "cut"]
+        for name in reversed(names):
+            for purpose in (*given, *defaults):
+                if _found(getattr(self, purpose), name):
+                    return Use(purpose, purpose in given)
         return Use(None if "cut" in given else "cut", False)
 
 

@@ -40,7 +40,9 @@ def checked_curve(rows: Iterable[Sequence[float]] | FloatArray, closed: bool, sc
         wide = (bulge > 1) & (chord * (1 + bulge * bulge) > 4 * bulge * LIMIT_MM)
     if (far > LIMIT_MM).any():
         x, y = points[far.argmax()].tolist()
-        raise InputError(f"({x:g}, {y:g}) mm lies more than a kilometre from the origin; check the units")
+        raise InputError(
+            f"({x:g}, {y:g}) mm lies more than a kilometre from the origin: if the units are wrong, pass --units"
+        )
     if wide.any():
         raise InputError(f"an arc of bulge {drawn[wide.argmax(), 2]:g} is wider than a kilometre")
     keep = chord > 1e-9

@@ -151,3 +151,12 @@ def test_a_grid_of_parts_with_common_sides_is_found_cell_by_cell(rnd: random.Ran
     joined = join(pieces(*drawn), 0.1)
     assert ring_areas(joined.rings) == [100] * (columns * rows)
     assert joined.chains == ()
+
+
+def test_lines_that_overlap_without_end_come_to_one() -> None:
+    """To cut one back to the other makes neither shorter."""
+    hook = [(3.910294, 3.836927), (3.911052, 3.837685), (3.90802, 3.836169)]
+    loop = [(3.90802, 3.836169), (3.914842, 3.8392020000000002), (3.914842, 3.839202), (3.910294, 3.836927)]
+    joined = join(pieces(hook, loop), 0.1)
+    assert joined.repeats
+    assert len(joined.rings) + len(joined.chains) >= 1

@@ -12,13 +12,13 @@ NAMES = {
     "ignore": "DIM DIM2 A-ANNO Annotation Defpoints HIDDEN Construction CENTER_LINE CenterLine Axis IV_BEND"
     " IV_TOOL_CENTER Bemaßung Bemassung Maßlinie Hilfslinien Mittellinie Biegelinien Verdeckt Cotation Cotes Axes Pli"
     " Cotas Plegado Oculta_dims Wymiary Osie Pomocnicze Quote Assi Pieghe Размеры Оси Осевые Гибка Вспомогательная"
-    " Méret Hajlítás watermark DIM_TEXT Titleblock",
+    " Méret Hajlítás watermark DIM_TEXT Titleblock Schraffuren HATCH",
     "sheet": "SHEET BASEPLATE Stock Remnant Blech Blechtafel Rohteil Tôle TOLE Chapa Lámina Lamiera Lastra Blacha"
     " Arkusz Лист Lemez",
     "scrap": "Scrap OFFCUT Off-cut Skeleton Schrott Abfall Restgitter Chute Déchets Chatarra Sfrido Odpad Złom Отходы"
     " Обрезь",
     "cut": "0 CUT OUTER HOLES Contour Kontur Außenkante Schnitt Bohrungen Découpe Corte Taglio Cięcie Контур Резка"
-    " Template Dimple Sediment Corner Score Jelly Notch Layer_1 CuttingLine IV_OUTER_PROFILE Punching",
+    " Template Dimple Sediment Hatchback Corner Score Jelly Notch Layer_1 CuttingLine IV_OUTER_PROFILE Punching",
 }
 
 
@@ -43,10 +43,11 @@ def test_once_a_plant_says_what_is_cut_nothing_else_is() -> None:
     assert Layers(cut="^0$").use(["OUTER"]) == Use(None, False)
 
 
-def test_the_innermost_name_decides_but_a_plants_own_pattern_first() -> None:
+def test_the_innermost_name_decides() -> None:
     assert DEFAULT.use(["Sheet 1", "Gravur"]).purpose == "mark"
     assert DEFAULT.use(["Gravur", "rings"]).purpose == "mark"
-    assert Layers(cut="^job$").use(["job", "Gravur"]).purpose == "cut"
+    assert Layers(cut="^job$").use(["job", "Gravur"]).purpose == "mark"
+    assert Layers(cut="^job$").use(["job", "rings"]) == Use("cut", True)
 
 
 @pytest.mark.parametrize("name", ["a.b(c)[d]{e}^$|*+?\\", "it's", "Gravír 2", "0"])

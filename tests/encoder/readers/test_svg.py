@@ -6,6 +6,7 @@ import pytest
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions, read_nest
+from kerfwise.encoder.readers.layers import Layers
 from kerfwise.tests.encoder.readers.drawings import areas, texts
 
 NAMESPACES = 'xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"'
@@ -167,3 +168,42 @@ def test_a_page_of_another_shape_than_its_view_box(tmp_path: Path) -> None:
     assert areas(read(tmp_path, rectangle, page)) == {"P1.outer": 2000}
     with pytest.raises(InputError, match="stretches the drawing in one direction"):
         read(tmp_path, rectangle, page + ' preserveAspectRatio="none"')
+
+
+def test_the_innermost_label_says_what_a_shape_is_for(tmp_path: Path) -> None:
+    body = f"""{SHEET}<g inkscape:label="Sheet parts" id="layer2"><g inkscape:label="Kontur" id="g10">
+    <rect id="cut" x="20" y="20" width="100" height="80"/></g></g>
+    <g inkscape:label="job" id="layer3"><rect id="rect7" x="200" y="20" width="40" height="40"/>
+    <g inkscape:label="Bemaßung"><line x1="0" y1="0" x2="9" y2="9"/></g>
+    <g inkscape:label="Scrap"><line x1="300" y1="0" x2="300" y2="200"/></g>
+    <line inkscape:label="Gravur" id="cut2" x1="210" y1="30" x2="230" y2="30"/></g>"""
+    nest = read(tmp_path, body, layers=Layers(cut="^(cut|job)$"))
+    assert [c.id for c in nest.contours] == ["P1.outer", "P2.mark1", "P2.outer"]
+    assert texts(nest.notes) == [
+        "left out, as drawing.layers.ignore matches their layers: 1 on 'job/Bemaßung'",
+        "left out, as lines that cut up scrap (drawing.layers.scrap) are not planned yet: 1 on 'job/Scrap'",
+    ]
+
+
+@pytest.mark.parametrize("name", ["text12", "layer3", "g7-1"])
+def test_an_id_that_a_program_numbered_says_nothing(tmp_path: Path, name: str) -> None:
+    nest = read(tmp_path, f'{SHEET}<g id="{name}"><rect id="{name}-5" x="20" y="20" width="40" height="40"/></g>')
+    assert list(areas(nest)) == ["P1.outer"]
+
+
+def test_writing_is_said(tmp_path: Path) -> None:
+    body = f"""{SHEET}<rect x="20" y="20" width="40" height="40"/>
+    <g inkscape:label="Gravur"><text x="5" y="5">A-101</text><text x="5" y="9"><tspan>A-102</tspan></text></g>
+    <g inkscape:label="notes"><text>left out anyway</text></g>"""
+    assert texts(read(tmp_path, body).notes) == [
+        "2 texts on layer 'Gravur' are not marked ('A-101', 'A-102'): turn writing into lines in CAD to have it marked"
+    ]
+
+
+def test_open_lines_beside_closed_ones_name_their_group(tmp_path: Path) -> None:
+    body = f"""{SHEET}<g inkscape:label="Ebene"><rect x="20" y="20" width="100" height="80"/>
+    <line id="slot" x1="40" y1="40" x2="60" y2="40"/></g>"""
+    with pytest.raises(InputError) as error:
+        read(tmp_path, body, repair=True)
+    assert error.value.details[0].startswith("layer 'Ebene' holds 1 open line beside 1 closed one")
+    assert "drawing: {layers: {mark: '^Ebene$'}}" in error.value.details[0]
