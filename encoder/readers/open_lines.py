@@ -37,7 +37,8 @@ def settled(
 
     On a layer that `layers.cut` names, a line that can be no broken contour is marked if it lies in the metal of a
     part and left out if it lies in waste, or as `open_lines` says. With `repair`, a line shorter than the widest gap
-    that repair closes is left out, and so is one that can be no broken contour, on a layer that holds nothing closed.
+    that repair closes is left out, and so is one that can be no broken contour, on another layer that holds nothing
+    closed.
     All else is refused: closed lines beside open ones may be marks too, and would be cut through.
 
     Raises
@@ -58,7 +59,8 @@ def settled(
     ignored: list[Piece] = []
     left: list[Piece] = []
     for chain, is_stated, is_whole, inside_mm in zip(chains, stated, whole, metal_mm, strict=True):
-        if options.repair and (chain.curve.length_mm <= bridge_mm or (is_whole and not closed[chain.layer])):
+        is_stray = is_whole and not is_stated and not closed[chain.layer]
+        if options.repair and (chain.curve.length_mm <= bridge_mm or is_stray):
             dropped.append(chain)
         elif not (is_stated and is_whole) or options.open_lines == "refuse":
             left.append(chain)

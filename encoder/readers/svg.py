@@ -25,11 +25,12 @@ NUMBERED = re.compile(
     "(path|rect|circle|ellipse|line|polyline|polygon|g|group|use|text|tspan|image|layer|svg)[-_]?[0-9][-_0-9]*"
 )
 """Ids that a drawing program numbers on by itself: `text12` says nothing of what a shape is for."""
+DRAWN = (svgelements.Shape, svgelements.Text, svgelements.Image)
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 
 
 def read_svg(data: bytes, options: ReadOptions) -> Drawing:
-    """Every shape that is shown, in mm with y up; writing is passed over, and that is said; so are images.
+    """Every shape that is shown, in mm with y up; writing and images are passed over, and that is said.
 
     Parameters
     ----------
@@ -58,7 +59,7 @@ def read_svg(data: bytes, options: ReadOptions) -> Drawing:
     except FOREIGN_ERRORS as error:
         raise InputError(f"a shape of this SVG file is damaged ({error}); save it anew as plain SVG") from error
     pieces = tuple(Piece(c, s.layer, order, s.names) for order, (c, s) in enumerate(drawn))
-    return Drawing(pieces, page.units, tuple(_writing(shown, options.layers)), page.sheet)
+    return Drawing(pieces, page.units, tuple(_unread(shown, options.layers)), page.sheet)
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,13 +83,17 @@ def _shown(group: Any, layers: tuple[str, ...], names: tuple[str, ...]) -> Itera
         called = [str(n) for n in (label, element.id) if n is not None][:1]
         if isinstance(element, svgelements.Group | svgelements.Use):
             yield from _shown(element, (*layers, *called), (*names, *own))
-        elif isinstance(element, svgelements.Shape | svgelements.Text) and element.values.get("visibility") != "hidden":
+        elif isinstance(element, DRAWN) and element.values.get("visibility") != "hidden":
             yield Shown(element, "/".join(layers or called), (*names, *own))
 
 
-def _writing(shown: Sequence[Shown], layers: Layers) -> list[Note]:
+def _unread(shown: Sequence[Shown], layers: Layers) -> list[Note]:
     found: dict[tuple[str, Purpose | None], list[str]] = {}
     for one in shown:
         if isinstance(one.element, svgelements.Text) and (text := str(one.element.text or "").strip()):
             found.setdefault((one.layer, layers.use(one.names).purpose), []).append(text)
-    return [writing_note(texts, layer, use) for (layer, use), texts in found.items() if use != "ignore"]
+    notes = [writing_note(texts, layer, use) for (layer, use), texts in found.items() if use != "ignore"]
+    if images := sum(isinstance(one.element, svgelements.Image) for one in shown):
+        count = "1 image is" if images == 1 else f"{images} images are"
+        notes.append(Note("warning", f"{count} left out: trace to paths what is to be cut"))
+    return notes

@@ -113,3 +113,10 @@ def test_what_a_message_says_to_write_in_a_profile_is_a_profile(draw: object, tm
     for line in written:
         assert set(yaml.safe_load(line)) == {"drawing"}
         assert read_nest(path, load(tmp_path, line).read_options()).parts
+
+
+def test_the_page_on_drawings_names_keys_that_exist(tmp_path: Path) -> None:
+    page = (Path(kerfwise.__file__).parent / "docs" / "drawings.md").read_text(encoding="utf-8")
+    [block] = re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)
+    assert load(tmp_path, block).drawing.layers.scrap == "cuttingline"
+    assert keys_named(page) <= keys(Drawing(), "drawing")

@@ -107,6 +107,15 @@ def test_repair_leaves_out_a_stub_but_no_contour_that_is_broken(tmp_path: Path) 
     assert areas(nest) == {"P1.outer": 2500}
     assert texts(nest.notes, "repaired")[0].startswith("the open line of 0.707 mm from (60.500, 60.500) to (60.000")
 
+    def alone(space: Any) -> None:
+        sheet(space)
+        lines(space, square(10, 10, 50))
+        space.add_line((20, 20), (30, 20), dxfattribs={"layer": "G3"})
+
+    assert [c.id for c in read_dxf(tmp_path, alone, repair=True).contours] == ["P1.outer"]
+    both = Layers(cut="^(0|G3)$")
+    assert [c.id for c in read_dxf(tmp_path, alone, repair=True, layers=both).contours] == ["P1.mark1", "P1.outer"]
+
     def broken(space: Any) -> None:  # its hole would become a part
         sheet(space)
         lines(space, [(10, 10), (60, 10), (60, 60), (10, 60), (10, 15)], "OUTER", closed=False)

@@ -194,9 +194,10 @@ def test_an_id_that_a_program_numbered_says_nothing(tmp_path: Path, name: str) -
 def test_writing_is_said(tmp_path: Path) -> None:
     body = f"""{SHEET}<rect x="20" y="20" width="40" height="40"/>
     <g inkscape:label="Gravur"><text x="5" y="5">A-101</text><text x="5" y="9"><tspan>A-102</tspan></text></g>
-    <g inkscape:label="notes"><text>left out anyway</text></g>"""
+    <image href="photo.png" width="9" height="9"/><g inkscape:label="notes"><text>left out anyway</text></g>"""
     assert texts(read(tmp_path, body).notes) == [
-        "2 texts on layer 'Gravur' are not marked ('A-101', 'A-102'): turn writing into lines in CAD to have it marked"
+        "2 texts on layer 'Gravur' are not marked ('A-101', 'A-102'): turn writing into lines in CAD to have it marked",
+        "1 image is left out: trace to paths what is to be cut",
     ]
 
 
