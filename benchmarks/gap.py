@@ -88,7 +88,9 @@ def plate(contours: int) -> Problem:
     profile = replace(profile, rules={**profile.rules, **off})
     nest = read_json(json.dumps(make_sheet(1, contours)).encode(), ReadOptions())
     asked = ask(facts_of(nest, profile), profile)
-    return simplify(make_problem(asked.facts, asked.stated.statements, profile.machine.home, feeds_of(profile)))
+    return simplify(
+        make_problem(asked.facts, asked.stated.statements, profile.home_on(asked.facts.nest), feeds_of(profile))
+    )
 
 
 def within(seconds: float) -> Progress:

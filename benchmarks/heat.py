@@ -78,13 +78,12 @@ class Bench:
 
     def solve(self, work: float, stated: Stated) -> Solution:
         """A plan by statements."""
-        machine = self.profile.machine
-        options = SolveOptions(work=work, home_mm=machine.home, feeds=feeds_of(self.profile))
+        options = SolveOptions(work=work, home_mm=self.profile.home_on(self.facts.nest), feeds=feeds_of(self.profile))
         return solve(self.facts, stated.statements, options)
 
     def idle_mm(self, route: Sequence[int]) -> float:
         """Idle travel of a route of candidates, from home and back."""
-        home = self.profile.machine.home
+        home = self.profile.home_on(self.facts.nest)
         ends = [home, *(self.facts.candidates[c].end for c in route)]
         starts = [*(self.facts.candidates[c].pierce for c in route), home]
         return float(np.hypot(*(np.array(ends) - np.array(starts)).T).sum())
@@ -109,8 +108,8 @@ def bench(name: str, nest: Nest, profile: Profile) -> Bench:
     """Facts, statements and problem of a nest."""
     facts, feeds = facts_of(nest, profile), feeds_of(profile)
     stated = state_rules(facts, profile)
-    problem = make_problem(facts, stated.statements, profile.machine.home, feeds)
-    paths = RoutePaths(facts, profile.material.kerf_mm, feeds, profile.machine.home)
+    problem = make_problem(facts, stated.statements, profile.home_on(facts.nest), feeds)
+    paths = RoutePaths(facts, profile.material.kerf_mm, feeds, profile.home_on(facts.nest))
     return Bench(name, profile, facts, stated, problem, paths, make_grid(nest, profile.heat.grid_mm))
 
 

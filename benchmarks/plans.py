@@ -87,7 +87,7 @@ def plan(name: str, nest: Nest, profile: Profile, work: float) -> Row:
     facts = facts_of(nest, profile)
     stated = state_rules(facts, profile)
     between = time.perf_counter()
-    options = SolveOptions(work=work, home_mm=profile.machine.home, feeds=feeds_of(profile))
+    options = SolveOptions(work=work, home_mm=profile.home_on(nest), feeds=feeds_of(profile))
     solution = solve(facts, stated.statements, options, refine=afterthoughts(facts, profile))
     took = time.perf_counter() - between
     made = make_plan(facts, profile, stated, solution, "cp-sat", options.seed)

@@ -82,7 +82,9 @@ def run(job: Job) -> Seen:
     nest = read_json(json.dumps(make_sheet(1, job.contours)).encode(), ReadOptions())
     started = time.perf_counter()
     asked = ask(facts_of(nest, profile), profile)
-    problem = simplify(make_problem(asked.facts, asked.stated.statements, profile.machine.home, feeds_of(profile)))
+    problem = simplify(
+        make_problem(asked.facts, asked.stated.statements, profile.home_on(asked.facts.nest), feeds_of(profile))
+    )
     posed = time.perf_counter()
     seen: list[tuple[float, int]] = []
 

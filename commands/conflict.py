@@ -28,6 +28,6 @@ def tell_conflict(facts: Facts, profile: Profile, error: RulesConflict, picture:
         click.echo("--relax takes this way out, and says so in the plan and in the program", err=True)
     if conflict.contours:
         caption = f"in conflict: {', '.join(dict.fromkeys(about.rule for about in conflict.clash))}"
-        plot_spot(facts.nest, conflict.contours, picture, caption=caption, home=profile.machine.home)
+        plot_spot(facts.nest, conflict.contours, picture, caption=caption, home=profile.home_on(facts.nest))
         click.echo(f"the contours in conflict: {picture}", err=True)
     return 1

@@ -11,6 +11,7 @@ import click
 
 from ..encoder.errors import InputError
 from ..encoder.nest import Nest
+from ..rules.machine_section import ORIGINS, Origin
 from ..rules.profile import DEFAULT, Profile, load_profile
 
 if TYPE_CHECKING:
@@ -32,6 +33,9 @@ class Given:
 def given_options(verb: Verb) -> Verb:
     """Add NEST and the options that decide how it is read."""
     for add in (
+        click.option(
+            "--origin", type=click.Choice(list(ORIGINS)), help="The machine's zero, instead of machine.origin."
+        ),
         click.option("--repair", is_flag=True, help="Mend what can be mended in the drawing, and say what was done."),
         click.option("--sheet", metavar="WxH", help="Sheet size in mm, where the drawing has no outline for it."),
         click.option(
@@ -50,12 +54,19 @@ def given_options(verb: Verb) -> Verb:
 
 
 def read_given(
-    nest: str, profile: str, units: str | None, sheet: str | None, frame: Frame | None, repair: bool
+    nest: str,
+    profile: str,
+    units: str | None,
+    sheet: str | None,
+    frame: Frame | None,
+    repair: bool,
+    origin: Origin | None = None,
 ) -> Given:
     """Read both, the nest as the profile has it cut; what the reader has to say goes to standard error, a line each."""
     from ..encoder.readers import read_nest
 
     plant = load_profile(profile)
+    plant = plant.at_origin(origin) if origin else plant
     options = plant.read_options()
     options = replace(
         options,
@@ -70,11 +81,22 @@ def read_given(
     return Given(plant.as_cut(read), plant)
 
 
+def note_placing(given: Given) -> None:
+    """Say on standard error what a planner would want to know of where the sheet lies on the machine."""
+    from ..rules.placing import placing_notes
+
+    for text in placing_notes(given.nest, given.profile):
+        click.echo(f"warning: {text}", err=True)
+
+
 def note_if_others(plan: Plan, given: Given) -> None:
     """Say on standard error where a plan was made from another nest, or with another profile."""
     for what, stands, now in (("nest", plan.nest, given.nest.sha256), ("profile", plan.profile, given.profile.sha256)):
         if stands.get("sha256") != now:
             click.echo(f"note: the {what} is not the one the plan was made with (its sha256 differs)", err=True)
+    if plan.origin != given.profile.machine.origin:
+        asked = f"here it is {given.profile.machine.origin}"
+        click.echo(f"note: the plan's origin is {plan.origin}, {asked}: the plan's counts", err=True)
 
 
 def read_program_of(path: str, given: Given) -> NcProgram:
@@ -88,7 +110,7 @@ def read_program_of(path: str, given: Given) -> NcProgram:
     from ..postproc.of_nest import cuts_elsewhere
     from ..postproc.timed import read_program
 
-    program = read_program(program_text(path), given.profile, path)
+    program = read_program(program_text(path), given.nest, given.profile, path)
     if elsewhere := cuts_elsewhere(program, given.nest, given.profile.material.kerf_mm, path):
         text = f"{elsewhere} of {len(program.burns)} cuts of the program run along no contour of the nest"
         click.echo(f"note: {text}", err=True)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..encoder.errors import InputError, RulesConflict
-from .given import Given, given_options, read_given
+from .given import Given, given_options, note_placing, read_given
 from .numbers import AMOUNT, AMOUNT_OVER_ZERO
 
 if TYPE_CHECKING:
@@ -55,8 +55,9 @@ def command(
     if plans:
         expect_place(Path(plans))
     given = read_given(**options)
+    note_placing(given)
     profile = given.profile
-    limits = SolveOptions(seed=seed, work=work, home_mm=profile.machine.home, feeds=feeds_of(profile))
+    limits = SolveOptions(seed=seed, work=work, home_mm=profile.home_on(given.nest), feeds=feeds_of(profile))
     trades, code = _plans(given, sorted(set(prices)), limits)
     best = front(trades)
     files: dict[Path, str | bytes] = {}

@@ -26,4 +26,5 @@ def command(plan: str | None, output: str, **given: Any) -> None:
     made = read_plan(plan) if plan else None
     if made is not None:
         note_if_others(made, asked)
-    plot(asked.nest, made, output, asked.profile.machine.home)
+    profile = asked.profile if made is None else asked.profile.at_origin(made.origin)
+    plot(asked.nest, made, output, profile.home_on(asked.nest))

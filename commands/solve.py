@@ -12,7 +12,7 @@ import click
 from ..encoder.errors import RulesConflict
 from ..models.baselines import STRATEGIES
 from ..models.engines import ENGINES, member_of
-from .given import given_options, read_given
+from .given import given_options, note_placing, read_given
 from .numbers import AMOUNT_OVER_ZERO, Amount
 
 SAID_S = 5.0
@@ -84,10 +84,11 @@ def command(
     conflict_picture = conflict_picture or f"{file.stem}.conflict.svg"
     _expect((output, plan_path, picture, conflict_picture), (picture, conflict_picture), (file, lock_from))
     given = read_given(**options)
+    note_placing(given)
     nest, profile = given.nest, keeping(given.profile, lock_from, upto)
     fitting_dialect(profile)  # a file of the plant's own may be wrong: better said now than at the end
     limits = SolveOptions(
-        seed, work, time_limit, profile.machine.home, feeds_of(profile), gap, no_improvement, member_of(engine)
+        seed, work, time_limit, profile.home_on(nest), feeds_of(profile), gap, no_improvement, member_of(engine)
     )
     facts = facts_of(nest, profile)
     if (time_limit or no_improvement) and engine != "minizinc":
@@ -110,7 +111,7 @@ def command(
     if plan_path:
         files[Path(plan_path)] = made.plan.to_json()
     if picture:
-        files[Path(picture)] = draw(nest, made.plan, Path(picture).suffix, profile.machine.home)
+        files[Path(picture)] = draw(nest, made.plan, Path(picture).suffix, profile.home_on(nest))
     write_files(files)
     click.echo("written: " + ", ".join(map(str, files)))
     return 130 if ear.interrupted else 0

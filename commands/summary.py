@@ -24,6 +24,8 @@ def summary(plan: Plan, verdict: CheckResult) -> str:
         f"start side {plan.start_side} (because: {plan.start_side_because}), "
         f"{counted(max((p.cut.zone for p in plan.cuts), default=0), 'zone')}",
     ]
+    zero = f"the sheet's corner, at ({plan.zero[0]:g}, {plan.zero[1]:g}) of the drawing"
+    lines.append(f"the machine's zero is {'that of the drawing' if plan.origin == 'drawing' else zero}")
     if plan.waits:
         longest = max(plan.waits, key=lambda planned: planned.dwell_s)
         all_told = f"{len(plan.waits)}, {plan.wait_s:.1f} s in all"

@@ -31,10 +31,10 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
         Leg(c.pierce, c.end, c.cut_mm, k.kind == "mark", not c.edge_start, k.feed_share)
         for c, k in zip(candidates, contours, strict=True)
     ]
-    machine, feeds = profile.machine, feeds_of(profile)
-    times = schedule(legs, feeds, machine.home)
+    machine, home, feeds = profile.machine, profile.home_on(nest), feeds_of(profile)
+    times = schedule(legs, feeds, home)
     excuses = excused(facts, stated, solution.route)
-    why = reasons(facts, stated, solution.route, machine.home)
+    why = reasons(facts, stated, solution.route, home)
     small = not_cut_because(nest, profile.hole_limits())
     cuts = tuple(
         PlannedCut(
@@ -57,7 +57,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
         )
         for candidate, contour, (begin, end), because in zip(candidates, contours, times, why, strict=True)
     )
-    last = times[-1][1] + math.dist(legs[-1].end, machine.home) / machine.travel_mm_s if times else 0.0
+    last = times[-1][1] + math.dist(legs[-1].end, home) / machine.travel_mm_s if times else 0.0
     gap = None
     if solution.bound is not None:
         gap = (solution.objective - solution.bound) / solution.objective if solution.objective > 0 else 0.0
@@ -66,10 +66,12 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
         profile={"name": profile.name, "sha256": profile.sha256},
         start_side=facts.start_side,
         start_side_because=facts.start_side_because,
+        origin=machine.origin,
+        zero=profile.frame_on(nest).corner,
         cuts=cuts,
         totals=Totals(
             cut_mm=sum(leg.length_mm for leg in legs),
-            idle_mm=idle_mm(legs, machine.home),
+            idle_mm=idle_mm(legs, home),
             pierces=sum(leg.pierced and not leg.marks for leg in legs),
             time_s=last,
             heat=close_calls(contours),

@@ -9,6 +9,8 @@ from typing import Any, Literal
 
 from ..encoder.cut import Cut, CutSequence, Side
 from ..encoder.geometry.curve import Curve
+from ..encoder.geometry.segment import Point
+from ..rules.machine_section import Origin
 from .timing.report import TimeReport
 
 FORMAT = "kerfwise-plan/1"
@@ -107,8 +109,9 @@ class Dropped:
 class Plan:
     """The whole answer; `nest` and `profile` name files and their sha256.
 
-    `time` says by which model the times are, and what they are spent on; None where no program has been timed.
-    `left_out` are small holes that are not cut.
+    Coordinates are the drawing's; `zero` is the point of it that is the machine's zero, as its `origin` says. `time`
+    says by which model the times are, and what they are spent on; None where no program has been timed. `left_out` are
+    small holes that are not cut.
     """
 
     nest: Mapping[str, str]
@@ -122,6 +125,8 @@ class Plan:
     dropped: tuple[Dropped, ...] = field(default=())
     time: TimeReport | None = None
     left_out: tuple[LeftOut, ...] = ()
+    origin: Origin = "drawing"
+    zero: Point = (0.0, 0.0)
 
     @property
     def waits(self) -> tuple[PlannedCut, ...]:
@@ -145,6 +150,7 @@ class Plan:
             "profile": dict(self.profile),
             "start_side": self.start_side,
             "start_side_because": self.start_side_because,
+            **({} if self.origin == "drawing" else {"origin": self.origin, "zero": [round(v, 6) for v in self.zero]}),
         }
         tail: dict[str, Any] = {
             "totals": {k: _round(getattr(self.totals, k)) for k in Totals.__slots__},

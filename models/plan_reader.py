@@ -164,6 +164,8 @@ def _plan_of(data: dict[str, Any]) -> Plan:
         dropped=tuple(Dropped(d["rule"], tuple(d["contours"]), d["why"]) for d in data["dropped"]),
         time=_record(TimeReport, data["time"]) if "time" in data else None,
         left_out=tuple(LeftOut(left["contour"], left["why"]) for left in data.get("left_out", ())),
+        origin=data.get("origin", "drawing"),
+        zero=(float(data["zero"][0]), float(data["zero"][1])) if "zero" in data else (0.0, 0.0),
     )
 
 

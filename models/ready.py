@@ -45,7 +45,7 @@ def _problem() -> Problem:
     beside = (Part(name, _square(name, "outer", (x, 40), 50)) for name, x in (("B", 110.0), ("C", 170.0)))
     nest = Nest(Sheet.rectangle(260, 140), (plate, *beside))
     facts = compute_facts(nest, profile.fact_options(nest), build_candidates(nest, profile.lead_options()))
-    return make_problem(facts, state_rules(facts, profile).statements, profile.machine.home)
+    return make_problem(facts, state_rules(facts, profile).statements, profile.home_on(nest))
 
 
 def _square(part: str, kind: Kind, corner_mm: Point, side_mm: float) -> Contour:

@@ -36,7 +36,8 @@ def check_plan(nest: Nest, plan: Plan, profile: Profile) -> CheckResult:
     )
     relaxed = tuple(Relaxed(dropped.rule, dropped.contours) for dropped in plan.dropped if dropped.relaxed)
     thermometer = thermometer_of(nest, profile)
-    return check_cuts(nest, plan.sequence(profile.machine.home), profile, claims, relaxed, thermometer)
+    profile = profile.at_origin(plan.origin)
+    return check_cuts(nest, plan.sequence(profile.home_on(nest)), profile, claims, relaxed, thermometer)
 
 
 def check_program(nest: Nest, nc_text: str, profile: Profile, file: str = "") -> CheckResult:

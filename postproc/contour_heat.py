@@ -73,7 +73,7 @@ def _most_blocks(nest: Nest, candidates: Sequence[Candidate], profile: Profile) 
     """How many blocks a program has at the most: an entry may divide a line or arc, and the torch may have to wait."""
     waits = profile.settings().get("t-max")
     dwells = waits is not None and isinstance(waits.options, TMaxOptions) and waits.options.dwells
-    return count_blocks(_paths(nest, candidates, profile), profile) + (2 if dwells else 1) * len(nest.contours)
+    return count_blocks(_paths(nest, candidates, profile), nest, profile) + (2 if dwells else 1) * len(nest.contours)
 
 
 def _paths(nest: Nest, candidates: Sequence[Candidate], profile: Profile) -> Iterator[Toolpath]:

@@ -172,7 +172,7 @@ class Cooler:
         heated = {hot.contour: hot for hot in one.pace.heated}
         for _ in range(REPEATS):
             plan = with_times(_waiting(plan, waits, heated, self._options.most_c), nest, profile)
-            written = read_program(write_program(plan, nest, profile), profile)
+            written = read_program(write_program(plan, nest, profile), nest, profile)
             paces = [self._pace(path, grid) for path in (path_of_plan(plan, nest, profile), path_of_program(written))]
             if not any(paced.heated for paced in paces):
                 return replace(one, plan=plan)
@@ -186,10 +186,10 @@ class Cooler:
 
     def _proven(self, best: Solution, first: Solution) -> Solution:
         """The solution at the price of the rules alone, with what is proven of them: further demands prove nothing."""
-        facts, machine = self.facts, self.profile.machine
+        facts = self.facts
         order = [facts.candidates[c].contour for c in best.route]
         rules = (*self.statements, *afterthoughts(facts, self.profile)(order))
-        problem = make_problem(facts, rules, machine.home, feeds_of(self.profile))
+        problem = make_problem(facts, rules, self.profile.home_on(facts.nest), feeds_of(self.profile))
         cost_mm = route_cost(problem, problem.candidate_site[list(best.route)].tolist()) / UM_PER_MM
         bound = None if first.bound is None else min(first.bound, cost_mm)
         optimal = bound is not None and cost_mm <= bound

@@ -30,9 +30,9 @@ Solved = Callable[[float, Stated], Solution]
 
 def cooler_orders(facts: Facts, profile: Profile, stated: Stated) -> CoolerOrders:
     """What finds cooler orders that keep the statements; nothing is simulated yet."""
-    machine, feeds = profile.machine, feeds_of(profile)
-    problem = make_problem(facts, stated.statements, machine.home, feeds)
-    paths = RoutePaths(facts, profile.material.kerf_mm, feeds, machine.home)
+    home, feeds = profile.home_on(facts.nest), feeds_of(profile)
+    problem = make_problem(facts, stated.statements, home, feeds)
+    paths = RoutePaths(facts, profile.material.kerf_mm, feeds, home)
     return CoolerOrders(facts, problem, profile.heat, profile.material.thickness_mm, paths)
 
 
@@ -88,7 +88,7 @@ def solve_priced(
     def judge(route: Sequence[int]) -> float | None:
         order = [facts.candidates[c].contour for c in route]
         rules = (*stated.statements, *afterthoughts(facts, profile)(order))
-        problem = make_problem(facts, rules, profile.machine.home, feeds_of(profile))
+        problem = make_problem(facts, rules, profile.home_on(facts.nest), feeds_of(profile))
         sites = problem.candidate_site[list(route)].tolist()
         return None if broken(problem, sites) else route_cost(problem, sites) / UM_PER_MM
 

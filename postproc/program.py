@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import PurePath
 
 from ..encoder.nest import Nest
@@ -25,14 +26,15 @@ def write_program(plan: Plan, nest: Nest, profile: Profile) -> str:
         If the plan was made from another nest, or the dialect is unknown or cannot spell the program.
     """
     dialect = fitting_dialect(profile)
-    body = _body(toolpaths(plan, nest, profile), profile, dialect)
+    profile = profile.at_origin(plan.origin)
+    body = _body(toolpaths(plan, nest, profile), nest, profile, dialect)
     return "\n".join([*numbered([*_header(plan, nest, profile, dialect), *body], dialect), ""])
 
 
-def count_blocks(paths: Iterable[Toolpath], profile: Profile) -> int:
+def count_blocks(paths: Iterable[Toolpath], nest: Nest, profile: Profile) -> int:
     """How many blocks a program of these paths has, comments left out, without writing it."""
     dialect = load_dialect(profile.machine.dialect)
-    return sum(not is_comment(block, dialect) for block in _body(paths, profile, dialect))
+    return sum(not is_comment(block, dialect) for block in _body(paths, nest, profile, dialect))
 
 
 def _header(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect) -> Iterator[str]:
@@ -42,6 +44,7 @@ def _header(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect) -> Itera
     yield comment(dialect, "PROFILE", profile.name, f"SHA256 {profile.sha256[:SHA_DIGITS]}")
     thickness, kerf = number(material.thickness_mm, 3), number(material.kerf_mm, 3)
     yield comment(dialect, "MATERIAL", material.name, f"{thickness} MM, KERF {kerf} MM")
+    yield _origin(nest, profile, dialect)
     yield comment(dialect, f"CONTOURS {len(plan.cuts)}, PIERCES {totals.pierces}")
     yield comment(dialect, f"CUT {number(totals.cut_mm, 1)} MM, IDLE {number(totals.idle_mm, 1)} MM")
     yield comment(dialect, f"ESTIMATED TIME {seconds_text(totals.time_s)}")
@@ -60,6 +63,14 @@ def _header(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect) -> Itera
         for rule in planned.cut.excused:
             yield comment(dialect, f"EXCUSED {plain(rule)}", planned.cut.contour)
     yield from _relaxed(plan, dialect)
+
+
+def _origin(nest: Nest, profile: Profile, dialect: Dialect) -> str:
+    """Where the machine's zero lies on the drawing."""
+    if profile.machine.origin == "drawing":
+        return comment(dialect, "ORIGIN DRAWING")
+    x, y = (number(v, 4) for v in profile.frame_on(nest).corner)
+    return comment(dialect, f"ORIGIN SHEET CORNER, AT X{x} Y{y} OF THE DRAWING")
 
 
 def _assumed(plan: Plan, profile: Profile, dialect: Dialect) -> Iterator[str]:
@@ -86,11 +97,12 @@ def _relaxed(plan: Plan, dialect: Dialect) -> Iterator[str]:
         yield comment(dialect, head, line)
 
 
-def _body(paths: Iterable[Toolpath], profile: Profile, dialect: Dialect) -> Iterator[str]:
+def _body(paths: Iterable[Toolpath], nest: Nest, profile: Profile, dialect: Dialect) -> Iterator[str]:
     """All but the comments at the top, which make no difference to how many blocks there are."""
     yield from dialect.header
-    for order, path in enumerate(paths, 1):
-        yield from _cut(order, path, profile, dialect)
+    x, y = profile.frame_on(nest).corner
+    for order, made in enumerate(paths, 1):
+        yield from _cut(order, replace(made, path=made.path.moved(-x, -y)), profile, dialect)
     yield comment(dialect, "HOME")
     yield rapid_block(profile.machine.home, dialect)
     yield from dialect.footer

@@ -50,13 +50,15 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
         If the plan was made from another nest.
     """
     paths = toolpaths(plan, nest, profile)
-    runs, at = [], profile.machine.home
+    profile = profile.at_origin(plan.origin)
+    home = profile.home_on(nest)
+    runs, at = [], home
     for made in paths:
         travels_mm = (math.dist(at, _start(made.path)),)
         waits_s, share = made.planned.dwell_s, made.feed_share
         runs.append(Run(made.path, made.marks, not made.edge_start, travels_mm, waits_s, feed_share=share))
         at = _end(made.path)
-    return Job(tuple(runs), (math.dist(at, profile.machine.home),), count_blocks(paths, profile))
+    return Job(tuple(runs), (math.dist(at, home),), count_blocks(paths, nest, profile))
 
 
 def job_of_program(program: NcProgram, nest: Nest, own: Profile | None = None) -> Job:
@@ -75,15 +77,15 @@ def job_of_program(program: NcProgram, nest: Nest, own: Profile | None = None) -
     return Job(tuple(runs), program.homing_mm, program.blocks)
 
 
-def read_program(text: str, profile: Profile, file: str = "") -> NcProgram:
-    """A program as the check reads it, on the profile's machine.
+def read_program(text: str, nest: Nest, profile: Profile, file: str = "") -> NcProgram:
+    """A program as the check reads it, on the profile's machine, in the coordinates of the nest's drawing.
 
     Raises
     ------
     InputError
         With the line, for what is malformed or not understood.
     """
-    return read_on_machine(text, profile, file)
+    return read_on_machine(text, nest, profile, file)
 
 
 def with_times(plan: Plan, nest: Nest, profile: Profile) -> Plan:

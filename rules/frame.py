@@ -6,6 +6,7 @@ the lower left corner of the sheet's bounding box where that corner is put at th
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from ..encoder.geometry.segment import Point
@@ -47,11 +48,12 @@ def frame_of(nest: Nest, machine: Machine) -> Frame:
 
 
 def reach_of(nest: Nest, machine: Machine) -> Bounds | None:
-    """What the torch can go to, in the drawing's coordinates; None where the profile does not say both ways."""
-    if machine.travel_x_mm is None or machine.travel_y_mm is None:
+    """What the torch can go to, in the drawing's coordinates: infinite the way that the profile does not say.
+
+    None where it says nothing.
+    """
+    if machine.travel_x_mm is None and machine.travel_y_mm is None:
         return None
+    (x0, x1), (y0, y1) = (span or (-math.inf, math.inf) for span in (machine.travel_x_mm, machine.travel_y_mm))
     frame = frame_of(nest, machine)
-    (x0, y0), (x1, y1) = (
-        frame.on_drawing((x, y)) for x, y in zip(machine.travel_x_mm, machine.travel_y_mm, strict=True)
-    )
-    return x0, y0, x1, y1
+    return *frame.on_drawing((x0, y0)), *frame.on_drawing((x1, y1))

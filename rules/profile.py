@@ -25,9 +25,10 @@ from .catalogue.part_rigidity import PartRigidityOptions
 from .catalogue.pierce import PierceOptions
 from .catalogue.start_side import StartSideOptions
 from .catalogue.zone_order import ZoneOrderOptions
-from .frame import Bounds, frame_of, reach_of
+from .frame import Bounds, Frame, frame_of, reach_of
 from .heat_section import Heat
 from .lock import Lock
+from .machine_section import Origin
 from .option import options_of
 from .own import Own, Thresholds, as_rule, own_pairs
 from .profile_reader import Given, read_given
@@ -36,6 +37,7 @@ from .rule import Rule
 from .sections import Drawing, Leads, Machine, Material, Objective, RuleSetting, default_settings
 from .small_holes_section import SmallHoles
 from .suggest import unknown
+from .thickness_table import LengthOf, ThicknessTable, length_at
 from .time_section import Prices, Time
 
 DEFAULT = "plasma-carbon-steel"
@@ -99,7 +101,7 @@ class Profile:
         return {**RULES, **{rule.id: as_rule(rule) for rule in self.own_rules}}
 
     def _filled_in(self, options: Any) -> Any:
-        """The options with the fields that no key of their own sets."""
+        """The options with the fields that no key of their own sets, and lengths as they are for the material."""
         shared = {
             "locks": self.locks,
             "web_mm": self._options("part-rigidity", PartRigidityOptions).web_mm,
@@ -109,15 +111,35 @@ class Profile:
             "heat_limit_c": self.heat.limit_c,
             "absorbed_power_w": self.heat.absorbed_power_w,
         }
-        unset = [f.name for f in dataclasses.fields(options) if "kind" not in f.metadata]
-        return dataclasses.replace(options, **{name: shared[name] for name in unset})
+        fields = dataclasses.fields(options)
+        tables = {f.name: v for f in fields if isinstance(v := getattr(options, f.name), ThicknessTable)}
+        lengths = {name: self.length_mm(table) for name, table in tables.items()}
+        return dataclasses.replace(
+            options, **lengths, **{f.name: shared[f.name] for f in fields if "kind" not in f.metadata}
+        )
+
+    def at_origin(self, origin: Origin) -> Profile:
+        """The profile with the machine's zero where a plan or program says that it has it."""
+        return (
+            self
+            if origin == self.machine.origin
+            else dataclasses.replace(self, machine=dataclasses.replace(self.machine, origin=origin))
+        )
+
+    def length_mm(self, length: LengthOf) -> float:
+        """A length that may go with the thickness, as it is for the profile's material."""
+        return length_at(length, self.material.thickness_mm)
+
+    def frame_on(self, nest: Nest) -> Frame:
+        """The machine's coordinates on the nest."""
+        return frame_of(nest, self.machine)
 
     def home_on(self, nest: Nest) -> Point:
         """The machine's home in the coordinates of the nest's drawing."""
         return frame_of(nest, self.machine).on_drawing(self.machine.home)
 
     def reach_on(self, nest: Nest) -> Bounds | None:
-        """What the torch can go to, in the coordinates of the nest's drawing; None where the profile does not say."""
+        """What the torch can go to, in the coordinates of the nest's drawing; None where the profile says nothing."""
         return reach_of(nest, self.machine)
 
     def lead_options(self, nest: Nest | None = None) -> LeadOptions:
@@ -133,12 +155,12 @@ class Profile:
             entries=leads.entries,
             kerf_mm=self.material.kerf_mm,
             lead=leads.lead,
-            lead_in_mm=leads.lead_in_mm,
+            lead_in_mm=self.length_mm(leads.lead_in_mm),
             lead_in_min_mm=leads.lead_in_min_mm,
             lead_out=leads.lead_out,
             lead_out_mm=leads.lead_out_length_mm,
             pierce_clearance_mm=self._clearance_mm(),
-            hole_overcut_mm=leads.hole_overcut_mm,
+            hole_overcut_mm=self.length_mm(leads.hole_overcut_mm),
             edge_start=leads.edge_start,
             reach=None if nest is None else self.reach_on(nest),
             directions={kind: directions.allowed(kind) if fixed else both for kind in kinds},
@@ -157,7 +179,8 @@ class Profile:
         return as_cut(nest, self.hole_limits())
 
     def _clearance_mm(self) -> float:
-        return self._options("pierce", PierceOptions).clearance_mm if self._is_on("pierce") else 0.0
+        asked = self._options("pierce", PierceOptions).clearance_mm
+        return self.length_mm(asked) if self._is_on("pierce") else 0.0
 
     def fact_options(self, nest: Nest | None = None) -> FactOptions:
         """The thresholds of the facts, as start-side, zone-order, part-rigidity, the order rules and the locks say.

@@ -9,6 +9,7 @@ import yaml
 from .heat_section import Heat
 from .sections import Leads, Machine, Material, RuleSetting
 from .small_holes_section import SmallHoles
+from .thickness_table import length_at
 from .time_section import Time
 from .yaml_positions import Problems, deepest
 
@@ -29,10 +30,11 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
     heat: Heat = given["heat"]
     holes: SmallHoles = given["small_holes"]
 
-    if leads.lead_in_min_mm > leads.lead_in_mm:
+    lead_in_mm = length_at(leads.lead_in_mm, material.thickness_mm)
+    if leads.lead_in_min_mm > lead_in_mm:
         problems.add(
             deepest(root, "leads", "lead_in_min"),
-            f"leads.lead_in_min: {leads.lead_in_min_mm:g} mm is more than lead_in, {leads.lead_in_mm:g} mm",
+            f"leads.lead_in_min: {leads.lead_in_min_mm:g} mm is more than lead_in, {lead_in_mm:g} mm",
         )
     if leads.edge_start and machine.process == "oxyfuel" and machine.edge_preheat_s <= 0:
         problems.add(
@@ -80,7 +82,7 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
             f"heat.logical_conduction: {heat.logical_conduction:g} for each of 8 neighbours is more than a point has; "
             "the scheme is stable up to 0.125",
         )
-    clearance_mm = rules["pierce"].options.clearance_mm
+    clearance_mm = length_at(rules["pierce"].options.clearance_mm, material.thickness_mm)
     if rules["pierce"].strength != "off" and clearance_mm <= material.kerf_mm / 2:
         problems.add(
             deepest(root, "rules", "pierce", "clearance"),

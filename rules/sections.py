@@ -18,6 +18,7 @@ from .option import option
 from .registry import RULES
 from .rule import Strength
 from .small_holes_section import SmallHoles
+from .thickness_table import LENGTH_OR_TABLE, LengthOf
 from .time_section import Prices, Time
 
 _LEADS = Choice(("line", "arc", "none"))
@@ -38,11 +39,15 @@ class Leads:
 
     entries: int = field(default=8, metadata=option(Number(1, 1000, whole=True), "entries tried on each contour"))
     lead: LeadKind = field(default="line", metadata=option(_LEADS, "shape of the lead-in"))
-    lead_in_mm: float = field(default=6.0, metadata=option(LENGTH, "length of the lead-in where there is room"))
+    lead_in_mm: LengthOf = field(
+        default=6.0, metadata=option(LENGTH_OR_TABLE, "length of the lead-in where there is room")
+    )
     lead_in_min_mm: float = field(default=1.0, metadata=option(LENGTH, "shortest lead-in where there is not"))
     lead_out: LeadKind = field(default="none", metadata=option(_LEADS, "shape of the lead-out"))
     lead_out_length_mm: float = field(default=2.0, metadata=option(LENGTH, "length of the lead-out"))
-    hole_overcut_mm: float = field(default=1.0, metadata=option(LENGTH, "how far a hole is cut past its entry"))
+    hole_overcut_mm: LengthOf = field(
+        default=1.0, metadata=option(LENGTH_OR_TABLE, "how far a hole is cut past its entry")
+    )
     edge_start: bool = field(
         default=False, metadata=option(Flag(), "whether to come in from the sheet edge, unpierced, where that is near")
     )

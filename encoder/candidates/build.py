@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -49,7 +50,7 @@ def build_candidates(nest: Nest, options: LeadOptions) -> tuple[Candidate, ...]:
     [((50.0, 50.0), 'cw'), ((50.0, 50.0), 'ccw'), ((90.0, 50.0), 'cw')]
     """
     _check(options, nest)
-    if not nest.sheet.stated or options.reach is None:
+    if not nest.sheet.stated or options.reach is None or not all(map(math.isfinite, options.reach)):
         options = replace(options, edge_start=False)
     if not nest.contours:
         return ()

@@ -137,7 +137,7 @@ class _Finder:
 
     def __init__(self, facts: Facts, profile: Profile, trusting: bool = False) -> None:
         self.facts, self.gives_way, self.trusting = facts, _gives_way(profile), trusting
-        self.engines = Engines(facts, profile.machine.home, feeds_of(profile))
+        self.engines = Engines(facts, profile.home_on(facts.nest), feeds_of(profile))
 
     def core(self, groups: Sequence[Group]) -> Core | None:
         """A contradiction, on order and entries alone where there is one; raises NotAnswered."""

@@ -65,7 +65,7 @@ def make_setting(facts: Facts, profile: Profile, stated: Stated, plan: Plan) -> 
         If the plan is not one of this nest: it names contours that the nest does not have, or misses some.
     """
     _same_contours(facts, plan)
-    problem = make_problem(facts, stated.statements, profile.machine.home, feeds_of(profile))
+    problem = make_problem(facts, stated.statements, profile.home_on(facts.nest), feeds_of(profile))
     notes: list[str] = []
     for what, stands, now in (
         ("nest", plan.nest, facts.nest.sha256),

@@ -88,7 +88,7 @@ def _nest(job: Job, options: SolveOptions) -> _Outcome:
 
     profile = load_profile(job.profile) if job.profile else load_profile()
     nest = read_nest(job.path, profile.read_options())
-    limits = replace(options, home_mm=profile.machine.home, feeds=feeds_of(profile))
+    limits = replace(options, home_mm=profile.home_on(nest), feeds=feeds_of(profile))
     load_kernels()
     started = time.perf_counter()
     try:

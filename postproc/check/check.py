@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from ...encoder.cut import CutSequence
 from ...encoder.nest import Nest
@@ -14,7 +14,7 @@ from .edge_starts import edge_starts, forbidden
 from .heating import Thermometer, heatings_of_cuts, heatings_of_program, measured
 from .judge import judge
 from .metal import Pairs, gouges, off_sheet
-from .nc_on_machine import read_on_machine
+from .nc_on_machine import on_its_origin, other_origin, read_on_machine
 from .program_rules import judgement
 from .rebuild import rebuild
 from .relaxed import Relaxed, read_relaxed, relaxed_warnings
@@ -24,6 +24,7 @@ from .runs_from_cuts import runs_from_cuts
 from .small_holes import Judged, judged_nest, small_holes, told_of_small_holes
 from .torch_run import TorchRun
 from .totals import Claims, claims_kept, idle_mm, totals
+from .travel import beyond_travel, rapids_beyond_travel
 
 SHARED_METAL = "shared-metal"
 """The rule that judges what the rounds of parts burn of each other."""
@@ -68,15 +69,18 @@ def check_program(
     """
     judged_by = judged_nest(nest, profile)
     nest = judged_by.nest
-    program = read_on_machine(nc_text, profile, file)
-    built = rebuild(nest, program, profile.material.kerf_mm, profile.machine.home)
+    program = read_on_machine(nc_text, nest, profile, file)
+    told = list(other_origin(program, profile))
+    profile = on_its_origin(program, profile)
+    built = rebuild(nest, program, profile.material.kerf_mm, profile.home_on(nest))
+    astray = rapids_beyond_travel(nest, program, profile)
     relaxed = read_relaxed(nest, program.comments)
-    judged, warnings = _judge_paths(judged_by, built.cuts, built.runs, built.violations, profile, relaxed)
+    judged, warnings = _judge_paths(judged_by, built.cuts, built.runs, built.violations, profile, relaxed, astray)
     judged += judge_running(nest, program, profile, built.runs, judged_by.shares)
     felt = measured(once_each(nest, built.cuts), heatings_of_program(program), thermometer)
     rules = judge(nest, felt, profile, relaxed)
     warnings += relaxed_warnings(relaxed)
-    return CheckResult((*judged, *rules), (*built.warnings, *warnings), _measured(built.runs, program.idle_mm))
+    return CheckResult((*judged, *rules), (*told, *built.warnings, *warnings), _measured(built.runs, program.idle_mm))
 
 
 def _judge_paths(
@@ -86,11 +90,13 @@ def _judge_paths(
     faults: Sequence[Violation],
     profile: Profile,
     relaxed: Sequence[Relaxed],
+    astray: Iterable[Violation] = (),
 ) -> tuple[list[Judgement], list[str]]:
+    """What is wrong with the paths of cuts; `astray` are ways without torch that leave the machine's travel."""
     nest = judged_by.nest
     found = gouges(nest, runs, profile.material.kerf_mm, _sharing(nest, profile, relaxed))
     runs_up = forbidden(nest, profile) is None
-    margin_mm = profile.material.kerf_mm + (profile.leads.lead_in_mm if runs_up else 0.0)
+    margin_mm = profile.material.kerf_mm + (profile.length_mm(profile.leads.lead_in_mm) if runs_up else 0.0)
     judged = [
         judgement(
             "every-contour-once", [*coverage(nest, cuts), *(f for f in faults if f.rule == "every-contour-once")]
@@ -102,6 +108,8 @@ def _judge_paths(
         judgement("edge-start", edge_starts(nest, runs, profile)),
         judgement("no-gouging", found.violations),
     ]
+    if profile.reach_on(nest) is not None:
+        judged.append(judgement("within-travel", [*beyond_travel(nest, cuts, runs, profile), *astray]))
     return judged, [*told_of_small_holes(judged_by, profile), *found.warnings]
 
 

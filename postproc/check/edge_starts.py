@@ -38,6 +38,6 @@ def forbidden(nest: Nest, profile: Profile) -> str | None:
         return "the profile allows no edge start (leads.edge_start)"
     if not nest.sheet.stated:
         return "nobody has stated where the sheet's edge is"
-    if profile.reach_on(nest) is None:
+    if None in (profile.machine.travel_x_mm, profile.machine.travel_y_mm):
         return "the profile does not say how far the torch can go (machine.travel_x, machine.travel_y)"
     return None

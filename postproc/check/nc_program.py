@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from ...encoder.geometry.curve import Curve
 from ...encoder.geometry.segment import Point
+from ...rules.machine_section import Origin
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -59,7 +60,9 @@ class NcProgram:
     """What a program does. `idle_mm` is all travel with no tool on, `slow_travel` the part of it at cutting feed.
 
     `homing_mm` are the moves after the last burn, `end` is where they lead, `blocks` the lines that are more than
-    comments, and `moving_s` the time with a tool on at the program's own feeds, s.
+    comments, and `moving_s` the time with a tool on at the program's own feeds, s. `rapids` are the lines and ends of
+    moves with no tool on. `origin` and `zero`, a point of the drawing, are where the program says that the machine's
+    zero is, None where it does not.
     """
 
     burns: tuple[Burn, ...]
@@ -72,3 +75,6 @@ class NcProgram:
     end: Point
     blocks: int
     moving_s: float
+    rapids: tuple[tuple[int, Point], ...] = ()
+    origin: Origin | None = None
+    zero: Point | None = None

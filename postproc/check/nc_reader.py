@@ -87,6 +87,7 @@ def read_nc(
         machine.at,
         machine.blocks,
         machine.moving_s,
+        tuple(machine.rapids),
     )
 
 
@@ -135,6 +136,7 @@ class _Machine:
     modes: Modes = field(default_factory=Modes)
     comments: list[str] = field(default_factory=list)
     travels_mm: list[float] = field(default_factory=list)
+    rapids: list[tuple[int, Point]] = field(default_factory=list)
     wait_s: float = 0.0
 
     def run(self, block: Block) -> None:
@@ -273,6 +275,7 @@ class _Machine:
         self.at = end
         if tool is None:
             self._idle(length)
+            self.rapids.append((block.line, end))
         elif self.open is None:
             self._begin(tool, block.line)
 
@@ -280,6 +283,7 @@ class _Machine:
         self.clock_s += segment.length_mm / self.feed_mm_s
         if self.open is None:
             self._idle(segment.length_mm)
+            self.rapids.append((line, segment.end))
             self.slow_travel.append(Stretch(line, segment.length_mm))
         else:
             self.moving_s += segment.length_mm / self.feed_mm_s

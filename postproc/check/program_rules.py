@@ -21,6 +21,7 @@ SENTENCES = {
     "returns-home": "The torch ends where it starts, at the machine's home.",
     "on-sheet": "The torch burns only over the sheet, but for the run-up of an edge start.",
     "edge-start": "The torch begins off the sheet only where edge starts are allowed, at an edge that is stated.",
+    "within-travel": "The torch stays within the machine's travel.",
     "no-gouging": "The kerf of no cut, its leads included, enters the metal of a part by more than 0.05 mm.",
     "totals": "The totals, lengths and times that the plan states are those of its cuts.",
     "claims": "Each hard rule holds in the plan where the plan says so.",

@@ -42,8 +42,13 @@ def judge_running(
         "program-state": [],
         "feeds": list(_feeds(program, profile, runs, shares or {})),
         "pierce-delay": list(_waits(nest, program.burns, profile)),
-        "returns-home": list(_home(program, profile.machine.home)),
+        "returns-home": list(_home(program, profile.home_on(nest))),
     }
+    corner = profile.frame_on(nest).corner
+    if program.zero is not None and math.dist(program.zero, corner) > TOLERANCE_MM:
+        said, is_at = (f"({x:g}, {y:g})" for x, y in (program.zero, corner))
+        text = f"it says that its zero is at {said} of the drawing, by its origin it is at {is_at}"
+        found["program-state"].append((0, text))
     for fault in program.faults:
         found[fault.rule].append((fault.line, fault.text))
     return [

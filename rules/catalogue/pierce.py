@@ -11,11 +11,11 @@ import shapely
 
 from ...encoder.cut import CutSequence
 from ...encoder.nest import Nest
-from ..kinds import LENGTH
 from ..option import option
 from ..pierce_places import PiercePlaces
 from ..rule import Rule, Violation
 from ..statements import AtLeast, Before
+from ..thickness_table import LENGTH_OR_TABLE
 
 if TYPE_CHECKING:
     from ...encoder.facts.facts import Facts
@@ -23,10 +23,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class PierceOptions:
-    """How far from every contour a pierce lies."""
+    """How far from every contour a pierce lies; where a profile gives it by thickness, as it is for its material."""
 
     clearance_mm: float = field(
-        default=1.5, metadata=option(LENGTH, "least distance from a pierce to every contour, more than half the kerf")
+        default=1.5,
+        metadata=option(LENGTH_OR_TABLE, "least distance from a pierce to every contour, more than half the kerf"),
     )
 
 

@@ -1,7 +1,7 @@
 """A strict reader of the programs that kerfwise writes: what burns, in order. Written apart from the project's own.
 
-It knows the words of LinuxCNC with QtPlasmaC that occur in such programs and refuses every other one. A test holds it
-against LinuxCNC's own interpreter.
+It knows the words of LinuxCNC, with and without QtPlasmaC, that occur in such programs and refuses every other one. A
+test holds it against LinuxCNC's own interpreter.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _HARMLESS = {
     "M": {"2", "30", "66", "67", "68", "190"},
 }
 """Words that move nothing and burn nothing. G20, G91, G41, offsets and M62 to M65 (torch off while the path goes on)
-are not among them: the project never writes them."""
+are not among them: the project never writes them, but for M64 P0 and M65 P0, which mark where M3 has but one tool."""
 
 
 class UnreadableProgram(AssertionError):
@@ -118,6 +118,8 @@ class _Reader:
                 self._stop(1)
             elif letter == "M" and value == "5":
                 self._stop(int(values.get("$", 0)))
+            elif letter == "M" and value in ("64", "65") and values.get("P") == 0:
+                self._start(number, 1) if value == "64" else self._stop(1)
             elif value not in _HARMLESS[letter]:
                 raise UnreadableProgram(f"line {number}: {letter}{value} is not known here: {line.strip()}")
             self.ended = self.ended or (letter == "M" and value in ("2", "30"))

@@ -99,7 +99,8 @@ def good_cuts(plate: Nest, kerf_mm: float = KERF_MM) -> list[Cut]:
 def plan_of(nest: Nest, cuts: Sequence[Cut], profile: Profile) -> Plan:
     """The plan of these cuts, with lengths, times and totals as they are."""
     machine, kerf_mm = profile.machine, profile.material.kerf_mm
-    at, now_s, planned = machine.home, 0.0, []
+    home = profile.home_on(nest)
+    at, now_s, planned = home, 0.0, []
     idle = 0.0
     for cut in cuts:
         contour = nest.contour(cut.contour)
@@ -113,7 +114,7 @@ def plan_of(nest: Nest, cuts: Sequence[Cut], profile: Profile) -> Plan:
         now_s, at, idle = start_s + wait + length / feed, cut.end, idle + travel
         timed = dataclasses.replace(cut, start_s=start_s, end_s=now_s)
         planned.append(PlannedCut(timed, contour.part, contour.kind, length))
-    back = math.dist(at, machine.home)
+    back = math.dist(at, home)
     stock = nest.sheet.polygon
     pierces = sum(p.kind != "mark" and stock.contains(shapely.Point(p.cut.pierce)) for p in planned)
     cut_mm = sum(p.length_mm for p in planned)

@@ -87,7 +87,7 @@ def test_no_candidate_leaves_more(plant: Profile) -> None:
 def test_a_simulated_plan_and_its_program_take_up_no_more(plant: Profile, choice: int) -> None:
     sheet, most = plate(), most_kj(plate(), plant)
     plan = planned(sheet, plant, choice)
-    program = read_program(write_program(plan, sheet, plant), plant)
+    program = read_program(write_program(plan, sheet, plant), sheet, plant)
     for path in (path_of_plan(plan, sheet, plant), path_of_program(program)):
         for burn in path.burns:
             assert plant.heat.absorbed_power_w * burn.seconds / 1000 <= most[burn.contour] * 1.001

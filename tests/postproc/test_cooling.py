@@ -90,7 +90,7 @@ def test_waits_stand_in_plan_and_program_and_are_counted(one_order: None, tmp_pa
     assert found.plan.time is not None
     assert found.plan.time.dwell_s == pytest.approx(second.dwell_s)
     assert found.plan.totals.time_s == pytest.approx(found.plan.time.total_s)
-    program = job_of_program(read_program(found.program, HOT), PAIR)
+    program = job_of_program(read_program(found.program, PAIR, HOT), PAIR)
     assert time_job(program, HOT).times.total_s == pytest.approx(found.plan.totals.time_s, rel=1e-3)
     file = tmp_path / "plan.json"  # type: ignore[operator]
     file.write_text(found.plan.to_json(), encoding="utf-8")

@@ -35,7 +35,7 @@ def test_a_plan_and_its_program_have_the_same_blocks_and_times(plant: Profile) -
     sheet, plan = made(plant)
     program = write_program(plan, sheet, plant)
     planned = job_of_plan(plan, sheet, plant)
-    written = job_of_program(read_program(program, plant), sheet)
+    written = job_of_program(read_program(program, sheet, plant), sheet)
     numbered = [line for line in program.splitlines() if line.startswith("N")]
     assert planned.nc_blocks == written.nc_blocks == len(numbered)
     assert (planned.pierces, planned.on_mm) == (written.pierces, pytest.approx(written.on_mm, abs=0.01))
@@ -114,17 +114,18 @@ def test_an_edge_start_is_no_pierce_and_has_no_dwell() -> None:
     job = job_of_plan(plan, sheet, PLAIN)
     assert job.pierces == 0
     assert time_job(job, PLAIN).times.pierce_s == 0
-    written = job_of_program(read_program(write_program(plan, sheet, PLAIN), PLAIN), sheet)
+    written = job_of_program(read_program(write_program(plan, sheet, PLAIN), sheet, PLAIN), sheet)
     assert (written.pierces, written.nc_blocks) == (0, job.nc_blocks)
 
 
 def test_a_programs_detours_and_its_own_feeds_are_read() -> None:
     """Two rapids on the way, one of them by G1 with the torch off, and a line that only a person reads."""
+    sheet = nest(100, 100, part("P1", circle(50, 50, 20)))
     program = read_program(
         "%\nG21 G90\n(hello)\nG0 X30 Y0\nG1 X30 Y40 F6000\nM3 $0 S1\nG4 P0.5\nG1 X40 F600\nM5 $0\n\nG0 X0 Y0\nM2\n",
+        sheet,
         PLAIN,
     )
-    sheet = nest(100, 100, part("P1", circle(50, 50, 20)))
     job = job_of_program(program, sheet)
     assert job.runs[0].travels_mm == (30.0, 40.0)
     assert job.homing_mm == pytest.approx((56.5685,))

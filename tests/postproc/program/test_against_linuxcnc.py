@@ -116,7 +116,7 @@ def test_every_shipped_profile_has_a_program_that_linuxcnc_reads(name: str) -> N
     assert differences(plan, PLATE, plant, run) == []
     assert run.ended == "M2"
     # and the check's own reader makes the same of it
-    program = read_program(text, plant)
+    program = read_program(text, PLATE, plant)
     assert [burn.tool for burn in program.burns] == [burn.tool for burn in run.burns]
     assert program.idle_mm == pytest.approx(run.idle_mm, abs=1e-3)
     assert [b.path.length_mm for b in program.burns] == pytest.approx([b.length_mm for b in run.burns], abs=1e-2)
