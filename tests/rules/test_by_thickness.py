@@ -42,7 +42,7 @@ def test_the_limits_follow_the_thickness_and_the_room_of_a_pierce(tmp_path: Path
     head = "based_on: plasma-carbon-steel\nmaterial: {thickness: 12 mm}\n"
     file.write_text(head + "small_holes: {min_hole: 1.5 × thickness, under: skip}\n", encoding="utf-8")
     limits = load_profile(file).hole_limits()
-    assert (limits.least_mm, limits.room_mm, limits.full_feed_mm, limits.under) == (18, 3, 60, "skip")
+    assert (limits.least_mm, limits.room_mm, limits.full_feed_mm, limits.under) == (18, 6, 60, "skip")
 
 
 def test_a_full_feed_that_begins_below_the_least_hole_is_refused(tmp_path: Path) -> None:

@@ -33,7 +33,7 @@ def x_moved(mm: float) -> Callable[[str], str]:
 def test_torch_left_on_during_a_rapid() -> None:
     result = check(in_cut("A.outer", lambda lines: lines[:-1]))
     assert result.broken() == ("torch-off-travel",)
-    assert "line 48: the torch is on during a rapid of 186.8 mm" in report(result)
+    assert "line 49: the torch is on during a rapid of 186.8 mm" in report(result)
     assert "tool $0 is started while $0 is on" in report(result)
 
 
