@@ -128,18 +128,20 @@ class Nest:
         return {p.id: p for p in self.parts}
 
     @cached_property
-    def spotted(self) -> tuple[str, ...]:
-        """Holes of the drawing that are not cut but marked at their middle."""
-        return tuple(c.id for c in self._drawn_holes if c.id in self.index and self.contour(c.id).kind == "mark")
-
-    @cached_property
-    def left_out(self) -> tuple[str, ...]:
-        """Holes of the drawing that are neither cut nor marked."""
-        return tuple(c.id for c in self._drawn_holes if c.id not in self.index)
+    def not_cut(self) -> tuple[Contour, ...]:
+        """Holes of the drawing that are not cut, as they are drawn."""
+        drawn = () if self.drawn is None else (hole for part in self.drawn.parts for hole in part.holes)
+        return tuple(hole for hole in drawn if hole.id not in self.index or self.contour(hole.id).kind == "mark")
 
     @property
-    def _drawn_holes(self) -> tuple[Contour, ...]:
-        return () if self.drawn is None else tuple(hole for part in self.drawn.parts for hole in part.holes)
+    def spotted(self) -> tuple[str, ...]:
+        """Those of them that are marked at their middle."""
+        return tuple(hole.id for hole in self.not_cut if hole.id in self.index)
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Those of them that are not even marked."""
+        return tuple(hole.id for hole in self.not_cut if hole.id not in self.index)
 
     def contour(self, contour_id: str) -> Contour:
         """The contour of that id (KeyError if there is none)."""

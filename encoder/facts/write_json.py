@@ -39,6 +39,8 @@ def facts_json(facts: Facts) -> str:
             for k, side in enumerate(SIDES)
         },
     }
+    if nest.not_cut:
+        head["small_holes"] = {"marked": nest.spotted, "left_out": nest.left_out}
     lines = [f' "{key}": {_text(value)}' for key, value in head.items()]
     lines += [f' "zones": {_rows(_zone_rows(facts))}']
     lines += [f' "contours": {_rows(_contour_rows(facts))}', f' "candidates": {_rows(_candidate_rows(facts))}']
@@ -81,6 +83,7 @@ def _contour_rows(facts: Facts) -> list[dict[str, Any]]:
             "edge_gap_mm": _by_side(facts.edge_gap_mm[i]),
             "edge_length_mm": _by_side(facts.edge_length_mm[i]),
             "solid_mm": _mm(facts.solid_mm[i]),
+            **({"feed_share": round(c.feed_share, 6)} if c.feed_share < 1 else {}),
         }
         for i, c in enumerate(contours)
     ]

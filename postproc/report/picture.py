@@ -75,6 +75,8 @@ def make_scene(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), s
             home_layer(view, home),
         ]
     kinds = {"pierce", "home", *(nest.contour(c.contour).kind for c in cuts)}
+    if nest.not_cut:
+        kinds.add("small")
     numbers = number_layer(nest, view, places, order)
     caption = spot.caption if spot else ""
     layers.append(numbers)

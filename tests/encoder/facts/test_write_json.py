@@ -12,8 +12,9 @@ from hypothesis import given, settings
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.facts import FactOptions, Facts, compute_facts, facts_json
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.small_holes import HoleLimits, as_cut
 from kerfwise.tests.encoder.facts.random_nests import nests
-from kerfwise.tests.nests import nest, part, rect
+from kerfwise.tests.nests import circle, nest, part, rect
 
 SCHEMA = json.loads(files("kerfwise.encoder.facts").joinpath("facts.schema.json").read_text(encoding="utf-8"))
 CANDIDATE = Candidate(0, 80.0, (90.0, 10.0), "ccw", (95.0, 5.0), None, None, (90.0, 10.0), 325.5)
@@ -117,3 +118,15 @@ def test_the_schema_refuses_a_row_that_lacks_a_field(field: str) -> None:
 
 def test_the_same_facts_give_the_same_text() -> None:
     assert facts_json(small()) == facts_json(small())
+
+
+def test_small_holes_are_told_and_slow_ones_have_their_share() -> None:
+    plate = nest(300, 200, part("A", rect(20, 20, 150, 150), [circle(60, 60, 2), circle(110, 110, 6)]))
+    limits = HoleLimits(least_mm=6, under="spot", full_feed_mm=30, feed_share=0.6)
+    data = json.loads(facts_json(compute_facts(as_cut(plate, limits), FactOptions())))
+    jsonschema.Draft202012Validator(SCHEMA).validate(data)
+    assert data["small_holes"] == {"marked": ["A.hole1"], "left_out": []}
+    assert [(c["id"], c["kind"], c.get("feed_share")) for c in data["contours"]] == [
+        ("A.hole1", "mark", None), ("A.hole2", "hole", 0.7), ("A.outer", "outer", None)
+    ]  # fmt: skip
+    assert "small_holes" not in json.loads(facts_json(compute_facts(plate, FactOptions())))

@@ -10,6 +10,7 @@ import pytest
 
 from kerfwise.encoder.cut import Cut, Direction
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.small_holes import HoleLimits, Under, as_cut
 from kerfwise.postproc.report import colours
 from kerfwise.postproc.report.cuts import direction_layer, pierce_layer, travel_layer
 from kerfwise.postproc.report.metal import zone_map
@@ -140,3 +141,15 @@ def test_a_spot_shows_its_contours_large_and_in_red() -> None:
     assert np.ptp(red[0].lines[0][:, 0]) > 4 * np.ptp(small[20].lines[0][:, 0])
     assert [t.text for t in spot.layer("numbers") if isinstance(t, Text)] == ["P20.outer", "P21.outer"]
     assert any(t.text == "a clash" for t in spot.layer("header") if isinstance(t, Text))
+
+
+@pytest.mark.parametrize("under", ["spot", "skip"])
+def test_a_small_hole_that_is_not_cut_is_dashed(under: Under) -> None:
+    drawn = nest(300, 200, part("A", rect(20, 20, 150, 150), [circle(60, 60, 2), circle(110, 110, 9)]))
+    made = as_cut(drawn, HoleLimits(least_mm=6, under=under))
+    layers = {layer.name: layer.items for layer in make_scene(made, plausible_plan(made)).layers}
+    dashed = [item for item in layers["contours"] if isinstance(item, Shape) and item.style.dash]
+    assert [item.lines[0].shape[0] > 4 for item in dashed] == [True]
+    assert any(isinstance(item, Text) and item.text == "small hole, not cut" for item in layers["footer"])
+    plain = {layer.name: layer.items for layer in make_scene(drawn, plausible_plan(drawn)).layers}
+    assert not [item for item in plain["contours"] if isinstance(item, Shape) and item.style.dash]
