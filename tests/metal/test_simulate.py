@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 
 import pytest
 
@@ -23,7 +24,7 @@ from kerfwise.tests.metal.hand_made import (
 )  # fmt: skip
 from kerfwise.tests.metal.program import UnreadableProgram
 from kerfwise.tests.metal.simulate import by_kind, simulate
-from kerfwise.tests.nests import nest, part, rect
+from kerfwise.tests.nests import circle, nest, part, rect
 
 
 def judged(text: str, drawn: Nest | None = None, **more: object) -> list[Finding]:
@@ -210,3 +211,21 @@ def test_a_kerf_without_width_is_refused() -> None:
 def test_an_unknown_word_is_refused() -> None:
     with pytest.raises(UnreadableProgram, match="G41"):
         judged(program([*CUTS[:3], ("B.outer", ["G41 D1", *B])]))
+
+
+def test_a_plate_of_hundreds_of_contours_takes_seconds() -> None:
+    """150 plates with a hole each; the processor works on them for some seconds."""
+    columns, rows, pitch = 15, 10, 60.0
+    places = [(10 + pitch * i, 10 + pitch * j) for i in range(columns) for j in range(rows)]
+    parts = [part(f"P{k}", rect(x, y, 40, 40), [circle(x + 20, y + 20, 8)]) for k, (x, y) in enumerate(places)]
+    cuts = [
+        cut
+        for k, (x, y) in enumerate(places)
+        for cut in (
+            (f"P{k}.hole1", inside(x + 20, y + 20, 8, (x + 20, y + 20))),
+            (f"P{k}.outer", around(x, y, 40, 40, (x - 5, y + 20))),
+        )
+    ]
+    began = time.process_time()
+    assert judged(program(cuts), nest(columns * pitch + 10, rows * pitch + 10, *parts)) == []
+    assert time.process_time() - began < 30
