@@ -36,4 +36,4 @@ def programs_made(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatc
 
 def judged(nest: Nest, profile: Profile, program: str) -> list[object]:
     """The findings of a program; without a kerf nothing is burnt that could be judged."""
-    return [*faults(nest, program, **plant(profile))] if profile.material.kerf_mm > 0 else []
+    return [*faults(profile.as_cut(nest), program, **plant(profile))] if profile.material.kerf_mm > 0 else []
