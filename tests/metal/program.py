@@ -18,6 +18,7 @@ _COMMENT = re.compile(r"\(([^()]*)\)")
 _WORD = re.compile(r"([A-Z$])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
 _CUT = re.compile(r"^(?:CUT|MARK|SPOT) (\d+) (.+?)(?: ZONE .*)?$")
 _RESUMED = re.compile(r"^RESUME AFTER CUT (\d+)")
+_CORNER = re.compile(r"^ORIGIN SHEET CORNER\b")
 _HARMLESS = {
     "G": {"4", "17", "21", "40", "49", "64", "80", "90", "91.1", "94"},
     "M": {"2", "30", "66", "67", "68", "190"},
@@ -51,11 +52,15 @@ class Path:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Program:
-    """What a program does: its torch-on paths in order, its idle moves, and after which cut it takes up the work."""
+    """What a program does: its torch-on paths in order, its idle moves, and after which cut it takes up the work.
+
+    `from_corner` says that the machine counts from the lower left corner round the sheet, not as the drawing does.
+    """
 
     paths: tuple[Path, ...]
     idle: tuple[tuple[Point, Point], ...]
     resumed_after: int | None
+    from_corner: bool = False
 
 
 def read_program(text: str) -> Program:
@@ -71,7 +76,7 @@ def read_program(text: str) -> Program:
         reader.block(number, line)
     if reader.on is not None:
         raise UnreadableProgram("the program ends with the torch on")
-    return Program(tuple(reader.paths), tuple(reader.idle), reader.resumed_after)
+    return Program(tuple(reader.paths), tuple(reader.idle), reader.resumed_after, reader.from_corner)
 
 
 @dataclass(slots=True)
@@ -85,6 +90,7 @@ class _Reader:
     paths: list[Path] = field(default_factory=list)
     idle: list[tuple[Point, Point]] = field(default_factory=list)
     resumed_after: int | None = None
+    from_corner: bool = False
     ended: bool = False
 
     def block(self, number: int, line: str) -> None:
@@ -103,6 +109,8 @@ class _Reader:
             self.order, self.label = int(found[1]), found[2]
         elif found := _RESUMED.match(said):
             self.resumed_after = int(found[1])
+        elif _CORNER.match(said):
+            self.from_corner = True
 
     def _words(self, number: int, line: str, words: list[tuple[str, str]]) -> None:
         codes = [(letter, _plain(value)) for letter, value in words if letter in "GM"]
@@ -118,8 +126,6 @@ class _Reader:
                 self._stop(1)
             elif letter == "M" and value == "5":
                 self._stop(int(values.get("$", 0)))
-            elif letter == "M" and value in ("64", "65") and values.get("P") == 0:
-                self._start(number, 1) if value == "64" else self._stop(1)
             elif value not in _HARMLESS[letter]:
                 raise UnreadableProgram(f"line {number}: {letter}{value} is not known here: {line.strip()}")
             self.ended = self.ended or (letter == "M" and value in ("2", "30"))

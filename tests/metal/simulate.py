@@ -7,15 +7,16 @@ the drawing, the program and the width of the kerf.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kerfwise.tests.metal.burns import burns_of
 from kerfwise.tests.metal.coverage import uncut, unmarked
-from kerfwise.tests.metal.drawing import drawing_of
+from kerfwise.tests.metal.drawing import Drawing, drawing_of
 from kerfwise.tests.metal.erosion import PartMetal
 from kerfwise.tests.metal.findings import KINDS, Finding
 from kerfwise.tests.metal.pieces import Pieces
-from kerfwise.tests.metal.program import Path, read_program
+from kerfwise.tests.metal.program import Path, Program, read_program
 from kerfwise.tests.metal.stock import not_free, off_sheet, on_loose, twice
 from kerfwise.tests.metal.void import OlderKerfs
 
@@ -73,12 +74,12 @@ def simulate(
         upto = now.resumed_after
         if upto is None:
             return [_resumed("the program does not say after which cut it takes up the work")]
-        history = read_program(before).paths[:upto]
+        history = _on_drawing(read_program(before), drawing)[:upto]
         if now.paths and now.paths[0].order != upto + 1:
             findings.append(_resumed(f"the work stopped after cut {upto}, the program begins with", now.paths[0].order))
     elif now.resumed_after:
         raise ValueError("the program takes up the work of another: give that one as `before`")
-    paths = [*history, *now.paths]
+    paths = [*history, *_on_drawing(now, drawing)]
     burns = burns_of(paths, drawing, kerf_mm)
     first = sum(path.burns for path in history)
     pieces, metal = Pieces(drawing.sheet), PartMetal(drawing, kerf_mm, touching)
@@ -95,6 +96,14 @@ def simulate(
     findings += unmarked(drawing, paths)
     findings += not_free(drawing, pieces, {b.contour.id for b in burns if b.contour is not None})
     return findings
+
+
+def _on_drawing(program: Program, drawing: Drawing) -> tuple[Path, ...]:
+    """The paths in the drawing's coordinates."""
+    if not program.from_corner:
+        return program.paths
+    corner = drawing.sheet.bounds[:2]
+    return tuple(replace(path, points=path.points + corner) for path in program.paths)
 
 
 def _resumed(text: str, order: int = 0) -> Finding:

@@ -26,7 +26,8 @@ def test_a_made_nest_is_planned_and_burnt_without_a_finding(seed: int) -> None:
 
 def test_a_refusal_is_counted_by_its_reason() -> None:
     (done,) = tried(made(7), "plasma-carbon-steel", EFFORT)
-    assert done.refused.startswith("no lead from leads.lead_in_min, N mm, to leads.lead_in, N mm")
+    assert "N mm" in done.refused
+    assert not any(letter.isdigit() for letter in done.refused)
     assert done.findings == ()
 
 

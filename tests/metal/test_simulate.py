@@ -8,6 +8,7 @@ import time
 import pytest
 
 from kerfwise.encoder.nest import Nest
+from kerfwise.tests.encoder.facts.random_nests import moved
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.hand_made import (
     CUTS,
@@ -201,6 +202,12 @@ def test_a_rest_that_begins_anew_is_found() -> None:
     assert judged(program(), before=program())[0].kind == "resumed-wrong"
     with pytest.raises(ValueError, match="takes up the work of another"):
         judged(again)
+
+
+def test_a_program_that_counts_from_the_sheet_s_corner_is_laid_there() -> None:
+    away = moved(sheet(), 3000, -20)
+    assert judged(program(head=["(ORIGIN SHEET CORNER, AT X3000 Y-20 OF THE DRAWING)"]), away) == []
+    assert "off-sheet" in by_kind(judged(program(head=["(ORIGIN DRAWING)"]), away))
 
 
 def test_a_kerf_without_width_is_refused() -> None:
