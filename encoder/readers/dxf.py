@@ -7,11 +7,13 @@ from pathlib import Path
 
 from ezdxf import recover
 from ezdxf.document import Drawing as Document
+from ezdxf.entities.dxfgfx import DXFGraphic
 from ezdxf.entities.insert import Insert
 from ezdxf.filemanagement import readfile
 from ezdxf.lldxf.const import DXFError
 
 from ..errors import InputError
+from ..geometry.curve import Curve
 from ..nest import Note
 from .copies import check_copies
 from .drawing import Drawing, Piece
@@ -50,7 +52,7 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions) -> Drawing:
     try:
         _check_blocks(document)
         for order, (entity, layer) in enumerate(entities(document.modelspace(), hidden, unread)):
-            drawn = curve(entity, MM_PER[units])
+            drawn = _curve(entity, layer, MM_PER[units])
             if drawn is None:
                 unread.types[entity.dxftype(), layer] += 1
             else:
@@ -58,6 +60,17 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions) -> Drawing:
     except DXF_ERRORS as error:
         raise InputError(f"an entity of this DXF file is damaged ({error}); open and save it anew in CAD") from error
     return Drawing(tuple(pieces), units, (*notes, *unit_notes, *unread.notes(options.layers)))
+
+
+def _curve(entity: DXFGraphic, layer: str, scale: float) -> Curve | None:
+    """The entity as a curve; what is wrong with it is said with its type and layer."""
+    where = f"a {entity.dxftype()} on layer '{layer}'"
+    try:
+        return curve(entity, scale)
+    except InputError as error:
+        raise InputError(f"{error.message} ({where})") from error.__cause__
+    except DXF_ERRORS as error:
+        raise InputError(f"{where} is damaged ({error}); open and save the file anew in CAD") from error
 
 
 def _whole(data: bytes, options: ReadOptions) -> tuple[Note, ...]:

@@ -27,7 +27,8 @@ ROUGHLY = 0.8
 def frame_of(rings: Sequence[Piece]) -> tuple[Piece, ...]:
     """The rectangle that holds all other rings, with every copy of it; nothing where there is none."""
     areas = [p.area for p in rings]
-    box = shapely.box(*shapely.total_bounds(np.array(areas, dtype=object)).tolist())
+    lines = np.array([p.curve.line() for p in rings], dtype=object)  # a ring that encloses nothing has no area to ask
+    box = shapely.box(*shapely.total_bounds(lines).tolist())
     largest = max(range(len(rings)), key=lambda k: areas[k].area)
     if box.area - areas[largest].area > STRAIGHT_MM * box.length:
         return ()

@@ -14,7 +14,8 @@ from ..geometry.curve import Curve, FloatArray
 from ..geometry.segment import Point
 from .branches import faces, twins
 from .drawing import Piece
-from .nodes import SNAP_MM, IntArray, meeting_points
+from .limits import SNAP_MM
+from .nodes import IntArray, meeting_points
 from .overdrawn import trimmed
 from .trace import Trail, trace
 

@@ -12,6 +12,9 @@ from ..geometry.curve import Curve, FloatArray
 LIMIT_MM = 1e6
 """No coordinate and no arc reaches further than a kilometre from the origin."""
 
+SNAP_MM = 1e-3
+"""Points this close are one: CAD rounds. Wider gaps are closed pair by pair, so that short chords never melt."""
+
 FLAT_MM = 1e-4
 """An arc that leaves its chord by less is a line: its centre would lie further off than numbers reach."""
 
@@ -31,6 +34,8 @@ def checked_curve(rows: Iterable[Sequence[float]] | FloatArray, closed: bool, sc
     """
     drawn = rows if isinstance(rows, np.ndarray) else Curve.of(rows).vertices
     if not np.isfinite(drawn).all():
+        drawn = _without_lost_bulges(drawn, scale)
+    if not np.isfinite(drawn).all():
         raise InputError("a coordinate is not a finite number")
     with np.errstate(over="ignore", invalid="ignore"):
         points, bulge = np.round(drawn[:, :2] * scale, 9) + 0.0, np.abs(drawn[:, 2])
@@ -49,3 +54,11 @@ def checked_curve(rows: Iterable[Sequence[float]] | FloatArray, closed: bool, sc
     keep[-1] |= not closed or not keep.any()
     arc = bulge * chord / 2 > FLAT_MM
     return Curve(np.column_stack([points, np.where(arc, drawn[:, 2], 0.0)])[keep], closed)
+
+
+def _without_lost_bulges(drawn: FloatArray, scale: float) -> FloatArray:
+    """The rows with a bulge of 0 where it is no number between points that are one: CAD divides by their distance."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        steps = np.diff(drawn[:, :2], axis=0, append=drawn[:1, :2])
+        near = np.hypot(steps[:, 0], steps[:, 1]) * scale <= SNAP_MM
+    return np.column_stack([drawn[:, :2], np.where(near & ~np.isfinite(drawn[:, 2]), 0.0, drawn[:, 2])])

@@ -9,11 +9,9 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ..geometry.curve import FloatArray
+from .limits import SNAP_MM
 
 IntArray = NDArray[np.int64]
-
-SNAP_MM = 1e-3
-"""Ends this close are one point: CAD rounds. Wider gaps are closed pair by pair, so that short chords never melt."""
 
 
 def meeting_points(ends: FloatArray, lengths_mm: FloatArray, tolerance_mm: float) -> IntArray:

@@ -14,7 +14,7 @@ from ..nest import Note, Part
 from ..validate.metal import metal_of
 from .drawing import Piece
 from .layers import setting
-from .nodes import SNAP_MM
+from .limits import SNAP_MM
 from .open_ends import REPAIR_FACTOR, ends, nearest_ends, open_end_problems
 from .options import ReadOptions
 
@@ -35,19 +35,22 @@ def settled(
 ) -> Settled:
     """What is done with open lines on layers that are cut.
 
-    On a layer that `layers.cut` names, a line that can be no broken contour is marked if it lies in the metal of a
-    part and left out if it lies in waste, or as `open_lines` says. With `repair`, a line shorter than the widest gap
-    that repair closes is left out, and so is one that can be no broken contour, on another layer that holds nothing
-    closed.
-    All else is refused: closed lines beside open ones may be marks too, and would be cut through.
+    A line no longer than the join tolerance is a crumb, and is left out. On a layer that `layers.cut` names, a line
+    that can be no broken contour is marked if it lies in the metal of a part and left out if it lies in waste, or as
+    `open_lines` says. With `repair`, a line shorter than the widest gap that repair closes is left out, and so is one
+    that can be no broken contour, on another layer that holds nothing closed. All else is refused: closed lines beside
+    open ones may be marks too, and would be cut through.
 
     Raises
     ------
     InputError
         With every line that is left, and by layer what a profile can say of it.
     """
+    crumbs = [c for c in chains if c.curve.length_mm <= options.join_tolerance_mm]
+    chains = [c for c in chains if c.curve.length_mm > options.join_tolerance_mm]
+    crumb_notes = tuple(_told(crumbs, "shorter than drawing.join_tolerance, and therefore left out"))
     if not chains:
-        return Settled((), ())
+        return Settled((), crumb_notes)
     stated = [options.layers.use(c.names) == ("cut", True) for c in chains]
     whole = [not broken for broken in _maybe_broken(chains, options)]
     metal_mm = _in_metal(chains, parts)
@@ -76,9 +79,11 @@ def settled(
         details = (*_by_layer(left, closed, cut, options), *open_end_problems(left, options))
         raise InputError(f"{which} not close to contours", details=details)
     notes = [Note("repaired", f"the open line {ends(c)} is left out: it does not close") for c in dropped]
-    notes += _told(marked, "marked, not cut") + _told(ignored, "left out")
-    notes += _told(in_waste, "left out, for it lies in no part")
-    return Settled(tuple(marked), tuple(notes))
+    cut_and = "though the layer is cut, and therefore"
+    notes += _told(marked, f"{cut_and} marked, not cut (drawing.open_lines)")
+    notes += _told(ignored, f"{cut_and} left out (drawing.open_lines)")
+    notes += _told(in_waste, f"{cut_and} left out, for it lies in no part")
+    return Settled(tuple(marked), (*crumb_notes, *notes))
 
 
 def _maybe_broken(chains: Sequence[Piece], options: ReadOptions) -> list[bool]:
@@ -134,8 +139,8 @@ def _told(chains: Sequence[Piece], how: str) -> list[Note]:
     return [
         Note(
             "warning",
-            f"open on layer '{layer}', which is cut, and therefore {how} (drawing.open_lines): "
-            f"{len(those)} line{'s' if len(those) != 1 else ''}, the first {ends(those[0])}",
+            f"open on layer '{layer}', {how}: {len(those)} line{'s' if len(those) != 1 else ''}, the first "
+            f"{ends(those[0])}",
         )
         for layer, those in sorted(by_layer.items())
     ]

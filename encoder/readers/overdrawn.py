@@ -10,7 +10,7 @@ import shapely
 
 from ..geometry.curve import Curve
 from .drawing import Piece
-from .nodes import SNAP_MM
+from .limits import SNAP_MM
 
 
 def trimmed(chains: Sequence[Piece], tolerance_mm: float) -> tuple[list[Piece], list[Piece]]:

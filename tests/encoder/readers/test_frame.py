@@ -78,6 +78,15 @@ def test_what_is_no_frame_is_not_asked_about(tmp_path: Path, around: str) -> Non
     assert "P1.outer" in areas(read_dxf(tmp_path, draw))
 
 
+def test_rings_that_enclose_nothing_are_no_frame(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        space.add_lwpolyline([(0, 0), (50, 0)], close=True)
+        space.add_lwpolyline([(0, 20), (50, 20)], close=True)
+
+    with pytest.raises(InputError, match="encloses no area"):
+        read_dxf(tmp_path, draw)
+
+
 def test_the_page_of_an_svg_file_is_the_sheet(tmp_path: Path) -> None:
     path = tmp_path / "page.svg"
     path.write_text(

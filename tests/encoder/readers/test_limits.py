@@ -61,3 +61,10 @@ def test_any_numbers_give_a_finite_curve_or_an_input_error(
 def test_an_arc_as_flat_as_a_line_is_one() -> None:
     assert checked_curve([(0, 0, 1e-9), (100, 0)], False).as_rows() == [[0, 0], [100, 0]]
     assert checked_curve([(0, 0, 1e-4), (100, 0)], False).as_rows() == [[0, 0, 1e-4], [100, 0]]
+
+
+def test_a_bulge_that_is_no_number_between_points_that_are_one_is_straight() -> None:
+    rows = [(0, 0, 0), (10, 0, math.nan), (10, 0.0005, 0), (10, 10, 0)]
+    assert checked_curve(rows, closed=True).as_rows() == [[0, 0], [10, 0], [10, 0.0005], [10, 10]]
+    with pytest.raises(InputError, match="not a finite number"):
+        checked_curve([(0, 0, 0), (10, 0, math.nan), (10, 5, 0)], closed=True)

@@ -41,8 +41,8 @@ def test_what_the_message_advises_does_it(tmp_path: Path) -> None:
     both = read_dxf(tmp_path, engraved, layers=NAMED)
     assert [c.id for c in both.contours] == ["P1.mark1", "P1.hole1", "P1.outer"]
     assert texts(both.notes) == [
-        "open on layer 'G2', which is cut, and therefore marked, not cut (drawing.open_lines): 1 line, the first of "
-        "10.000 mm from (20.000, 20.000) to (30.000, 20.000) on layer 'G2'"
+        "open on layer 'G2', though the layer is cut, and therefore marked, not cut (drawing.open_lines): 1 line, the "
+        "first of 10.000 mm from (20.000, 20.000) to (30.000, 20.000) on layer 'G2'"
     ]
 
 
@@ -123,6 +123,15 @@ def test_repair_leaves_out_a_stub_but_no_contour_that_is_broken(tmp_path: Path) 
 
     with pytest.raises(InputError, match="1 line does not close"):
         read_dxf(tmp_path, broken, repair=True)
+
+
+def test_a_crumb_is_left_out_and_said(tmp_path: Path) -> None:
+    nest = read_dxf(tmp_path, lambda space: open_line(space, (80, 60), (80.03, 60.03)))
+    assert areas(nest) == {"P1.outer": 2500}
+    assert texts(nest.notes) == [
+        "open on layer '0', shorter than drawing.join_tolerance, and therefore left out: 1 line, the first of 0.042 mm "
+        "from (80.000, 60.000) to (80.030, 60.030) on layer '0'"
+    ]
 
 
 def test_open_lines_on_the_sheets_layer_burn_nothing(tmp_path: Path) -> None:
