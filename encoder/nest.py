@@ -90,11 +90,16 @@ class Sheet:
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """Something the reader wants said aloud: a warning, or what `--repair` mended."""
+    """Something the reader wants said aloud: a warning, or what `--repair` mended.
+
+    `common` says that the nest gives one line to two parts; `contours` are then the id that was dropped and the one
+    that the line is cut as.
+    """
 
     severity: Severity
     text: str
     contours: tuple[str, ...] = ()
+    common: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,6 +18,9 @@ from .search import dense, longest_lead_mm
 from .surroundings import Surroundings
 from .tried import Tried
 
+ALONE = ("reach", "narrow")
+"""Causes that are told of each contour by itself: how far it is out, or which places of it."""
+
 WITHOUT_ROOM = ("pierce", "lead", "path")
 """Causes that more room in the nest would take away."""
 
@@ -41,6 +44,7 @@ def reasons(tried: Tried, around: Surroundings, options: LeadOptions) -> dict[in
     """The reason of every contour at fault, by number."""
     said = {k: Reason(text, "small") for k, text in tried.small.items()}
     said |= {k: Reason(text, "kerf") for k, text in tried.uncut.items()}
+    said |= {k: Reason(text, "narrow") for k, text in tried.narrow.items()}
     said |= {k: Reason(text, "reach") for k, text in tried.beyond.items()}
     if tried.bare:
         joints = Joints.joined([dense(tried.outlines[k], _LOOKS) for k in tried.bare])

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..errors import InputError
 from ..nest import Nest
 from .candidate import LeadOptions
-from .no_room import WITHOUT_ROOM, Reason, reasons
+from .no_room import ALONE, WITHOUT_ROOM, Reason, reasons
 from .remedies import ORDER, Key, Remedies, Remedy
 from .surroundings import Surroundings
 from .tried import Tried
@@ -67,13 +67,14 @@ def _groups(why: Mapping[int, Reason], of_each: Mapping[int, tuple[Remedy, ...]]
     """Contours with the same cause and remedies, the largest group first."""
     exact: dict[tuple[str, tuple[Remedy, ...]], list[int]] = {}
     for k in sorted(why):
-        alone = why[k].text if why[k].cause == "reach" else why[k].cause  # how far each is out is what counts there
+        alone = why[k].text if why[k].cause in ALONE else why[k].cause
         exact.setdefault((alone, of_each[k]), []).append(k)
     groups = [_Group(tuple(contours), of) for (_, of), contours in exact.items()]
     if len(groups) > MOST_GROUPS:
         alike: dict[tuple[str, tuple[Key, ...]], list[int]] = {}
-        for (_, of), contours in exact.items():
-            alike.setdefault((why[contours[0]].cause, tuple(remedy.key for remedy in of)), []).extend(contours)
+        for (text, of), contours in exact.items():
+            cause = text if why[contours[0]].cause == "narrow" else why[contours[0]].cause
+            alike.setdefault((cause, tuple(remedy.key for remedy in of)), []).extend(contours)
         groups = []
         for (_, keys), contours in alike.items():
             listed = [_hardest(key, [r for k in contours for r in of_each[k] if r.key == key]) for key in keys]

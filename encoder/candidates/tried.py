@@ -9,6 +9,7 @@ import numpy as np
 
 from ..compensation import compensated
 from ..errors import InputError
+from ..narrow import lost_features, said_of
 from ..nest import Nest
 from ..small_holes import HoleLimits, diameter_under, kept_because, too_small
 from .approaches import Approaches
@@ -24,7 +25,8 @@ class Tried:
     """The outlines of the contours that may be cut, the approaches found, and the joints that locks ask for.
 
     By contour number, `small` says what is wrong with holes that are too small, `uncut` with contours that the kerf
-    cannot follow, `beyond` with those that the machine does not reach, marks included. `bare` are contours without any
+    cannot follow, `narrow` with those of which it would lose a feature, `beyond` with those that the machine does not
+    reach, marks included. `bare` are contours without any
     approach, `unmet` the rows of `locked` without one.
     """
 
@@ -33,6 +35,7 @@ class Tried:
     locked: Joints
     small: Mapping[int, str]
     uncut: Mapping[int, str]
+    narrow: Mapping[int, str]
     beyond: Mapping[int, str]
     bare: tuple[int, ...]
     unmet: tuple[int, ...]
@@ -41,7 +44,7 @@ class Tried:
     def faulty(self) -> frozenset[int]:
         """Every contour that cannot be cut as the options ask."""
         unmet = (int(self.locked.contour[i]) for i in self.unmet)
-        return frozenset((*self.small, *self.uncut, *self.beyond, *self.bare, *unmet))
+        return frozenset((*self.small, *self.uncut, *self.narrow, *self.beyond, *self.bare, *unmet))
 
 
 def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, options: LeadOptions) -> Tried:
@@ -63,6 +66,10 @@ def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, optio
             continue
         if far := out_of_reach(contour, path, options.reach):
             beyond[k] = far
+    narrow = _narrow(nest, [k for k in chosen if k not in small], outlines, options.kerf_mm)
+    for k in narrow:
+        outlines.pop(k, None)
+        uncut.pop(k, None)
     locked = _locked(outlines, nest, options)
     found = approaches_to(outlines, locked, around, options)
     joints = found.ways.joints
@@ -70,7 +77,14 @@ def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, optio
     bare = tuple(sorted(set(outlines) - {k for k, _ in led}))
     asked = zip(locked.contour.tolist(), locked.entry_mm.tolist(), strict=True)
     unmet = tuple(i for i, (k, entry_mm) in enumerate(asked) if k not in bare and (k, entry_mm) not in led)
-    return Tried(outlines, found, locked, small, uncut, beyond, bare, unmet)
+    return Tried(outlines, found, locked, small, uncut, narrow, beyond, bare, unmet)
+
+
+def _narrow(nest: Nest, contours: Iterable[int], outlines: Mapping[int, Outline], kerf_mm: float) -> dict[int, str]:
+    """Contours of which the kerf would lose a slot, notch, neck or corner, and which."""
+    paths = {outline.contour.id: outline.path for outline in outlines.values()}
+    lost = lost_features([nest.contours[k] for k in contours], kerf_mm, paths)
+    return {nest.index[name]: said_of(name, features, kerf_mm) for name, features in lost.items()}
 
 
 def _small_holes(nest: Nest, contours: Iterable[int], limits: HoleLimits) -> dict[int, str]:

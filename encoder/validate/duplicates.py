@@ -62,7 +62,7 @@ def drop_duplicates(parts: Sequence[Part]) -> tuple[tuple[Part, ...], list[Note]
                 dropped |= {c.id: Note("warning", text, (drop.id, keep.id)) for c in gone}
         elif (keep.part, keep.kind) == (drop.part, drop.kind) or _fills_what_is_left(keep, drop, part_of[drop.part]):
             text = f"{drop.id} is the same line as {keep.id}; it is cut once, as {keep.id}"
-            dropped[drop.id] = Note("warning", text, (drop.id, keep.id))
+            dropped[drop.id] = Note("warning", text, (drop.id, keep.id), common=keep.part != drop.part)
     left = tuple(_without(p, dropped) for p in parts if p.outer.id not in dropped)
     return left, list(dict.fromkeys(dropped.values()))
 

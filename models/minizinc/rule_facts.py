@@ -75,7 +75,10 @@ def near_pairs(facts: Facts, radius_mm: float) -> list[tuple[int, int]]:
 
 
 def same_waste(facts: Facts, kerf_mm: float) -> list[tuple[int, int, int]]:
-    """Contours of different parts that bound the same waste no further apart than the kerf, and the gap, µm."""
+    """Contours of different parts that bound the same waste no further apart than the kerf, and the gap, µm.
+
+    A line that the nest gives to two parts stands for both.
+    """
     cut = [(k, c) for k, c in enumerate(facts.nest.contours) if c.kind != "mark"]
     waste = {k: int(facts.parent[k]) if c.kind == "outer" else k for k, c in cut}
     lines = {k: shapely.LinearRing(c.curve.flatten(FINE_MM)) for k, c in cut}
@@ -83,7 +86,8 @@ def same_waste(facts: Facts, kerf_mm: float) -> list[tuple[int, int, int]]:
     for (i, _), (j, _) in combinations(cut, 2):
         if waste[i] == waste[j] and (gap_mm := lines[i].distance(lines[j])) <= kerf_mm:
             found.append((i, j, round(gap_mm * UM_PER_MM)))
-    return found
+    number = facts.nest.index
+    return found + [(number[note.contours[1]], number[note.contours[1]], 0) for note in facts.nest.notes if note.common]
 
 
 def tip_moves(facts: Facts, home_mm: Point) -> dict[int, Bools]:

@@ -25,6 +25,7 @@ from .small_holes import Judged, judged_nest, small_holes, told_of_small_holes
 from .torch_run import TorchRun
 from .totals import Claims, claims_kept, idle_mm, totals
 from .travel import beyond_travel, rapids_beyond_travel
+from .uncut import features_lost
 
 SHARED_METAL = "shared-metal"
 """The rule that judges what the rounds of parts burn of each other."""
@@ -103,6 +104,7 @@ def _judge_paths(
         ),
         judgement("small-holes", small_holes(judged_by, cuts, runs, profile)),
         judgement("contour-geometry", _of("contour-geometry", faults)),
+        judgement("features-kept", features_lost(runs, profile.material.kerf_mm, _at_fault(faults))),
         judgement("kerf-side", _of("kerf-side", faults)),
         judgement("on-sheet", off_sheet(nest, runs, margin_mm)),
         judgement("edge-start", edge_starts(nest, runs, profile)),
@@ -123,6 +125,11 @@ def _sharing(nest: Nest, profile: Profile, relaxed: Sequence[Relaxed]) -> Pairs 
 
 def _measured(runs: Sequence[TorchRun], idle_mm: float) -> Measured:
     return Measured(len(runs), math.fsum(run.length_mm for run in runs), idle_mm)
+
+
+def _at_fault(faults: Sequence[Violation]) -> frozenset[int]:
+    """The positions of cuts whose paths are known to be wrong."""
+    return frozenset(k for fault in faults for k in fault.cuts)
 
 
 def _of(rule: str, faults: Sequence[Violation]) -> list[Violation]:

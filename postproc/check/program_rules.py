@@ -13,6 +13,7 @@ SENTENCES = {
     "every-contour-once": "Every contour of the nest is cut exactly once, and nothing else is.",
     "small-holes": "Holes too small to be cut have their middle marked or are left out, as the profile says.",
     "contour-geometry": "The torch follows each contour, kerf allowed for, within 0.05 mm, and its leads join there.",
+    "features-kept": "The kerf reaches every stretch of a contour, but for what a round kerf leaves of inner corners.",
     "kerf-side": "The kerf lies outside outer contours and inside holes.",
     "torch-off-travel": "The torch is off on every rapid.",
     "program-state": "The program says itself in what units and how it moves, and starts its tools with S1.",

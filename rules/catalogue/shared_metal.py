@@ -40,10 +40,11 @@ class SharedMetal(Rule[SharedMetalOptions]):
     inside a hole. Two contours of different parts that bound the same waste (two outer contours side by side, or a hole
     and a part that lies in it) and are nearer to each other than the kerf burn each other's metal: each kerf reaches
     as deep into the other part as the gap falls short of the kerf. More than 0.05 mm deep (a quarter of a kerf under
-    0.2 mm) is refused, since no order and no entry helps: `solve` names every such pair with place, gap and depth.
-    `--relax` lets these pairs go, and marks them in the plan, the program and the check. A web between a hole and the
-    outer contour of the same part may be as thin as it likes: both kerfs lie in waste. Marks burn nothing through.
-    Where the rule is off, as in wood, contours may touch; the check then only warns.
+    0.2 mm) is refused, since no order and no entry helps: `solve` names every such pair with place, gap and depth. A
+    line that the nest gives to contours of two parts is such a pair as well. `--relax` lets these pairs go, and marks
+    them in the plan, the program and the check. A web between a hole and the outer contour of the same part may be as
+    thin as it likes: both kerfs lie in waste. Marks burn nothing through. Where the rule is off, as in wood, contours
+    may touch; the check then only warns.
 
     ## Why
 
@@ -71,6 +72,8 @@ class SharedMetal(Rule[SharedMetalOptions]):
             a, b = facts.nest.contours[i].id, facts.nest.contours[j].id
             sentence = _said(a, b, gap_mm, place, options.kerf_mm)
             yield AtLeast((), (), 1, self.about((a, b), sentence))
+        for dropped, kept in one_line(facts.nest, options.kerf_mm):
+            yield AtLeast((), (), 1, self.about((kept,), _said_of_one(dropped, kept, options.kerf_mm)))
 
     def violations(self, nest: Nest, cuts: CutSequence, options: SharedMetalOptions) -> list[Violation]:
         at, found = cuts.positions(), []
@@ -79,6 +82,10 @@ class SharedMetal(Rule[SharedMetalOptions]):
             places = tuple(sorted(at[name] for name in burnt.contours if name in at))
             text = _said(a, b, burnt.gap_mm, burnt.place, options.kerf_mm)
             found.append(Violation(self.id, burnt.contours, text, places))
+        for dropped, kept in one_line(nest, options.kerf_mm):
+            if kept in at:
+                text = _said_of_one(dropped, kept, options.kerf_mm)
+                found.append(Violation(self.id, (kept,), text, (at[kept],)))
         return found
 
 
@@ -100,6 +107,20 @@ def near_contours(facts: Facts, kerf_mm: float) -> list[tuple[int, int, float, P
             middle = shapely.shortest_line(lines[a], lines[b]).centroid
             found.append((int(cut[a]), int(cut[b]), gap_mm, (middle.x, middle.y)))
     return found
+
+
+def one_line(nest: Nest, kerf_mm: float) -> list[tuple[str, str]]:
+    """Lines that the nest gives to contours of two parts: the id that is not cut, and the one that it is cut as."""
+    if kerf_mm <= tolerance_mm(kerf_mm):
+        return []
+    return [(note.contours[0], note.contours[1]) for note in nest.notes if note.common]
+
+
+def _said_of_one(dropped: str, kept: str, kerf_mm: float) -> str:
+    return (
+        f"{kept} and {dropped} are one line, given to two parts: on either side of it the kerf of {kerf_mm:g} mm is "
+        f"metal of one of them; it can only be cut once, as {kept}"
+    )
 
 
 def _said(one: str, other: str, gap_mm: float, place: Point, kerf_mm: float) -> str:

@@ -1,4 +1,6 @@
-from kerfwise.encoder.nest import Nest
+from dataclasses import replace
+
+from kerfwise.encoder.nest import Nest, Note
 from kerfwise.rules.catalogue.shared_metal import SharedMetalOptions
 from kerfwise.rules.rule import Violation
 from kerfwise.tests.nests import circle, nest, part, rect
@@ -20,6 +22,10 @@ THIN_WEBS = nest(
 ACROSS_A_WEB = nest(
     140, 140, part("H", rect(10, 10, 100, 100), [rect(10.3, 20, 80, 80)]), part("G", rect(12, 40, 30, 30))
 )  # fmt: skip
+WITHIN = nest(
+    140, 140, part("H", rect(10, 10, 100, 100), [rect(20, 20, 80, 80)]), part("G", rect(40, 40, 30, 30))
+)  # fmt: skip
+ONE_LINE = replace(WITHIN, notes=(Note("warning", "cut once", ("H.hole2", "G.outer"), common=True),))
 ROUND = nest(300, 120, part("A", circle(50, 50, 30)), part("B", circle(111, 50, 30)))
 
 
@@ -69,6 +75,19 @@ CASES: tuple[Case, ...] = (
         side_by_side(1.0),
         "B.outer",
         burnt((1,), "A.outer", "B.outer", "are 1.000 mm apart at (90.5, 10.0): the kerf of 1.5 mm reaches 0.500"),
+    ),
+    case(
+        "one line given to two parts",
+        "fails",
+        ONE_LINE,
+        "G.outer H.hole1 H.outer",
+        Violation(
+            "shared-metal",
+            ("G.outer",),
+            "G.outer and H.hole2 are one line, given to two parts: on either side of it the kerf of 1.5 mm is metal of "
+            "one of them; it can only be cut once, as G.outer",
+            (1,),
+        ),
     ),
     case("a guest behind a thin web burns nothing through it", "boundary", ACROSS_A_WEB, "G.outer H.hole1 H.outer"),
     case("exactly a kerf apart", "boundary", side_by_side(1.5), "A.outer B.outer"),

@@ -1,0 +1,173 @@
+"""Features of contours that a kerf cannot enter: slots, notches, necks and corners that would be lost.
+
+The torch's path is half a kerf from the contour where it can be; in a slot narrower than the kerf it cannot be. What is
+*left* of a contour is further than half the kerf from the path. A round kerf leaves something of every inner corner, of
+a right angle (√2 - 1) half kerfs: so much may be left anywhere. Of a sharper corner more is left by nature, and may be
+up to half a kerf (which is what a corner of 60° has). 0.05 mm more is within tolerance. Whatever is left beyond that is
+a feature lost.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from .geometry.curve import Curve, FloatArray
+from .geometry.segment import Point
+from .nest import Contour
+from .tolerance import tolerance_mm
+
+CHORD_MM = 0.002
+NEAR_MM = 0.01
+"""Where the path leaves a contour by so little, the walls of a feature begin."""
+QUARTER = 32
+"""Chords of a quarter of a round end: true to 0.03 % of the radius."""
+CORNER_RAD = math.radians(15)
+"""Walls that open by less are those of a slot."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lost:
+    """A feature that would be lost: where it begins, how wide it is there, how deep behind that, and what is left, mm.
+
+    `corner_deg` is the angle of a corner, None for a slot, notch or neck.
+    """
+
+    place: Point
+    width_mm: float
+    depth_mm: float
+    left_mm: float
+    corner_deg: float | None = None
+
+    def sentence(self) -> str:
+        """What is lost, in words."""
+        at = f"at ({self.place[0]:.1f}, {self.place[1]:.1f})"
+        if self.corner_deg is not None:
+            return f"the corner of {self.corner_deg:.0f}° {at}, of which {self.left_mm:.2f} mm would be left"
+        return f"the slot, notch or neck {at}, {self.width_mm:.2f} mm wide and {self.depth_mm:.1f} mm deep"
+
+
+MOST_TOLD = 6
+
+
+def said_of(name: str, lost: Sequence[Lost], kerf_mm: float) -> str:
+    """The features that a contour would lose, in one sentence, the first few of them with their places.
+
+    Examples
+    --------
+    >>> said_of("P.outer", [Lost((30.0, 5.0), 1.0, 20.0, 19.5)], 1.5)[:61]
+    'P.outer: a kerf of 1.5 mm does not enter the slot, notch or n'
+    """
+    told = "; ".join(one.sentence() for one in lost[:MOST_TOLD])
+    more = f"; and {len(lost) - MOST_TOLD} more" if len(lost) > MOST_TOLD else ""
+    return f"{name}: a kerf of {kerf_mm:g} mm does not enter {told}{more}; change the drawing, or the kerf"
+
+
+def lost_features(
+    contours: Sequence[Contour], kerf_mm: float, paths: Mapping[str, Curve] | None = None
+) -> dict[str, tuple[Lost, ...]]:
+    """Contour id → the features of it that a kerf would lose; contours that lose none are left out.
+
+    `paths` are the paths of the torch's centre, by contour id. Where a contour has none, the largest ring that lies
+    half a kerf in its waste stands in for it; a contour that the kerf leaves no such ring of is left out.
+
+    Examples
+    --------
+    >>> slot = [(0, 0), (60, 0), (60, 30), (31, 30), (31, 10), (30, 10), (30, 30), (0, 30)]
+    >>> lost_features([Contour("P.outer", "P", "outer", Curve.of(slot))], 1.5)["P.outer"][0].sentence()
+    'the slot, notch or neck at (30.5, 30.0), 1.00 mm wide and 20.0 mm deep'
+    """
+    cut = [c for c in contours if c.kind != "mark"]
+    if kerf_mm <= 0 or not cut:
+        return {}
+    half_mm, more_mm = kerf_mm / 2, tolerance_mm(kerf_mm)
+    lines = np.array([c.curve.line(CHORD_MM) for c in cut], dtype=object)
+    known = paths or {}
+    rings = np.array([known[c.id].line(CHORD_MM) if c.id in known else _ring(c, half_mm) for c in cut], dtype=object)
+    beyond = shapely.difference(lines, shapely.buffer(rings, half_mm + more_mm, quad_segs=QUARTER))
+    found: dict[str, tuple[Lost, ...]] = {}
+    for k in np.flatnonzero(~shapely.is_empty(beyond) & ~shapely.is_empty(rings)).tolist():
+        contour, near = cut[k], shapely.buffer(rings[k], half_mm + NEAR_MM, quad_segs=QUARTER)
+        right = contour.curve.is_ccw == (contour.kind == "outer")
+        walls = _pieces(shapely.difference(lines[k], near))
+        judged = (_lost(piece, walls, rings[k], half_mm, more_mm, right) for piece in _pieces(beyond[k]))
+        if lost := tuple(one for one in judged if one is not None):
+            found[contour.id] = lost
+    return found
+
+
+def _ring(contour: Contour, half_mm: float) -> shapely.Geometry:
+    """The ring around the largest piece of what a contour encloses, grown or shrunk; pockets are left out."""
+    area = shapely.make_valid(contour.curve.polygon(CHORD_MM))
+    pieces = shapely.get_parts(
+        shapely.buffer(area, half_mm if contour.kind == "outer" else -half_mm, quad_segs=QUARTER)
+    )
+    pieces = [p for p in pieces if p.area > 0]
+    return max(pieces, key=lambda p: float(p.area)).exterior if pieces else shapely.LineString()
+
+
+def _pieces(left: shapely.Geometry) -> list[shapely.LineString]:
+    """The stretches of a ring that are left, each whole where it runs over the ring's start."""
+    lines = [line for line in shapely.get_parts(left) if line.length > 0]
+    return list(shapely.get_parts(shapely.line_merge(shapely.multilinestrings(lines)))) if lines else []
+
+
+def _lost(
+    piece: shapely.LineString,
+    walls: Sequence[shapely.LineString],
+    path: shapely.LineString,
+    half_mm: float,
+    more_mm: float,
+    right: bool,
+) -> Lost | None:
+    """The feature that a stretch belongs to, None if no more is left of it than of a corner."""
+    points = shapely.get_coordinates(piece)
+    left_mm = float(shapely.distance(path, shapely.points(points)).max()) - half_mm
+    opening, sharpest = _angles(points, right)
+    most_mm = half_mm + more_mm
+    natural = [half_mm * (1 / math.sin(a / 2) - 1) for a in (opening, sharpest) if a > CORNER_RAD]
+    by_nature_mm = max([half_mm * (math.sqrt(2) - 1), *(mm for mm in natural if mm <= most_mm)])
+    if left_mm <= min(by_nature_mm + more_mm, most_mm):
+        return None
+    wall = shapely.get_coordinates(min(walls, key=lambda wall: shapely.distance(wall, piece)))
+    (ax, ay), (bx, by) = wall[0].tolist(), wall[-1].tolist()
+    width_mm, depth_mm = _size(wall)
+    if opening > CORNER_RAD and abs(opening - sharpest) < CORNER_RAD:
+        x, y = points[int(np.argmax(shapely.distance(path, shapely.points(points))))].tolist()
+        return Lost((x, y), width_mm, depth_mm, left_mm, math.degrees(min(opening, sharpest)))
+    return Lost(((ax + bx) / 2, (ay + by) / 2), width_mm, depth_mm, left_mm)
+
+
+def _size(wall: FloatArray) -> tuple[float, float]:
+    """How wide a feature is at its mouth, from either end of its wall to the wall across, and how deep behind that."""
+    mouth = wall[-1] - wall[0]
+    length_mm = float(np.hypot(*mouth))
+    inwards = wall - wall[0]
+    depths_mm = np.abs(mouth[0] * inwards[:, 1] - mouth[1] * inwards[:, 0]) / max(length_mm, 1e-9)
+    deepest_mm = float(depths_mm.max())
+    bottom = np.flatnonzero(depths_mm > deepest_mm - NEAR_MM)
+    width_mm = length_mm
+    if bottom[0] > 0 and bottom[-1] < len(wall) - 1:
+        one, other = shapely.linestrings(wall[: bottom[0] + 1]), shapely.linestrings(wall[bottom[-1] :])
+        ends = shapely.points(wall[[0, -1]])
+        width_mm = min(float(shapely.distance(ends[0], other)), float(shapely.distance(ends[1], one)))
+    return width_mm, deepest_mm
+
+
+def _angles(points: FloatArray, right: bool) -> tuple[float, float]:
+    """How far the walls at the two ends of a stretch open, and the angle of its sharpest corner, rad; π is straight.
+
+    `right` says that the waste lies to the right of the stretch as it runs.
+    """
+    along = np.diff(points, axis=0)
+    along = along[np.hypot(along[:, 0], along[:, 1]) > 1e-9]
+    if len(along) < 2:
+        return math.pi, math.pi
+    heading = np.arctan2(along[:, 1], along[:, 0])
+    turn = (np.diff(heading) + math.pi) % math.tau - math.pi
+    closing = -turn if right else turn
+    return math.pi - float(closing.sum()), math.pi - float(closing.max())

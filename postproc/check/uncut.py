@@ -1,0 +1,78 @@
+"""Features that a program would lose: stretches of a contour that no burn of its cut reaches.
+
+A round kerf leaves something of every inner corner. What is left of a contour is measured from the contour to the edge
+of what is burnt: as much as of a right angle may be left anywhere, of a sharper corner as much as is left by nature but
+no more than half the kerf, and 0.05 mm more.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
+import shapely
+
+from ...encoder.geometry.curve import FloatArray
+from ...rules.rule import Violation
+from .program_rules import tolerance_mm
+from .torch_run import TorchRun
+
+SLACK_MM = 0.01
+"""What the chords of paths and contours may make of a distance."""
+_CHORD_MM = 0.002
+_STEP_MM = 0.05
+_SLOT_RAD = math.radians(15)
+
+
+def features_lost(runs: Sequence[TorchRun], kerf_mm: float, skipped: frozenset[int] = frozenset()) -> list[Violation]:
+    """Where contours are left uncut, those of runs at the positions `skipped` aside: their paths are wrong anyway."""
+    cut = [
+        run
+        for run in runs
+        if run.contour is not None and run.contour.kind != "mark" and not run.marks and run.position not in skipped
+    ]
+    if kerf_mm <= 0 or not cut:
+        return []
+    within_mm = kerf_mm / 2 + tolerance_mm(kerf_mm) + SLACK_MM
+    contours = np.array([run.contour.curve.line(_CHORD_MM) for run in cut if run.contour is not None], dtype=object)
+    paths = np.array([shapely.union_all([run.loop, *run.leads]) for run in cut], dtype=object)
+    left = shapely.difference(contours, shapely.buffer(paths, within_mm, quad_segs=24))
+    found: list[Violation] = []
+    for k in np.flatnonzero(~shapely.is_empty(left)).tolist():
+        found += _of_run(cut[k], left[k], paths[k], kerf_mm)
+    return found
+
+
+def _of_run(run: TorchRun, left: shapely.Geometry, path: shapely.Geometry, kerf_mm: float) -> Iterator[Violation]:
+    half_mm, more_mm = kerf_mm / 2, tolerance_mm(kerf_mm) + SLACK_MM
+    shapely.prepare(path)
+    for stretch in shapely.get_parts(shapely.line_merge(left) if left.geom_type == "MultiLineString" else left):
+        places = shapely.points(shapely.get_coordinates(shapely.segmentize(stretch, _STEP_MM)))
+        beyond_mm = shapely.distance(path, places) - half_mm
+        worst = int(np.argmax(beyond_mm))
+        if beyond_mm[worst] <= min(_by_nature_mm(stretch, half_mm, half_mm + more_mm) + more_mm, half_mm + more_mm):
+            continue
+        at, name = places[worst], run.name
+        text = (
+            f"{run.where}: {stretch.length:.1f} mm of {name} are left uncut, at ({at.x:.1f}, {at.y:.1f}) up to "
+            f"{beyond_mm[worst]:.2f} mm beside the kerf: a slot, notch, neck or corner that is too narrow for it"
+        )
+        yield Violation("features-kept", (name,), text, (run.position,) if run.position else ())
+
+
+def _by_nature_mm(stretch: shapely.LineString, half_mm: float, most_mm: float) -> float:
+    """How much a round kerf leaves of the corner that a stretch goes round, at least that of a right angle."""
+    steps = np.diff(shapely.get_coordinates(stretch), axis=0)
+    steps = steps[np.hypot(*steps.T) > 1e-9]
+    angles = [_between(-one, other) for one, other in pairwise(steps)]
+    if len(steps) > 1:
+        angles.append(_between(-steps[0], steps[-1]))
+    natural = [half_mm / math.sin(a / 2) - half_mm for a in angles if a > _SLOT_RAD]
+    return max([half_mm * math.sqrt(2) - half_mm, *(mm for mm in natural if mm <= most_mm)])
+
+
+def _between(one: FloatArray, other: FloatArray) -> float:
+    """The angle between two directions, rad."""
+    return abs(math.atan2(one[0] * other[1] - one[1] * other[0], float(one @ other)))

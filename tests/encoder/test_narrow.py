@@ -1,0 +1,99 @@
+"""Features that a kerf would lose are named with place, width and depth; corners that a round kerf leaves are none."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from kerfwise.encoder.candidates import LeadOptions, build_candidates
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.narrow import MOST_TOLD, lost_features
+from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
+from kerfwise.tests.encoder.narrow_shapes import FITS, KERF_MM, LOST, SHARP, comb, corner, slot
+from kerfwise.tests.nests import nest, part, rect
+
+
+@pytest.mark.parametrize("shape", FITS)
+def test_what_a_kerf_enters_is_kept(shape: str) -> None:
+    assert lost_features([FITS[shape]], KERF_MM) == {}
+
+
+@pytest.mark.parametrize("shape", LOST)
+def test_what_it_does_not_enter_is_named_with_width_and_depth(shape: str) -> None:
+    contour, width_mm, depth_mm = LOST[shape]
+    (lost, *_) = lost_features([contour], KERF_MM)[contour.id]
+    assert lost.corner_deg is None
+    assert lost.width_mm == pytest.approx(width_mm, abs=0.05)
+    assert lost.depth_mm == pytest.approx(depth_mm, abs=0.3)
+
+
+@pytest.mark.parametrize("shape", SHARP)
+def test_corners_sharper_than_a_kerf_can_be_used_for(shape: str) -> None:
+    contour, angle_deg = SHARP[shape]
+    (lost,) = lost_features([contour], KERF_MM)[contour.id]
+    assert lost.corner_deg == pytest.approx(angle_deg, abs=1)
+
+
+def test_a_corner_leaves_what_geometry_says() -> None:
+    (lost,) = lost_features([corner(30)], KERF_MM)["P.hole1"]
+    assert lost.left_mm == pytest.approx(KERF_MM / 2 * (1 / math.sin(math.radians(15)) - 1), abs=0.01)
+    assert lost.place == pytest.approx((0, 0), abs=0.01)
+
+
+@pytest.mark.parametrize("kerf_mm", [0.2, 0.7, 1.0, 1.5, 2.0, 3.0])
+@pytest.mark.parametrize("width_mm", [0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
+def test_a_slot_is_lost_if_it_is_no_wider_than_the_kerf(kerf_mm: float, width_mm: float) -> None:
+    assert bool(lost_features([slot(width_mm, 80)], kerf_mm)) is (width_mm <= kerf_mm)
+
+
+def test_every_slot_of_a_comb_is_found() -> None:
+    assert len(lost_features([comb(8, 1.0)], KERF_MM)["P.outer"]) == 7
+
+
+def sheet_of(*contours: Contour) -> Nest:
+    """Outer contours as parts A, B, …, 100 mm from each other."""
+    parts = []
+    for k, c in enumerate(contours):
+        name = "ABCDEF"[k]
+        parts.append(Part(name, Contour(f"{name}.outer", name, "outer", c.curve.moved(20 + 200 * k, 20))))
+    return Nest(Sheet.rectangle(200 * len(contours) + 20, 150), tuple(parts))
+
+
+def test_all_faults_of_a_nest_are_one_message() -> None:
+    sheet = sheet_of(slot(1.0, 80), slot(2.0, 80), slot(0.6, 5))
+    with pytest.raises(InputError) as error:
+        build_candidates(sheet, LeadOptions(kerf_mm=KERF_MM))
+    assert str(error.value) == (
+        "2 contours of the nest cannot be cut as the options ask\n"
+        "  - A.outer: a kerf of 1.5 mm does not enter the slot, notch or neck at (50.0, 120.0), 1.00 mm wide and "
+        "80.0 mm deep; use a narrower kerf or change the drawing\n"
+        "  - C.outer: a kerf of 1.5 mm does not enter the slot, notch or neck at (450.0, 120.0), 0.60 mm wide and "
+        "5.0 mm deep; use a narrower kerf or change the drawing"
+    )
+
+
+def test_many_features_of_a_contour_are_one_line() -> None:
+    with pytest.raises(InputError) as error:
+        build_candidates(sheet_of(comb(18, 1.0)), LeadOptions(kerf_mm=KERF_MM))
+    (line,) = error.value.details
+    assert line.count("slot") == MOST_TOLD
+    assert "; and 11 more; use a narrower kerf" in line
+
+
+def test_a_pocket_that_the_kerf_closes_is_named_with_the_width_of_its_mouth() -> None:
+    drawn, width_mm, _ = LOST["pocket behind 1.0 mm"]
+    with pytest.raises(
+        InputError, match=r"A\.outer: a kerf of 1\.5 mm does not enter .* 1\.00 mm wide and 40\.0 mm deep"
+    ):
+        build_candidates(sheet_of(drawn), LeadOptions(kerf_mm=KERF_MM))
+    assert width_mm == 1.0
+
+
+def test_plain_plates_have_candidates() -> None:
+    plain = nest(200, 200, part("A", rect(20, 20, 60, 60), [rect(40, 40, 20, 20)]))
+    assert build_candidates(plain, LeadOptions(kerf_mm=KERF_MM))
+
+
+def test_without_a_kerf_nothing_is_lost() -> None:
+    assert lost_features([slot(0.5, 80)], 0.0) == {}
