@@ -130,7 +130,7 @@ def _lost(
     opening, sharpest = _angles(points, right)
     most_mm = half_mm + more_mm
     natural = [half_mm * (1 / math.sin(a / 2) - 1) for a in (opening, sharpest) if a > CORNER_RAD]
-    by_nature_mm = max([half_mm * (math.sqrt(2) - 1), *(mm for mm in natural if mm <= most_mm)])
+    by_nature_mm = max([half_mm * (math.sqrt(2) - 1), *natural])
     if left_mm <= min(by_nature_mm + more_mm, most_mm):
         return None
     wall = shapely.get_coordinates(min(walls, key=lambda wall: shapely.distance(wall, piece)))

@@ -52,7 +52,7 @@ def _of_run(run: TorchRun, left: shapely.Geometry, path: shapely.Geometry, kerf_
         places = shapely.points(shapely.get_coordinates(shapely.segmentize(stretch, _STEP_MM)))
         beyond_mm = shapely.distance(path, places) - half_mm
         worst = int(np.argmax(beyond_mm))
-        if beyond_mm[worst] <= min(_by_nature_mm(stretch, half_mm, half_mm + more_mm) + more_mm, half_mm + more_mm):
+        if beyond_mm[worst] <= min(_by_nature_mm(stretch, half_mm), half_mm) + more_mm:
             continue
         at, name = places[worst], run.name
         text = (
@@ -62,7 +62,7 @@ def _of_run(run: TorchRun, left: shapely.Geometry, path: shapely.Geometry, kerf_
         yield Violation("features-kept", (name,), text, (run.position,) if run.position else ())
 
 
-def _by_nature_mm(stretch: shapely.LineString, half_mm: float, most_mm: float) -> float:
+def _by_nature_mm(stretch: shapely.LineString, half_mm: float) -> float:
     """How much a round kerf leaves of the corner that a stretch goes round, at least that of a right angle."""
     steps = np.diff(shapely.get_coordinates(stretch), axis=0)
     steps = steps[np.hypot(*steps.T) > 1e-9]
@@ -70,7 +70,7 @@ def _by_nature_mm(stretch: shapely.LineString, half_mm: float, most_mm: float) -
     if len(steps) > 1:
         angles.append(_between(-steps[0], steps[-1]))
     natural = [half_mm / math.sin(a / 2) - half_mm for a in angles if a > _SLOT_RAD]
-    return max([half_mm * math.sqrt(2) - half_mm, *(mm for mm in natural if mm <= most_mm)])
+    return max([half_mm * math.sqrt(2) - half_mm, *natural])
 
 
 def _between(one: FloatArray, other: FloatArray) -> float:

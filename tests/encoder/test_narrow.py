@@ -65,12 +65,20 @@ def test_all_faults_of_a_nest_are_one_message() -> None:
     with pytest.raises(InputError) as error:
         build_candidates(sheet, LeadOptions(kerf_mm=KERF_MM))
     assert str(error.value) == (
-        "2 contours of the nest cannot be cut as the options ask\n"
+        "2 contours of the nest cannot be cut as the options ask; `material.kerf: 0.375 mm` frees all of them\n"
         "  - A.outer: a kerf of 1.5 mm does not enter the slot, notch or neck at (50.0, 120.0), 1.00 mm wide and "
-        "80.0 mm deep; use a narrower kerf or change the drawing\n"
+        "80.0 mm deep; change the drawing, or the kerf; `material.kerf: 0.75 mm` frees it\n"
         "  - C.outer: a kerf of 1.5 mm does not enter the slot, notch or neck at (450.0, 120.0), 0.60 mm wide and "
-        "5.0 mm deep; use a narrower kerf or change the drawing"
+        "5.0 mm deep; change the drawing, or the kerf; `material.kerf: 0.375 mm` frees it"
     )
+
+
+def test_every_contour_with_a_narrow_feature_is_told_by_itself() -> None:
+    plates = [Part(f"P{k}", Contour(f"P{k}.outer", f"P{k}", "outer", slot(1.0, 80).curve.moved(20 + 70 * k, 20)))
+              for k in range(12)]  # fmt: skip
+    with pytest.raises(InputError) as error:
+        build_candidates(Nest(Sheet.rectangle(900, 150), tuple(plates)), LeadOptions(kerf_mm=KERF_MM))
+    assert [line.split(":")[0] for line in error.value.details] == [part.outer.id for part in plates]
 
 
 def test_many_features_of_a_contour_are_one_line() -> None:
@@ -78,7 +86,7 @@ def test_many_features_of_a_contour_are_one_line() -> None:
         build_candidates(sheet_of(comb(18, 1.0)), LeadOptions(kerf_mm=KERF_MM))
     (line,) = error.value.details
     assert line.count("slot") == MOST_TOLD
-    assert "; and 11 more; use a narrower kerf" in line
+    assert "; and 11 more; change the drawing" in line
 
 
 def test_a_pocket_that_the_kerf_closes_is_named_with_the_width_of_its_mouth() -> None:

@@ -12,6 +12,7 @@ from hypothesis import assume, given, settings
 from kerfwise.encoder.candidates import Candidate, LeadOptions, build_candidates
 from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.narrow import lost_features
 from kerfwise.encoder.nest import Nest
 from kerfwise.tests.encoder.candidates.lead_nests import lead_nests, lead_options
 from kerfwise.tests.nests import nest, part, rect
@@ -89,6 +90,7 @@ def test_every_candidate_is_lawful(plate: Nest, options: LeadOptions) -> None:
             compensated(contour, options.kerf_mm)
     except InputError:
         assume(False)
+    assume(not lost_features(plate.contours, options.kerf_mm))
     found = build_candidates(plate, options)
     assert {c.contour for c in found} == set(range(len(plate.contours)))
     per_contour = np.bincount([c.contour for c in found if not c.edge_start])
