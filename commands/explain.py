@@ -30,7 +30,7 @@ def command(plan: str, contour: str, everything: bool, as_data: bool, **given: A
     asked = read_given(**given)
     made = read_plan(plan)
     asked = replace(asked, profile=asked.profile.at_origin(made.origin))
-    facts = facts_of(asked.nest, asked.profile)
+    facts = facts_of(asked.nest, asked.profile, made.already)
     state = state_relaxed if any(dropped.relaxed for dropped in made.dropped) else state_rules
     stated = state(facts, asked.profile, reads_files=True)
     if asked.profile.objective.heat:

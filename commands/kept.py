@@ -1,26 +1,54 @@
-"""What --lock-from and --upto ask: the profile with what is already cut locked."""
+"""What --lock-from, --upto and --redo-last say: what a stopped program has cut, so that only the rest is planned."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
+import click
+
+from ..encoder.already_cut import NOTHING_CUT, AlreadyCut, rest_of
 from ..encoder.errors import InputError
+from ..rules.lock import Lock
 from ..rules.profile import Profile
+from .given import Given, program_text
 
 
-def keeping(profile: Profile, lock_from: str | None, upto: int | None) -> Profile:
-    """The profile with the first `upto` cuts of an old plan among its locks.
+def already_cut(given: Given, lock_from: str | None, upto: int | None, redo_last: bool) -> AlreadyCut:
+    """What is cut already, by an old plan or program as far as it has come.
 
     Raises
     ------
     InputError
-        If one is given without the other, or the plan cannot be read or has fewer cuts.
+        If one of the two is given without the other, the file cannot be read or does not fit the nest, or nothing is
+        left to cut.
     """
-    from ..models.kept import kept_locks
     from ..models.plan_reader import read_plan
+    from ..postproc.stopped import stopped_plan, stopped_program
 
-    if lock_from is None and upto is None:
-        return profile
+    if lock_from is None and upto is None and not redo_last:
+        return NOTHING_CUT
     if lock_from is None or upto is None:
-        raise InputError("--lock-from PLAN.json and --upto N go together: which plan, and how many of its cuts are cut")
-    return replace(profile, locks=(*profile.locks, *kept_locks(read_plan(lock_from), upto, lock_from)))
+        raise InputError(
+            "--lock-from OLD and --upto N go together: which plan or program was stopped, and how many of its cuts are "
+            "cut (--redo-last: the last of them broke off)"
+        )
+    if lock_from.lower().endswith(".json"):
+        plan = read_plan(lock_from)
+        if plan.nest.get("sha256") != given.nest.sha256:
+            click.echo(f"note: the nest is not the one {lock_from} was made with (its sha256 differs)", err=True)
+        already = stopped_plan(plan, given.nest, upto, redo_last, lock_from)
+    else:
+        already = stopped_program(program_text(lock_from), given.nest, given.profile, upto, redo_last, lock_from)
+    if not rest_of(given.nest, already.contours).contours:
+        raise InputError(f"--upto {upto}: every contour of the nest is cut, nothing is left; no program is written")
+    return already
+
+
+def again_first(profile: Profile, already: AlreadyCut) -> Profile:
+    """The profile with a lock on the cut that broke off: it comes first of what is left."""
+    cut = already.broken_off
+    if cut is None:
+        return profile
+    place = len(already.cuts) + 1
+    lock = Lock(contour=cut.contour, position=place, reason=f"it broke off as cut {place} and is cut again")
+    return replace(profile, locks=(*profile.locks, lock))

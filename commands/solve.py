@@ -38,10 +38,12 @@ SAID_S = 5.0
 @click.option("--solver", metavar="NAME", default="gecode", show_default=True, help="Solver of the engine minizinc.")
 @click.option("--strategy", type=click.Choice(list(STRATEGIES)), default="ours", show_default=True,
               help="Others than ours are to compare with: they keep the hard rules, no soft ones.")  # fmt: skip
+@click.option("--lock-from", metavar="OLD.plan.json|OLD.nc",
+              help="Go on after a stop: plan only what the old plan or program has not cut yet.")  # fmt: skip
 @click.option(
-    "--lock-from", metavar="PLAN.json", help="Keep the first cuts of an old plan as they are, for they are cut."
+    "--upto", type=click.IntRange(min=1), metavar="N", help="How many of its cuts are made; with --lock-from."
 )
-@click.option("--upto", type=click.IntRange(min=1), metavar="N", help="How many of them; with --lock-from.")
+@click.option("--redo-last", is_flag=True, help="Cut N broke off: begin with it, from its start; with --lock-from.")
 @click.option("--relax", is_flag=True, help="Where hard rules clash, take the cheapest way out, marked in the plan.")
 @click.option("--conflict-picture", metavar="OUT.svg|.png", help="Where rules that clash are drawn: NEST.conflict.svg.")
 @click.option("-v", "--verbose", is_flag=True, help="Say which engines ran, which did not, and why.")
@@ -59,6 +61,7 @@ def command(
     strategy: Any,
     lock_from: str | None,
     upto: int | None,
+    redo_last: bool,
     relax: bool,
     conflict_picture: str | None,
     verbose: bool,
@@ -73,7 +76,7 @@ def command(
     from ..postproc.produce import produce
     from ..postproc.report import draw
     from .conflict import tell_conflict
-    from .kept import keeping
+    from .kept import again_first, already_cut
     from .progress import listening
     from .summary import summary
 
@@ -85,12 +88,13 @@ def command(
     _expect((output, plan_path, picture, conflict_picture), (picture, conflict_picture), (file, lock_from))
     given = read_given(**options)
     note_placing(given)
-    nest, profile = given.nest, keeping(given.profile, lock_from, upto)
+    already = already_cut(given, lock_from, upto, redo_last)
+    nest, profile = given.nest, again_first(given.profile, already)
     fitting_dialect(profile)  # a file of the plant's own may be wrong: better said now than at the end
     limits = SolveOptions(
         seed, work, time_limit, profile.home_on(nest), feeds_of(profile), gap, no_improvement, member_of(engine)
     )
-    facts = facts_of(nest, profile)
+    facts = facts_of(nest, profile, already)
     if (time_limit or no_improvement) and engine != "minizinc":
         _load_kernels()
     try:

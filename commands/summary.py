@@ -17,7 +17,11 @@ def summary(plan: Plan, verdict: CheckResult) -> str:
         proof = f"proven optimal (by {solve.proved_by})"
     elif solve.bound is not None and solve.gap is not None:
         proof = f"at most {solve.gap:.2%} above the best possible (bound {solve.bound / 1000:.3f} m)"
-    lines = [
+    lines = []
+    if plan.already:
+        again = "" if plan.broken_off is None else f", cut {plan.resumed_after + 1} is made again"
+        lines.append(f"resumed after cut {plan.resumed_after}{again}: only the rest is planned")
+    lines += [
         f"{counted(len(plan.cuts), 'contour')}, {counted(totals.pierces, 'pierce')}, cut {totals.cut_mm / 1000:.3f} m, "
         f"idle {totals.idle_mm / 1000:.3f} m, {minutes} min {seconds:02d} s",
         f"{_objective(plan)}, found by {solve.found_by}, {proof}",

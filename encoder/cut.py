@@ -62,12 +62,15 @@ class CutSequence(Sequence[Cut]):
     """The cuts in order, with what a rule needs to judge them and cannot see in one cut alone.
 
     `hot_spots` is what a simulation of these very cuts has measured, in order of time; None if nobody has made one.
+    The first `made` cuts are facts: a program that was stopped after them has made them, and the torch is at home when
+    the others begin. Times of these count from the start of the old program.
     """
 
     cuts: tuple[Cut, ...]
     start_side: Side | None = None
     home: Point = (0.0, 0.0)
     hot_spots: tuple[HotSpot, ...] | None = None
+    made: int = 0
 
     @overload
     def __getitem__(self, key: int) -> Cut: ...
@@ -81,6 +84,11 @@ class CutSequence(Sequence[Cut]):
 
     def __iter__(self) -> Iterator[Cut]:
         return iter(self.cuts)
+
+    @property
+    def new(self) -> tuple[Cut, ...]:
+        """The cuts that are still to be made."""
+        return self.cuts[self.made :]
 
     def positions(self) -> dict[str, int]:
         """Contour id → position, counted from 1."""

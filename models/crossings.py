@@ -32,7 +32,8 @@ class Crossings:
     """Row k: going from site `leave[k]` to site `reach[k]` once contour `over[k]` is cut costs `cost[k]` µm.
 
     A site number of m, the number of sites, is the machine's home; a cost of `FORBIDDEN` makes the move unlawful.
-    `statement[k]` is the place of the statement among those given.
+    `statement[k]` is the place of the statement among those given. What is out from the start is said of the contour
+    that the move leaves, which is cut by then: `over[k]` is that one.
     """
 
     leave: Ints = field(default_factory=_none)
@@ -73,21 +74,53 @@ def find_crossings(
             f"looked at: switch {statements[0].about.rule} off or zone-order on in the profile"
         )
     n = len(before)
-    over = np.array([s.over for s in statements], dtype=np.int64)
+    over = np.array([-1 if s.over is None else s.over for s in statements], dtype=np.int64)
+    from_start = over < 0
     late = np.vstack([before[:, over] | (np.arange(n)[:, None] == over), np.zeros(len(over), dtype=np.bool_)])
+    late[:, from_start] = False
     owner = np.repeat(np.arange(n + 1), sites)
     ends, pierces = ends_um.astype(np.float64), pierces_um.astype(np.float64)
     ahead = [np.flatnonzero(lawful[c][owner]) for c in range(n)]
     left = [c for c in range(n) if len(ahead[c]) and sites[c]]
     found = crossed_areas(
         [
-            Moves(ends[first[c] : first[c + 1]], pierces[ahead[c]], owner[ahead[c]], np.flatnonzero(~before[c, over]))
+            Moves(
+                ends[first[c] : first[c + 1]],
+                pierces[ahead[c]],
+                owner[ahead[c]],
+                np.flatnonzero(~before[c, over] | from_start),
+            )
             for c in left
         ],
-        shapely.buffer([shapely.transform(s.area, lambda xy: xy * UM_PER_MM) for s in statements], -GRAZE_UM),
+        _areas_um(statements),
         late,
     )
     rows = [(first[c] + leave, ahead[c][reach], area) for c, (leave, reach, area) in zip(left, found, strict=True)]
     leave, reach, area = (np.concatenate(column) for column in zip((_none(),) * 3, *rows, strict=True))
     price = [FORBIDDEN if s.weight is None else round(s.weight * UM_PER_MM) for s in statements]
-    return Crossings(leave, reach, over[area], np.array(price, dtype=np.int64)[area], area)
+    out = np.where(from_start[area], owner[leave], over[area])
+    return Crossings(leave, reach, out, np.array(price, dtype=np.int64)[area], area)
+
+
+def from_home(statements: Sequence[Crossing], lawful: Bools, first: Ints, pierces_um: Ints) -> list[tuple[int, int]]:
+    """Site, and number of the statement, of every move from home that leads over what is out from the start.
+
+    The other arguments are those of `find_crossings`.
+    """
+    asked = [k for k, s in enumerate(statements) if s.over is None]
+    if not asked:
+        return []
+    sites = np.diff(first)
+    n = len(sites) - 1
+    owner = np.repeat(np.arange(n + 1), sites)
+    pierces = pierces_um.astype(np.float64)
+    ahead = np.flatnonzero(lawful[n][owner] & (owner < n))
+    moves = Moves(pierces[-1:], pierces[ahead], owner[ahead], np.arange(len(asked)))
+    never = np.zeros((n + 1, len(asked)), dtype=np.bool_)
+    ((_, reach, area),) = crossed_areas([moves], _areas_um([statements[k] for k in asked]), never)
+    return sorted((int(ahead[r]), asked[a]) for r, a in zip(reach.tolist(), area.tolist(), strict=True))
+
+
+def _areas_um(statements: Sequence[Crossing]) -> list[shapely.Geometry]:
+    """What must not be crossed, less what a move may graze."""
+    return list(shapely.buffer([shapely.transform(s.area, lambda xy: xy * UM_PER_MM) for s in statements], -GRAZE_UM))

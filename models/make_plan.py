@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 
+from ..encoder.compensation import compensated
 from ..encoder.cut import Cut
+from ..encoder.errors import InputError
 from ..encoder.facts.facts import Facts
 from ..encoder.nest import Contour
 from ..encoder.small_holes import not_cut_because
@@ -35,7 +37,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
     times = schedule(legs, feeds, home)
     excuses = excused(facts, stated, solution.route)
     why = reasons(facts, stated, solution.route, home)
-    small = not_cut_because(nest, profile.hole_limits())
+    small = not_cut_because(facts.whole_nest, profile.hole_limits())
     cuts = tuple(
         PlannedCut(
             Cut(
@@ -92,8 +94,25 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
             *(Dropped(d.rule, d.contours, d.why) for d in stated.dropped),
             *(Dropped(rule, (), f"not priced: {why}") for rule, why in solution.left_out),
         ),
-        left_out=tuple(LeftOut(name, small[name]) for name in nest.left_out),
+        left_out=tuple(LeftOut(name, small[name]) for name in facts.whole_nest.left_out),
+        already_cut=tuple(_made(facts, cut, profile.material.kerf_mm) for cut in facts.already_cut),
+        broken_off=None if (again := _broken_off(facts)) is None else _made(facts, again, profile.material.kerf_mm),
     )
+
+
+def _broken_off(facts: Facts) -> Cut | None:
+    return None if facts.past is None else facts.past.already.broken_off
+
+
+def _made(facts: Facts, cut: Cut, kerf_mm: float) -> PlannedCut:
+    """A cut that an earlier program has made, as a plan lists it; why it came when it did is told there."""
+    contour = facts.whole_nest.contour(cut.contour)
+    try:
+        around_mm = contour.curve.length_mm if contour.kind == "mark" else compensated(contour, kerf_mm).length_mm
+    except InputError:  # made with another kerf
+        around_mm = contour.curve.length_mm
+    leads_mm = sum(lead.length_mm for lead in (cut.lead_in, cut.lead_out) if lead is not None)
+    return PlannedCut(cut, contour.part, contour.kind, around_mm + leads_mm)
 
 
 def close_calls(contours: list[Contour], radius_mm: float = 50.0) -> float:

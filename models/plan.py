@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from ..encoder.already_cut import AlreadyCut
 from ..encoder.cut import Cut, CutSequence, Side
 from ..encoder.geometry.curve import Curve
 from ..encoder.geometry.segment import Point
@@ -111,7 +112,9 @@ class Plan:
 
     Coordinates are the drawing's; `zero` is the point of it that is the machine's zero, as its `origin` says. `time`
     says by which model the times are, and what they are spent on; None where no program has been timed. `left_out` are
-    small holes that are not cut.
+    small holes that are not cut. Where a program goes on after a stop, `already_cut` are the cuts made before, with
+    times of the program that made them, and `cuts` go on from there; `broken_off` is the one that is cut again, as it
+    was begun.
     """
 
     nest: Mapping[str, str]
@@ -127,6 +130,19 @@ class Plan:
     left_out: tuple[LeftOut, ...] = ()
     origin: Origin = "drawing"
     zero: Point = (0.0, 0.0)
+    already_cut: tuple[PlannedCut, ...] = ()
+    broken_off: PlannedCut | None = None
+
+    @property
+    def resumed_after(self) -> int:
+        """How many cuts were made before: the first of `cuts` has the number after it."""
+        return len(self.already_cut)
+
+    @property
+    def already(self) -> AlreadyCut:
+        """What was made before, as geometry."""
+        broken_off = None if self.broken_off is None else self.broken_off.cut
+        return AlreadyCut(tuple(p.cut for p in self.already_cut), broken_off)
 
     @property
     def waits(self) -> tuple[PlannedCut, ...]:
@@ -139,8 +155,9 @@ class Plan:
         return sum(planned.dwell_s for planned in self.cuts)
 
     def sequence(self, home: tuple[float, float] = (0.0, 0.0)) -> CutSequence:
-        """The bare cuts, as rules judge them."""
-        return CutSequence(tuple(p.cut for p in self.cuts), self.start_side, home)
+        """The bare cuts, those made before among them, as rules judge them."""
+        cuts = tuple(p.cut for p in (*self.already_cut, *self.cuts))
+        return CutSequence(cuts, self.start_side, home, made=self.resumed_after)
 
     def to_json(self) -> str:
         """The plan as kerfwise-plan/1 text: stable key order, one cut a line, a newline at the end."""
@@ -152,6 +169,8 @@ class Plan:
             "start_side_because": self.start_side_because,
             **({} if self.origin == "drawing" else {"origin": self.origin, "zero": [round(v, 6) for v in self.zero]}),
         }
+        if self.already:
+            head["resumed_after"] = self.resumed_after
         tail: dict[str, Any] = {
             "totals": {k: _round(getattr(self.totals, k)) for k in Totals.__slots__},
             **({} if self.time is None else {"time": self.time.as_json()}),
@@ -169,11 +188,21 @@ class Plan:
         }
         if self.left_out:
             tail["left_out"] = [{"contour": left.contour, "why": left.why} for left in self.left_out]
-        cuts = ",\n  ".join(json.dumps(_cut_row(k, c), ensure_ascii=False) for k, c in enumerate(self.cuts, 1))
         lines = [f' "{k}": {json.dumps(v, ensure_ascii=False)}' for k, v in head.items()]
-        lines.append(f' "cuts": [\n  {cuts}\n ]')
+        if "resumed_after" in head:
+            lines.append(f' "already_cut": {_rows(self.already_cut, 1)}')
+        if self.broken_off is not None:
+            row = _cut_row(self.resumed_after + 1, self.broken_off)
+            lines.append(f' "broken_off": {json.dumps(row, ensure_ascii=False)}')
+        lines.append(f' "cuts": {_rows(self.cuts, self.resumed_after + 1)}')
         lines += [f' "{k}": {json.dumps(v, ensure_ascii=False)}' for k, v in tail.items()]
         return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def _rows(cuts: Sequence[PlannedCut], first: int) -> str:
+    """Cuts as a list, one a line, numbered from `first`."""
+    rows = ",\n  ".join(json.dumps(_cut_row(k, c), ensure_ascii=False) for k, c in enumerate(cuts, first))
+    return f"[\n  {rows}\n ]"
 
 
 def _round(value: object, digits: int = 6) -> object:

@@ -47,12 +47,25 @@ def read_plan(path: str | Path) -> Plan:
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         raise InputError(f'not a plan: expected "format": "{FORMAT}"', file=path)
     _check_schema(data, text, path)
-    if sorted(cut["order"] for cut in data["cuts"]) != list(range(1, len(data["cuts"]) + 1)):
-        raise InputError("the plan is damaged: the order of its cuts does not count 1, 2, 3 …", file=path)
+    _check_order(data, path)
     try:
         return _plan_of(data)
     except InputError as error:
         raise InputError(f"the plan is damaged: {error.message}", file=path) from None
+
+
+def _check_order(data: dict[str, Any], path: str | Path) -> None:
+    """Cuts count from 1, those made before first."""
+    already = data.get("already_cut", [])
+    made = len(already)
+    if data.get("resumed_after", 0) != made:
+        says = f"it goes on after cut {data.get('resumed_after', 0)}, but lists {made} cuts as already cut"
+        raise InputError(f"the plan is damaged: {says}", file=path)
+    if sorted(cut["order"] for cut in already) != list(range(1, made + 1)):
+        raise InputError("the plan is damaged: the order of what is already cut does not count 1, 2, 3 …", file=path)
+    if sorted(cut["order"] for cut in data["cuts"]) != list(range(made + 1, made + len(data["cuts"]) + 1)):
+        counts = ", ".join(str(made + k) for k in (1, 2, 3))
+        raise InputError(f"the plan is damaged: the order of its cuts does not count {counts} …", file=path)
 
 
 @cache
@@ -122,34 +135,12 @@ _CUT_KINDS: dict[str, tuple[type, ...]] = {
 
 
 def _plan_of(data: dict[str, Any]) -> Plan:
-    cuts = tuple(
-        PlannedCut(
-            Cut(
-                c["contour"],
-                (float(c["entry"][0]), float(c["entry"][1])),
-                c["direction"],
-                (float(c["pierce"][0]), float(c["pierce"][1])),
-                _path(c, "lead_in"),
-                _path(c, "lead_out"),
-                c["zone"],
-                c["start_s"],
-                c["end_s"],
-                tuple(c.get("excused", ())),
-            ),
-            c["part"],
-            c["kind"],
-            c["length_mm"],
-            tuple(c["because"]),
-            c.get("dwell_s", 0.0),
-        )
-        for c in sorted(data["cuts"], key=itemgetter("order"))
-    )
     return Plan(
         nest=data["nest"],
         profile=data["profile"],
         start_side=data["start_side"],
         start_side_because=data["start_side_because"],
-        cuts=cuts,
+        cuts=_cuts(data["cuts"]),
         totals=_record(Totals, data["totals"]),
         solve=_record(SolveReport, data["solve"]),
         rules=tuple(
@@ -166,6 +157,34 @@ def _plan_of(data: dict[str, Any]) -> Plan:
         left_out=tuple(LeftOut(left["contour"], left["why"]) for left in data.get("left_out", ())),
         origin=data.get("origin", "drawing"),
         zero=(float(data["zero"][0]), float(data["zero"][1])) if "zero" in data else (0.0, 0.0),
+        already_cut=_cuts(data.get("already_cut", [])),
+        broken_off=_cut(data["broken_off"]) if "broken_off" in data else None,
+    )
+
+
+def _cuts(rows: list[dict[str, Any]]) -> tuple[PlannedCut, ...]:
+    return tuple(_cut(row) for row in sorted(rows, key=itemgetter("order")))
+
+
+def _cut(c: dict[str, Any]) -> PlannedCut:
+    return PlannedCut(
+        Cut(
+            c["contour"],
+            (float(c["entry"][0]), float(c["entry"][1])),
+            c["direction"],
+            (float(c["pierce"][0]), float(c["pierce"][1])),
+            _path(c, "lead_in"),
+            _path(c, "lead_out"),
+            c["zone"],
+            c["start_s"],
+            c["end_s"],
+            tuple(c.get("excused", ())),
+        ),
+        c["part"],
+        c["kind"],
+        c["length_mm"],
+        tuple(c["because"]),
+        c.get("dwell_s", 0.0),
     )
 
 

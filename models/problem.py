@@ -31,7 +31,7 @@ from ..rules.statements import (
 )
 from .closure import close
 from .conditions import Condition, of_at_least, of_no_good, of_soft_precede
-from .crossings import Crossings, TooManyMoves, find_crossings
+from .crossings import Crossings, TooManyMoves, find_crossings, from_home
 from .pace import Pace
 from .successors import lawful_successors
 from .timing.constant import Feeds
@@ -201,9 +201,13 @@ def make_problem(
 def _with_crossings(problem: Problem, statements: list[Crossing], earlier: Problem | None) -> Problem:
     if not statements:
         return problem
+    sites = np.append(problem.first, problem.m + 1)
+    if any(s.over is None for s in statements):
+        lawful, pierces = problem.successors(), problem.pierces()
+        begun = [_not_first(problem, site, statements[k]) for site, k in from_home(statements, lawful, sites, pierces)]
+        problem = replace(problem, conditions=(*problem.conditions, *begun))
     if earlier is not None and _same_moves(problem, earlier):
         return replace(problem, crossings=earlier.crossings, left_out=earlier.left_out)
-    sites = np.append(problem.first, problem.m + 1)
     try:
         found = find_crossings(
             statements, problem.before, problem.successors(), sites, problem.ends(), problem.pierces()
@@ -213,6 +217,14 @@ def _with_crossings(problem: Problem, statements: list[Crossing], earlier: Probl
             raise
         return replace(problem, left_out=((statements[0].about.rule, error.message),))
     return replace(problem, crossings=found)
+
+
+def _not_first(problem: Problem, site: int, statement: Crossing) -> Condition:
+    """The torch does not come to a site from home: some contour is cut before."""
+    contour = int(problem.site_contour[site])
+    others = tuple(k for k in range(problem.n) if k != contour)
+    cost = None if statement.weight is None else _cost(statement.weight)
+    return Condition(contour, others, (1,) * len(others), 1, statement.about, when=site, cost=cost)
 
 
 def _same_moves(one: Problem, other: Problem) -> bool:

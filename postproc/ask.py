@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from ..encoder.already_cut import NOTHING_CUT, AlreadyCut
 from ..encoder.candidates import build_candidates
 from ..encoder.errors import MOST_DETAILS, InputError, RulesConflict
 from ..encoder.facts import compute_facts
 from ..encoder.facts.facts import Facts
+from ..encoder.facts.remaining import loose_in, remaining
 from ..encoder.nest import Nest
 from ..models.engines import Engine
 from ..rules.lock import check_locks
 from ..rules.profile import Profile
-from ..rules.state import HOPELESS, Stated, hopeless_anyway, state_rules
+from ..rules.state import HOPELESS, DroppedStatement, Stated, hopeless_anyway, loose_orders, state_rules
 from .contour_heat import contour_heat_kj
 
 
@@ -24,8 +26,10 @@ class Asked:
     stated: Stated
 
 
-def facts_of(nest: Nest, profile: Profile) -> Facts:
+def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) -> Facts:
     """All facts of the nest, as the profile has it cut, under the profile's thresholds.
+
+    Where some of it is `already` cut they are those of what is left.
 
     Raises
     ------
@@ -36,14 +40,20 @@ def facts_of(nest: Nest, profile: Profile) -> Facts:
     """
     nest = profile.as_cut(nest)
     check_locks(profile.locks, nest)
+    loose = loose_in(nest, already.contours)
     try:
-        candidates = build_candidates(nest, profile.lead_options(nest))
+        candidates = build_candidates(nest, profile.lead_options(nest), already, loose)
     except InputError as error:
-        if alone := hopeless_anyway(compute_facts(nest, profile.fact_options(nest), ()), profile):
+        if alone := hopeless_anyway(_left(compute_facts(nest, profile.fact_options(nest), ()), already), profile):
             besides = (f"besides, {error.message}, and --relax does not help there:", *error.details[:MOST_DETAILS])
             raise RulesConflict(HOPELESS, (*(about.sentence for about in alone), *besides)) from None
         raise
-    return compute_facts(nest, profile.fact_options(nest), candidates, contour_heat_kj(nest, candidates, profile))
+    heat_kj = contour_heat_kj(nest, candidates, profile)
+    return _left(compute_facts(nest, profile.fact_options(nest), candidates, heat_kj), already)
+
+
+def _left(facts: Facts, already: AlreadyCut) -> Facts:
+    return remaining(facts, already) if already else facts
 
 
 def ask(facts: Facts, profile: Profile, relax: bool = False, engine: Engine = "cp-sat") -> Asked:
@@ -54,10 +64,19 @@ def ask(facts: Facts, profile: Profile, relax: bool = False, engine: Engine = "c
     Raises
     ------
     RulesConflict
-        If hard orders contradict each other (and nothing that may give way helps).
+        If hard orders contradict each other (and nothing that may give way helps), or, unless `relax` leaves them out,
+        if contours are left in metal that has dropped.
     """
+    loose = loose_orders(facts)
     if relax:
         from ..models.conflict import state_relaxed
+        from ..models.plan import RELAXED
 
-        return Asked(facts, state_relaxed(facts, profile, reads_files=engine == "minizinc"))
+        stated = state_relaxed(facts, profile, reads_files=engine == "minizinc")
+        left_out = (DroppedStatement(order, f"{RELAXED}{order.about.sentence}") for order in loose)
+        return Asked(facts, replace(stated, dropped=(*stated.dropped, *left_out)))
+    if loose:
+        raise RulesConflict(
+            "some contours cannot be cut any more (--relax leaves them out)", tuple(o.about.sentence for o in loose)
+        )
     return Asked(facts, state_rules(facts, profile, reads_files=engine == "minizinc"))

@@ -72,7 +72,7 @@ def produce(
         seen = afterthoughts(facts, profile)([facts.candidates[c].contour for c in solution.route])
         stated = replace(asked.stated, statements=(*asked.stated.statements, *seen))
         plan = make_plan(facts, profile, stated, solution, engine_named, limits.seed)
-        return with_times(plan, facts.nest, profile)
+        return with_times(plan, facts.whole_nest, profile)
 
     if "t-max" in profile.settings():
         from .cooling import Cooler
@@ -89,8 +89,8 @@ def produce(
     else:
         solution = solved(1.0, asked.stated) if cool is None else cool
         plan = planned(solution)
-    program = write_program(plan, facts.nest, profile)
-    verdict = judge(facts.nest, plan, program, profile)
+    program = write_program(plan, facts.whole_nest, profile)
+    verdict = judge(facts.whole_nest, plan, program, profile)
     return Produced(replace(plan, rules=report_of(verdict)), program, verdict, solution.notes)
 
 

@@ -12,6 +12,7 @@ from ..rules.profile import Profile
 from .blocks import comment, is_comment, number, numbered, path_blocks, plain, rapid_block, seconds_text
 from .dialects import Dialect, fitting_dialect, load_dialect, pierce_dwell_of
 from .plan_paths import SHA_DIGITS, Toolpath, toolpaths
+from .resume_comments import out_comments, resume_comment
 
 
 def write_program(plan: Plan, nest: Nest, profile: Profile) -> str:
@@ -27,7 +28,7 @@ def write_program(plan: Plan, nest: Nest, profile: Profile) -> str:
     """
     dialect = fitting_dialect(profile)
     profile = profile.at_origin(plan.origin)
-    body = _body(toolpaths(plan, nest, profile), nest, profile, dialect)
+    body = _body(toolpaths(plan, nest, profile), nest, profile, dialect, plan.resumed_after + 1)
     return "\n".join([*numbered([*_header(plan, nest, profile, dialect), *body], dialect), ""])
 
 
@@ -42,6 +43,7 @@ def _header(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect) -> Itera
     yield comment(dialect, f"KERFWISE FOR {plain(dialect.title).upper()}")
     yield comment(dialect, "NEST", PurePath(nest.file).name, f"SHA256 {nest.sha256[:SHA_DIGITS]}")
     yield comment(dialect, "PROFILE", profile.name, f"SHA256 {profile.sha256[:SHA_DIGITS]}")
+    yield from resume_comment(plan, dialect)
     thickness, kerf = number(material.thickness_mm, 3), number(material.kerf_mm, 3)
     yield comment(dialect, "MATERIAL", material.name, f"{thickness} MM, KERF {kerf} MM")
     yield _origin(nest, profile, dialect)
@@ -63,6 +65,7 @@ def _header(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect) -> Itera
         for rule in planned.cut.excused:
             yield comment(dialect, f"EXCUSED {plain(rule)}", planned.cut.contour)
     yield from _relaxed(plan, dialect)
+    yield from out_comments(plan, dialect)
 
 
 def _origin(nest: Nest, profile: Profile, dialect: Dialect) -> str:
@@ -97,11 +100,11 @@ def _relaxed(plan: Plan, dialect: Dialect) -> Iterator[str]:
         yield comment(dialect, head, line)
 
 
-def _body(paths: Iterable[Toolpath], nest: Nest, profile: Profile, dialect: Dialect) -> Iterator[str]:
-    """All but the comments at the top, which make no difference to how many blocks there are."""
+def _body(paths: Iterable[Toolpath], nest: Nest, profile: Profile, dialect: Dialect, first: int = 1) -> Iterator[str]:
+    """All but the comments at the top, which make no blocks; `first` is the number of the first cut."""
     yield from dialect.header
     x, y = profile.frame_on(nest).corner
-    for order, made in enumerate(paths, 1):
+    for order, made in enumerate(paths, first):
         yield from _cut(order, replace(made, path=made.path.moved(-x, -y)), profile, dialect)
     yield comment(dialect, "HOME")
     yield rapid_block(profile.machine.home, dialect)

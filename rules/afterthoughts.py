@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
+from .remainder import of_what_is_left
+from .state import rest_of
 from .statements import EXEMPTION_MM, NoGood
 
 if TYPE_CHECKING:
@@ -22,20 +24,22 @@ def afterthoughts(facts: Facts, profile: Profile) -> Callable[[Sequence[int]], t
     It answers with nothing when an order shows nothing new: a soft rule, or one that is excusable, may well be broken
     again, at its price.
     """
-    nest, index, book = facts.nest, facts.nest.index, profile.rulebook()
+    nest, whole, book = facts.nest, facts.whole_nest, profile.rulebook()
+    index, rest, made = whole.index, rest_of(facts), [cut.contour for cut in facts.already_cut]
     told: set[tuple[str, frozenset[int], frozenset[int]]] = set()
 
     def look(order: Sequence[int]) -> tuple[NoGood, ...]:
-        names = [nest.contours[k].id for k in order]
-        found = []
+        names = [*made, *(nest.contours[k].id for k in order)]
+        found: list[NoGood] = []
         for name, setting in profile.settings().items():
-            for wrong in book[name].no_goods(nest, names, setting.options):
+            for wrong in book[name].no_goods(whole, names, setting.options):
                 out, left = frozenset(index[k] for k in wrong.out), frozenset(index[k] for k in wrong.left)
                 if (name, out, left) not in told:
                     told.add((name, out, left))
                     about = book[name].about((*wrong.out, *wrong.left), wrong.sentence)
                     hard = EXEMPTION_MM if book[name].excusable else None
-                    found.append(NoGood(out, left, about, hard if setting.weight is None else setting.weight))
+                    seen = NoGood(out, left, about, hard if setting.weight is None else setting.weight)
+                    found += (s for s in of_what_is_left([seen], rest) if isinstance(s, NoGood))
         return tuple(found)
 
     return look

@@ -59,6 +59,11 @@ class Rule(ABC, Generic[OptionsT]):
     `relaxable` is a rule that cannot be soft, but whose statements an operator may let go by `--relax`.
 
     Fields of `Options` that no key sets (no metadata) are filled in by the profile from its other sections.
+
+    Where a program goes on after a stop, facts are those of what is left, and cuts begin with those that are made,
+    which are not judged: a violation counts where all its cuts are new, and where a rule `minds_what_is_out`, that is,
+    judges a cut by what was cut before it, where the last of them is. A rule `of_whole_nest` states over the facts of
+    the whole; what is decided by then drops.
     """
 
     id: str
@@ -71,6 +76,8 @@ class Rule(ABC, Generic[OptionsT]):
     gives_way: ClassVar[int] = 0
     excusable: ClassVar[bool] = False
     relaxable: ClassVar[bool] = False
+    minds_what_is_out: bool = False
+    of_whole_nest: ClassVar[bool] = False
 
     @abstractmethod
     def statements(self, facts: Facts, options: OptionsT) -> Iterable[Statement]:
@@ -105,6 +112,11 @@ class Rule(ABC, Generic[OptionsT]):
     def no_goods(self, nest: Nest, order: Sequence[str], options: OptionsT) -> list[NoGoodIds]:
         """What is wrong with a complete order of contour ids that no statement could say beforehand."""
         return []
+
+    def still_counts(self, violation: Violation, made: int) -> bool:
+        """Whether a violation is one of the cuts after the first `made`, which are facts."""
+        decides = max if self.minds_what_is_out else min
+        return not violation.cuts or decides(violation.cuts) > made
 
     def about(self, contours: Sequence[str], sentence: str) -> About:
         """Where a statement of this rule comes from."""

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..encoder.errors import RulesConflict
 from .cycles import Link, components, contracted, path
 from .feedback import Unbreakable, lightest_cut
 from .own import OwnFile
 from .places import in_the_way, positions
+from .remainder import Rest, of_what_is_left
+from .rule import Rule
 from .slower_ways import slower_ways
 from .statements import EXEMPTION_MM, About, AtLeast, Contiguous, IdleTravel, Precede, Statement
 from .yaml_positions import wrong_at
@@ -22,6 +24,9 @@ if TYPE_CHECKING:
 
 
 HOPELESS = "these hard rules cannot hold in any order"
+
+LOOSE = "inner-before-outer"
+"""The rule that a contour breaks which is left in metal that has dropped."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +98,7 @@ def every_statement(facts: Facts, profile: Profile) -> tuple[list[Statement], tu
     statements: list[Statement] = []
     exempt: list[About] = []
     for name, setting in profile.settings().items():
-        stated = book[name].statements(facts, setting.options)
+        stated = stated_by(book[name], facts, setting.options)
         if setting.weight is None:
             statements += (_excused(s) for s in stated) if book[name].excusable else stated
             exempt += book[name].exempt(facts, setting.options)
@@ -114,6 +119,40 @@ def hopeless(statements: Sequence[Statement]) -> tuple[About, ...]:
     """Where the hard statements come from that no plan can meet, whatever the others ask."""
     found = (s.about for s in statements if isinstance(s, AtLeast) and s.weight is None and s.hopeless)
     return tuple(dict.fromkeys(found))
+
+
+def loose_orders(facts: Facts) -> tuple[Precede, ...]:
+    """Orders that are broken for good: contours that cannot be cut any more, for what is around them is out.
+
+    Contours are numbered as in the whole nest.
+    """
+    if facts.past is None:
+        return ()
+    index = facts.whole_nest.index
+    return tuple(
+        Precede(index[inner], index[outer], About(LOOSE, (inner, outer), _loose_text(inner, outer)))
+        for inner, outer in facts.past.loose
+    )
+
+
+def _loose_text(inner: str, outer: str) -> str:
+    return f"{inner} cannot be cut any more: {outer}, which lies around it, is out, and the metal between is loose"
+
+
+def stated_by(rule: Rule[Any], facts: Facts, options: Any) -> Iterable[Statement]:
+    """What a rule states of the facts; one that looks at the whole nest states of that, and what is decided drops."""
+    if facts.past is None or not rule.of_whole_nest:
+        return rule.statements(facts, options)
+    return of_what_is_left(rule.statements(facts.past.whole, options), rest_of(facts))
+
+
+def rest_of(facts: Facts) -> Rest:
+    """What is left of the whole nest, for statements about that."""
+    if facts.past is None:
+        return Rest(range(facts.n), {})
+    index = facts.whole_nest.index
+    cut_at = {index[cut.contour]: k for k, cut in enumerate(facts.already_cut, 1)}
+    return Rest(facts.past.number.tolist(), cut_at)
 
 
 def _softened(statement: Statement, weight: float) -> Statement:

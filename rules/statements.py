@@ -110,9 +110,12 @@ class NoGood:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Crossing:
-    """Idle travel over `area` (mm) costs, or is forbidden, once contour `over` is cut: its part may have tipped up."""
+    """Idle travel over `area` (mm) costs, or is forbidden, once contour `over` is cut: its part may have tipped up.
 
-    over: int
+    With `over` None it is out from the start: an earlier program has cut it.
+    """
+
+    over: int | None
     area: shapely.Polygon
     about: About
     weight: float | None = None

@@ -31,7 +31,7 @@ class HotZone:
 def hot_zones(nest: Nest, cuts: CutSequence, absorbed_power_w: float, budget_kj: float) -> Iterator[HotZone]:
     """The zones whose cuts, while the torch is on, leave more heat in the sheet than the budget; marks leave none."""
     members: dict[int, list[int]] = defaultdict(list)
-    for k, cut in enumerate(cuts, 1):
+    for k, cut in enumerate(cuts.new, cuts.made + 1):
         if cut.zone and nest.contour(cut.contour).kind != "mark":
             members[cut.zone].append(k)
     for zone, positions in sorted(members.items()):

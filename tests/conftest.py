@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import pytest
 
@@ -13,7 +14,7 @@ from kerfwise.rules.profile import Profile
 from kerfwise.tests.metal.clean import faults
 from kerfwise.tests.metal.plant import plant
 
-Made = list[tuple[Nest, Profile, str]]
+Made = list[tuple[Nest, Profile, str, str | None]]
 
 
 @pytest.fixture(autouse=True)
@@ -24,16 +25,24 @@ def programs_made(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatc
 
     def noted(plan: Plan, nest: Nest, profile: Profile) -> str:
         program = write(plan, nest, profile)
-        made.append((nest, profile, program))
+        made.append((nest, profile, program, write(before(plan), nest, profile) if plan.already_cut else None))
         return program
 
     monkeypatch.setattr(production, "write_program", noted)
     yield made
     if request.node.get_closest_marker("scrap") is None:
-        found = [str(f) for nest, profile, program in made for f in judged(nest, profile, program)]
+        found = [str(f) for nest, profile, program, old in made for f in judged(nest, profile, program, old)]
         assert not found, "this would make scrap:\n" + "\n".join(found)
 
 
-def judged(nest: Nest, profile: Profile, program: str) -> list[object]:
-    """The findings of a program; without a kerf nothing is burnt that could be judged."""
-    return [*faults(profile.as_cut(nest), program, **plant(profile))] if profile.material.kerf_mm > 0 else []
+def before(plan: Plan) -> Plan:
+    """What was cut before a program that goes on after a stop, as a plan of its own."""
+    return replace(plan, cuts=plan.already_cut, already_cut=(), broken_off=None)
+
+
+def judged(nest: Nest, profile: Profile, program: str, old: str | None = None) -> list[object]:
+    """The findings of a program, which may go on after an `old` one; without a kerf nothing is burnt."""
+    if profile.material.kerf_mm <= 0:
+        return []
+    more = {} if old is None else {"before": old}
+    return [*faults(profile.as_cut(nest), program, **plant(profile), **more)]

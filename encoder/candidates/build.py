@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
 
+from ..already_cut import NOTHING_CUT, AlreadyCut
 from ..errors import InputError
 from ..geometry.curve import Curve
 from ..nest import Nest
+from .again import again_as_it_was
 from .approaches import Approaches
 from .candidate import IN_PROFILE, Candidate, LeadOptions
 from .joints import Outline
@@ -20,15 +22,22 @@ from .marks import mark_candidates
 from .refusal import cannot_be_cut, refusal
 from .surroundings import Surroundings
 from .tried import try_options
+from .void import Void
 from .within_reach import within_reach
 
 
-def build_candidates(nest: Nest, options: LeadOptions) -> tuple[Candidate, ...]:
+def build_candidates(
+    nest: Nest, options: LeadOptions, already: AlreadyCut = NOTHING_CUT, loose: Collection[str] = ()
+) -> tuple[Candidate, ...]:
     """The ways to cut each contour: entries well spread around it, each in every direction allowed.
 
     A pierce lies in waste and keeps clear of every contour and of the sheet's edges (Petunin 2009, section 2); the kerf
     of a lead touches no contour but its own. Where the options allow it, the sheet's outline is stated and
     the machine is known to reach there, edge starts come in from outside that edge besides and pierce nothing.
+
+    Of what is `already` cut there are none, nor of what is `loose`; the others pierce, and lead, where there is still
+    metal. A cut that broke off is pierced anew beside its old kerf; where there is no room for that, as in a small
+    hole, it begins where it began.
 
     Returns
     -------
@@ -54,12 +63,16 @@ def build_candidates(nest: Nest, options: LeadOptions) -> tuple[Candidate, ...]:
         options = replace(options, edge_start=False)
     if not nest.contours:
         return ()
-    around = Surroundings.of(nest)
-    tried = try_options(nest, range(len(nest.contours)), around, options)
-    if tried.faulty:
+    gone = already.contours.union(loose)
+    left = [k for k, c in enumerate(nest.contours) if c.id not in gone]
+    around = Surroundings.of(nest, Void.of(nest, already, options.kerf_mm))
+    tried = try_options(nest, left, around, options)
+    again = again_as_it_was(nest, already.broken_off, tried, options.kerf_mm)
+    if tried.faulty - {candidate.contour for candidate in again}:
         raise refusal(nest, tried, around, options)
-    marks = [c for k, m in enumerate(nest.contours) if m.kind == "mark" for c in mark_candidates(k, m, options)]
-    torch = within_reach(_candidates(tried.found, tried.outlines, around, options), options.reach)
+    to_mark = [(k, nest.contours[k]) for k in left if nest.contours[k].kind == "mark"]
+    marks = [c for k, m in to_mark for c in mark_candidates(k, m, options)]
+    torch = [*within_reach(_candidates(tried.found, tried.outlines, around, options), options.reach), *again]
     if lost := sorted(set(tried.outlines) - {c.contour for c in torch}):
         details = tuple(f"{nest.contours[k].id}: no lead to it stays within the machine's travel" for k in lost)
         raise InputError(cannot_be_cut(len(lost)), file=nest.file or None, details=details)

@@ -12,6 +12,7 @@ from ..geometry.curve import FloatArray
 from ..nest import Contour, Nest
 from .joints import Ints
 from .lead_shapes import Leads
+from .void import Void
 
 CHORD_MM = 0.01
 """Contours are judged by chords that lie this close to them."""
@@ -26,7 +27,10 @@ Bools = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Surroundings:
-    """Every contour of a nest, also in chords (`contour` tells whose each is), the parts' metal and the sheet."""
+    """Every contour of a nest, also in chords (`contour` tells whose each is), the parts' metal and the sheet.
+
+    `void` is what a stopped program has already burnt away, where there was one.
+    """
 
     contours: tuple[Contour, ...]
     chords: shapely.STRtree
@@ -34,9 +38,10 @@ class Surroundings:
     metal: shapely.STRtree
     sheet: shapely.Polygon
     edges: shapely.Geometry
+    void: Void | None = None
 
     @staticmethod
-    def of(nest: Nest) -> Surroundings:
+    def of(nest: Nest, void: Void | None = None) -> Surroundings:
         """The surroundings of all leads of a nest."""
         points, of = shapely.get_coordinates([c.line for c in nest.contours], return_index=True)
         follows = np.flatnonzero(of[1:] == of[:-1])
@@ -48,7 +53,8 @@ class Surroundings:
         shapely.prepare(sheet)
         edges = sheet.boundary
         shapely.prepare(edges)
-        return Surroundings(nest.contours, shapely.STRtree(chords), of[follows], shapely.STRtree(metal), sheet, edges)
+        chord_tree, metal_tree = shapely.STRtree(chords), shapely.STRtree(metal)
+        return Surroundings(nest.contours, chord_tree, of[follows], metal_tree, sheet, edges, void)
 
     def clear_leads(self, leads: Leads, contour: Ints, half_kerf_mm: float) -> Bools:
         """Leads whose kerf touches no contour but their own, and that one only where they join it."""
@@ -62,6 +68,8 @@ class Surroundings:
         row, near = row[own], self.chords.geometries[chord[own]]
         apart = shapely.linestrings(leads.points(NEAR_JOIN_MM))
         clear[row[shapely.distance(apart[row], near) < reach_mm]] = False
+        if self.void is not None:
+            clear &= self.void.clear_leads(shapely.linestrings(leads.points(half_kerf_mm)), contour)
         return clear
 
     def clear_pierces(self, points: FloatArray, clearance_mm: float, not_own: Ints | None = None) -> Bools:
@@ -82,7 +90,7 @@ class Surroundings:
         for i, k in sorted(set(zip(row[doubt].tolist(), self.contour[chord[doubt]].tolist(), strict=True))):
             if clear[i] and self.contours[k].curve.project(points[i])[1] < clearance_mm - _EXACT_MM:
                 clear[i] = False
-        return clear
+        return clear if self.void is None else clear & self.void.clear_pierces(points)
 
     def in_sheet(self, points: FloatArray) -> Bools:
         """Points on the metal of the sheet."""

@@ -8,8 +8,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ..already_cut import AlreadyCut
 from ..candidates.candidate import Candidate
-from ..cut import Side
+from ..cut import Cut, Side
 from ..nest import Nest
 
 Ints = NDArray[np.int64]
@@ -76,6 +77,21 @@ class Stretch:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class Past:
+    """What came before: the facts of the whole nest, and the cuts that are already made of it.
+
+    `number` (n of the whole,) is the number that each contour has among those left, -1 where it is out, or can no
+    longer be cut. Candidates have the same numbers in both: only what is left has any. `loose` are the contours that
+    can no longer be cut, each with the contour around it that is out.
+    """
+
+    whole: Facts
+    already: AlreadyCut
+    number: Ints
+    loose: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class Facts:
     """The facts of one nest. n contours, m candidates.
 
@@ -85,6 +101,8 @@ class Facts:
     from 1; a mark has the zone of its part. `torch_heat_kj` (n,) is the most heat that cutting a contour, however it
     is entered, leaves in the sheet, 0 for a mark, nan where nobody has said. `offcut_mm`, `offcut_large`, `heat_mm`,
     `heat_parts` follow `SIDES`. `first[i]` and `first[i + 1]` bound the candidates of contour i.
+
+    Where some of the sheet is already cut, all this is of what is left (`nest` too); `past` is the rest of the story.
     """
 
     nest: Nest
@@ -110,11 +128,22 @@ class Facts:
     first: Ints
     head: Stretch
     tail: Stretch
+    past: Past | None = None
 
     @property
     def n(self) -> int:
         """Number of contours."""
         return len(self.nest.contours)
+
+    @property
+    def whole_nest(self) -> Nest:
+        """The nest as it was drawn, with what is already cut."""
+        return self.nest if self.past is None else self.past.whole.nest
+
+    @property
+    def already_cut(self) -> tuple[Cut, ...]:
+        """The cuts that are made, in order."""
+        return () if self.past is None else self.past.already.cuts
 
     @property
     def zone_heat_kj(self) -> Floats:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..bits import Masks, words
 from ..crossings import FORBIDDEN
@@ -17,8 +18,8 @@ UNLAWFUL = 1 << 48
 def cross(problem: Problem, local: Local, earlier: frozenset[int], rows: Ints, travel: Ints) -> Masks:
     """The contours of a stretch that every move crosses, (rows, columns, words), no rows where nothing is crossed.
 
-    What parts cut `earlier` cost is settled, and added to `travel` at once. `rows` are the sites of the rows of
-    `travel` (`HOME` for home), its columns the sites of the stretch.
+    What parts cut `earlier` cost, and the contour that a move leaves, is settled, and added to `travel` at once. `rows`
+    are the sites of the rows of `travel` (`HOME` for home), its columns the sites of the stretch.
     """
     crossings, width = problem.crossings, words(len(local.contours))
     if not len(crossings):
@@ -29,7 +30,7 @@ def cross(problem: Problem, local: Local, earlier: frozenset[int], rows: Ints, t
     number[list(local.contours)] = np.arange(len(local.contours))
     row, column, chosen = _places(problem, rows, local.sites)
     place = number[crossings.over[chosen]]
-    inside = place >= 0
+    inside = (place >= 0) & ~_left_from(problem, chosen)
     place = place[inside]
     bit = np.uint64(1) << (place % 64).astype(np.uint64)
     np.bitwise_or.at(mask, (row[inside], column[inside], place // 64), bit)
@@ -37,14 +38,21 @@ def cross(problem: Problem, local: Local, earlier: frozenset[int], rows: Ints, t
 
 
 def add_settled(problem: Problem, out: frozenset[int], rows: Ints, columns: Ints, travel: Ints) -> None:
-    """Add to `travel` what the moves cost for the contours of `out`, which are cut before all of them."""
+    """Add to `travel` what moves cost for the contours of `out`, cut before all of them, and those that they leave."""
     if not len(problem.crossings):
         return
     is_out = np.zeros(problem.n, dtype=np.bool_)
     is_out[list(out)] = True
     row, column, chosen = _places(problem, rows, columns)
-    settled = is_out[problem.crossings.over[chosen]]
+    settled = is_out[problem.crossings.over[chosen]] | _left_from(problem, chosen)
     np.add.at(travel, (row[settled], column[settled]), price(problem))
+
+
+def _left_from(problem: Problem, chosen: Ints) -> NDArray[np.bool_]:
+    """Which crossings are over a contour that the move itself leaves, as what was out from the start is said."""
+    rows = problem.crossings
+    owner = np.append(problem.site_contour, problem.n)
+    return np.asarray(owner[rows.leave[chosen]] == rows.over[chosen])
 
 
 def price(problem: Problem) -> int:

@@ -100,7 +100,8 @@ def _judge_paths(
     margin_mm = profile.material.kerf_mm + (profile.length_mm(profile.leads.lead_in_mm) if runs_up else 0.0)
     judged = [
         judgement(
-            "every-contour-once", [*coverage(nest, cuts), *(f for f in faults if f.rule == "every-contour-once")]
+            "every-contour-once",
+            [*coverage(nest, cuts, relaxed), *(f for f in faults if f.rule == "every-contour-once")],
         ),
         judgement("small-holes", small_holes(judged_by, cuts, runs, profile)),
         judgement("contour-geometry", _of("contour-geometry", faults)),
@@ -112,7 +113,12 @@ def _judge_paths(
     ]
     if profile.reach_on(nest) is not None:
         judged.append(judgement("within-travel", [*beyond_travel(nest, cuts, runs, profile), *astray]))
-    return judged, [*told_of_small_holes(judged_by, profile), *found.warnings]
+    return judged, [*_resumed(cuts), *told_of_small_holes(judged_by, profile), *found.warnings]
+
+
+def _resumed(cuts: CutSequence) -> list[str]:
+    """What is taken for granted of a program that goes on after a stop."""
+    return [f"resumed after cut {cuts.made}: what was cut before is taken as it is told"] if cuts.made else []
 
 
 def _sharing(nest: Nest, profile: Profile, relaxed: Sequence[Relaxed]) -> Pairs | None:

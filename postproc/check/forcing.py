@@ -16,8 +16,8 @@ from ...rules.sections import RuleSetting
 class Forcing:
     """Called with a contour id: the contours that must be cut before it.
 
-    What is cut in one go with a contour comes with it. Orders that the plan itself does not keep are left out: they
-    lie on cycles, where one of them has to give way.
+    What was cut before a stop is among them. What is cut in one go with a contour comes with it. Orders that the plan
+    itself does not keep are left out: they lie on cycles, where one of them has to give way.
     """
 
     def __init__(self, nest: Nest, cuts: CutSequence, profile: Profile) -> None:
@@ -31,7 +31,8 @@ class Forcing:
             np.frombuffer(before.to_bytes(len(self._groups) // 8 + 1, "little"), np.uint8), bitorder="little"
         )
         outside = (name for k in np.flatnonzero(bits).tolist() for name in self._groups[k])
-        return frozenset(inside) | (frozenset(outside) - frozenset(own))
+        made = frozenset(cut.contour for cut in self.cuts[: self.cuts.made])
+        return frozenset(inside) | (frozenset(outside) - frozenset(own)) | made
 
     def _inside(self, contour: str, own: frozenset[str]) -> list[str]:
         """What the orders put before a contour within the run that it is cut in."""

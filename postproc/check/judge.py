@@ -15,7 +15,8 @@ from .result import Judgement
 def judge(nest: Nest, cuts: CutSequence, profile: Profile, relaxed: Sequence[Relaxed] = ()) -> list[Judgement]:
     """A judgement on every rule, the hard ones first; those that the profile switches off are listed last, unjudged.
 
-    `relaxed` are statements that the plan or program says it has let go.
+    `relaxed` are statements that the plan or program says it has let go. Cuts that were made before a stop are facts,
+    and not judged.
     """
     settings, book = profile.settings(), profile.rulebook()
     judged = [
@@ -23,7 +24,9 @@ def judge(nest: Nest, cuts: CutSequence, profile: Profile, relaxed: Sequence[Rel
             name,
             setting.strength,
             book[name].sentence,
-            tuple(book[name].violations(nest, cuts, setting.options)),
+            tuple(
+                v for v in book[name].violations(nest, cuts, setting.options) if book[name].still_counts(v, cuts.made)
+            ),
             unjudged=book[name].unjudged(nest, cuts, setting.options),
         )
         for name, setting in sorted(settings.items(), key=lambda item: (item[1].strength != "hard", item[0]))

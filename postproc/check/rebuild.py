@@ -17,6 +17,7 @@ from .cut_from_burn import cut_from_burn
 from .matching import Matcher
 from .names import folded
 from .nc_program import Burn, NcProgram
+from .resumed import read_resumed
 from .torch_run import TorchRun, line_of
 
 _CUT = re.compile(r"(?:CUT|MARK) \d+ (?P<contour>.+?) ZONE (?P<zone>\d+)\b", re.IGNORECASE)
@@ -27,19 +28,24 @@ _SIDES: Mapping[str, Side] = {"LEFT": "left", "RIGHT": "right", "BOTTOM": "botto
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Rebuilt:
-    """The cuts of a program that match contours, all its torch-on paths, and what is wrong with them."""
+    """The cuts of a program that match contours, all its torch-on paths, and what is wrong with them.
+
+    Of a program that goes on after a stop the cuts made before, as it tells them, come first.
+    """
 
     cuts: CutSequence
     runs: tuple[TorchRun, ...]
     violations: tuple[Violation, ...]
     warnings: tuple[str, ...]
+    broken_off: Cut | None = None
 
 
 def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point) -> Rebuilt:
     """Match every torch-on path of a program with a contour of the nest.
 
     Zones, the start side and excuses come from comments such as `CUT 12 P3.hole1 ZONE 2`, `START SIDE LEFT` and
-    `EXCUSED part-rigidity P1.outer`, where there are any; which contour is cut, its entry, direction and leads come
+    `EXCUSED part-rigidity P1.outer`, where there are any, and so does what was cut before the program began (see
+    `resumed`); which contour is cut, its entry, direction and leads come
     from geometry alone.
     """
     burns = program.burns
@@ -49,9 +55,10 @@ def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point) -> Rebu
     named = [ids.get(folded(words["contour"])) if words else None for words in told]
     matches = Matcher(nest, kerf_mm).match(paths, [burn.tool != 0 for burn in burns], named)
     excused = _excused(program)
-    cuts: list[Cut] = []
+    before = read_resumed(nest, program.comments)
+    cuts: list[Cut] = list(before.cuts)
     runs: list[TorchRun] = []
-    violations: list[Violation] = []
+    violations: list[Violation] = list(before.violations)
     warnings: list[str] = []
     for burn, path, words, name, match in zip(burns, paths, told, named, matches, strict=True):
         if match is None:
@@ -67,7 +74,8 @@ def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point) -> Rebu
         runs.append(run)
         violations += wrong
     side = next((_SIDES[found[1].upper()] for found in map(_SIDE.search, program.comments) if found), None)
-    return Rebuilt(CutSequence(tuple(cuts), side, home), tuple(runs), tuple(violations), tuple(warnings))
+    sequence = CutSequence(tuple(cuts), side, home, made=len(before.cuts))
+    return Rebuilt(sequence, tuple(runs), tuple(violations), tuple(warnings), before.broken_off)
 
 
 def _excused(program: NcProgram) -> Mapping[str, tuple[str, ...]]:

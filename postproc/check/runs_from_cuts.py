@@ -19,8 +19,9 @@ from .torch_run import TorchRun, line_of
 
 
 def runs_from_cuts(nest: Nest, cuts: CutSequence, kerf_mm: float) -> tuple[tuple[TorchRun, ...], tuple[Violation, ...]]:
-    """The torch-on path of every cut of a known contour, and where leads do not join what they should."""
-    known = [(k, cut, nest.contour(cut.contour)) for k, cut in enumerate(cuts, 1) if cut.contour in nest.index]
+    """The torch-on path of every new cut of a known contour, and where leads do not join what they should."""
+    new = enumerate(cuts.new, cuts.made + 1)
+    known = [(k, cut, nest.contour(cut.contour)) for k, cut in new if cut.contour in nest.index]
     rings = torch_rings([contour for _, _, contour in known], kerf_mm)
     runs: list[TorchRun] = []
     violations: list[Violation] = []

@@ -121,7 +121,8 @@ def small_holes(judged: Judged, cuts: CutSequence, runs: Sequence[TorchRun], pro
     limits, found = profile.hole_limits(), []
     strays = [run for run in runs if not run.marks and (run.contour is None or run.contour.kind == "mark")]
     positions = cuts.positions()
-    for hole in judged.small:
+    made = {cut.contour for cut in cuts[: cuts.made]}
+    for hole in (hole for hole in judged.small if hole.contour.id not in made):
         name = hole.contour.id
         size = f"{name} is {hole.across_mm:.2f} mm across, holes under {_limit_mm(hole, limits):g} mm are not cut"
         at = (positions[name],) if name in positions else ()

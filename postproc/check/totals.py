@@ -37,8 +37,8 @@ class Claims:
 
 def idle_mm(nest: Nest, cuts: CutSequence) -> float:
     """Idle travel: home, every pierce and end in order, and home again, mm."""
-    ends = [cuts.home, *(_end(nest, cut) for cut in cuts)]
-    starts = [*(cut.pierce for cut in cuts), cuts.home]
+    ends = [cuts.home, *(_end(nest, cut) for cut in cuts.new)]
+    starts = [*(cut.pierce for cut in cuts.new), cuts.home]
     return math.fsum(map(math.dist, ends, starts))
 
 
@@ -57,7 +57,7 @@ def totals(nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], claims: Clai
     for run in runs:
         slack = _LENGTH_MM + _LENGTH_SHARE * run.length_mm
         allowed += slack
-        said = claims.lengths_mm[run.position - 1]
+        said = claims.lengths_mm[run.position - 1 - cuts.made]
         if abs(run.length_mm - said) > slack:
             wrong(f"{run.where}: {run.name} is {run.length_mm:.3f} mm long, the plan says {said:.3f} mm", run.position)
     cut = math.fsum(run.length_mm for run in runs)
@@ -67,7 +67,7 @@ def totals(nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], claims: Clai
     if not fewest <= claims.pierces <= most:
         wrong(f"there are {fewest} pierces, the plan says {claims.pierces}")
     before = 0.0
-    for position, one in enumerate(cuts, 1):
+    for position, one in enumerate(cuts.new, cuts.made + 1):
         if one.start_s < before - _TIME_S or one.end_s < one.start_s:
             wrong(f"cut {position} of {one.contour} begins before the one before it has ended, or ends first", position)
         before = max(before, one.end_s)
@@ -92,7 +92,7 @@ def _end(nest: Nest, cut: Cut) -> Point:
 
 def _pierces(nest: Nest, cuts: CutSequence) -> tuple[int, int]:
     """Cuts that pierce the sheet; an edge start right at the edge may count or not."""
-    torch = [c.pierce for c in cuts if c.contour in nest.index and nest.contour(c.contour).kind != "mark"]
+    torch = [c.pierce for c in cuts.new if c.contour in nest.index and nest.contour(c.contour).kind != "mark"]
     points = shapely.points(torch) if torch else []
     sheet = shapely.make_valid(nest.sheet.polygon)
     counts = [int(shapely.contains(shapely.buffer(sheet, by), points).sum()) for by in (-TOLERANCE_MM, TOLERANCE_MM)]

@@ -19,12 +19,25 @@ from .view import View
 _ARROW_EVERY = 260.0  # page units along a contour
 
 
-def contour_layer(nest: Nest, view: View, order: Mapping[str, int], alert: frozenset[str] = frozenset()) -> Layer:
-    """Every contour as a line; those in `alert` thick and red, on top. Small holes that are not cut are dashed."""
+def contour_layer(
+    nest: Nest,
+    view: View,
+    order: Mapping[str, int],
+    alert: frozenset[str] = frozenset(),
+    out: frozenset[str] = frozenset(),
+) -> Layer:
+    """Every contour as a line; those in `alert` thick and red, on top, those that are `out` dotted.
+
+    Small holes that are not cut are dashed.
+    """
     plain = sorted(
         (c for c in nest.contours if c.id not in alert), key=lambda c: ("outer", "hole", "mark").index(c.kind)
     )
-    items = [_outline(c, view, order, Style(stroke=_ink(c), width=_pen(c, view))) for c in plain]
+    dots = (2 * view.line_width, 2 * view.line_width)
+    gone = Style(stroke=colours.FAINT, width=0.7 * view.line_width, dash=dots)
+    items = [
+        _outline(c, view, order, gone if c.id in out else Style(stroke=_ink(c), width=_pen(c, view))) for c in plain
+    ]
     dashed = Style(stroke=colours.FAINT, width=view.line_width, dash=(3 * view.line_width, 2 * view.line_width))
     items += [Shape((view.path(hole.curve),), dashed) for hole in nest.not_cut]
     loud = Style(stroke=colours.ALERT, width=3 * view.line_width)

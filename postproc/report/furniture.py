@@ -180,6 +180,7 @@ def _key(items: list[Item], x: float, end: float, y: float, kinds: frozenset[str
         ("mark", "mark"),
         ("small", "small hole, not cut"),
         ("home", "home"),
+        ("out", "out already"),
     ):
         if kind not in kinds:
             continue
@@ -203,6 +204,8 @@ def _sample(kind: str, x: float, y: float) -> list[Item]:
         return [Dot(x + 11, y, 3, Style(fill=colours.PIERCE)), Dot(x + 11, y, 6, Style(stroke=colours.WAIT, width=2))]
     if kind == "small":
         return [Shape((line,), Style(stroke=colours.FAINT, width=1.4, dash=(4, 3)), closed=False)]
+    if kind == "out":
+        return [Shape((line,), Style(stroke=colours.FAINT, width=1.0, dash=(2.0, 2.0)), closed=False)]
     ink = {"pierce": colours.PIERCE, "outer": colours.OUTER, "hole": colours.HOLE, "mark": colours.MARK}[kind]
     sample: list[Item] = [Shape((line,), Style(stroke=ink, width=1.4), closed=False)]
     return [*sample, Dot(x + 2, y, 3, Style(fill=ink))] if kind == "pierce" else sample

@@ -59,20 +59,31 @@ def sheet_layer(nest: Nest, view: View) -> Layer:
 
 
 def part_layer(
-    nest: Nest, view: View, zones: ZoneMap, order: Mapping[str, int], faded: frozenset[str] = frozenset()
+    nest: Nest, view: View, zones: ZoneMap, order: Mapping[str, int], faded: frozenset[str] = frozenset(), made: int = 0
 ) -> Layer:
-    """The parts' metal, filled; `order` numbers the cuts by contour id. Hosts lie below what is nested in them."""
+    """The parts' metal, filled; `order` numbers the cuts by contour id. Hosts lie below what is nested in them.
+
+    So many cuts are `made` before the first of the picture.
+    """
     by_size = sorted(nest.parts, key=lambda p: -p.outer.polygon.area)
-    return Layer("parts", tuple(_metal(p, view, zones, order, p.id in faded) for p in by_size))
+    return Layer("parts", tuple(_metal(p, view, zones, order, p.id in faded, made) for p in by_size))
 
 
-def _metal(part: Part, view: View, zones: ZoneMap, order: Mapping[str, int], faded: bool) -> Shape:
+def out_layer(nest: Nest, view: View, out: frozenset[str]) -> Layer:
+    """What has dropped: parts, and the waste of holes, that are out."""
+    by_size = sorted((c for c in nest.contours if c.curve.closed), key=lambda c: -c.polygon.area)
+    void = Style(fill=colours.PAGE)
+    dropped = [c for c in by_size if c.id in out and c.kind != "mark"]
+    return Layer("out", tuple(Shape((view.path(c.curve),), void, title=f"{c.id}  out") for c in dropped))
+
+
+def _metal(part: Part, view: View, zones: ZoneMap, order: Mapping[str, int], faded: bool, made: int) -> Shape:
     lines = (
         view.path(part.outer.curve.towards("ccw")),
         *(view.path(hole.curve.towards("cw")) for hole in part.holes),
     )
     cuts = sorted((order[c.id], c.id) for c in part if c.id in order)
-    title = "\n".join([part.id, *(f"{k}  {contour}" for k, contour in cuts)])
+    title = "\n".join([part.id, *(f"{made + k}  {contour}" for k, contour in cuts)])
     fill = colours.mix(colours.SHEET, zones.colour(part.id), 0.4) if faded else zones.colour(part.id)
     return Shape(lines, Style(fill=fill), cut=order.get(part.outer.id, 0), title=title)
 

@@ -16,7 +16,9 @@ def html_text(scene: Scene, plan: Plan | None) -> str:
     page = files(__package__).joinpath("player.html").read_text(encoding="utf-8")
     # A "<" would let a contour's name end the script; JSON may write it as an escape instead.
     cuts = json.dumps(_rows(plan), ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
-    for key, value in (("@title", escape(scene.title)), ("@cuts", cuts), ("@drawing", svg_text(scene))):
+    made = str(plan.resumed_after if plan else 0)
+    words = (("@title", escape(scene.title)), ("@made", made), ("@cuts", cuts), ("@drawing", svg_text(scene)))
+    for key, value in words:
         page = page.replace(key, value, 1)
     return page
 

@@ -23,7 +23,7 @@ from .cuts import (
 )
 from .furniture import Clock, footer_layer, header_layer, nest_name
 from .labels import Label, place_labels
-from .metal import part_layer, sheet_layer, zone_layer, zone_map
+from .metal import out_layer, part_layer, sheet_layer, zone_layer, zone_map
 from .scene import Layer, Scene, Text
 from .view import View, Window
 from .waits import wait_layer
@@ -52,6 +52,8 @@ def make_scene(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), s
     cuts = tuple(p.cut for p in plan.cuts) if plan else ()
     _check_known(nest, [c.contour for c in cuts] + (sorted(spot.contours) if spot else []))
     order = {cut.contour: k for k, cut in enumerate(cuts, 1)}
+    made = plan.resumed_after if plan else 0
+    out = frozenset(p.cut.contour for p in plan.already_cut) if plan else frozenset()
     view, window = _frame(nest, cuts, home, spot)
     zones = zone_map(nest, {nest.contour(c.contour).part: c.zone for c in cuts})
     named = spot.contours if spot else frozenset()
@@ -59,11 +61,13 @@ def make_scene(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), s
     faded = frozenset(p.id for p in nest.parts if p.id not in parts) if spot else frozenset()
 
     size_mm = view.number_size * view.mm
-    places = place_labels(nest, _labels(nest, cuts, named, size_mm), size_mm, window)
-    layers = [sheet_layer(nest, view), part_layer(nest, view, zones, order, faded)]
+    places = place_labels(nest, _labels(nest, cuts, named, size_mm, made), size_mm, window)
+    layers = [sheet_layer(nest, view), part_layer(nest, view, zones, order, faded, made)]
+    if out:
+        layers.append(out_layer(nest, view, out))
     if spot is None:
         layers.append(zone_layer(nest, view, zones, [p.box() for p in places.values()]))
-    layers.append(contour_layer(nest, view, order, named))
+    layers.append(contour_layer(nest, view, order, named, out))
     clock = None
     if cuts:
         clock, shares = _clock(cuts)
@@ -78,7 +82,9 @@ def make_scene(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), s
     if nest.not_cut:
         kinds.add("small")
     numbers = number_layer(nest, view, places, order)
-    caption = spot.caption if spot else ""
+    caption = spot.caption if spot else f"resumed after cut {made}" if plan and plan.already else ""
+    if out:
+        kinds.add("out")
     layers.append(numbers)
     if plan is not None and plan.waits:
         kinds.add("wait")
@@ -126,10 +132,10 @@ def _used_mm2(nest: Nest) -> float:
     return float(shapely.envelope(outlines).area) if nest.parts else float(nest.sheet.polygon.area)
 
 
-def _labels(nest: Nest, cuts: tuple[Cut, ...], named: frozenset[str], size_mm: float) -> dict[str, Label]:
+def _labels(nest: Nest, cuts: tuple[Cut, ...], named: frozenset[str], size_mm: float, made: int) -> dict[str, Label]:
     """Order numbers with a plan; without one the names of the parts, or of the contours in question."""
     if cuts:
-        return {cut.contour: _number(nest, k, cut, named, size_mm) for k, cut in enumerate(cuts, 1)}
+        return {cut.contour: _number(nest, k, cut, named, size_mm) for k, cut in enumerate(cuts, made + 1)}
     if named:
         return {c: Label(c) for c in sorted(named)}
     return {p.outer.id: Label(p.id) for p in nest.parts}

@@ -40,7 +40,8 @@ class HeatLag(Rule[HeatLagOptions]):
 
     Between the cuts of two contours of different parts that lie nearer than `heat_radius` there are `lag_cuts` other
     cuts, and `lag` seconds from the end of the one to the start of the other. Contours of one part are left out: they
-    belong together (see part-contiguous). Marks are left out: they heat little.
+    belong together (see part-contiguous). Marks are left out: they heat little. Nothing is asked between a cut made
+    before a stop and one made after it: metal cools while the machine stands.
 
     ## Why
 

@@ -62,26 +62,27 @@ class Locks(Rule[LocksOptions]):
     strengths = ("hard",)
 
     def statements(self, facts: Facts, options: LocksOptions) -> Iterator[Statement]:
-        check_locks(options.locks, facts.nest)
+        check_locks(options.locks, facts.whole_nest)
         for lock in options.locks:
-            if lock.contour is not None:
-                yield from self._of_contour(facts, lock, lock.contour, options.entry_tolerance_mm)
-            else:
+            if lock.contour is None:
                 _check_zone(facts, lock)
+            elif lock.contour in facts.nest.index:
+                yield from self._of_contour(facts, lock, lock.contour, options.entry_tolerance_mm)
 
     def _of_contour(self, facts: Facts, lock: Lock, name: str, tolerance_mm: float) -> Iterator[Statement]:
         contours, i = facts.nest.contours, facts.nest.index[name]
         others = [k for k in range(facts.n) if k != i]
-        if lock.before is not None:
+        if lock.before is not None and lock.before in facts.nest.index:
             sentence = f"{name} is cut before {lock.before}: {lock.because}"
             yield Precede(i, facts.nest.index[lock.before], self.about((name, lock.before), sentence))
-        place = lock.place_among(facts.n)
+        place = lock.place_among(len(facts.whole_nest.contours))
         if isinstance(place, int):
             about = self.about((name,), f"{name} is cut {place} in order: {lock.because}")
             ahead, behind = tuple(Before(k, i) for k in others), tuple(Before(i, k) for k in others)
             ones = (1,) * len(others)
-            yield AtLeast(ahead, ones, place - 1, about)
-            yield AtLeast(behind, ones, facts.n - place, about)
+            left = place - len(facts.already_cut)
+            yield AtLeast(ahead, ones, left - 1, about)
+            yield AtLeast(behind, ones, facts.n - left, about)
         elif place is not None:
             for k in others:
                 first, then = (i, k) if place == "first" else (k, i)
@@ -139,8 +140,8 @@ def _broken(
     if lock.before is not None and at.get(lock.before, k) < k:
         yield (name, lock.before), f"{name} (cut {k}) must be cut before {lock.before} (cut {at[lock.before]})", ()
     place = lock.place_among(len(nest.contours))
-    if place is not None and k != _number(place, len(cuts)):
-        ahead = tuple((name, other.contour) for other in cuts[: k - 1]) if place == "first" else ()
+    if place is not None and k != _number(place, cuts):
+        ahead = tuple((name, other.contour) for other in cuts[cuts.made : k - 1]) if place == "first" else ()
         behind = tuple((other.contour, name) for other in cuts[k:]) if place == "last" else ()
         yield (name,), f"{name} is cut {k} in order, not {place}", ahead + behind
     if lock.entry is not None and not _is_at(cut.entry, lock.entry, nest.contour(name), tolerance_mm):
@@ -149,9 +150,9 @@ def _broken(
         yield (name,), f"{name} (cut {k}) is cut {cut.direction}, not {lock.direction}", ()
 
 
-def _number(place: int | Literal["first", "last"], n: int) -> int:
-    """A place as a number."""
-    return 1 if place == "first" else n if place == "last" else place
+def _number(place: int | Literal["first", "last"], cuts: CutSequence) -> int:
+    """A place as a number; the first is that of the cuts which are still to be made."""
+    return cuts.made + 1 if place == "first" else len(cuts) if place == "last" else place
 
 
 def _is_at(entry: Point, locked: Point, contour: Contour, tolerance_mm: float) -> bool:
@@ -165,8 +166,9 @@ def _spoken(point: Point) -> str:
 
 
 def _check_zone(facts: Facts, lock: Lock) -> None:
-    part = facts.nest.part_of[lock.part or ""]
-    zone = int(facts.zone[facts.nest.index[part.outer.id]])
-    if zone != lock.zone:
-        zones = f"only in zone {zone} of 1…{facts.zone.max()}"
+    whole = facts if facts.past is None else facts.past.whole
+    part = whole.nest.part_of[lock.part or ""]
+    zone = int(whole.zone[whole.nest.index[part.outer.id]])
+    if zone != lock.zone and part.id in facts.nest.part_of:
+        zones = f"only in zone {zone} of 1…{whole.zone.max()}"
         raise wrong_at(lock.place, f"lock: part {part.id} cannot be in zone {lock.zone}, {zones}")

@@ -83,7 +83,7 @@ class MarksFirst(Rule[MarksFirstOptions]):
     def violations(self, nest: Nest, cuts: CutSequence, options: MarksFirstOptions) -> list[Violation]:
         found = []
         first_cut: dict[str, tuple[int, str]] = {}
-        for k, cut in enumerate(cuts, 1):
+        for k, cut in enumerate(cuts.new, cuts.made + 1):
             contour = nest.contour(cut.contour)
             reach = contour.part if options.scope == "part" else ""
             if contour.kind != "mark":

@@ -69,6 +69,7 @@ class NoIslands(Rule[NoIslandsOptions]):
     sentence = "The parts that are still in hold together at every moment."
     source = "Petunin 2009; Pristupov 2016"
     Options = NoIslandsOptions
+    minds_what_is_out = True
     default = "soft"
     default_weight = 250.0
     excusable = True

@@ -70,6 +70,7 @@ class NoNarrowStrips(Rule[NoNarrowStripsOptions]):
     sentence = "No part is left in a narrow strip of metal between parts that are out."
     source = "Petunin 2009, fig. 3"
     Options = NoNarrowStripsOptions
+    minds_what_is_out = True
     default = "soft"
     default_weight = 250.0
     excusable = True
@@ -91,6 +92,8 @@ class NoNarrowStrips(Rule[NoNarrowStripsOptions]):
         order = tuple(cut.contour for cut in cuts)
         found = []
         for cutting in strips_and_islands(nest, order, options.narrow_mm, options.web_mm):
+            if cutting.k <= cuts.made:
+                continue
             left = tuple(nest.parts[k].outer.id for k in cutting.left)
             out = sorted((nest.parts[k].outer.id for k in cutting.out), key=at.__getitem__)
             text = f"after {order[cutting.k - 1]} (cut {cutting.k}) {_where(cutting, left, _listed(out))}"

@@ -49,31 +49,33 @@ class NoTipTravel(Rule[NoOptions]):
     sentence = "Idle travel does not lead over a part that has been cut out."
     source = "plant practice"
     Options = NoOptions
+    minds_what_is_out = True
     default = "soft"
     default_weight = 50.0
 
     def statements(self, facts: Facts, options: NoOptions) -> Iterator[Crossing]:
-        for part in facts.nest.parts:
+        left = facts.nest.index
+        for part in facts.whole_nest.parts:
             sentence = f"no travel leads over {part.id} once {part.outer.id} is cut: it may have tipped up"
             about = self.about((part.outer.id,), sentence)
-            yield Crossing(facts.nest.index[part.outer.id], part.outer.polygon, about)
+            yield Crossing(left.get(part.outer.id), part.outer.polygon, about)
 
     def violations(self, nest: Nest, cuts: CutSequence, options: NoOptions) -> list[Violation]:
-        if not cuts:
+        if not cuts.new:
             return []
         at = cuts.positions()
         parts = [part for part in nest.parts if part.outer.id in at]
-        legs = np.array([[cuts.home, *(cut.end for cut in cuts)], [*(cut.pierce for cut in cuts), cuts.home]])
+        legs = np.array([[cuts.home, *(cut.end for cut in cuts.new)], [*(cut.pierce for cut in cuts.new), cuts.home]])
         lines = shapely.linestrings(legs.transpose(1, 0, 2))
         areas = shapely.buffer([part.outer.polygon for part in parts], -GRAZE_MM)
         leg, over = shapely.STRtree(areas).query(lines, predicate="intersects")
         found = []
-        for k, number in sorted(zip(leg.tolist(), over.tolist(), strict=True)):
+        for k, number in sorted(zip((leg + cuts.made).tolist(), over.tolist(), strict=True)):
             name, cut_at = parts[number].outer.id, at[parts[number].outer.id]
             if cut_at <= k:
-                start = cuts[k - 1].contour
+                start = f"{cuts[k - 1].contour} (cut {k})" if k > cuts.made else "home"
                 end = f"to {cuts[k].contour} (cut {k + 1})" if k < len(cuts) else "home"
-                text = f"travel from {start} (cut {k}) {end} leads over {parts[number].id}, cut out as cut {cut_at}"
+                text = f"travel from {start} {end} leads over {parts[number].id}, cut out as cut {cut_at}"
                 positions = {cut_at, k, min(k + 1, len(cuts))}
                 found.append(Violation(self.id, (name,), text, tuple(sorted(positions))))
         return found

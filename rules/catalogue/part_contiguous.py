@@ -34,7 +34,8 @@ class PartContiguous(Rule[PartContiguousOptions]):
     ## What it does
 
     A part is cut in one go: its holes in any order, its outer contour last, and no contour of another part in
-    between. Marks are left out unless `marks: together` (which needs `marks-first: {scope: part}`).
+    between. Marks are left out unless `marks: together` (which needs `marks-first: {scope: part}`). What is left of a
+    part when a program goes on after a stop is cut in one go as well, whenever its turn comes.
 
     ## Why
 
@@ -82,7 +83,7 @@ class PartContiguous(Rule[PartContiguousOptions]):
         at = cuts.positions()
         found = []
         for part in nest.parts:
-            own = sorted(at[c.id] for c in _run(part, options) if c.id in at)
+            own = sorted(at[c.id] for c in _run(part, options) if at.get(c.id, 0) > cuts.made)
             if len(own) < 2:
                 continue
             broken = next(((a, b) for a, b in pairwise(own) if b != a + 1), None)
@@ -97,7 +98,7 @@ class PartContiguous(Rule[PartContiguousOptions]):
                     Violation(self.id, (cuts[a - 1].contour, stranger, cuts[b - 1].contour), text, (a, a + 1, b))
                 )
             last = cuts[own[-1] - 1].contour
-            if part.outer.id in at and last != part.outer.id:
+            if at.get(part.outer.id, 0) > cuts.made and last != part.outer.id:
                 outer_at = at[part.outer.id]
                 text = f"{part.outer.id} (cut {outer_at}) is not the last of {part.id}: {last} (cut {own[-1]}) follows"
                 found.append(Violation(self.id, (part.outer.id, last), text, (outer_at, own[-1])))

@@ -84,6 +84,7 @@ class PartRigidity(Rule[PartRigidityOptions]):
     sentence = "A part is held by uncut metal while its cut comes to an end."
     source = "Petunin 2009, section 2.1, fig. 1"
     Options = PartRigidityOptions
+    minds_what_is_out = True
     excusable = True
 
     def statements(self, facts: Facts, options: PartRigidityOptions) -> Iterator[AtLeast]:

@@ -59,6 +59,7 @@ class Pierce(Rule[PierceOptions]):
     sentence = "A pierce lies in waste, clear of every contour, and its leads cross none."
     source = "Petunin 2009, section 2"
     Options = PierceOptions
+    minds_what_is_out = True
     strengths = ("hard", "off")
 
     def statements(self, facts: Facts, options: PierceOptions) -> Iterator[AtLeast]:

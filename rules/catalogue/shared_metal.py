@@ -66,10 +66,14 @@ class SharedMetal(Rule[SharedMetalOptions]):
     Options = SharedMetalOptions
     strengths = ("hard", "off")
     relaxable = True
+    minds_what_is_out = True
 
     def statements(self, facts: Facts, options: SharedMetalOptions) -> Iterator[AtLeast]:
-        for i, j, gap_mm, place in near_contours(facts, options.kerf_mm):
-            a, b = facts.nest.contours[i].id, facts.nest.contours[j].id
+        whole = facts if facts.past is None else facts.past.whole
+        for i, j, gap_mm, place in near_contours(whole, options.kerf_mm):
+            a, b = whole.nest.contours[i].id, whole.nest.contours[j].id
+            if a not in facts.nest.index and b not in facts.nest.index:
+                continue  # both are cut
             sentence = _said(a, b, gap_mm, place, options.kerf_mm)
             yield AtLeast((), (), 1, self.about((a, b), sentence))
         for dropped, kept in one_line(facts.nest, options.kerf_mm):

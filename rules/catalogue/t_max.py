@@ -86,8 +86,8 @@ class TMax(Rule[TMaxOptions]):
     def violations(self, nest: Nest, cuts: CutSequence, options: TMaxOptions) -> list[Violation]:
         found = []
         for spot in cuts.hot_spots or ():
-            k = sum(cut.start_s <= spot.at_s for cut in cuts)
-            if k and spot.peak_c > options.most_c:
+            k = cuts.made + sum(cut.start_s <= spot.at_s for cut in cuts.new)
+            if k > cuts.made and spot.peak_c > options.most_c:
                 contour, most = cuts[k - 1].contour, f"{options.most_c:g} °C at the most"
                 text = f"{contour} (cut {k}) makes {_where(spot)} {spot.peak_c:.1f} °C hot, not {most}"
                 found.append(Violation(self.id, (contour,), text, (k,)))

@@ -93,7 +93,7 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
 
     def pairs(self, nest: Nest, cuts: CutSequence, options: ZoneOrderOptions) -> list[Ids]:
         members: dict[int, list[str]] = defaultdict(list)
-        for cut in cuts:
+        for cut in cuts.new:
             if cut.zone and nest.contour(cut.contour).kind != "mark":
                 members[cut.zone].append(cut.contour)
         zones = pairwise(sorted(members))
@@ -110,15 +110,16 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
                 yield self.about(names, f"zone {zone} takes up {_too_much(kj, budget_kj)}: {', '.join(names)}")
 
     def unjudged(self, nest: Nest, cuts: CutSequence, options: ZoneOrderOptions) -> str | None:
-        if cuts and not any(cut.zone for cut in cuts):
+        if cuts.new and not any(cut.zone for cut in cuts.new):
             return "the zones of the cuts are not stated"
-        timed = options.zone_heat_kj is None or any(cut.end_s for cut in cuts) or not cuts
+        timed = options.zone_heat_kj is None or any(cut.end_s for cut in cuts.new) or not cuts.new
         return None if timed else "the times of the cuts are not stated, and so the heat of their zones is not known"
 
     def violations(self, nest: Nest, cuts: CutSequence, options: ZoneOrderOptions) -> list[Violation]:
-        if not any(cut.zone for cut in cuts):
+        if not any(cut.zone for cut in cuts.new):
             return []
-        through = [(k, cut) for k, cut in enumerate(cuts, 1) if nest.contour(cut.contour).kind != "mark"]
+        new = enumerate(cuts.new, cuts.made + 1)
+        through = [(k, cut) for k, cut in new if nest.contour(cut.contour).kind != "mark"]
         found = []
         highest: tuple[int, str, int] = (0, "", 0)
         for k, cut in through:

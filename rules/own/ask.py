@@ -60,9 +60,13 @@ class Chosen:
 
 
 class Ask(ABC):
-    """One kind of demand; `KEYS` are the words for it in a profile with a line of help each."""
+    """One kind of demand; `KEYS` are the words for it in a profile with a line of help each.
+
+    `MINDS_WHAT_IS_OUT` is that of a rule, see there.
+    """
 
     KEYS: ClassVar[dict[str, str]]
+    MINDS_WHAT_IS_OUT: ClassVar[bool] = False
 
     @classmethod
     @abstractmethod

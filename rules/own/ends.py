@@ -57,6 +57,8 @@ class Ends(Ask):
             places = {at[name]: name for name in chosen.ids(*selected, *rest) if name in at}
             if not places:
                 continue
+            if self.key == "not_last" and all(at.get(name, 0) <= cuts.made for name in chosen.ids(*rest)):
+                continue  # nothing else is left of the group
             position = max(places) if self.key == "not_last" else min(places)
             name = places[position]
             if name in chosen.ids(*selected):

@@ -24,6 +24,8 @@ class OneStays(Ask):
 
     KEYS = {"one_stays_while": "one of the selected is left in as long as all of this selector are in"}  # noqa: RUF012
 
+    MINDS_WHAT_IS_OUT = True
+
     held: Selector
 
     @classmethod

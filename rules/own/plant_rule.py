@@ -31,10 +31,12 @@ class PlantRule(Rule[Thresholds]):
     """One entry of `own_rules`, stated and judged like a rule of the catalogue. It gives way to none."""
 
     Options = Thresholds
+    of_whole_nest = True
 
     def __init__(self, rule: OwnRule) -> None:
         self.rule, self.id, self.sentence = rule, rule.id, rule.why
         self.source = "the plant"
+        self.minds_what_is_out = rule.ask.MINDS_WHAT_IS_OUT
 
     def statements(self, facts: Facts, options: Thresholds) -> Iterator[Statement]:
         yield from self.rule.ask.statements(facts, self.rule.chosen(known_of_facts(facts)))

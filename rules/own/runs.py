@@ -48,7 +48,7 @@ class Together(Ask):
     def broken(self, cuts: CutSequence, chosen: Chosen) -> Iterator[Found]:
         at = cuts.positions()
         for run in self.together(chosen):
-            places = sorted(at[name] for name in chosen.ids(*run) if name in at)
+            places = sorted(at[name] for name in chosen.ids(*run) if at.get(name, 0) > cuts.made)
             for a, b in pairwise(places):
                 if b == a + 1:
                     continue

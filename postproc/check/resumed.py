@@ -1,0 +1,84 @@
+"""What a program that goes on after a stop says is already cut: comments such as `OUT 3 P1.outer ZONE 1 CW PIERCE 8 3`.
+
+What these say is taken for granted: nobody can see at the desk what lies on the table.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...encoder.cut import Cut
+from ...encoder.geometry.curve import Curve
+from ...encoder.nest import Nest
+from ...rules.rule import Violation
+from .names import folded
+
+_RULE = "every-contour-once"
+_NUMBER = r"-?\d+(?:\.\d+)?"
+_RESUME = re.compile(r"RESUME AFTER CUT (?P<made>\d{1,9})(?:, CUT \d+ AGAIN)?", re.IGNORECASE)
+_OUT = re.compile(
+    rf"(?P<how>OUT|BROKEN) (?P<order>\d{{1,9}}) (?P<contour>.+) ZONE (?P<zone>\d{{1,9}}) (?P<way>CW|CCW) "
+    rf"PIERCE (?P<x>{_NUMBER}) (?P<y>{_NUMBER})",
+    re.IGNORECASE,
+)
+_LEAD = re.compile(
+    rf"(?P<how>OUT|BROKEN) (?P<order>\d{{1,9}}) LEAD (?P<which>IN|OUT) (?P<rows>{_NUMBER}(?: {_NUMBER})*)",
+    re.IGNORECASE,
+)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Resumed:
+    """The cuts made before, in order, the one that broke off, and what is wrong with how they are told."""
+
+    cuts: tuple[Cut, ...] = ()
+    broken_off: Cut | None = None
+    violations: tuple[Violation, ...] = ()
+
+
+def read_resumed(nest: Nest, comments: Iterable[str]) -> Resumed:
+    """What the comments of a program say of the cuts before its first."""
+    said = list(comments)
+    after = next((int(found["made"]) for found in map(_RESUME.fullmatch, said) if found), None)
+    if after is None:
+        return Resumed()
+    ids = {folded(c.id): c.id for c in nest.contours}
+    leads: dict[tuple[str, int, str], list[float]] = defaultdict(list)
+    for found in filter(None, map(_LEAD.fullmatch, said)):
+        key = (found["how"].upper(), int(found["order"]), found["which"].upper())
+        leads[key] += [float(word) for word in found["rows"].split()]
+    cuts: dict[int, Cut] = {}
+    broken_off: Cut | None = None
+    wrong: list[str] = []
+    for found in filter(None, map(_OUT.fullmatch, said)):
+        order, how, name = int(found["order"]), found["how"].upper(), ids.get(folded(found["contour"]))
+        if name is None:
+            wrong.append(f"cut {order} is said to be of {found['contour']}, which the nest does not have")
+            continue
+        lead_in, lead_out = (_lead(leads.get((how, order, which), [])) for which in ("IN", "OUT"))
+        pierce = (float(found["x"]), float(found["y"]))
+        join = pierce if lead_in is None else (float(lead_in.vertices[-1, 0]), float(lead_in.vertices[-1, 1]))
+        curve = nest.contour(name).curve
+        entry = curve.point_at(curve.project(join)[0])
+        way = "cw" if found["way"].upper() == "CW" else "ccw"
+        cut = Cut(name, entry, "cw" if way == "cw" else "ccw", pierce, lead_in, lead_out, int(found["zone"]))
+        if how == "BROKEN":
+            broken_off = cut
+        else:
+            cuts[order] = cut
+    if sorted(cuts) != list(range(1, after + 1)):
+        wrong.append(f"it goes on after cut {after}, but tells of {len(cuts)} cuts that are out")
+    told = tuple(Violation(_RULE, (), text) for text in wrong)
+    return Resumed(tuple(cuts[k] for k in sorted(cuts)), broken_off, told)
+
+
+def _lead(numbers: list[float]) -> Curve | None:
+    """x, y and bulge of each vertex."""
+    if not numbers or len(numbers) % 3:
+        return None
+    return Curve(np.array(numbers).reshape(-1, 3), closed=False)
