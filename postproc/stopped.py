@@ -14,7 +14,6 @@ from .check.nc_on_machine import read_on_machine
 from .check.rebuild import rebuild
 from .of_nest import cuts_elsewhere
 
-
 _OFF_MM = 1.0
 """How far from its contour the entry of an old cut may be: more, and the plan is one of another nest."""
 
