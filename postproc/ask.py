@@ -46,7 +46,7 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) ->
     except InputError as error:
         if alone := hopeless_anyway(_left(compute_facts(nest, profile.fact_options(nest), ()), already), profile):
             besides = (f"besides, {error.message}, and --relax does not help there:", *error.details[:MOST_DETAILS])
-            raise RulesConflict(HOPELESS, (*(about.sentence for about in alone), *besides)) from None
+            raise RulesConflict(HOPELESS, (*(f"{about.rule}: {about.sentence}" for about in alone), *besides)) from None
         raise
     heat_kj = contour_heat_kj(nest, candidates, profile)
     return _left(compute_facts(nest, profile.fact_options(nest), candidates, heat_kj), already)

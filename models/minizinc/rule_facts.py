@@ -75,16 +75,18 @@ def near_pairs(facts: Facts, radius_mm: float) -> list[tuple[int, int]]:
 
 
 def same_waste(facts: Facts, kerf_mm: float) -> list[tuple[int, int, int]]:
-    """Contours of different parts that bound the same waste no further apart than the kerf, and the gap, µm.
+    """Contours of different parts that bound waste towards each other, at most a kerf apart, and the gap, µm.
 
     A line that the nest gives to two parts stands for both.
     """
     cut = [(k, c) for k, c in enumerate(facts.nest.contours) if c.kind != "mark"]
-    waste = {k: int(facts.parent[k]) if c.kind == "outer" else k for k, c in cut}
+    inside = {(int(i), int(j)) for i, j in facts.contains}
     lines = {k: shapely.LinearRing(c.curve.flatten(FINE_MM)) for k, c in cut}
     found = []
-    for (i, _), (j, _) in combinations(cut, 2):
-        if waste[i] == waste[j] and (gap_mm := lines[i].distance(lines[j])) <= kerf_mm:
+    for (i, a), (j, b) in combinations(cut, 2):
+        apart = a.kind == b.kind == "outer" and not {(i, j), (j, i)} & inside
+        guest = (a.kind == "hole" and (i, j) in inside) or (b.kind == "hole" and (j, i) in inside)
+        if a.part != b.part and (apart or guest) and (gap_mm := lines[i].distance(lines[j])) <= kerf_mm:
             found.append((i, j, round(gap_mm * UM_PER_MM)))
     number = facts.nest.index
     return found + [(number[note.contours[1]], number[note.contours[1]], 0) for note in facts.nest.notes if note.common]

@@ -11,7 +11,7 @@ import shapely
 
 from ...encoder.cut import CutSequence
 from ...encoder.geometry.segment import Point
-from ...encoder.nest import Nest
+from ...encoder.nest import Contour, Nest
 from ...encoder.tolerance import tolerance_mm
 from ..burnt_metal import burnt_parts
 from ..rule import Rule, Violation
@@ -37,9 +37,9 @@ class SharedMetal(Rule[SharedMetalOptions]):
     ## What it does
 
     The kerf of a contour is a strip as wide as `material.kerf`, on the side of its waste: outside an outer contour,
-    inside a hole. Two contours of different parts that bound the same waste (two outer contours side by side, or a hole
-    and a part that lies in it) and are nearer to each other than the kerf burn each other's metal: each kerf reaches
-    as deep into the other part as the gap falls short of the kerf. More than 0.05 mm deep (a quarter of a kerf under
+    inside a hole. Two contours of different parts that bound waste towards each other (two outer contours side by side,
+    or a hole and a part that lies in it) and are nearer to each other than the kerf burn each other's metal: each kerf
+    reaches as deep into the other part as the gap falls short of the kerf. More than 0.05 mm (a quarter of a kerf under
     0.2 mm) is refused, since no order and no entry helps: `solve` names every such pair with place, gap and depth. A
     line that the nest gives to contours of two parts is such a pair as well. `--relax` lets these pairs go, and marks
     them in the plan, the program and the check. A web between a hole and the outer contour of the same part may be as
@@ -94,23 +94,37 @@ class SharedMetal(Rule[SharedMetalOptions]):
 
 
 def near_contours(facts: Facts, kerf_mm: float) -> list[tuple[int, int, float, Point]]:
-    """Pairs of contour numbers that bound the same waste nearer than the kerf, each with the gap, mm, and its place."""
+    """Pairs of contour numbers nearer than the kerf, one in the waste of the other: with the gap, mm, and its place.
+
+    The waste of a hole is all inside it, that of an outer contour all outside.
+    """
     reach_mm = kerf_mm - tolerance_mm(kerf_mm)
     contours = facts.nest.contours
     cut = np.array([k for k, c in enumerate(contours) if c.kind != "mark"], dtype=np.int64)
     if reach_mm <= 0 or len(cut) < 2:
         return []
     lines = np.array([contours[k].curve.line(CHORD_MM) for k in cut], dtype=object)
-    waste = np.array([facts.parent[k] if contours[k].kind == "outer" else k for k in cut], dtype=np.int64)
+    inside = set(map(tuple, facts.contains.tolist()))
     i, j = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=reach_mm)
-    kept = (i < j) & (waste[i] == waste[j])
     found = []
-    for a, b in sorted(zip(i[kept].tolist(), j[kept].tolist(), strict=True)):
+    for a, b in sorted(zip(i[i < j].tolist(), j[i < j].tolist(), strict=True)):
+        one, other = int(cut[a]), int(cut[b])
+        if not _in_waste(contours[one], contours[other], (one, other) in inside, (other, one) in inside):
+            continue
         gap_mm = float(shapely.distance(lines[a], lines[b]))
         if gap_mm < reach_mm - 1e-6:
             middle = shapely.shortest_line(lines[a], lines[b]).centroid
-            found.append((int(cut[a]), int(cut[b]), gap_mm, (middle.x, middle.y)))
+            found.append((one, other, gap_mm, (middle.x, middle.y)))
     return found
+
+
+def _in_waste(one: Contour, other: Contour, holds_other: bool, lies_in_other: bool) -> bool:
+    """Whether the kerf of one of two contours is on the side of the other's part."""
+    if one.part == other.part or one.kind == other.kind == "hole":
+        return False
+    if one.kind == other.kind:
+        return not (holds_other or lies_in_other)
+    return holds_other if one.kind == "hole" else lies_in_other
 
 
 def one_line(nest: Nest, kerf_mm: float) -> list[tuple[str, str]]:
