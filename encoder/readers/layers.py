@@ -28,15 +28,17 @@ EVERY_LAYER = ".*"
 
 IGNORE_WORDS = _words(
     # dimensions, notes and title blocks
-    "dimension defpoints bema(ß|ss) ma(ß|ss)(linie|kette) cotation acotac wymiar quotatur размер méret 标注 尺寸"
-    " annot adnotac comment kommentar bemerkung примечан title.?block schriftfeld cartouche штамп water.?mark viewport"
+    "dimension dim_?(line|text|style) defpoints bema(ß|ss) ma(ß|ss)(linie|kette) cotation acotac wymiar quotatur размер"
+    " méret 标注 尺寸 annot adnotac comment kommentar bemerkung примечан title.?block schriftfeld cartouche"
+    " штамп water.?mark viewport"
     # what is not seen, and what only helps to draw
     " hidden phantom verdeckt unsichtbar nascost ukryt niewidoczn скрыт невидим rejtett 隐藏"
     " construction construcci costruzione konstruktion(slinie|sgeo) hilfs(linie|geo) pomocnicz построен вспомогат segéd"
     " guide.?line unconsumed schraff hachur tratteggi kreskow штрихов"
     # axes and bends
     " cent(er|re)_?.?line mittellinie tengely 中心线 tool.?cent arc.?cent"
-    " abkant kantlinie biege plegado pliegue pliage gięci сгиб гибк hajlít tangent осев 折弯",
+    " bend_?.?(line|up|down|extent) abkant kantlinie biege plegado pliegue pliage gięci сгиб гибк hajlít"
+    " tangent осев 折弯",
     "hatch(es|ing)? dims? annos? notes? maße cotes? cotas? quot[ae] ax[ei]s axes? achsen? ejes? ass[ei]"
     " osi[ea]? oś ось оси bends? plis? pieg[ah]e? гиб",
 )
@@ -53,8 +55,9 @@ MARK_WORDS = _words(
     "jel jelöl[a-zé]*",
 )
 SHEET_WORDS = _words(
-    r"sheet (?<!tem)plate stock remnant blech platte tafel rohteil rohmaterial лист t[ôö]le chapa plancha l[áa]mina"
-    " lamiera lastra foglio arkusz blach lemez tábla tabule plech plaat 板材 钢板",
+    # a Grundplatte, a base plate in one word, is a part
+    r"sheet (?<![^\W\d_])pla(te|tte|at) stock remnant blech tafel rohteil rohmaterial лист t[ôö]le chapa plancha"
+    " l[áa]mina lamiera lastra foglio arkusz blach lemez tábla tabule plech 板材 钢板",
     "toles?",
 )
 

@@ -100,10 +100,10 @@ def test_layers_by_the_plants_own_names(tmp_path: Path) -> None:
 
 def test_nothing_left_to_cut_names_the_layers(tmp_path: Path) -> None:
     with pytest.raises(InputError) as error:
-        read_dxf(tmp_path, lambda s: lines(s, square(0, 0, 200), layer="BASEPLATE"))
+        read_dxf(tmp_path, lambda s: lines(s, square(0, 0, 200), layer="PLATE 8"))
     assert error.value.message == (
-        "nothing to cut: every line is on a layer that is not cut ('BASEPLATE' is the sheet); to cut one, say so in "
-        "the profile: drawing: {layers: {cut: '^BASEPLATE$'}}"
+        "nothing to cut: every line is on a layer that is not cut ('PLATE 8' is the sheet); to cut one, say so in "
+        "the profile: drawing: {layers: {cut: '^PLATE 8$'}}"
     )
 
 

@@ -9,16 +9,17 @@ NAMES = {
     "mark": "Engraving SCRIBE ETCH Part_Text Gravur Körnerpunkte Beschriftung Anriss Gravure Marquage Grabado Marcado"
     " Rotulado Incisione Marcatura Testo Grawerowanie Trasowanie Napisy Гравировка Маркировка Разметка Текст Керн"
     " Gravír Gravir Jel Jelölés",
-    "ignore": "DIM DIM2 A-ANNO Annotation Defpoints HIDDEN Construction CENTER_LINE CenterLine Axis IV_BEND"
-    " IV_TOOL_CENTER Bemaßung Bemassung Maßlinie Hilfslinien Mittellinie Biegelinien Verdeckt Cotation Cotes Axes Pli"
-    " Cotas Plegado Oculta_dims Wymiary Osie Pomocnicze Quote Assi Pieghe Размеры Оси Осевые Гибка Вспомогательная"
+    "ignore": "DIM DIM2 DIMLINES BENDLINES A-ANNO Annotation Defpoints HIDDEN Construction CENTER_LINE CenterLine Axis"
+    " IV_BEND IV_TOOL_CENTER Bemaßung Bemassung Maßlinie Hilfslinien Mittellinie Biegelinien Verdeckt Cotation Cotes Axes"
+    " Pli Cotas Plegado Oculta_dims Wymiary Osie Pomocnicze Quote Assi Pieghe Размеры Оси Осевые Гибка Вспомогательная"
     " Méret Hajlítás watermark DIM_TEXT Titleblock Schraffuren HATCH",
-    "sheet": "SHEET BASEPLATE Stock Remnant Blech Blechtafel Rohteil Tôle TOLE Chapa Lámina Lamiera Lastra Blacha"
+    "sheet": "SHEET PLATE_2 Platte Stock Remnant Blech Blechtafel Rohteil Tôle TOLE Chapa Lámina Lamiera Lastra Blacha"
     " Arkusz Лист Lemez",
     "scrap": "Scrap OFFCUT Off-cut Skeleton Schrott Abfall Restgitter Chute Déchets Chatarra Sfrido Odpad Złom Отходы"
     " Обрезь",
     "cut": "0 CUT OUTER HOLES Contour Kontur Außenkante Schnitt Bohrungen Découpe Corte Taglio Cięcie Контур Резка"
-    " Template Dimple Sediment Hatchback Corner Score Jelly Notch Layer_1 CuttingLine IV_OUTER_PROFILE Punching",
+    " Template BASEPLATE Grundplatte Dimple Sediment Hatchback Corner Score Jelly Notch Layer_1"
+    " CuttingLine IV_OUTER_PROFILE Punching",
 }
 
 
