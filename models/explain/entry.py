@@ -16,7 +16,8 @@ from .setting import Setting
 class Way:
     """One way to cut the contour; `more_um` is what the plan would cost more with it, entries elsewhere chosen anew.
 
-    An unlawful one has `against` instead: what forbids it.
+    An unlawful one has `against` instead: what forbids it. One `from_edge` comes in from the sheet's edge, and nothing
+    is pierced.
     """
 
     entry: Point
@@ -24,6 +25,7 @@ class Way:
     pierce: Point
     more_um: int | None
     against: tuple[About, ...] = ()
+    from_edge: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,4 +86,4 @@ def _pinned(setting: Setting, contour: int, site: int, already: set[int]) -> int
 
 def _way(setting: Setting, c: int, more_um: int | None, against: tuple[About, ...] = ()) -> Way:
     candidate = setting.facts.candidates[c]
-    return Way(candidate.entry, candidate.direction, candidate.pierce, more_um, against)
+    return Way(candidate.entry, candidate.direction, candidate.pierce, more_um, against, candidate.edge_start)

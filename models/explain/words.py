@@ -10,7 +10,7 @@ from typing import Any
 from ...encoder.geometry.segment import Point
 from ...rules.statements import EXEMPTION_MM
 from ..problem import UM_PER_MM
-from .entry import Entry
+from .entry import Entry, Way
 from .explain import Explanation
 from .holding import Hold
 from .moves import Move
@@ -87,7 +87,7 @@ def _chain(title: str, contour: str, held: Sequence[Hold]) -> Iterator[str]:
 
 def _entry(e: Explanation, everything: bool) -> Iterator[str]:
     entry = e.entry
-    yield f"entered at {_at(entry.used.entry)} and cut {entry.used.direction}, pierced at {_at(entry.used.pierce)}"
+    yield f"entered at {_at(entry.used.entry)} and cut {entry.used.direction}, {_begun(entry.used)}"
     if entry.only_direction:
         yield f"  - cut-direction leaves no other way round than {entry.used.direction}"
     yield from _lawful(entry)
@@ -102,8 +102,12 @@ def _lawful(entry: Entry) -> Iterator[str]:
     others = "" if len(entry.lawful) == 1 else f" ({len(entry.lawful)} others are lawful, this is the best of them)"
     where = f"enters at {_at(best.entry)}, {best.direction}"
     if (best.entry, best.direction) == (entry.used.entry, entry.used.direction):
-        where = f"enters there too, but is pierced at {_at(best.pierce)}"
+        where = f"enters there too, but is {_begun(best)}"
     yield f"  - the next best {where}: {_more(best.more_um)}{others}"
+
+
+def _begun(way: Way) -> str:
+    return f"{'begun off the edge of the sheet' if way.from_edge else 'pierced'} at {_at(way.pierce)}"
 
 
 def _unlawful(entry: Entry, everything: bool) -> Iterator[str]:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
+import shapely
 
 from ...encoder.cut import Cut
 from ...encoder.geometry.segment import Point
@@ -101,14 +102,17 @@ def lead_layer(view: View, cuts: Sequence[Cut]) -> Layer:
 
 
 def pierce_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> Layer:
-    """A dot where the torch pierces; blue and smaller where a mark begins."""
+    """A dot where the torch pierces, a ring where it begins off the sheet; blue and smaller where a mark begins."""
     items = []
     for k, cut in enumerate(cuts, 1):
         x, y = view.point(cut.pierce)
         if nest.contour(cut.contour).kind == "mark":
             items.append(Dot(x, y, 0.7 * view.dot_radius, Style(fill=colours.MARK), k))
-        else:
+        elif shapely.intersects_xy(nest.sheet.polygon, *cut.pierce):
             items.append(Dot(x, y, view.dot_radius, Style(fill=colours.PIERCE), k))
+        else:
+            ring = Style(fill=colours.PAGE, stroke=colours.PIERCE, width=0.5 * view.dot_radius)
+            items.append(Dot(x, y, view.dot_radius, ring, k))
     return Layer("pierces", tuple(items))
 
 

@@ -174,6 +174,7 @@ def _key(items: list[Item], x: float, end: float, y: float, kinds: frozenset[str
     """Samples with their names, as many as there is room for."""
     for kind, label in (
         ("pierce", "pierce and lead"),
+        ("edge", "begins off the sheet"),
         ("wait", "waits for metal to cool"),
         ("outer", "outer contour"),
         ("hole", "hole"),
@@ -200,6 +201,8 @@ def _sample(kind: str, x: float, y: float) -> list[Item]:
             Dot(x + 11, y, 4.5, Style(fill=colours.PAGE, stroke=colours.INK, width=1.2)),
             Shape(cross, Style(stroke=colours.INK, width=1.2), closed=False),
         ]
+    if kind == "edge":
+        return [Dot(x + 11, y, 3, Style(fill=colours.PAGE, stroke=colours.PIERCE, width=1.5))]
     if kind == "wait":
         return [Dot(x + 11, y, 3, Style(fill=colours.PIERCE)), Dot(x + 11, y, 6, Style(stroke=colours.WAIT, width=2))]
     if kind == "small":

@@ -81,6 +81,9 @@ def make_scene(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), s
     kinds = {"pierce", "home", *(nest.contour(c.contour).kind for c in cuts)}
     if nest.not_cut:
         kinds.add("small")
+    torch = [c.pierce for c in cuts if nest.contour(c.contour).kind != "mark"]
+    if not all(shapely.intersects_xy(nest.sheet.polygon, *pierce) for pierce in torch):
+        kinds.add("edge")
     numbers = number_layer(nest, view, places, order)
     caption = spot.caption if spot else f"resumed after cut {made}" if plan and plan.already else ""
     if out:
