@@ -11,8 +11,8 @@ NAMES = {
     " Gravír Gravir Jel Jelölés",
     "ignore": "DIM DIM2 DIMLINES BENDLINES A-ANNO Annotation Defpoints HIDDEN Construction CENTER_LINE CenterLine Axis"
     " IV_BEND IV_TOOL_CENTER Bemaßung Bemassung Maßlinie Hilfslinien Mittellinie Biegelinien Verdeckt Cotation Cotes"
-    " Axes Pli Cotas Plegado Oculta_dims Wymiary Osie Pomocnicze Quote Assi Pieghe Размеры Оси Осевые Гибка Вспомогательная"
-    " Méret Hajlítás watermark DIM_TEXT Titleblock Schraffuren HATCH",
+    " Axes Pli Cotas Plegado Oculta_dims Wymiary Osie Pomocnicze Quote Assi Pieghe Размеры Оси Осевые Гибка"
+    " Вспомогательная Méret Hajlítás watermark DIM_TEXT Titleblock Schraffuren HATCH",
     "sheet": "SHEET PLATE_2 Platte Stock Remnant Blech Blechtafel Rohteil Tôle TOLE Chapa Lámina Lamiera Lastra Blacha"
     " Arkusz Лист Lemez",
     "scrap": "Scrap OFFCUT Off-cut Skeleton Schrott Abfall Restgitter Chute Déchets Chatarra Sfrido Odpad Złom Отходы"
