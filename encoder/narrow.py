@@ -45,7 +45,7 @@ class Lost:
 
     def sentence(self) -> str:
         """What is lost, in words."""
-        at = f"at ({self.place[0]:.1f}, {self.place[1]:.1f})"
+        at = f"at ({self.place[0]:z.1f}, {self.place[1]:z.1f})"
         if self.corner_deg is not None:
             return f"the corner of {self.corner_deg:.0f}° {at}, of which {self.left_mm:.2f} mm would be left"
         return f"the slot, notch or neck {at}, {self.width_mm:.2f} mm wide and {self.depth_mm:.1f} mm deep"

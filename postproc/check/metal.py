@@ -109,7 +109,7 @@ def _gouge(burn: _Burn, part: str, depth_mm: float, burnt_mm2: float, place: Poi
         "no-gouging",
         (*contours, f"{part}.outer"),
         f"{run.where}: {what} of {run.name} reaches {depth_mm:.3f} mm into the metal of {part} at "
-        f"({place[0]:.1f}, {place[1]:.1f}) and burns {burnt_mm2:.1f} mm² of it",
+        f"({place[0]:z.1f}, {place[1]:z.1f}) and burns {burnt_mm2:.1f} mm² of it",
         (run.position,) if run.position else (),
     )
 

@@ -56,7 +56,7 @@ def _of_run(run: TorchRun, left: shapely.Geometry, path: shapely.Geometry, kerf_
             continue
         at, name = places[worst], run.name
         text = (
-            f"{run.where}: {stretch.length:.1f} mm of {name} are left uncut, at ({at.x:.1f}, {at.y:.1f}) up to "
+            f"{run.where}: {stretch.length:.1f} mm of {name} are left uncut, at ({at.x:z.1f}, {at.y:z.1f}) up to "
             f"{beyond_mm[worst]:.2f} mm beside the kerf: a slot, notch, neck or corner that is too narrow for it"
         )
         yield Violation("features-kept", (name,), text, (run.position,) if run.position else ())

@@ -144,6 +144,6 @@ def _said_of_one(dropped: str, kept: str, kerf_mm: float) -> str:
 def _said(one: str, other: str, gap_mm: float, place: Point, kerf_mm: float) -> str:
     apart = f"are {gap_mm:.3f} mm apart" if gap_mm >= 0.0005 else "touch"
     return (
-        f"{one} and {other} {apart} at ({place[0]:.1f}, {place[1]:.1f}): the kerf of {kerf_mm:g} mm reaches "
+        f"{one} and {other} {apart} at ({place[0]:z.1f}, {place[1]:z.1f}): the kerf of {kerf_mm:g} mm reaches "
         f"{kerf_mm - gap_mm:.3f} mm into the other part"
     )

@@ -57,6 +57,16 @@ def test_the_same_in_the_other_order_of_the_file() -> None:
     assert notes == ["H.hole1 is the same line as G.outer; it is cut once, as G.outer"]
 
 
+def test_only_a_line_of_two_parts_is_a_common_one() -> None:
+    host = part("H", rect(0, 0, 100, 100), [rect(10, 10, 80, 80), rect(20, 20, 30, 30)])
+    again = part("A", rect(200, 0, 50, 50), [circle(225, 25, 10), circle(225, 25, 10)])
+    _, notes = drop_duplicates([host, part("G", rect(20, 20, 30, 30)), again])
+    assert [(note.contours, note.common) for note in notes] == [
+        (("H.hole2", "G.outer"), True),
+        (("A.hole2", "A.hole1"), False),
+    ]
+
+
 def test_a_part_that_fills_a_hole_keeps_both_lines() -> None:
     ids, notes = dropped(part("H", rect(0, 0, 100, 100), [rect(20, 20, 30, 30)]), part("G", rect(20, 20, 30, 30)))
     assert (ids, notes) == (["H.hole1", "H.outer", "G.outer"], [])

@@ -6,6 +6,7 @@ import pytest
 
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.validate import validated
 from kerfwise.models.conflict import find_conflict, state_relaxed
 from kerfwise.models.minizinc import solve_minizinc
 from kerfwise.models.solution import SolveOptions
@@ -109,3 +110,23 @@ def test_minizinc_refuses_the_same_pairs() -> None:
     strict = type(relaxed)(relaxed.statements, ())
     with pytest.raises(RulesConflict, match="no plan meets every hard rule"):
         solve_minizinc(facts, PROFILE, strict, options)
+
+
+def test_one_line_of_two_parts_is_refused_and_let_go_likewise() -> None:
+    host = part("H", rect(10, 10, 100, 80), [rect(20, 20, 80, 60), rect(40, 30, 30, 30)])
+    both = validated(nest(200, 100, host, part("G", rect(40, 30, 30, 30))))
+    facts = facts_of(both, PROFILE)
+    conflict = find_conflict(facts, PROFILE)
+    assert conflict is not None
+    (about,) = conflict.clash
+    assert about.contours == ("G.outer",)
+    assert about.sentence.startswith("G.outer and H.hole2 are one line, given to two parts: ")
+    stated = state_relaxed(facts, PROFILE)
+    *_, plan = proven_plan(both, PROFILE, stated)
+    program = write_program(plan, both, PROFILE)
+    assert "(RELAXED 1 shared-metal G.outer)" in program
+    assert check_program(both, program, PROFILE).broken() == ()
+    silent = program.replace("(RELAXED 1 shared-metal G.outer)\n", "")
+    assert check_program(both, silent, PROFILE).broken() == ("shared-metal",)
+    with pytest.raises(RulesConflict, match="no plan meets every hard rule"):
+        solve_minizinc(facts, PROFILE, type(stated)(stated.statements, ()), SolveOptions(work=20))
