@@ -37,9 +37,9 @@ def settled(
 
     A line no longer than the join tolerance is a crumb, and is left out. On a layer that `layers.cut` names, a line
     that can be no broken contour is marked if it lies in the metal of a part and left out if it lies in waste, or as
-    `open_lines` says. With `repair`, a line shorter than the widest gap that repair closes is left out, and so is one
-    that can be no broken contour, on another layer that holds nothing closed. All else is refused: closed lines beside
-    open ones may be marks too, and would be cut through.
+    `open_lines` says. With `repair`, a stub on a closed line is left out if it is shorter than the widest gap that
+    repair closes, and so is a line that can be no broken contour, on another layer that holds nothing closed. All else
+    is refused: closed lines beside open ones may be marks too, and would be cut through.
 
     Raises
     ------
@@ -56,6 +56,7 @@ def settled(
     metal_mm = _in_metal(chains, parts)
     slack_mm = options.join_tolerance_mm
     closed = Counter(r.layer for r in rings)
+    outlines = shapely.STRtree([r.curve.line() for r in rings])
     dropped: list[Piece] = []
     marked: list[Piece] = []
     in_waste: list[Piece] = []
@@ -63,7 +64,7 @@ def settled(
     left: list[Piece] = []
     for chain, is_stated, is_whole, inside_mm in zip(chains, stated, whole, metal_mm, strict=True):
         is_stray = is_whole and not is_stated and not closed[chain.layer]
-        if options.repair and (chain.curve.length_mm <= bridge_mm or is_stray):
+        if options.repair and (is_stray or (chain.curve.length_mm <= bridge_mm and _is_stub(chain, outlines, options))):
             dropped.append(chain)
         elif not (is_stated and is_whole) or options.open_lines == "refuse":
             left.append(chain)
@@ -84,6 +85,12 @@ def settled(
     notes += _told(ignored, f"{cut_and} left out (drawing.open_lines)")
     notes += _told(in_waste, f"{cut_and} left out, for it lies in no part")
     return Settled(tuple(marked), (*crumb_notes, *notes))
+
+
+def _is_stub(chain: Piece, outlines: shapely.STRtree, options: ReadOptions) -> bool:
+    """Whether a line begins or ends on a closed one: a corner that was drawn a little too far."""
+    ends_at = shapely.points(chain.curve.vertices[[0, -1], :2])
+    return len(outlines.query(ends_at, predicate="dwithin", distance=options.join_tolerance_mm)[0]) > 0
 
 
 def _maybe_broken(chains: Sequence[Piece], options: ReadOptions) -> list[bool]:

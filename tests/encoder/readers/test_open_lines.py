@@ -107,6 +107,13 @@ def test_repair_leaves_out_a_stub_but_no_contour_that_is_broken(tmp_path: Path) 
     assert areas(nest) == {"P1.outer": 2500}
     assert texts(nest.notes, "repaired")[0].startswith("the open line of 0.707 mm from (60.500, 60.500) to (60.000")
 
+    def tick(space: Any) -> None:  # the circle beside it may be a mark too
+        open_line(space, (20, 20), (20.5, 20.5))
+        space.add_circle((30, 20), 3)
+
+    with pytest.raises(InputError, match="1 line does not close"):
+        read_dxf(tmp_path, tick, repair=True)
+
     def alone(space: Any) -> None:
         sheet(space)
         lines(space, square(10, 10, 50))
