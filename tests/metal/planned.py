@@ -95,6 +95,7 @@ def _solve(folder: Path, words: tuple[str, ...]) -> tuple[int, str]:
 
 
 _IDS = re.compile(r"\b[\w-]+\.(?:outer|hole\d+|mark\d+)\b|\b[A-Z]\d+\b")
+_LISTS = re.compile(r" \(…(?:, …)*(?: and N more)?\)")
 _NUMBERS = re.compile(r"-?\d+(?:\.\d+)?")
 
 
@@ -108,4 +109,5 @@ def reason(said: str) -> str:
     line = line.removeprefix("kerfwise: ").removeprefix("nest.json: ")
     detail = next((text[4:] for text in said.splitlines() if text.startswith("  - ")), "")
     told_class = _NUMBERS.sub("N", _IDS.sub("…", detail or line))
-    return told_class.removeprefix("… at (N, N): ").split(";")[0][:150]
+    told_class = _LISTS.sub("", told_class.removeprefix("shared-metal: ").removeprefix("… at (N, N): "))
+    return told_class.removeprefix("N ").split(";")[0][:150]

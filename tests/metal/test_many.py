@@ -36,6 +36,10 @@ def test_a_refusal_is_counted_by_its_reason() -> None:
     [
         ("kerfwise: nest.json: P1.outer and P22.hole3 are 0.5 mm apart\n  - more", "more"),
         ("kerfwise: nest.json:7: there is no rule 'P7' in a.yaml", "N: there is no rule '…' in a.yaml"),
+        (
+            "kerfwise: refused\n  - 5 holes (A.hole1, A.hole2, A.hole3 and 2 more): `x: 1 mm` frees them",
+            "holes: `x: N mm` frees them",
+        ),
         ("holds hard pierce x\nbroken     hard no-gouging   y\nbroken hard pierce z", "no-gouging, pierce"),
         ("", "nothing said"),
     ],
