@@ -26,10 +26,11 @@ def command(plan: str, contour: str, everything: bool, as_data: bool, **given: A
     from ..postproc.ask import facts_of
     from ..postproc.heat_prices import with_heat_prices
     from ..rules.state import state_rules
+    from .kept import again_first
 
     asked = read_given(**given)
     made = read_plan(plan)
-    asked = replace(asked, profile=asked.profile.at_origin(made.origin))
+    asked = replace(asked, profile=again_first(asked.profile.at_origin(made.origin), made.already))
     facts = facts_of(asked.nest, asked.profile, made.already)
     state = state_relaxed if any(dropped.relaxed for dropped in made.dropped) else state_rules
     stated = state(facts, asked.profile, reads_files=True)

@@ -64,6 +64,10 @@ def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour:
     left = next((left for left in plan.left_out if left.contour == contour), None)
     if contour not in index and left is not None:
         raise InputError(f"{contour} is not in the plan: {left.why}")
+    if contour in (made := [cut.contour for cut in facts.already_cut]):
+        raise InputError(
+            f"{contour} was cut before the stop, as cut {made.index(contour) + 1}: the old plan explains it"
+        )
     if contour not in index:
         raise InputError(unknown("contour", contour, index))
     setting = make_setting(facts, profile, stated, plan)
@@ -72,8 +76,8 @@ def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour:
     k = order.index(number)
     return Explanation(
         contour,
-        k + 1,
-        len(order),
+        k + 1 + setting.made,
+        len(order) + setting.made,
         int(facts.zone[number]),
         setting.name(order[k - 1]) if k else "",
         setting.name(order[k + 1]) if k + 1 < len(order) else "",
@@ -90,5 +94,5 @@ def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour:
         plan.cuts[k].waits_because,
         None if budget_kj is None else float(facts.zone_heat_kj[facts.zone[number] - 1]),
         budget_kj,
-        not_cut_because(facts.nest, profile.hole_limits()).get(contour, ""),
+        not_cut_because(facts.whole_nest, profile.hole_limits()).get(contour, ""),
     )

@@ -26,8 +26,8 @@ def holds(setting: Setting, contour: int, earlier: bool) -> tuple[Hold, ...]:
     found = []
     for k in np.flatnonzero(setting.pairs[:, mine] == contour).tolist():
         rival = int(setting.pairs[k, other])
-        found.append(Hold(setting.name(rival), place[rival], setting.orders[k].about))
-    return tuple(sorted(found, key=lambda hold: abs(hold.place - place[contour])))
+        found.append(Hold(setting.name(rival), place[rival] + setting.made, setting.orders[k].about))
+    return tuple(sorted(found, key=lambda hold: abs(hold.place - setting.made - place[contour])))
 
 
 def chain(setting: Setting, contour: int, earlier: bool) -> tuple[Hold, ...]:
@@ -44,7 +44,7 @@ def chain(setting: Setting, contour: int, earlier: bool) -> tuple[Hold, ...]:
 
 def _lies_so(setting: Setting, contour: int, hold: Hold, earlier: bool) -> bool:
     """Whether the plan keeps the order, as an old plan need not."""
-    return (hold.place < setting.order.index(contour) + 1) == earlier
+    return (hold.place - setting.made < setting.order.index(contour) + 1) == earlier
 
 
 def others(setting: Setting, contour: int) -> tuple[About, ...]:

@@ -69,4 +69,4 @@ def _farthest(setting: Setting, contour: int) -> Iterator[Move]:
 def _tried(setting: Setting, label: str, moved: Sequence[int], order: Sequence[int], place: int) -> Move:
     tried = try_order(setting, order)
     more = None if tried.cost is None else tried.cost - setting.cost
-    return Move(label, tuple(setting.name(c) for c in moved), place, tried.breaks, more)
+    return Move(label, tuple(setting.name(c) for c in moved), place + setting.made, tried.breaks, more)

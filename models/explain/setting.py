@@ -47,6 +47,11 @@ class Setting:
     notes: tuple[str, ...] = field(default=())
 
     @property
+    def made(self) -> int:
+        """How many cuts a stopped program had made before the first of the order."""
+        return len(self.facts.already_cut)
+
+    @property
     def order(self) -> tuple[int, ...]:
         """Contour numbers in cutting order."""
         return tuple(self.problem.site_contour[list(self.route)].tolist())

@@ -77,12 +77,14 @@ def _pierce(case: Case, options: PierceOptions) -> Fields:
 
 def _locks(case: Case, options: LocksOptions) -> Fields:
     number = {name: k + 1 for name, k in case.facts.nest.index.items()}
+    made = len(case.facts.already_cut)
     ends = {"first": 1, "last": case.facts.n}
-    orders = [(number[lock.contour], number[lock.before]) for lock in options.locks if lock.contour and lock.before]
+    locks = [lock for lock in options.locks if lock.contour in number]
+    orders = [(number[lock.contour], number[lock.before]) for lock in locks if lock.contour and lock.before in number]
     places = [
-        (number[lock.contour], lock.position if isinstance(lock.position, int) else ends[lock.position])
-        for lock in options.locks
-        if lock.contour and lock.position
+        (number[lock.contour], ends[place] if isinstance(place, str) else place - made)
+        for lock in locks
+        if lock.contour and (place := lock.place_among(case.facts.n + made))
     ]
     out = {s.candidate + 1 for s in case.stated.statements if isinstance(s, Forbid) and s.about.rule == "locks"}
     return [
@@ -136,10 +138,10 @@ def _shared_metal(case: Case, options: SharedMetalOptions) -> Fields:
 def _no_tip_travel(case: Case, options: NoOptions) -> Fields:
     over = tip_moves(case.facts, case.home_mm)
     last = len(case.facts.candidates)
-    moves = flags(leads for table in over.values() for leads in table.ravel().tolist())
+    moves = flags(leads for _, table in over for leads in table.ravel().tolist())
     return [
         ("n_tip_parts", str(len(over))),
-        ("tip_outer", numbers(outer + 1 for outer in over)),
+        ("tip_outer", numbers(0 if outer is None else outer + 1 for outer, _ in over)),
         ("tip_over", f"array3d(1..{len(over)}, 0..{last}, 0..{last}, {moves})"),
     ]
 

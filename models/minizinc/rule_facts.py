@@ -92,20 +92,25 @@ def same_waste(facts: Facts, kerf_mm: float) -> list[tuple[int, int, int]]:
     return found + [(number[note.contours[1]], number[note.contours[1]], 0) for note in facts.nest.notes if note.common]
 
 
-def tip_moves(facts: Facts, home_mm: Point) -> dict[int, Bools]:
-    """Outer contour → which moves lead over its part: from each stop (row) to each, home being number 0 of the stops.
+def tip_moves(facts: Facts, home_mm: Point) -> list[tuple[int | None, Bools]]:
+    """Outer contours, and which moves lead over the part of each: from each stop (row) to each, home being number 0.
 
-    Parts that no move leads over are left out. From home nothing is out yet.
+    Parts that no move leads over are left out. A contour of None is out from the start; no other is when the torch
+    leaves home.
     """
-    over = {facts.nest.index[part.outer.id]: part.outer.polygon for part in facts.nest.parts}
-    areas = shapely.STRtree(shapely.buffer(list(over.values()), -GRAZE_UM / UM_PER_MM))
+    left = facts.nest.index
+    over = [(left.get(part.outer.id), part.outer.polygon) for part in facts.whole_nest.parts]
+    gone = np.array([outer is None for outer, _ in over], dtype=np.bool_)
+    areas = shapely.STRtree(shapely.buffer([area for _, area in over], -GRAZE_UM / UM_PER_MM))
     pierces = rounded_mm([home_mm, *(c.pierce for c in facts.candidates)], home_mm)
     leads = np.zeros((len(over), len(pierces), len(pierces)), dtype=np.bool_)
-    for stop, end in enumerate(rounded_mm([c.end for c in facts.candidates], home_mm), 1):
+    for stop, end in enumerate(rounded_mm([home_mm, *(c.end for c in facts.candidates)], home_mm)):
         moves = shapely.linestrings(np.stack([np.broadcast_to(end, pierces.shape), pierces], axis=1))
         reached, part = areas.query(moves, "intersects")
         leads[part, stop, reached] = True
-    return {outer: leads[k] for k, outer in enumerate(over) if leads[k].any()}
+    leads[~gone, 0] = False
+    leads[:, 0, 0] = False
+    return [(outer, leads[k]) for k, (outer, _) in enumerate(over) if leads[k].any()]
 
 
 def rounded_mm(points_mm: list[Point], home_mm: Point) -> Floats:
