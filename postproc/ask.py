@@ -44,7 +44,8 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) ->
     try:
         candidates = build_candidates(nest, profile.lead_options(nest), already, loose)
     except InputError as error:
-        if alone := hopeless_anyway(_left(compute_facts(nest, profile.fact_options(nest), ()), already), profile):
+        unheated = replace(profile.fact_options(nest), zone_heat_kj=None)  # without candidates no heat is known
+        if alone := hopeless_anyway(_left(compute_facts(nest, unheated, ()), already), profile):
             besides = (f"besides, {error.message}, and --relax does not help there:", *error.details[:MOST_DETAILS])
             raise RulesConflict(HOPELESS, (*(f"{about.rule}: {about.sentence}" for about in alone), *besides)) from None
         raise

@@ -103,7 +103,7 @@ class Remedies:
         """Whether a remedy leaves no contour of the nest at fault."""
         # With other lengths and kerfs every lead is another: then all contours are looked at.
         every = remedy.key in ("lead_in_min_mm", "kerf_mm")
-        contours = range(len(self._nest.contours)) if every else self._reasons
+        contours = sorted({*self._tried.outlines, *self._reasons}) if every else list(self._reasons)
         return len(self.freed(remedy, contours)) == len(contours)
 
     def _is_treated(self, k: int, limits: HoleLimits) -> bool:
