@@ -8,16 +8,22 @@ import click
 
 from ..encoder.errors import RulesConflict
 from ..encoder.facts.facts import Facts
+from ..models.solution import SolveOptions
 from ..rules.profile import Profile
 from ..rules.state import unread_files
 
 
-def tell_conflict(facts: Facts, profile: Profile, error: RulesConflict, picture: str | Path) -> int:
-    """Say why there is no plan, and draw the contours in conflict if they are known; the exit code is 1."""
-    from ..models.conflict import find_conflict
+def tell_conflict(
+    facts: Facts, profile: Profile, error: RulesConflict, picture: str | Path, limits: SolveOptions
+) -> int:
+    """Say why there is no plan, and draw the contours in conflict if they are known; the exit code is 1.
+
+    The look for what contradicts what takes no longer than the limits of the plan once more.
+    """
+    from ..models.conflict import Purse, find_conflict
     from ..postproc.report import plot_spot
 
-    conflict = find_conflict(facts, profile)
+    conflict = find_conflict(facts, profile, Purse.of(limits))
     if conflict is None:
         click.echo(f"kerfwise: {error}", err=True)
         for note in unread_files(profile):

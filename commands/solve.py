@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,8 @@ from .given import given_options, note_placing, read_given
 from .numbers import AMOUNT_OVER_ZERO, Amount
 
 SAID_S = 5.0
+LEAST_SHARE = 0.2
+"""Share of a limit in seconds that is left for the plan where --relax has used all of it."""
 
 
 @click.command()
@@ -98,11 +101,15 @@ def command(
     if (time_limit or no_improvement) and engine != "minizinc":
         _load_kernels()
     try:
-        asked = ask(facts, profile, relax, engine)
+        began_s = time.monotonic()
+        asked = ask(facts, profile, relax, engine, limits)
+        if relax and time_limit:  # what was looked at is inside the limit; a plan gets its share all the same
+            spent_s = time.monotonic() - began_s
+            limits = replace(limits, time_s=max(time_limit - spent_s, LEAST_SHARE * time_limit))
         with listening() as ear:
             made = produce(asked, profile, limits, ear, engine, solver, strategy)
     except RulesConflict as error:
-        return tell_conflict(facts, profile, error, conflict_picture)
+        return tell_conflict(facts, profile, error, conflict_picture, limits)
     if verbose:
         click.echo("\n".join(made.notes))
     click.echo(summary(made.plan, made.verdict))

@@ -12,6 +12,7 @@ from ..encoder.facts.facts import Facts
 from ..encoder.facts.remaining import loose_in, remaining
 from ..encoder.nest import Nest
 from ..models.engines import Engine
+from ..models.solution import SolveOptions
 from ..rules.lock import check_locks
 from ..rules.profile import Profile
 from ..rules.state import HOPELESS, DroppedStatement, Stated, hopeless_anyway, loose_orders, state_rules
@@ -57,8 +58,16 @@ def _left(facts: Facts, already: AlreadyCut) -> Facts:
     return remaining(facts, already) if already else facts
 
 
-def ask(facts: Facts, profile: Profile, relax: bool = False, engine: Engine = "cp-sat") -> Asked:
+def ask(
+    facts: Facts,
+    profile: Profile,
+    relax: bool = False,
+    engine: Engine = "cp-sat",
+    limits: SolveOptions | None = None,
+) -> Asked:
     """What the rules state of the facts; `relax` lets the cheapest statements give way where they clash.
+
+    The look for them ends within `limits`.
 
     Rule files of the plant's own are read by the engine minizinc only.
 
@@ -70,10 +79,11 @@ def ask(facts: Facts, profile: Profile, relax: bool = False, engine: Engine = "c
     """
     loose = loose_orders(facts)
     if relax:
-        from ..models.conflict import state_relaxed
+        from ..models.conflict import Purse, state_relaxed
         from ..models.plan import RELAXED
 
-        stated = state_relaxed(facts, profile, reads_files=engine == "minizinc")
+        purse = None if limits is None else Purse.of(limits)
+        stated = state_relaxed(facts, profile, reads_files=engine == "minizinc", purse=purse)
         left_out = (DroppedStatement(order, f"{RELAXED}{order.about.sentence}") for order in loose)
         return Asked(facts, replace(stated, dropped=(*stated.dropped, *left_out)))
     if loose:

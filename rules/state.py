@@ -214,11 +214,25 @@ def resolve(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int
         against = path(distinct, kept, distinct[k][1], distinct[k][0]) or []
         why = "cycle: " + ", ".join(_spoken(_firmest(asking[distinct[m]], gives_way)) for m in against)
         dropped += [DroppedStatement(order, why) for order in asking[distinct[k]]]
+    late = _out_of_place(_without(statements, dropped), n, gives_way)
+    if late:  # what is out of place may have been all that an order on a cycle was dropped for
+        for d in sorted(dropped, key=lambda d: gives_way.get(d.rule, 0)):
+            others = [e for e in dropped if e is not d]
+            left = _without(statements, [*others, *late])
+            if not _closes_cycle(left, n) and not _out_of_place(left, n, gives_way):
+                dropped = others
+    return Stated(tuple(_without(statements, [*dropped, *late])), (*dropped, *late))
+
+
+def _without(statements: Sequence[Statement], dropped: Sequence[DroppedStatement]) -> list[Statement]:
     gone = {id(d.statement) for d in dropped}
-    left = [s for s in statements if id(s) not in gone]
-    late = _out_of_place(left, n, gives_way)
-    gone = {id(d.statement) for d in late}
-    return Stated(tuple(s for s in left if id(s) not in gone), (*dropped, *late))
+    return [s for s in statements if id(s) not in gone]
+
+
+def _closes_cycle(statements: Sequence[Statement], n: int) -> bool:
+    orders = [(s.before, s.after) for s in statements if isinstance(s, Precede) and s.weight is None]
+    runs = [s.contours for s in statements if isinstance(s, Contiguous) and s.weight is None]
+    return bool(components(contracted(n, orders, runs)))
 
 
 def _out_of_place(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int]) -> list[DroppedStatement]:

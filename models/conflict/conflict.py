@@ -22,13 +22,16 @@ from ...rules.state import (
 from ...rules.statements import About, Forbid, Precede, Statement
 from ..plan import RELAXED
 from ..timing.choose import feeds_of
+from .cheapest import cheapest
 from .core import Core, find_core
 from .group import Group, hard_groups, moves_or_seconds, on_order
-from .order_model import NotAnswered
+from .purse import NotAnswered, Purse
 from .relax import find_relaxation, may_give_way, soften
 from .whole import Engines, find_whole_core
 
 MOST = 20
+CORE = 0.6
+"""Share of what may be spent that goes into what contradicts what; the rest goes into the way out of it."""
 NO_HELP = "no rule that may give way helps: change the locks or the nest"
 
 
@@ -63,7 +66,7 @@ class Conflict:
             yield "these hard rules cannot all hold; " + (
                 "without any one of them the others can:"
                 if self.minimal
-                else "not all of them could be tried within the limit, so that some may have no part in it:"
+                else "a smallest set was not proven within the limit, so that some may have no part in it:"
             )
             yield from _listed(self.clash)
         yield from (f"  note: {note}" for note in self.notes)
@@ -80,19 +83,20 @@ class Conflict:
             yield f"  relax {rule}: {count} about {_few(names)}"
 
 
-def find_conflict(facts: Facts, profile: Profile) -> Conflict | None:
+def find_conflict(facts: Facts, profile: Profile, purse: Purse | None = None) -> Conflict | None:
     """Why no plan of this nest can hold every hard rule of the profile; None if no contradiction is shown.
 
     Looked for among statements on order and entries first; where these can hold, among all, what moves cross and
-    seconds included, by the engines.
+    seconds included, by the engines. No more is spent than the purse holds: what is told then is what was shown so far.
     """
+    purse = purse or Purse()
     statements, _ = every_statement(facts, profile)
-    finder = _Finder(facts, profile)
+    finder = _Finder(facts, profile, purse)
     if alone := hopeless(statements):
         stuck, relax = _way_out_or_why_none(facts, profile, statements, finder)
         return Conflict(alone, True, relax, stuck, tuple(unread_files(profile)), alone=True)
     try:
-        core = finder.core(hard_groups(_asked(facts, profile, statements)))
+        core = finder.core(hard_groups(_asked(facts, profile, statements)), purse.part(CORE))
     except NotAnswered:
         return None
     if core is None:
@@ -104,7 +108,7 @@ def find_conflict(facts: Facts, profile: Profile) -> Conflict | None:
     return Conflict(clash, core.minimal, relax, stuck, notes)
 
 
-def state_relaxed(facts: Facts, profile: Profile, *, reads_files: bool = False) -> Stated:
+def state_relaxed(facts: Facts, profile: Profile, *, reads_files: bool = False, purse: Purse | None = None) -> Stated:
     """As `rules.state.state_rules`, but where hard rules contradict each other the cheapest way out is taken.
 
     What gives way costs more than any plan travels and is among `dropped`, each with a reason that begins with
@@ -119,7 +123,7 @@ def state_relaxed(facts: Facts, profile: Profile, *, reads_files: bool = False) 
     """
     refuse_unknown(profile, reads_files)
     statements, exempt = every_statement(facts, profile)
-    out = _way_out(facts, profile, statements, _Finder(facts, profile, trusting=True))
+    out = _way_out(facts, profile, statements, _Finder(facts, profile, purse or Purse(), trusting=True))
     relaxed = set(out)
     never_met = set(hopeless(statements))
     left = [s for s in soften(statements, relaxed) if s.about not in never_met]  # they would only add to every cost
@@ -130,18 +134,29 @@ def state_relaxed(facts: Facts, profile: Profile, *, reads_files: bool = False) 
 
 
 class _Finder:
-    """Finds contradictions, with so much work of the engines in all.
+    """Finds contradictions, with so much work of the engines in all, and no more than the purse holds.
 
     With `trusting`, what the engines show nothing of counts as none: whoever solves will see.
     """
 
-    def __init__(self, facts: Facts, profile: Profile, trusting: bool = False) -> None:
-        self.facts, self.gives_way, self.trusting = facts, _gives_way(profile), trusting
-        self.engines = Engines(facts, profile.home_on(facts.nest), feeds_of(profile))
+    def __init__(self, facts: Facts, profile: Profile, purse: Purse, trusting: bool = False) -> None:
+        self.facts, self.gives_way, self.trusting, self.purse = facts, _gives_way(profile), trusting, purse
+        self.engines = Engines(facts, profile.home_on(facts.nest), feeds_of(profile), purse=purse)
 
-    def core(self, groups: Sequence[Group]) -> Core | None:
-        """A contradiction, on order and entries alone where there is one; raises NotAnswered."""
-        found = find_core(self.facts, on_order(groups), self.gives_way)
+    def core(self, groups: Sequence[Group], part: Purse | None = None) -> Core | None:
+        """A contradiction, on order and entries alone where there is one, within a part of the purse.
+
+        Raises
+        ------
+        NotAnswered
+            If it was not shown whether there is one.
+        """
+        left = part.left if part else 0.0
+        try:
+            found = find_core(self.facts, on_order(groups), self.gives_way, part or self.purse)
+        finally:
+            if part is not None:
+                self.purse.spend(left - part.left)
         if found is not None or not moves_or_seconds(groups):
             return found
         try:
@@ -168,16 +183,23 @@ def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement], fi
     out = list(hopeless(statements))
     if not all(may_give_way(book[about.rule]) for about in out):
         raise RulesConflict(NO_HELP)
+    clashes: list[frozenset[About]] = []
+    more = 0
     while True:
         left = soften(statements, out)
         try:
-            found = find_relaxation(hard_groups(_asked(facts, profile, left)), book, finder.core)
+            groups = hard_groups(_asked(facts, profile, left))
+            found = find_relaxation(groups, book, finder.core, finder.purse)
         except NotAnswered:
             raise RulesConflict("no way out was found within the limit (none is proven impossible)") from None
         if found is None:
             raise RulesConflict(NO_HELP)
         if not found.groups:
-            return tuple(out)
+            first = out[: len(out) - more]
+            left = soften(statements, first)
+            return (*first, *cheapest(finder.engines, left, out[len(first) :], clashes, _gives_way(profile)))
+        more += len(found.groups)
+        clashes += found.clashes
         out += [group.about for group in found.groups]
 
 

@@ -8,7 +8,8 @@ from functools import partial
 
 from ...encoder.facts.facts import Facts
 from .group import Group
-from .order_model import NotAnswered, clash, clash_at_once
+from .order_model import clash, clash_at_once
+from .purse import NotAnswered, Purse
 
 Clash = Callable[[Sequence[Group]], list[int] | None]
 """Numbers of groups that cannot all hold, None if all can; raises NotAnswered where neither is shown."""
@@ -22,7 +23,9 @@ class Core:
     minimal: bool
 
 
-def find_core(facts: Facts, groups: Sequence[Group], gives_way: Mapping[str, int]) -> Core | None:
+def find_core(
+    facts: Facts, groups: Sequence[Group], gives_way: Mapping[str, int], purse: Purse | None = None
+) -> Core | None:
     """A minimal contradiction among the groups; None if there is none.
 
     Whole rules are left out first, then halves, quarters, …, and at last single groups, those of rules that give way
@@ -34,13 +37,20 @@ def find_core(facts: Facts, groups: Sequence[Group], gives_way: Mapping[str, int
     NotAnswered
         If it was not shown whether all can hold.
     """
+    purse = purse or Purse()
     ranked = sorted(groups, key=lambda group: -gives_way.get(group.about.rule, 0))
-    if clash_at_once(facts, ranked) is not None:
-        ranked, _ = shrink(without_rules(ranked, gives_way, at_once := partial(clash_at_once, facts)), at_once)
-    left = clash(facts, ranked)
+    if shown := clash_at_once(facts, ranked, purse) is not None:
+        at_once = partial(clash_at_once, facts, purse=purse)
+        ranked, _ = shrink(without_rules(ranked, gives_way, at_once), at_once)
+    try:
+        left = clash(facts, ranked, purse)
+    except NotAnswered:
+        if not shown:
+            raise
+        return in_order(groups, ranked, minimal=False)
     if left is None:
         return None
-    core, minimal = shrink([ranked[k] for k in left], partial(clash, facts))
+    core, minimal = shrink([ranked[k] for k in left], partial(clash, facts, purse=purse))
     return in_order(groups, core, minimal)
 
 

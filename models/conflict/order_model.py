@@ -10,11 +10,12 @@ from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from ortools.sat.python.cp_model import FEASIBLE, INFEASIBLE, OPTIMAL, CpModel, CpSolver, IntVar, LiteralT
+from ortools.sat.python.cp_model import FEASIBLE, INFEASIBLE, OPTIMAL, CpModel, IntVar, LiteralT
 
 from ...encoder.facts.facts import Facts
 from ...rules.statements import AtLeast, Before, Contiguous, Forbid, Lag, NoGood, Precede
 from .group import Asked, Group, contours_of
+from .purse import WORK_A_STATEMENT, NotAnswered, Purse
 
 WORK = 20.0
 """CP-SAT's deterministic seconds for one question; past them it counts as not answered."""
@@ -129,24 +130,21 @@ def _ask(built: OrderModel, statement: Asked, holds: IntVar) -> None:
             model.add_bool_or(*(built.before(b, a) for a in sorted(out) for b in sorted(left)), holds.negated())
 
 
-class NotAnswered(Exception):
-    """The question was too hard for the work allowed."""
-
-
-def clash(facts: Facts, groups: Sequence[Group]) -> list[int] | None:
+def clash(facts: Facts, groups: Sequence[Group], purse: Purse) -> list[int] | None:
     """Numbers of groups that cannot all hold, not yet the fewest; None if all can.
 
     Raises
     ------
     NotAnswered
-        If neither was shown within `WORK`.
+        If neither was shown within `WORK`, or nothing is left in the purse.
     """
     if not groups:
         return None
-    built = build(facts, groups)
+    built = _built(facts, groups, purse)
     built.model.add_assumptions(built.holds)
-    solver = quiet_solver()
+    solver = purse.solver(WORK)
     status = solver.solve(built.model)
+    purse.spend(solver.response_proto.deterministic_time)
     if status in (OPTIMAL, FEASIBLE):
         return None
     if status != INFEASIBLE:
@@ -155,23 +153,25 @@ def clash(facts: Facts, groups: Sequence[Group]) -> list[int] | None:
     return [k for k, holds in enumerate(built.holds) if holds.index in named]
 
 
-def clash_at_once(facts: Facts, groups: Sequence[Group]) -> list[int] | None:
+def clash_at_once(facts: Facts, groups: Sequence[Group], purse: Purse) -> list[int] | None:
     """All the groups by number if it takes next to nothing to see that they cannot all hold; else None.
 
     With every group fixed, presolve sees most contradictions, which is much faster than asking which groups they need.
     """
     if not groups:
         return None
-    built = build(facts, groups)
+    built = _built(facts, groups, purse)
     for holds in built.holds:
         built.model.add(holds == 1)
-    return list(range(len(groups))) if quiet_solver(QUICK).solve(built.model) == INFEASIBLE else None
+    solver = purse.solver(QUICK)
+    status = solver.solve(built.model)
+    purse.spend(solver.response_proto.deterministic_time)
+    return list(range(len(groups))) if status == INFEASIBLE else None
 
 
-def quiet_solver(work: float = WORK) -> CpSolver:
-    """One thread, a fixed seed and a limit in deterministic time, so that the same question has the same answer."""
-    solver = CpSolver()
-    solver.parameters.num_workers = 1
-    solver.parameters.random_seed = 1
-    solver.parameters.max_deterministic_time = work
-    return solver
+def _built(facts: Facts, groups: Sequence[Group], purse: Purse) -> OrderModel:
+    """The model, as long as anything is left to ask it with."""
+    if purse.left <= 0:
+        raise NotAnswered
+    purse.spend(WORK_A_STATEMENT * sum(len(group.statements) for group in groups))
+    return build(facts, groups)

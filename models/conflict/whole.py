@@ -18,7 +18,7 @@ from ..timing.constant import Feeds
 from ..watch import Watch
 from .core import Core, in_order, shrink, without_rules
 from .group import Group
-from .order_model import NotAnswered
+from .purse import NotAnswered, Purse
 
 QUESTION = 3.0
 """Work, as `SolveOptions` counts it, for one question; past it the question counts as not answered."""
@@ -27,10 +27,13 @@ ALL_QUESTIONS = 45.0
 
 
 class Engines:
-    """What the engines answer, as long as their work lasts."""
+    """What the engines answer, as long as their work and the purse last."""
 
-    def __init__(self, facts: Facts, home_mm: Point, feeds: Feeds, work: float = ALL_QUESTIONS) -> None:
+    def __init__(
+        self, facts: Facts, home_mm: Point, feeds: Feeds, work: float = ALL_QUESTIONS, purse: Purse | None = None
+    ) -> None:
         self.facts, self.home_mm, self.feeds, self.left = facts, home_mm, feeds, work
+        self.purse = purse or Purse()
 
     def clash(self, groups: Sequence[Group]) -> list[int] | None:
         """All the groups by number if they cannot all hold, None if they can.
@@ -40,16 +43,17 @@ class Engines:
         NotAnswered
             If neither was shown, or all work is done.
         """
-        if self.left <= 0:
+        if self.left <= 0 or self.purse.left <= 0:
             raise NotAnswered
         statements = tuple(s for group in groups for s in group.statements)
         try:
             problem = simplify(make_problem(self.facts, statements, self.home_mm, self.feeds))
         except RulesConflict:
             return list(range(len(groups)))
-        options = SolveOptions(work=QUESTION)
+        options = SolveOptions(work=QUESTION, time_s=min(QUESTION, self.purse.left) if self.purse.timed else None)
         known = run_portfolio(problem, options, Watch(options, lambda engine, cost_um, bound_um: cost_um is None))
         self.left -= known.work
+        self.purse.spend(known.work)
         if known.incumbent is not None:
             return None
         if not known.infeasible:

@@ -12,6 +12,7 @@ import kerfwise as package
 from kerfwise.commands.conflict import tell_conflict
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.readers import read_nest
+from kerfwise.models.solution import SolveOptions
 from kerfwise.postproc.ask import facts_of
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile import load_profile
@@ -69,14 +70,14 @@ def test_explain_of_an_unknown_contour(plan: Path) -> None:
 def test_a_conflict_is_told_and_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     profile = plant(Lock(contour="P2.outer", before="P1.outer"), Lock(contour="P1.outer", position=1))
     picture = tmp_path / "plate.conflict.svg"
-    assert tell_conflict(facts_of(PLATE, profile), profile, RulesConflict("no plan"), picture) == 1
+    assert tell_conflict(facts_of(PLATE, profile), profile, RulesConflict("no plan"), picture, SolveOptions()) == 1
     said = capsys.readouterr().err.splitlines()
     assert said == [
         "kerfwise: these hard rules cannot all hold; without any one of them the others can:",
         "  - locks: P2.outer is cut before P1.outer: locked by the operator",
-        "  - locks: P1.outer is cut 1 in order: locked by the operator",
+        "  - locks: P1.outer is cut before P2.outer: P1.outer is first, locked by the operator",
         "the cheapest way out:",
-        "  relax locks: 1 statement about P1.outer",
+        "  relax locks: 1 statement about P1.outer, P2.outer",
         "--relax takes this way out, and says so in the plan and in the program",
         f"the contours in conflict: {picture}",
     ]
@@ -86,7 +87,9 @@ def test_a_conflict_is_told_and_drawn(tmp_path: Path, capsys: pytest.CaptureFixt
 def test_without_a_contradiction_the_error_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     profile = plant()
     picture = tmp_path / "none.svg"
-    assert tell_conflict(facts_of(PLATE, profile), profile, RulesConflict("none was found"), picture) == 1
+    assert (
+        tell_conflict(facts_of(PLATE, profile), profile, RulesConflict("none was found"), picture, SolveOptions()) == 1
+    )
     assert capsys.readouterr().err == "kerfwise: none was found\n"
     assert not picture.exists()
 

@@ -10,7 +10,7 @@ import pytest
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.conflict import Conflict, find_conflict, state_relaxed
 from kerfwise.models.conflict.group import Group, hard_groups
-from kerfwise.models.conflict.order_model import NotAnswered
+from kerfwise.models.conflict.purse import NotAnswered
 from kerfwise.models.conflict.whole import Engines, find_whole_core
 from kerfwise.models.problem import make_problem
 from kerfwise.models.solution import SolveOptions
@@ -152,4 +152,4 @@ def test_without_work_nothing_is_claimed(profile_of) -> None:
     assert core is not None
     assert not core.minimal
     told = Conflict(tuple(group.about for group in core.groups), core.minimal, None, "stuck")
-    assert "not all of them could be tried within the limit" in next(iter(told.lines()))
+    assert "a smallest set was not proven within the limit" in next(iter(told.lines()))
