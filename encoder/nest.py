@@ -92,8 +92,8 @@ class Sheet:
 class Note:
     """Something the reader wants said aloud: a warning, or what `--repair` mended.
 
-    `common` says that the nest gives one line to two parts; `contours` are then the id that was dropped and the one
-    that the line is cut as.
+    `common` says that the nest gives one line to two parts; `contours` are then what was dropped (an id, or words for a
+    ring of a drawing) and the id that the line is cut as.
     """
 
     severity: Severity

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -12,6 +13,9 @@ from ..validate import coincident
 from ..validate.metal import metal_of
 from .depth import surrounding
 from .drawing import Piece
+
+HOLES = re.compile(r"hole|inner|inside|innen|loch|bohr|cut-?outs?$|отверст", re.IGNORECASE)
+"""Layers that say that what is drawn on them is the inside of a part."""
 
 
 def assemble(rings: Sequence[Piece], marks: Sequence[Piece] = ()) -> tuple[tuple[Part, ...], list[Note]]:
@@ -38,16 +42,17 @@ def assemble(rings: Sequence[Piece], marks: Sequence[Piece] = ()) -> tuple[tuple
         names |= {kept[h]: f"{part}.hole{k}" for k, h in enumerate(holes[n], 1)}
         inner = tuple(Contour(names[kept[h]], part, "hole", rings[kept[h]].curve) for h in holes[n])
         parts.append(Part(part, Contour(names[kept[n]], part, "outer", rings[kept[n]].curve), inner))
-    notes = [
-        Note(
-            "warning",
-            f"the ring {rings[k].place} is the same line as {names[first]}; it is cut once, as {names[first]}",
-            (names[first],),
-        )
-        for k, first in sorted(repeats.items())
-    ]
+    notes = [_repeat(rings[k], rings[first], names[first]) for k, first in sorted(repeats.items())]
     marked, lost = with_marks(parts, marks)
     return marked, notes + lost
+
+
+def _repeat(again: Piece, first: Piece, name: str) -> Note:
+    """A note on a ring drawn twice; drawn once as a hole, by its layer, and once not, it is given to two parts."""
+    text = f"the ring {again.place} is the same line as {name}; it is cut once, as {name}"
+    if bool(HOLES.search(again.layer)) == bool(HOLES.search(first.layer)):
+        return Note("warning", text, (name,))
+    return Note("warning", text, (f"the ring on layer '{again.layer}'", name), common=True)
 
 
 def with_marks(parts: Sequence[Part], marks: Sequence[Piece]) -> tuple[tuple[Part, ...], list[Note]]:

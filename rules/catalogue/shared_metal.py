@@ -41,10 +41,10 @@ class SharedMetal(Rule[SharedMetalOptions]):
     or a hole and a part that lies in it) and are nearer to each other than the kerf burn each other's metal: each kerf
     reaches as deep into the other part as the gap falls short of the kerf. More than 0.05 mm (a quarter of a kerf under
     0.2 mm) is refused, since no order and no entry helps: `solve` names every such pair with place, gap and depth. A
-    line that the nest gives to contours of two parts is such a pair as well. `--relax` lets these pairs go, and marks
-    them in the plan, the program and the check. A web between a hole and the outer contour of the same part may be as
-    thin as it likes: both kerfs lie in waste. Marks burn nothing through. Where the rule is off, as in wood, contours
-    may touch; the check then only warns.
+    line that the nest gives to two parts (or a drawing to a layer of holes and to another) is such a pair as well.
+    `--relax` lets these pairs go, and marks them in the plan, the program and the check. A web between a hole and the
+    outer contour of the same part may be as thin as it likes: both kerfs lie in waste. Marks burn nothing through.
+    Where the rule is off, as in wood, contours may touch; the check then only warns.
 
     ## Why
 
@@ -77,7 +77,7 @@ class SharedMetal(Rule[SharedMetalOptions]):
             sentence = _said(a, b, gap_mm, place, options.kerf_mm)
             yield AtLeast((), (), 1, self.about((a, b), sentence))
         for dropped, kept in one_line(facts.nest, options.kerf_mm):
-            yield AtLeast((), (), 1, self.about((kept,), _said_of_one(dropped, kept, options.kerf_mm)))
+            yield AtLeast((), (), 1, self.about((kept,), _said_of_one(facts.nest, dropped, kept, options.kerf_mm)))
 
     def violations(self, nest: Nest, cuts: CutSequence, options: SharedMetalOptions) -> list[Violation]:
         at, found = cuts.positions(), []
@@ -88,7 +88,7 @@ class SharedMetal(Rule[SharedMetalOptions]):
             found.append(Violation(self.id, burnt.contours, text, places))
         for dropped, kept in one_line(nest, options.kerf_mm):
             if kept in at:
-                text = _said_of_one(dropped, kept, options.kerf_mm)
+                text = _said_of_one(nest, dropped, kept, options.kerf_mm)
                 found.append(Violation(self.id, (kept,), text, (at[kept],)))
         return found
 
@@ -134,10 +134,11 @@ def one_line(nest: Nest, kerf_mm: float) -> list[tuple[str, str]]:
     return [(note.contours[0], note.contours[1]) for note in nest.notes if note.common]
 
 
-def _said_of_one(dropped: str, kept: str, kerf_mm: float) -> str:
+def _said_of_one(nest: Nest, dropped: str, kept: str, kerf_mm: float) -> str:
+    x, y = nest.contour(kept).curve.vertices[0, :2].tolist()
     return (
-        f"{kept} and {dropped} are one line, given to two parts: on either side of it the kerf of {kerf_mm:g} mm is "
-        f"metal of one of them; it can only be cut once, as {kept}"
+        f"{kept} and {dropped} are one line at ({x:z.1f}, {y:z.1f}), given to two parts: on either side of it the kerf "
+        f"of {kerf_mm:g} mm is metal of one of them; it can only be cut once, as {kept}"
     )
 
 

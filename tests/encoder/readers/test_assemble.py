@@ -1,3 +1,7 @@
+from dataclasses import replace
+
+import pytest
+
 from kerfwise.encoder.readers.assemble import assemble
 from kerfwise.encoder.readers.drawing import Piece
 from kerfwise.tests.encoder.readers.drawings import pieces, square, texts
@@ -26,6 +30,19 @@ def test_a_ring_drawn_again_is_dropped_and_named() -> None:
     assert texts(notes) == [
         "the ring at (20.000, 20.000) on layer '0' is the same line as P2.outer; it is cut once, as P2.outer"
     ]
+
+
+@pytest.mark.parametrize(
+    ("layers", "common"),
+    [(("HOLES", "OUTER"), True), (("OUTER", "HOLES"), True), (("inner cut", "outer cut"), True), (("0", "CUT"), False),
+     (("HOLES", "HOLES"), False)],
+)  # fmt: skip
+def test_a_ring_drawn_as_a_hole_and_as_an_outline_is_given_to_two_parts(layers: tuple[str, str], common: bool) -> None:
+    drawn = rings((0, 0, 100), (20, 20, 20), (20, 20, 20))
+    drawn[1:] = [replace(piece, layer=layer) for piece, layer in zip(drawn[1:], layers, strict=True)]
+    _, (note,) = assemble(drawn)
+    assert note.common is common
+    assert note.contours == ((f"the ring on layer '{layers[1]}'", "P1.hole1") if common else ("P1.hole1",))
 
 
 def test_a_ring_drawn_three_times_is_cut_once() -> None:

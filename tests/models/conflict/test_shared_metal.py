@@ -120,7 +120,7 @@ def test_one_line_of_two_parts_is_refused_and_let_go_likewise() -> None:
     assert conflict is not None
     (about,) = conflict.clash
     assert about.contours == ("G.outer",)
-    assert about.sentence.startswith("G.outer and H.hole2 are one line, given to two parts: ")
+    assert about.sentence.startswith("G.outer and H.hole2 are one line at (40.0, 30.0), given to two parts: ")
     stated = state_relaxed(facts, PROFILE)
     *_, plan = proven_plan(both, PROFILE, stated)
     program = write_program(plan, both, PROFILE)

@@ -84,8 +84,8 @@ CASES: tuple[Case, ...] = (
         Violation(
             "shared-metal",
             ("G.outer",),
-            "G.outer and H.hole2 are one line, given to two parts: on either side of it the kerf of 1.5 mm is metal of "
-            "one of them; it can only be cut once, as G.outer",
+            "G.outer and H.hole2 are one line at (40.0, 40.0), given to two parts: on either side of it the kerf of "
+            "1.5 mm is metal of one of them; it can only be cut once, as G.outer",
             (1,),
         ),
     ),
