@@ -97,7 +97,9 @@ def command(
     limits = SolveOptions(
         seed, work, time_limit, profile.home_on(nest), feeds_of(profile), gap, no_improvement, member_of(engine)
     )
+    began_s = time.monotonic()
     facts = facts_of(nest, profile, already)
+    _not_counted("what the nest is like was worked out", time.monotonic() - began_s, time_limit)
     if (time_limit or no_improvement) and engine != "minizinc":
         _load_kernels()
     try:
@@ -110,6 +112,7 @@ def command(
             made = produce(asked, profile, limits, ear, engine, solver, strategy)
     except RulesConflict as error:
         return tell_conflict(facts, profile, error, conflict_picture, limits)
+    _not_counted("the program was written and checked", made.judging_s, time_limit)
     if verbose:
         click.echo("\n".join(made.notes))
     click.echo(summary(made.plan, made.verdict))
@@ -126,6 +129,12 @@ def command(
     write_files(files)
     click.echo("written: " + ", ".join(map(str, files)))
     return 130 if ear.interrupted else 0
+
+
+def _not_counted(what: str, took_s: float, time_limit: float | None) -> None:
+    """Say what took long beside a limit in seconds."""
+    if time_limit and took_s > SAID_S:
+        click.echo(f"note: {what} in {took_s:.0f} s that the limit does not count", err=True)
 
 
 def _load_kernels() -> None:

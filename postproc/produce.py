@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -26,12 +27,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Produced:
-    """A plan with the rules' verdicts in it, its NC program, the whole verdict, and what the engines had to say."""
+    """A plan with the rules' verdicts in it, its NC program, the whole verdict, and what the engines had to say.
+
+    `judging_s` is how long the program and the judging of it took by the clock, which no limit counts.
+    """
 
     plan: Plan
     program: str
     verdict: CheckResult
     notes: tuple[str, ...]
+    judging_s: float = 0.0
 
 
 def produce(
@@ -89,9 +94,11 @@ def produce(
     else:
         solution = solved(1.0, asked.stated) if cool is None else cool
         plan = planned(solution)
+    began_s = time.monotonic()
     program = write_program(plan, facts.whole_nest, profile)
     verdict = judge(facts.whole_nest, plan, program, profile)
-    return Produced(replace(plan, rules=report_of(verdict)), program, verdict, solution.notes)
+    judging_s = time.monotonic() - began_s
+    return Produced(replace(plan, rules=report_of(verdict)), program, verdict, solution.notes, judging_s)
 
 
 def _solved(
