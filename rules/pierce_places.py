@@ -47,16 +47,16 @@ class PiercePlaces:
         """Pierces on a part, outside the hole that they belong to, or inside the outline that they belong to."""
         for (k, cut, contour), inside in zip(self.cuts, self.enclosing, strict=True):
             if contour.kind == "hole" and contour.id not in inside:
-                yield (k,), (contour.id,), f"{contour.id} (cut {k}) is pierced outside itself, at {_spot(cut)}"
+                yield (k,), (contour.id,), f"{contour.id} (cut {k}) is pierced outside itself, at {spot(cut)}"
             elif contour.kind == "outer" and contour.id in inside:
-                yield (k,), (contour.id,), f"{contour.id} (cut {k}) is pierced inside itself, at {_spot(cut)}"
+                yield (k,), (contour.id,), f"{contour.id} (cut {k}) is pierced inside itself, at {spot(cut)}"
             for outline in sorted(inside - {self.nest.part_of[contour.part].outer.id}):
                 owner = self.nest.part_of[self.nest.contour(outline).part]
                 if outline == owner.outer.id and not any(hole.id in inside for hole in owner.holes):
                     yield (
                         (k,),
                         (contour.id, outline),
-                        f"{contour.id} (cut {k}) is pierced on part {owner.id}, at {_spot(cut)}",
+                        f"{contour.id} (cut {k}) is pierced on part {owner.id}, at {spot(cut)}",
                     )
 
     def too_near(self, clearance_mm: float) -> Iterator[Finding]:
@@ -64,7 +64,7 @@ class PiercePlaces:
         pierced = ~shapely.disjoint(self.nest.sheet.polygon, self.points)
         on_edge = shapely.distance(self.nest.sheet.polygon.boundary, self.points) <= SLACK_MM
         rows = np.flatnonzero(pierced & ~on_edge)
-        for row, k in _pairs(self.lines.query(self.points[rows], "dwithin", distance=clearance_mm - SLACK_MM)):
+        for row, k in pairs_found(self.lines.query(self.points[rows], "dwithin", distance=clearance_mm - SLACK_MM)):
             (at, _, contour), near = self.cuts[rows[row]], self.through[k]
             gap = shapely.distance(self.points[rows[row]], near.line)
             text = f"{contour.id} (cut {at}) is pierced {gap:.2f} mm from {near.id}, less than {clearance_mm:g} mm"
@@ -90,7 +90,7 @@ class PiercePlaces:
             if curve is not None and curve.length_mm > 0
         ]
         drawn = np.array([line for *_, line in leads], dtype=object)
-        for row, j in _pairs(self.lines.query(drawn, "intersects")):
+        for row, j in pairs_found(self.lines.query(drawn, "intersects")):
             (k, contour, name, line), met = leads[row], self.through[j]
             if met is contour and not _strays(line, contour):
                 continue
@@ -106,11 +106,12 @@ def _strays(lead: shapely.LineString, contour: Contour) -> bool:
     return not shapely.covers(contour.polygon.buffer(SLACK_MM), lead)
 
 
-def _pairs(found: Any) -> list[tuple[int, int]]:
+def pairs_found(found: Any) -> list[tuple[int, int]]:
     """What a tree found, in a fixed order."""
     rows, columns = found
     return sorted(zip(rows.tolist(), columns.tolist(), strict=True))
 
 
-def _spot(cut: Cut) -> str:
+def spot(cut: Cut) -> str:
+    """Where a cut is pierced, for sentences."""
     return f"({cut.pierce[0]:.2f}, {cut.pierce[1]:.2f})"

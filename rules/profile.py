@@ -160,6 +160,7 @@ class Profile:
             lead_out=leads.lead_out,
             lead_out_mm=leads.lead_out_length_mm,
             pierce_clearance_mm=self._clearance_mm(),
+            splash_mm=self._splash_mm(),
             hole_overcut_mm=self.length_mm(leads.hole_overcut_mm),
             edge_start=leads.edge_start,
             reach=None if nest is None else self.reach_on(nest),
@@ -206,6 +207,8 @@ class Profile:
             zone_fixed=tuple((lock.part, lock.zone) for lock in self.locks if lock.part and lock.zone),
             head_share=rigidity.head_share,
             tail_share=rigidity.tail_share,
+            kerf_mm=self.material.kerf_mm,
+            splash_mm=self._splash_mm(),
         )
 
     def _zone_places(self, nest: Nest | None) -> tuple[tuple[str, int], ...]:
@@ -237,6 +240,10 @@ class Profile:
             self._options("start-side", StartSideOptions).long_ratio,
             self._options("part-rigidity", PartRigidityOptions).web_mm,
         )
+
+    def _splash_mm(self) -> float | None:
+        """What pierces keep from older kerfs; None where the rule pierce is off."""
+        return self.length_mm(self._options("pierce", PierceOptions).splash_mm) if self._is_on("pierce") else None
 
     def _is_on(self, rule: str) -> bool:
         return self.rules[rule].strength != "off"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,10 +15,12 @@ from ..nest import Nest
 from .again import again_as_it_was
 from .approaches import Approaches
 from .candidate import IN_PROFILE, Candidate, LeadOptions
-from .joints import Outline
+from .joints import Joints, Outline
+from .keep_apart import keep_apart
 from .lead_in import least_clearance_mm
 from .lead_out import lead_outs
 from .marks import mark_candidates
+from .older_kerfs import older_kerfs
 from .refusal import cannot_be_cut, refusal
 from .surroundings import Surroundings
 from .tried import try_options
@@ -32,8 +34,9 @@ def build_candidates(
     """The ways to cut each contour: entries well spread around it, each in every direction allowed.
 
     A pierce lies in waste and keeps clear of every contour and of the sheet's edges (Petunin 2009, section 2); the kerf
-    of a lead touches no contour but its own. Where the options allow it, the sheet's outline is stated and
-    the machine is known to reach there, edge starts come in from outside that edge besides and pierce nothing.
+    of a lead touches no contour but its own. Leads keep out of the way of those of other contours, as far as streets
+    have room for both, since what is burnt before is void. Where the options allow it, the sheet's outline is stated
+    and the machine is known to reach there, edge starts come in from outside that edge besides and pierce nothing.
 
     Of what is `already` cut there are none, nor of what is `loose`; the others pierce, and lead, where there is still
     metal. A cut that broke off is pierced anew beside its old kerf; where there is no room for that, as in a small
@@ -72,11 +75,21 @@ def build_candidates(
         raise refusal(nest, tried, around, options)
     to_mark = [(k, nest.contours[k]) for k in left if nest.contours[k].kind == "mark"]
     marks = [c for k, m in to_mark for c in mark_candidates(k, m, options)]
-    torch = [*within_reach(_candidates(tried.found, tried.outlines, around, options), options.reach), *again]
-    if lost := sorted(set(tried.outlines) - {c.contour for c in torch}):
+    reached = [*within_reach(_candidates(tried.found, tried.outlines, around, options), options.reach), *again]
+    if lost := sorted(set(tried.outlines) - {c.contour for c in reached}):
         details = tuple(f"{nest.contours[k].id}: no lead to it stays within the machine's travel" for k in lost)
         raise InputError(cannot_be_cut(len(lost)), file=nest.file or None, details=details)
+    torch = _apart(nest, reached, tried.locked, options)
     return tuple(sorted([*marks, *torch], key=lambda c: c.contour))
+
+
+def _apart(nest: Nest, candidates: Sequence[Candidate], locked: Joints, options: LeadOptions) -> tuple[Candidate, ...]:
+    """The candidates whose leads keep out of each other's way, and those at entries that an operator asks for."""
+    if options.splash_mm is None:
+        return tuple(candidates)
+    asked = set(zip(locked.contour.tolist(), locked.entry_mm.tolist(), strict=True))
+    fixed = {k for k, c in enumerate(candidates) if (c.contour, c.entry_mm) in asked}
+    return keep_apart(candidates, older_kerfs(nest, candidates, options.kerf_mm, options.splash_mm), fixed)
 
 
 def _check(options: LeadOptions, nest: Nest) -> None:
@@ -109,7 +122,7 @@ def _candidates(
     found: Approaches, outlines: Mapping[int, Outline], around: Surroundings, options: LeadOptions
 ) -> list[Candidate]:
     joints, leads = found.ways.joints, found.leads
-    tails, tail_mm = lead_outs(found, outlines, around, options)
+    tails, tail_mm, leaves = lead_outs(found, outlines, around, options)
     around_mm = np.array([outlines[k].path.length_mm for k in joints.contour.tolist()])
     cut_mm = (leads.length_mm + around_mm + tail_mm).tolist()
     rows = np.stack(
@@ -130,6 +143,7 @@ def _candidates(
                 end=(ex, ey),
                 cut_mm=cut_mm[i],
                 edge_start=bool(found.edge[i]),
+                leaves=bool(leaves[i]),
             )
         )
     return candidates

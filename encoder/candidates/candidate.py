@@ -25,6 +25,7 @@ IN_PROFILE = {
     "pierce_clearance_mm": "rules.pierce.clearance",
     "under": "small_holes.under",
     "least_mm": "small_holes.min_hole",
+    "splash_mm": "rules.pierce.splash",
 }
 """What the people who read messages know these options as."""
 
@@ -34,8 +35,9 @@ class LeadOptions:
     """How torch paths join a contour. Lengths in mm, measured along the lead.
 
     The lead is made as long as `lead_in_mm` where there is room, shorter down to `lead_in_min_mm` where there is
-    not; `pierce_clearance_mm` is the least distance from the pierce point to every contour (rule `pierce`). With lead
-    "none" the torch pierces on its path, and only other contours have to be that far.
+    not; `pierce_clearance_mm` is the least distance from the pierce point to every contour (rule `pierce`), `splash_mm`
+    the metal between the pierced hole and older kerfs, None where nobody asks for any. With lead "none" the torch
+    pierces on its path, and only other contours have to be that far.
 
     `reach` is what the torch can go to (least X and Y, most X and Y); None where nobody has said. With `edge_start` the
     torch may come in from the edge of the sheet where that is within `2 * lead_in_mm`; never from an edge that was only
@@ -52,6 +54,7 @@ class LeadOptions:
     lead_out: LeadKind = "none"
     lead_out_mm: float = 2.0
     pierce_clearance_mm: float = 1.0
+    splash_mm: float | None = 0.5
     hole_overcut_mm: float = 1.0
     edge_start: bool = False
     reach: tuple[float, float, float, float] | None = None
@@ -70,7 +73,8 @@ class Candidate:
     `end` the point where the torch is switched off. `edge_start` says that the torch comes in from the sheet edge
     and nothing is pierced. `cut_mm` is the torch-on path length, leads and overcut included.
 
-    `lead_out` begins where `lead_in` ends; for an open mark it is the far end of the line alone.
+    `lead_out` begins where `lead_in` ends; for an open mark it is the far end of the line alone. `leaves` says that its
+    last piece is a lead into the waste; else it is overcut, if anything.
     """
 
     contour: int
@@ -83,3 +87,4 @@ class Candidate:
     end: Point
     cut_mm: float
     edge_start: bool = False
+    leaves: bool = False

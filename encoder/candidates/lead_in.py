@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from itertools import product
 
 import numpy as np
 
 from ..geometry.curve import FloatArray
 from .approaches import Approaches, Ways
 from .candidate import LEAST_WASTE_MM, LeadOptions
+from .joints import Ints
 from .lead_shapes import Leads, Shape, shaped
-from .surroundings import CHORD_MM, Surroundings
+from .surroundings import CHORD_MM, Bools, Surroundings
 
 EDGE_ANGLE_RAD = math.radians(60)
 """An edge start runs straight to the edge of the sheet if that is no further than this from straight off the cut."""
@@ -38,7 +41,11 @@ def shapes(options: LeadOptions, patient: bool = False) -> list[Shape]:
 def lead_ins(
     ways: Ways, longest_mm: FloatArray, around: Surroundings, options: LeadOptions, patient: bool = False
 ) -> Approaches:
-    """Those of the ways that have a lawful lead-in, with the first of its shapes that is one."""
+    """Those of the ways that have a lawful lead-in, with the first of its shapes that is one.
+
+    A lead that keeps to its own half of the street is better than any that does not, for no other of the kind can meet
+    it; next best is one that meets no contour's kerf, in whatever order they are cut.
+    """
     clearance_mm = least_clearance_mm(options)
     m = len(ways)
     found = np.full(m, False)
@@ -50,7 +57,11 @@ def lead_ins(
         found &= around.in_waste(at + 2 * CHORD_MM * ways.joints.out)
         return Approaches(ways.take(found), leads.take(found), np.full(int(found.sum()), False))
     pierce, bulge, length_mm = np.zeros((m, 2)), np.zeros(m), np.zeros(m)
-    for shape in shapes(options, patient):
+
+    def clear_of_contours(leads: Leads, contour: Ints) -> Bools:
+        return around.clear_leads(leads, contour, options.kerf_mm / 2)
+
+    for asks, shape in product(_wishes(around, options), shapes(options, patient)):
         rows = np.flatnonzero(~found)
         if len(rows) == 0:
             break
@@ -58,13 +69,32 @@ def lead_ins(
         leads = shaped(shape, left.joints, left.along, longest_mm[rows], options.lead_in_min_mm)
         clear = around.clear_pierces(leads.pierce, clearance_mm) & around.in_waste(leads.pierce)
         clear &= around.inside_edges(leads)
-        clear[clear] = around.clear_leads(leads.take(clear), left.joints.contour[clear], options.kerf_mm / 2)
+        for grants in (asks, clear_of_contours):
+            clear[clear] = grants(leads.take(clear), left.joints.contour[clear])
         done = rows[clear]
         found[done] = True
         pierce[done], bulge[done], length_mm[done] = leads.pierce[clear], leads.bulge[clear], leads.length_mm[clear]
     kept = ways.take(found)
     leads = Leads(pierce[found], kept.joints.join, bulge[found], length_mm[found])
     return Approaches(kept, leads, np.full(len(kept), False))
+
+
+def _wishes(around: Surroundings, options: LeadOptions) -> list[Callable[[Leads, Ints], Bools]]:
+    """What to ask of leads for the sake of older kerfs, the most first and nothing last."""
+
+    def nothing(leads: Leads, contour: Ints) -> Bools:
+        return np.full(len(contour), True)
+
+    def own_half(leads: Leads, contour: Ints) -> Bools:
+        return around.own_half(leads, contour, kerf_mm + splash_mm)
+
+    def off_kerfs(leads: Leads, contour: Ints) -> Bools:
+        return around.off_kerfs(leads, contour, kerf_mm, splash_mm)
+
+    if options.splash_mm is None:
+        return [nothing]
+    kerf_mm, splash_mm = options.kerf_mm, options.splash_mm
+    return [own_half, off_kerfs, nothing]
 
 
 def edge_starts(ways: Ways, around: Surroundings, options: LeadOptions) -> Approaches:

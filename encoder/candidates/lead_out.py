@@ -13,13 +13,14 @@ from .approaches import Approaches, Ways
 from .candidate import LeadOptions
 from .joints import Joints, Outline
 from .lead_shapes import Leads, Shape, shaped
-from .surroundings import Surroundings
+from .surroundings import Bools, Surroundings
 
 
 def lead_outs(
     approaches: Approaches, outlines: Mapping[int, Outline], around: Surroundings, options: LeadOptions
-) -> tuple[list[Curve], FloatArray]:
-    """For every approach the open curve from its joint to where the torch goes off, and its length, mm.
+) -> tuple[list[Curve], FloatArray, Bools]:
+    """For every approach the open curve from its joint to where the torch goes off, its length, mm, and whether it
+    ends with a lead into the waste.
 
     Holes are cut a little further than once round, then a lead follows where one is asked for and there is room;
     without either the curve is the joint alone.
@@ -28,13 +29,13 @@ def lead_outs(
     tails = [_overcut(ways, i, outlines, options.hole_overcut_mm) for i in range(len(ways))]
     length_mm = np.array([tail.length_mm for tail in tails])
     if options.lead_out == "none" or not tails:
-        return tails, length_mm
+        return tails, length_mm, np.full(len(tails), False)
     leads = _leads(_ends(ways, tails), around, options)
     for i in np.flatnonzero(leads.length_mm).tolist():
         rows = tails[i].vertices.copy()
         rows[-1, 2] = -leads.bulge[i]  # made as a lead-in and run the other way
         tails[i] = Curve(np.vstack([rows, [*leads.pierce[i], 0.0]]), closed=False)
-    return tails, length_mm + leads.length_mm
+    return tails, length_mm + leads.length_mm, leads.length_mm > 0
 
 
 def _overcut(ways: Ways, i: int, outlines: Mapping[int, Outline], overcut_mm: float) -> Curve:

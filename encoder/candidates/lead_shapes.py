@@ -53,9 +53,12 @@ class Leads:
             np.concatenate([a.length_mm for a in several]),
         )
 
-    def points(self, left_out_mm: float = 0.0) -> FloatArray:
-        """Array (m, q, 2) of points along the leads, without the last `left_out_mm` (at most half) before joining."""
-        until = 1 - np.minimum(left_out_mm / np.maximum(self.length_mm, 1e-9), 0.5)
+    def points(self, left_out_mm: float = 0.0, most: float = 0.5) -> FloatArray:
+        """Array (m, q, 2) of points along the leads, without the last `left_out_mm` before joining.
+
+        No more than a share of `most` is left out of any lead.
+        """
+        until = 1 - np.minimum(left_out_mm / np.maximum(self.length_mm, 1e-9), most)
         if not self.bulge.any():
             last = self.pierce + until[:, None] * (self.join - self.pierce)
             return np.stack([self.pierce, last], axis=1)

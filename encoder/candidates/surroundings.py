@@ -23,16 +23,20 @@ NEAR_JOIN_MM = 0.5
 _EXACT_MM = 1e-6
 
 Bools = NDArray[np.bool_]
+Lines = NDArray[np.object_]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Surroundings:
     """Every contour of a nest, also in chords (`contour` tells whose each is), the parts' metal and the sheet.
 
+    `part` numbers the part of each contour, `through` says that it is cut through, which a mark is not.
     `void` is what a stopped program has already burnt away, where there was one.
     """
 
     contours: tuple[Contour, ...]
+    part: Ints
+    through: Bools
     chords: shapely.STRtree
     contour: Ints
     metal: shapely.STRtree
@@ -53,8 +57,18 @@ class Surroundings:
         shapely.prepare(sheet)
         edges = sheet.boundary
         shapely.prepare(edges)
-        chord_tree, metal_tree = shapely.STRtree(chords), shapely.STRtree(metal)
-        return Surroundings(nest.contours, chord_tree, of[follows], metal_tree, sheet, edges, void)
+        number = {part.id: k for k, part in enumerate(nest.parts)}
+        return Surroundings(
+            nest.contours,
+            np.array([number[c.part] for c in nest.contours], dtype=np.int64),
+            np.array([c.kind != "mark" for c in nest.contours], dtype=np.bool_),
+            shapely.STRtree(chords),
+            of[follows],
+            shapely.STRtree(metal),
+            sheet,
+            edges,
+            void,
+        )
 
     def clear_leads(self, leads: Leads, contour: Ints, half_kerf_mm: float) -> Bools:
         """Leads whose kerf touches no contour but their own, and that one only where they join it."""
@@ -91,6 +105,31 @@ class Surroundings:
             if clear[i] and self.contours[k].curve.project(points[i])[1] < clearance_mm - _EXACT_MM:
                 clear[i] = False
         return clear if self.void is None else clear & self.void.clear_pierces(points)
+
+    def own_half(self, leads: Leads, contour: Ints, apart_mm: float) -> Bools:
+        """Leads whose pierce is nearer to its own contour, by `apart_mm`, than to any of another part.
+
+        Two such pierces of two contours are `apart_mm` apart at the least, wherever they are in the street.
+        """
+        lines = np.array([c.line for c in self.contours], dtype=object)
+        own_mm = np.asarray(shapely.distance(shapely.points(leads.pierce), lines[contour]))
+        return ~self._near_others(shapely.points(leads.pierce), contour, own_mm + apart_mm)
+
+    def off_kerfs(self, leads: Leads, contour: Ints, kerf_mm: float, splash_mm: float) -> Bools:
+        """Leads that would be lawful after the contours of all other parts: off their kerfs, which are then void."""
+        near = self._near_others(shapely.points(leads.pierce), contour, 1.5 * kerf_mm + splash_mm)
+        free = leads.length_mm > kerf_mm / 2
+        lines = shapely.linestrings(leads.take(free).points(kerf_mm / 2, most=1.0))
+        near[free] |= self._near_others(lines, contour[free], kerf_mm)
+        return ~near
+
+    def _near_others(self, shapes: Lines, contour: Ints, distance_mm: FloatArray | float) -> Bools:
+        """Which shapes come nearer than a distance to a contour of another part that is cut through."""
+        row, chord = self.chords.query(shapes, predicate="dwithin", distance=np.maximum(distance_mm - _EXACT_MM, 0.0))
+        met, own = self.contour[chord], contour[row]
+        near = np.full(len(shapes), False)
+        near[row[(self.part[met] != self.part[own]) & self.through[met]]] = True
+        return near
 
     def in_sheet(self, points: FloatArray) -> Bools:
         """Points on the metal of the sheet."""

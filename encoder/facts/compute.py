@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..candidates.candidate import Candidate
+from ..candidates.older_kerfs import OlderKerfs, older_kerfs
 from ..nest import Nest
 from .cells import cells_of
 from .containment import closure_of, parents_of
@@ -102,4 +103,7 @@ def compute_facts(
         first=np.searchsorted(contour, np.arange(outlines.n + 1)),
         head=stretch_of(outlines, runs, candidates, options.head_share, "head"),
         tail=stretch_of(outlines, runs, candidates, options.tail_share, "tail"),
+        older_kerfs=OlderKerfs.none()
+        if options.splash_mm is None
+        else older_kerfs(nest, candidates, options.kerf_mm, options.splash_mm),
     )

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..already_cut import AlreadyCut
 from ..candidates.candidate import Candidate
+from ..candidates.older_kerfs import OlderKerfs
 from ..cut import Cut, Side
 from ..nest import Nest
 
@@ -28,7 +29,8 @@ class FactOptions:
     contradict; `zone_pairs` adds pairs of contour ids (before, after), as locks do; `zone_fixed` puts a part
     (by id) in a zone whatever the geometry says; what must go before it is brought forward with it. `zone_places` puts
     a part in the zone that has this position of the order, counted from 1 over all contours. `zone_heat_kj` is how
-    much heat may go into a zone, None for any.
+    much heat may go into a zone, None for any. `kerf_mm` is what a cut burns away; `splash_mm` the metal between a
+    pierced hole and the kerf of an older cut, None where nobody asks what meets older kerfs.
     """
 
     web_mm: float = 25.0
@@ -49,6 +51,8 @@ class FactOptions:
     zone_places: tuple[tuple[str, int], ...] = ()
     head_share: float = 0.25
     tail_share: float = 0.25
+    kerf_mm: float = 1.5
+    splash_mm: float | None = 0.5
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -101,6 +105,7 @@ class Facts:
     from 1; a mark has the zone of its part. `torch_heat_kj` (n,) is the most heat that cutting a contour, however it
     is entered, leaves in the sheet, 0 for a mark, nan where nobody has said. `offcut_mm`, `offcut_large`, `heat_mm`,
     `heat_parts` follow `SIDES`. `first[i]` and `first[i + 1]` bound the candidates of contour i.
+    `older_kerfs` says which candidates would meet the kerf of which contours and leads, were those cut before.
 
     Where some of the sheet is already cut, all this is of what is left (`nest` too); `past` is the rest of the story.
     """
@@ -128,6 +133,7 @@ class Facts:
     first: Ints
     head: Stretch
     tail: Stretch
+    older_kerfs: OlderKerfs
     past: Past | None = None
 
     @property

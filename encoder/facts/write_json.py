@@ -92,8 +92,20 @@ def _contour_rows(facts: Facts) -> list[dict[str, Any]]:
 def _candidate_rows(facts: Facts) -> list[dict[str, Any]]:
     ids = [c.id for c in facts.nest.contours]
     head, tail = _stretch_rows(facts.head, ids), _stretch_rows(facts.tail, ids)
+    rings = _listed(facts.older_kerfs.rings[:, 1], facts.older_kerfs.rings[:, 0], ids, len(facts.candidates))
+    leads: list[list[int]] = [[] for _ in facts.candidates]
+    for later, earlier in facts.older_kerfs.leads.tolist():
+        leads[later].append(earlier)
     return [
-        {"candidate": k, **_candidate(c, ids), "head": head[k], "tail": tail[k]} for k, c in enumerate(facts.candidates)
+        {
+            "candidate": k,
+            **_candidate(c, ids),
+            "meets_kerfs_of": rings[k],
+            "meets_leads_of": leads[k],
+            "head": head[k],
+            "tail": tail[k],
+        }
+        for k, c in enumerate(facts.candidates)
     ]
 
 
@@ -125,9 +137,9 @@ def _facing_rows(facing: Facing) -> zip[tuple[int, int, float, float]]:
     return zip(*(a.tolist() for a in arrays), strict=True)
 
 
-def _listed(what: Ints, by: Ints, ids: list[str]) -> list[list[str]]:
-    """For each contour the ids of the `what` whose `by` it is."""
-    lists: list[list[str]] = [[] for _ in ids]
+def _listed(what: Ints, by: Ints, ids: list[str], rows: int | None = None) -> list[list[str]]:
+    """For each contour (or each of so many rows) the ids of the `what` whose `by` it is."""
+    lists: list[list[str]] = [[] for _ in range(len(ids) if rows is None else rows)]
     for w, b in zip(what.tolist(), by.tolist(), strict=True):
         lists[b].append(ids[w])
     return lists

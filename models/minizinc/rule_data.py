@@ -27,6 +27,7 @@ from .dzn import Fields, assignments, flag, flags, number_set, numbers
 from .rule_facts import (
     clusters,
     head_freed,
+    met_kerfs,
     near_pairs,
     on_the_frame,
     pierced_waste,
@@ -68,10 +69,17 @@ def _cut_direction(case: Case, options: CutDirectionOptions) -> Fields:
 
 def _pierce(case: Case, options: PierceOptions) -> Fields:
     waste = pierced_waste(case.facts)
+    kerfs, leads = met_kerfs(case.facts, options.kerf_mm, options.splash_mm)
     return [
         ("n_pierce_waste", str(len(waste))),
         ("pierce_waste_cand", numbers(c + 1 for c, _ in waste)),
         ("pierce_waste_hole", numbers(hole + 1 for _, hole in waste)),
+        ("n_pierce_kerfs", str(len(kerfs))),
+        ("pierce_kerf_cand", numbers(c + 1 for c, _ in kerfs)),
+        ("pierce_kerf_contour", numbers(k + 1 for _, k in kerfs)),
+        ("n_pierce_leads", str(len(leads))),
+        ("pierce_lead_later", numbers(c + 1 for c, _ in leads)),
+        ("pierce_lead_earlier", numbers(d + 1 for _, d in leads)),
     ]
 
 

@@ -9,6 +9,7 @@ import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from ...encoder.candidates.candidate import Candidate
 from ...encoder.facts.facts import Bools, Facts, Floats, Ints, Stretch
 from ...encoder.geometry.segment import Point
 from ..crossings import GRAZE_UM
@@ -29,6 +30,48 @@ def pierced_waste(facts: Facts) -> list[tuple[int, int]]:
     rows, inside = shapely.STRtree([contours[h].polygon for h in holes]).query(points, "intersects")
     found = sorted((pierced[row], holes[h]) for row, h in zip(rows.tolist(), inside.tolist(), strict=True))
     return [(c, h) for c, h in found if facts.candidates[c].contour != h]
+
+
+def met_kerfs(facts: Facts, kerf_mm: float, splash_mm: float) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
+    """Candidates that would meet the kerf of a contour, with that contour; and of a candidate's lead, with that one."""
+    kerfs, leads = [], []
+    drawn = [c for c in range(len(facts.candidates)) if facts.nest.contours[facts.candidates[c].contour].kind != "mark"]
+    for c in drawn:
+        part = facts.nest.contours[facts.candidates[c].contour].part
+        for k, contour in enumerate(facts.nest.contours):
+            if (
+                contour.kind != "mark"
+                and contour.part != part
+                and _meets(facts.candidates[c], contour.line, kerf_mm, kerf_mm, splash_mm)
+            ):
+                kerfs.append((c, k))
+        for d in drawn:
+            older = facts.candidates[d]
+            if facts.nest.contours[older.contour].part != part and any(
+                _meets(facts.candidates[c], lead, kerf_mm / 2, kerf_mm, splash_mm) for lead in _leads(older, 0.0)
+            ):
+                leads.append((c, d))
+    return kerfs, leads
+
+
+def _meets(candidate: Candidate, line: shapely.LineString, reach_mm: float, kerf_mm: float, splash_mm: float) -> bool:
+    """Whether a pierce or a lead meets the kerf that reaches so far from a line."""
+    pierce = shapely.Point(candidate.pierce)
+    if not candidate.edge_start and pierce.distance(line) < reach_mm + kerf_mm / 2 + splash_mm - 1e-6:
+        return True
+    return any(lead.distance(line) < reach_mm - 1e-6 for lead in _leads(candidate, kerf_mm / 2))
+
+
+def _leads(candidate: Candidate, less_mm: float) -> list[shapely.LineString]:
+    """The leads of a candidate without their last bit at the contour."""
+    found = []
+    if candidate.lead_in is not None and candidate.lead_in.length_mm > less_mm + 1e-6:
+        found.append(candidate.lead_in.between(0.0, candidate.lead_in.length_mm - less_mm).line())
+    if candidate.lead_out is not None and candidate.leaves:
+        last_mm = candidate.lead_out.segments[-1].length_mm - less_mm
+        if last_mm > 1e-6:
+            found.append(candidate.lead_out.between(candidate.lead_out.length_mm - last_mm, last_mm).line())
+    return found
 
 
 def clusters(facts: Facts) -> Ints:

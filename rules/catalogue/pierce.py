@@ -12,9 +12,10 @@ import shapely
 from ...encoder.cut import CutSequence
 from ...encoder.nest import Nest
 from ..option import option
+from ..pierce_kerfs import over_older_kerfs
 from ..pierce_places import PiercePlaces
 from ..rule import Rule, Violation
-from ..statements import AtLeast, Before
+from ..statements import AtLeast, Before, Pick
 from ..thickness_table import LENGTH_OR_TABLE
 
 if TYPE_CHECKING:
@@ -23,16 +24,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class PierceOptions:
-    """How far from every contour a pierce lies; where a profile gives it by thickness, as it is for its material."""
+    """How far from every contour, and from older kerfs, a pierce lies; by thickness where a profile gives it so."""
 
     clearance_mm: float = field(
         default=1.5,
         metadata=option(LENGTH_OR_TABLE, "least distance from a pierce to every contour, more than half the kerf"),
     )
+    splash_mm: float = field(
+        default=0.5, metadata=option(LENGTH_OR_TABLE, "metal between the hole of a pierce and the kerf of an older cut")
+    )
+    kerf_mm: float = 1.5
 
 
 class Pierce(Rule[PierceOptions]):
-    """A pierce lies in waste, clear of every contour, and its leads cross none.
+    """A pierce lies in waste, clear of every contour and of older kerfs, and its leads cross none.
 
     ## What it does
 
@@ -41,28 +46,57 @@ class Pierce(Rule[PierceOptions]):
     made before that hole is cut. A lead crosses no contour. From the sheet edge nothing is pierced, so that there the
     clearance does not apply. Marks are not pierced.
 
+    The kerf of every older cut, its leads included, is void. The middle of a pierce keeps half the kerf and `splash`
+    from it, and a lead does not cross it, but for the last half kerf beside its own contour. Entries are made so that
+    leads keep to their own half of a street. Where a street is too narrow for that, an entry may only be used while
+    the neighbour whose kerf it meets is still in.
+
     ## Why
 
     Petunin 2009 (section 2): a pierce leaves a scar, blows slag and heats the metal around it, so it lies further
-    from the contour than the kerf allowance, except when the torch comes in from the edge of the sheet.
+    from the contour than the kerf allowance, except when the torch comes in from the edge of the sheet. Over a kerf
+    there is no metal to pierce, and an arc that crosses one goes out.
 
     ## Wrong
 
     `P2.outer` pierced in the waste of `P1.hole1` after `P1.hole1` has been cut: there is no metal left to pierce.
+    Four parts pierced where their streets cross, one after the other in the same place.
 
     ## Right
 
-    `P2.outer` pierced in the waste of `P1.hole1`, and cut before it.
+    `P2.outer` pierced in the waste of `P1.hole1`, and cut before it. Four parts pierced each near its own corner.
     """
 
     id = "pierce"
-    sentence = "A pierce lies in waste, clear of every contour, and its leads cross none."
+    sentence = "A pierce lies in waste, clear of every contour and of older kerfs, and its leads cross none."
     source = "Petunin 2009, section 2"
     Options = PierceOptions
     minds_what_is_out = True
     strengths = ("hard", "off")
 
     def statements(self, facts: Facts, options: PierceOptions) -> Iterator[AtLeast]:
+        yield from self._in_waste(facts)
+        yield from self._off_kerfs(facts)
+
+    def _off_kerfs(self, facts: Facts) -> Iterator[AtLeast]:
+        """What would meet the kerf of a contour, or of a lead, goes before it."""
+        for number, other in facts.older_kerfs.rings.tolist():
+            contour = facts.candidates[number].contour
+            cut, older = facts.nest.contours[contour].id, facts.nest.contours[other].id
+            sentence = f"{cut} is cut before {older}: from {_entered(facts, number)} it would meet the kerf of {older}"
+            yield AtLeast((Before(contour, other),), (1,), 1, self.about((cut, older), sentence), when=number)
+        for number, earlier in facts.older_kerfs.leads.tolist():
+            contour, other = facts.candidates[number].contour, facts.candidates[earlier].contour
+            cut, older = facts.nest.contours[contour].id, facts.nest.contours[other].id
+            sentence = (
+                f"{cut} is cut before {older}: from {_entered(facts, number)} it would meet the kerf of the lead of "
+                f"{older} from {_entered(facts, earlier)}"
+            )
+            about = self.about((cut, older), sentence)
+            yield AtLeast((Before(contour, other), Pick(earlier)), (1, -1), 0, about, when=number)
+
+    def _in_waste(self, facts: Facts) -> Iterator[AtLeast]:
+        """What is pierced in the waste of a hole goes before that hole."""
         contours = facts.nest.contours
         holes = [k for k, c in enumerate(contours) if c.kind == "hole"]
         pierced = [k for k, c in enumerate(facts.candidates) if contours[c.contour].kind != "mark"]
@@ -90,5 +124,11 @@ class Pierce(Rule[PierceOptions]):
             *places.too_near(options.clearance_mm),
             *places.over_dropped_waste(),
             *places.crossing_leads(),
+            *over_older_kerfs(nest, cuts, options.kerf_mm, options.splash_mm),
         ]
         return [Violation(self.id, ids, text, at) for at, ids, text in sorted(findings)]
+
+
+def _entered(facts: Facts, candidate: int) -> str:
+    x, y = facts.candidates[candidate].pierce
+    return f"({x:.1f}, {y:.1f})"

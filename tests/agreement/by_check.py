@@ -28,6 +28,8 @@ OF_ONE_CUT = ("cut-direction", "pierce", "locks", "part-rigidity")
 """Rules whose violations are each of one cut (the first contour named), whatever the ways of the other cuts."""
 OF_OUTERS = ("no-islands", "no-narrow-strips")
 """Rules that look at outer contours alone."""
+OF_LEADS = "kerf of the lead"
+"""What a violation says that is of the ways of two cuts: one meets the kerf of the other's lead."""
 
 
 def shifted(profile: Profile, share: float) -> Profile:
@@ -68,6 +70,8 @@ class Judge:
         lag = self.rules.get("heat-lag")
         timed = lag is not None and isinstance(lag.options, HeatLagOptions) and lag.options.lag_s > 0
         self.of_route = [rule for rule in self.rules if rule == "no-tip-travel" or (rule == "heat-lag" and timed)]
+        if "pierce" in self.rules and trial.leads_near(self.rules["pierce"].options):
+            self.of_route.append("pierce")
         self.timed = timed
         special = {*OF_ONE_CUT, *self.of_route}
         self.of_order = [rule for rule in self.rules if rule not in special and not self._of_pairs(rule)]
@@ -225,7 +229,11 @@ class Judge:
                     continue
                 for violation in trial.violations(rule, sequence):
                     name = violation.contours[0]
-                    if name in fresh and not (rule == "part-rigidity" and name in self.exempt):
+                    if (
+                        OF_LEADS not in violation.text
+                        and name in fresh
+                        and not (rule == "part-rigidity" and name in self.exempt)
+                    ):
                         extra[self.number[name]][turn] += self._weight(rule)
         return extra
 
@@ -246,7 +254,8 @@ class Judge:
         total = 0.0
         for rule in self.of_route:
             weight = self.rules[rule].weight
-            breaches = len(self._violations(rule, sequence))
+            found = self._violations(rule, sequence)
+            breaches = sum(rule not in OF_ONE_CUT or OF_LEADS in violation.text for violation in found)
             total += (inf if weight is None else weight * breaches) if breaches else 0.0
         return total
 

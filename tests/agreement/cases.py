@@ -19,7 +19,7 @@ from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStripsOptions
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
 from kerfwise.rules.profile import Profile
 from kerfwise.rules.sections import RuleSetting
-from kerfwise.tests.models.minizinc.cases import Case, random_nest, random_profile
+from kerfwise.tests.models.minizinc.cases import Case, lead_options, random_nest, random_profile
 
 ROUTES = {5: 256, 6: 128, 7: 64, 8: 16, 9: 4}
 """Contours → the most ways to pick entries and directions that are tried along each order."""
@@ -35,7 +35,7 @@ def judged_case(seed: int) -> Case:
     profile = _visible(rng, random_profile(rng, drawn))
     if contours > 7:
         profile = replace(profile, rules=dict(profile.rules) | {rule: _hard(profile, rule) for rule in FIRM})
-    candidates = _thinned(rng, drawn, build_candidates(drawn, profile.lead_options()), ROUTES[contours])
+    candidates = _thinned(rng, drawn, build_candidates(drawn, lead_options(profile, seed)), ROUTES[contours])
     facts = compute_facts(drawn, profile.fact_options(drawn), candidates)
     return Case(facts, profile, SolveOptions(work=10, home_mm=profile.machine.home, feeds=feeds_of(profile)))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 import shapely
@@ -15,6 +16,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models.make_plan import feeds_of
 from kerfwise.models.timing.constant import Leg, schedule
 from kerfwise.postproc.check.runs_from_cuts import runs_from_cuts
+from kerfwise.rules.catalogue.pierce import PierceOptions
 from kerfwise.rules.profile import Profile
 from kerfwise.rules.rule import Violation
 from kerfwise.tests.models.minizinc.cases import Case
@@ -69,6 +71,18 @@ class Trial:
             more = [s - min(seconds) for s in seconds]
             found.append([self.profile.objective.time * s if s >= LEAST_S else 0.0 for s in more])
         return found
+
+    def leads_near(self, options: PierceOptions) -> bool:
+        """Whether any ways of two parts have leads so near each other that one might meet the kerf of the other."""
+        leads = [
+            (self.nest.contour(cut.contour).part, lead.line())
+            for own in self.ways
+            for cut in own
+            for lead in (cut.lead_in, cut.lead_out)
+            if lead is not None and lead.length_mm > 0
+        ]
+        near_mm = options.kerf_mm + options.splash_mm
+        return any(a != b and one.distance(other) < near_mm for (a, one), (b, other) in combinations(leads, 2))
 
     @cached_property
     def legs_mm(self) -> Floats:

@@ -102,7 +102,7 @@ def test_in_a_narrow_gap_the_lead_is_shorter() -> None:
 
 def test_a_lead_is_turned_where_straight_on_is_blocked() -> None:
     post = part("B", rect(139.8, 95, 3, 2.5))
-    found = build_candidates(nest(400, 300, part("A", rect(100, 100, 80, 80)), post), LeadOptions())
+    found = build_candidates(nest(400, 300, part("A", rect(100, 100, 80, 80)), post), LeadOptions(splash_mm=None))
     below = [c for c in found if c.contour == 0 and c.entry == (140, 100)]
     assert below
     assert all(c.pierce[0] < 139 for c in below)

@@ -63,6 +63,8 @@ def test_a_candidate_row() -> None:
             "end": [90.0, 10.0],
             "cut_mm": 325.5,
             "edge_start": False,
+            "meets_kerfs_of": [],
+            "meets_leads_of": [],
             "head": {
                 "total_mm": 80.0,
                 "edge_mm": 0.0,

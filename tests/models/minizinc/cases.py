@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kerfwise.encoder.candidates import build_candidates
+from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest, Part
@@ -18,6 +18,7 @@ from kerfwise.rules.catalogue.marks_first import MarksFirstOptions
 from kerfwise.rules.catalogue.no_islands import NoIslandsOptions
 from kerfwise.rules.catalogue.part_contiguous import PartContiguousOptions
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
+from kerfwise.rules.catalogue.pierce import PierceOptions
 from kerfwise.rules.catalogue.zone_order import ZoneOrderOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile import Profile, load_profile
@@ -41,10 +42,16 @@ class Case:
 def case(seed: int, contours: int = 7) -> Case:
     """A nest of 5 contours to about `contours`, a profile with every rule hard, soft or off as the seed has it."""
     drawn, profile = _drawn(seed, contours)
-    candidates = build_candidates(drawn, profile.lead_options())
+    candidates = build_candidates(drawn, lead_options(profile, seed))
     facts = compute_facts(drawn, profile.fact_options(drawn), candidates)
     feeds = Feeds(profile.machine.cut_feed_mm_s, profile.machine.mark_feed_mm_s, profile.machine.travel_mm_s, 0.5, 0.2)
     return Case(facts, profile, SolveOptions(work=60, home_mm=profile.machine.home, feeds=feeds))
+
+
+def lead_options(profile: Profile, seed: int) -> LeadOptions:
+    """How candidates are made; for every third seed whatever older kerfs they meet, so that many do."""
+    options = profile.lead_options()
+    return replace(options, splash_mm=None) if seed % 3 == 0 else options
 
 
 def profile_of(seed: int, contours: int = 7) -> Profile:
@@ -110,6 +117,7 @@ def random_profile(rng: np.random.Generator, drawn: Nest) -> Profile:
         "zone-order": ZoneOrderOptions(zone_contours=int(rng.integers(1, 5))),
         "cut-direction": CutDirectionOptions(*(str(way) for way in rng.choice(["free", "cw", "ccw"], 3))),  # type: ignore[arg-type]
         "heat-lag": HeatLagOptions(float(rng.choice([15, 40])), int(rng.integers(0, 3)), float(rng.choice([0, 0, 8]))),
+        "pierce": PierceOptions(clearance_mm=1.5, splash_mm=float(rng.choice([0.5, 3, 6]))),
         "no-islands": NoIslandsOptions(frame_share=float(rng.choice([0.1, 0.5, 1.0]))),
         "part-rigidity": PartRigidityOptions(head_weight_mm=float(rng.choice([0, 25, 60]))),
     }

@@ -21,6 +21,19 @@ B_FROM_BELOW = ("B.outer", (210, 50), (210, 44), (210, 49.25))
 H_HOLE = ("H.hole1", (100, 70), (100, 75), (100, 70.75))
 H_OUTER = ("H.outer", (100, 50), (100, 44), (100, 49.25))
 G_OUTER = ("G.outer", (120, 100), (120, 94), (120, 99.25))
+B_FROM_THE_LEFT = ("B.outer", (160, 100), (155, 100), (159.25, 100))
+A_ACROSS = ("A.outer", (150, 92), (157, 102.2), (150.75, 92))
+CORNERS = nest(
+    200,
+    200,
+    *(part(name, rect(x, y, 80, 80)) for name, x, y in (("A", 10, 10), ("B", 94, 10), ("C", 10, 94), ("D", 94, 94))),
+)
+IN_THE_MIDDLE = (("A.outer", (90, 90), (92, 92), (90.53, 90.53)), ("D.outer", (94, 94), (92, 92), (93.47, 93.47)))
+
+
+def from_the_right(pierce_x: float) -> tuple[str, Point, Point, Point]:
+    """A's outline, entered from the street between A and B."""
+    return ("A.outer", (150, 100), (pierce_x, 100), (150.75, 100))
 
 
 def sequence(*cuts: tuple[str, Point, Point, Point] | Cut) -> CutSequence:
@@ -140,4 +153,65 @@ CASES = (
         ),
     ),
     case("a mark is not pierced", "boundary", MARKED, sequence(Cut("A.mark1", (60, 60), "ccw", (60, 60)))),
+    case("off the kerf of the neighbour", "passes", PLATE, sequence(B_FROM_BELOW, from_the_right(156))),
+    case(
+        "in the kerf of the neighbour",
+        "fails",
+        PLATE,
+        sequence(B_FROM_BELOW, A_HOLE, from_the_right(158.55)),
+        broken(
+            (1, 3),
+            ("A.outer", "B.outer"),
+            "A.outer (cut 3) is pierced in the kerf of B.outer (cut 1), where there is no metal, at (158.55, 100.00)",
+        ),
+        broken((1, 3), ("A.outer", "B.outer"), "the lead-in of A.outer (cut 3) crosses the kerf of B.outer (cut 1)"),
+        broken((3,), ("A.outer", "B.outer"), "A.outer (cut 3) is pierced 1.45 mm from B.outer, less than 1.5 mm"),
+    ),
+    case("while the neighbour is in, its kerf is metal", "passes", PLATE, sequence(from_the_right(158), B_FROM_BELOW)),
+    case(
+        "half a kerf and the splash from an older kerf",
+        "boundary",
+        PLATE,
+        sequence(B_FROM_BELOW, from_the_right(157.25)),
+    ),
+    case(
+        "nearer to an older kerf",
+        "boundary",
+        PLATE,
+        sequence(B_FROM_BELOW, from_the_right(157.3)),
+        broken(
+            (1, 2),
+            ("A.outer", "B.outer"),
+            "A.outer (cut 2) is pierced 1.20 mm from the kerf of B.outer (cut 1), less than 1.25 mm, at "
+            "(157.30, 100.00)",
+        ),
+    ),
+    case(
+        "a lead over an older lead",
+        "fails",
+        PLATE,
+        sequence(B_FROM_THE_LEFT, A_ACROSS),
+        broken(
+            (1, 2),
+            ("A.outer", "B.outer"),
+            "the lead-in of A.outer (cut 2) crosses the kerf of the lead-in of B.outer (cut 1)",
+        ),
+    ),
+    case(
+        "two parts pierced in the same place, where streets cross",
+        "fails",
+        CORNERS,
+        sequence(*IN_THE_MIDDLE),
+        broken(
+            (1, 2),
+            ("D.outer", "A.outer"),
+            "D.outer (cut 2) is pierced in the kerf of the lead-in of A.outer (cut 1), where there is no metal, at "
+            "(92.00, 92.00)",
+        ),
+        broken(
+            (1, 2),
+            ("D.outer", "A.outer"),
+            "the lead-in of D.outer (cut 2) crosses the kerf of the lead-in of A.outer (cut 1)",
+        ),
+    ),
 )

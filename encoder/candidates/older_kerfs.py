@@ -1,0 +1,144 @@
+"""What the pierce and the leads of a candidate would meet of cuts made before it: their kerfs are void.
+
+The torch cannot pierce where there is no metal, and its arc goes out over a kerf that a lead crosses. How far a
+contour's own kerf reaches depends on nothing but the contour; a lead's kerf depends on which candidate was used.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from ..nest import Nest
+from .candidate import Candidate
+from .joints import Ints
+from .lead_shapes import Leads
+
+EXACT_MM = 1e-6
+"""Distances that fall short by no more than this do not."""
+
+Lines = NDArray[np.object_]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class OlderKerfs:
+    """What candidates meet, if it has been cut before them.
+
+    `rings` (k, 2) are rows (candidate, contour): the candidate's pierce or a lead of it meets the kerf of that contour.
+    `leads` (l, 2) are rows (later, earlier) of candidates: the pierce or a lead of the later meets the kerf of a lead
+    of the earlier. Both sorted, each row once, and between two parts: the metal of one part keeps its own cuts apart.
+    """
+
+    rings: Ints
+    leads: Ints
+
+    @staticmethod
+    def none() -> OlderKerfs:
+        """Nothing meets anything."""
+        return OlderKerfs(np.empty((0, 2), dtype=np.int64), np.empty((0, 2), dtype=np.int64))
+
+
+def older_kerfs(nest: Nest, candidates: Sequence[Candidate], kerf_mm: float, splash_mm: float) -> OlderKerfs:
+    """What each candidate would meet of the others.
+
+    The kerf of a cut is the strip of `kerf_mm` around the torch's path. A pierce keeps `kerf_mm / 2 + splash_mm` from
+    it, measured from the middle of the pierce; a lead's middle line does not enter it, but for the last
+    `kerf_mm / 2` beside the lead's own contour. An edge start pierces nothing.
+
+    Examples
+    --------
+    >>> from kerfwise.encoder.candidates import LeadOptions, build_candidates
+    >>> from kerfwise.tests.nests import nest, part, rect
+    >>> two = nest(400, 100, part("A", rect(10, 10, 80, 80)), part("B", rect(94, 10, 80, 80)))
+    >>> ways = build_candidates(two, LeadOptions(entries=4, pierce_clearance_mm=1.0))
+    >>> older_kerfs(two, ways, 1.5, 0.5).rings[:, 1].tolist()
+    [0, 0]
+    """
+    burning = [k for k, c in enumerate(candidates) if nest.contours[c.contour].kind != "mark"]
+    if not burning:
+        return OlderKerfs.none()
+    number = {part.id: k for k, part in enumerate(nest.parts)}
+    part = np.array([number[c.part] for c in nest.contours], dtype=np.int64)
+    paths = _Paths.of(burning, candidates, part, kerf_mm)
+    return OlderKerfs(_ring_rows(nest, paths, part, kerf_mm, splash_mm), _lead_rows(paths, kerf_mm, splash_mm))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Paths:
+    """Pierces, leads, and the leads without what lies beside their own contour; `_of` tells whose each row is.
+
+    `part` numbers the part of each candidate.
+    """
+
+    part: Ints
+    pierces: Lines
+    pierce_of: Ints
+    leads: Lines
+    lead_of: Ints
+    free: Lines
+    free_of: Ints
+
+    @staticmethod
+    def of(burning: Sequence[int], candidates: Sequence[Candidate], part: Ints, kerf_mm: float) -> _Paths:
+        """The paths of the candidates with these numbers."""
+        numbers = np.array(burning, dtype=np.int64)
+        pierced = np.array([not candidates[k].edge_start for k in burning], dtype=np.bool_)
+        pierces = shapely.points(np.array([candidates[k].pierce for k in burning]).reshape(-1, 2))
+        ends = [end for k in burning for end in _lead_ends(k, candidates[k])]
+        of = np.array([k for k, _ in ends], dtype=np.int64)
+        rows = np.array([row for _, row in ends], dtype=np.float64).reshape(-1, 6)
+        leads = Leads(rows[:, 0:2], rows[:, 2:4], rows[:, 4], rows[:, 5])
+        long = leads.length_mm > kerf_mm / 2 + EXACT_MM
+        return _Paths(
+            part[[c.contour for c in candidates]],
+            pierces[pierced],
+            numbers[pierced],
+            shapely.linestrings(leads.points()),
+            of,
+            shapely.linestrings(leads.take(long).points(kerf_mm / 2, most=1.0)),
+            of[long],
+        )
+
+    def met(self, lines: Lines, name: Ints, part: Ints, pierce_mm: float, lead_mm: float) -> Ints:
+        """Rows (candidate, name of a line), sorted, where a candidate comes too near to a line of another part.
+
+        `pierce_mm` is what pierces keep, `lead_mm` what leads keep; `part` numbers the part of each line.
+        """
+        tree = shapely.STRtree(lines)
+        found = []
+        for shapes, of, least_mm in ((self.pierces, self.pierce_of, pierce_mm), (self.free, self.free_of, lead_mm)):
+            row, line = tree.query(shapes, "dwithin", distance=max(least_mm - EXACT_MM, 0.0))
+            others = self.part[of[row]] != part[line]
+            found.append(np.column_stack([of[row[others]], name[line[others]]]))
+        return np.unique(np.concatenate(found), axis=0)
+
+
+def _lead_ends(number: int, candidate: Candidate) -> list[tuple[int, tuple[float, ...]]]:
+    """The lead-in and the lead-out as rows: outer end, end at the contour, bulge, length. Overcuts are no leads."""
+    found: list[tuple[int, tuple[float, ...]]] = []
+    if candidate.lead_in is not None:
+        (x0, y0, bulge), (x1, y1, _) = candidate.lead_in.vertices.tolist()
+        found.append((number, (x0, y0, x1, y1, bulge, candidate.lead_in.length_mm)))
+    if candidate.lead_out is not None and candidate.leaves:
+        last = candidate.lead_out.segments[-1]
+        found.append((number, (*last.end, *last.start, -last.bulge, last.length_mm)))
+    return found
+
+
+def _ring_rows(nest: Nest, paths: _Paths, part: Ints, kerf_mm: float, splash_mm: float) -> Ints:
+    """Rows (candidate, contour). A kerf's far edge lies one kerf from its contour, on the side that is waste."""
+    contours = [(k, c) for k, c in enumerate(nest.contours) if c.kind != "mark"]
+    points, of = shapely.get_coordinates([c.line for _, c in contours], return_index=True)
+    follows = np.flatnonzero(of[1:] == of[:-1])
+    chords = shapely.linestrings(np.stack([points[follows], points[follows + 1]], axis=1))
+    contour = np.array([k for k, _ in contours], dtype=np.int64)[of[follows]]
+    return paths.met(chords, contour, part[contour], 1.5 * kerf_mm + splash_mm, kerf_mm)
+
+
+def _lead_rows(paths: _Paths, kerf_mm: float, splash_mm: float) -> Ints:
+    """Rows (later, earlier) of candidates."""
+    return paths.met(paths.leads, paths.lead_of, paths.part[paths.lead_of], kerf_mm + splash_mm, kerf_mm / 2)
