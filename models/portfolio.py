@@ -12,7 +12,7 @@ from . import beam, ideals
 from .bounds import MOST_SITES, flow_bound
 from .cpsat import solve_cpsat
 from .engines import Member
-from .evaluate import route_cost
+from .evaluate import broken, route_cost
 from .ideals.windows import polish
 from .known import Known
 from .problem import Problem
@@ -83,6 +83,7 @@ def run_portfolio(
 class _Run:
     def __init__(self, problem: Problem, options: SolveOptions, watch: Watch) -> None:
         self.problem, self.options, self.watch = problem, options, watch
+        self.of_sets = replace(problem, general=())  # all but what a set and the last site cannot tell
         self.known = Known()
         self.searcher: Searcher | None = None
         self.tried = False
@@ -162,13 +163,13 @@ class _Run:
         self.count: ideals.Count | None = None
         if self.options.member not in (None, "ideals"):
             return
-        if not ideals.fits(self.problem):
+        if not ideals.fits(self.of_sets):
             self.known.notes.append(
                 "ideals: left out, the sets that can occur do not say enough, or sites are too many"
             )
             return
         most = COUNTED_FEW if self.problem.n <= LONGEST else COUNTED
-        self.count = ideals.count_sets(self.problem, most * min(1.0, self._left() / COUNTED_S))
+        self.count = ideals.count_sets(self.of_sets, most * min(1.0, self._left() / COUNTED_S))
         self.known.work += self.count.work
 
     def _at_once(self) -> bool:
@@ -198,15 +199,25 @@ class _Run:
         before = self.known.work
         limit_s = None if self.options.time_s is None else share
         stages = stages[:1] if self._sure() else stages
-        proof = ideals.prove(self.problem, self.known.incumbent, share, self.watch, stages, limit_s)
+        proof = ideals.prove(self.of_sets, self.known.incumbent, share, self.watch, stages, limit_s)
         self.known.work = before + (share if proof is None else proof.work)
         if proof is None:
             self.known.notes.append("ideals: too many sets for the limit, nothing is proven")
         elif proof.incumbent is None:
             self.known.infeasible = True
         else:
-            self.known.offer(proof.incumbent, "ideals")
-            self.known.raise_bound(proof.incumbent.cost, "ideals")
+            self._proven_of_sets(proof.incumbent)
+
+    def _proven_of_sets(self, best: Incumbent) -> None:
+        """The best route without what sets cannot tell: a bound, and the answer if nothing else is broken by it."""
+        route = best.route
+        if not self.problem.general:
+            self.known.offer(best, "ideals")
+        elif not broken(self.problem, route):
+            self.known.offer(Incumbent(route, route_cost(self.problem, route)), "ideals")
+        else:
+            self.known.notes.append("ideals: the best plan breaks what a set cannot tell, it is a bound only")
+        self.known.raise_bound(best.cost, "ideals")
 
     def _density(self) -> float:
         """Share of the pairs of contours that hard orders decide."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from kerfwise.models.engines import Member
@@ -10,7 +12,7 @@ from kerfwise.models.portfolio import run_portfolio
 from kerfwise.models.problem import Problem
 from kerfwise.models.solution import Incumbent, SolveOptions
 from kerfwise.models.watch import Watch
-from kerfwise.rules.statements import Lag
+from kerfwise.rules.statements import AtLeast, Lag, Pick
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.problems import ABOUT, problem, scattered
 
@@ -56,6 +58,35 @@ def test_what_the_ideals_cannot_hold_is_carried_by_cp_sat() -> None:
     assert (known.incumbent.cost, known.bound_um, known.proved_by) == (best.cost, best.cost, "cp-sat")
     assert any(note.startswith("ideals: left out") for note in known.notes)
     assert any(note.startswith("cp-sat: ") for note in known.notes)
+
+
+def _not_together(one: int, other: int) -> AtLeast:
+    """Two sites are not both used."""
+    return AtLeast((Pick(other),), (-1,), 0, ABOUT, when=one)
+
+
+def test_what_sets_cannot_tell_is_left_out_of_the_sets_and_a_plan_that_keeps_it_is_proven_all_the_same() -> None:
+    six = scattered(2, contours=6, sites=2, pairs=3)
+    best = cheapest(six)
+    assert best is not None
+    unused = sorted(set(range(six.m)) - set(best.route))
+    known = found(replace(six, general=(_not_together(unused[0], unused[1]),)))
+    assert known.incumbent is not None
+    assert (known.incumbent.cost, known.bound_um, known.proved_by) == (best.cost, best.cost, "ideals")
+
+
+@pytest.mark.parametrize("pair", [(0, 1), (0, 5), (2, 3)])
+def test_where_the_best_plan_of_the_sets_breaks_the_rest_it_is_a_bound_only(pair: tuple[int, int]) -> None:
+    six = scattered(2, contours=6, sites=2, pairs=3)
+    free = cheapest(six)
+    assert free is not None
+    bound = replace(six, general=(_not_together(free.route[pair[0]], free.route[pair[1]]),))
+    best, known = cheapest(bound), found(bound)
+    assert best is not None
+    assert best.cost > free.cost
+    assert known.incumbent is not None
+    assert (known.incumbent.cost, known.bound_um, known.proved_by) == (best.cost, best.cost, "cp-sat")
+    assert "ideals: the best plan breaks what a set cannot tell, it is a bound only" in known.notes
 
 
 def test_no_lawful_route_is_proven() -> None:
