@@ -11,8 +11,8 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan import Plan
 from kerfwise.postproc import produce as production
 from kerfwise.rules.profile import Profile
-from kerfwise.tests.metal.clean import faults
 from kerfwise.tests.metal.plant import plant
+from kerfwise.tests.metal.simulate import simulate
 
 Made = list[tuple[Nest, Profile, str, str | None]]
 
@@ -45,4 +45,4 @@ def judged(nest: Nest, profile: Profile, program: str, old: str | None = None) -
     if profile.material.kerf_mm <= 0:
         return []
     more = {} if old is None else {"before": old}
-    return [*faults(profile.as_cut(nest), program, **plant(profile), **more)]
+    return [*simulate(profile.as_cut(nest), program, **plant(profile), **more)]

@@ -20,8 +20,8 @@ from kerfwise.tests.agreement.cases import judged_case
 from kerfwise.tests.agreement.engines import ENGINES, IMPOSSIBLE, UNPROVEN, Answer
 from kerfwise.tests.agreement.orders import ORDER_RULES, order_disagreements
 from kerfwise.tests.agreement.trial import Trial
-from kerfwise.tests.metal.clean import faults
 from kerfwise.tests.metal.plant import plant
+from kerfwise.tests.metal.simulate import simulate
 from kerfwise.tests.models.minizinc.cases import Case
 
 ROUNDED_MM = 0.01
@@ -130,5 +130,5 @@ def _broken(case: Case, stated: Stated, answer: Answer) -> list[str]:
     cuts = CutSequence(tuple(p.cut for p in plan.cuts), plan.start_side, case.profile.machine.home)
     judged = judge(case.facts.nest, cuts, case.profile)
     program = write_program(plan, case.facts.nest, case.profile)
-    scrap = faults(case.facts.nest, program, **plant(case.profile))
+    scrap = simulate(case.facts.nest, program, **plant(case.profile))
     return [*(j.id for j in judged if j.strength == "hard" and not j.holds), *map(str, scrap)]
