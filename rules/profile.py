@@ -107,6 +107,7 @@ class Profile:
             "web_mm": self._options("part-rigidity", PartRigidityOptions).web_mm,
             "edge_band_mm": self._options("start-side", StartSideOptions).edge_band_mm,
             "thickness_mm": self.material.thickness_mm,
+            "kerf_mm": self.material.kerf_mm,
             "heat_limit_c": self.heat.limit_c,
             "absorbed_power_w": self.heat.absorbed_power_w,
         }
