@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..already_cut import AlreadyCut, loose_contours, rest_of
+from ..candidates.older_kerfs import OlderKerfs
 from ..nest import Nest
 from .containment import parents_of
 from .facts import Facing, Facts, Ints, Past, Stretch
@@ -58,6 +59,11 @@ def remaining(whole: Facts, already: AlreadyCut) -> Facts:
     def stretch(given: Stretch) -> Stretch:
         return replace(given, neighbours=facing(given.neighbours, of_contours=False))
 
+    def rings(given: Ints) -> Ints:
+        """Kerfs of contours that are left; no candidate has been made over those that are out."""
+        there = number[given[:, 1]] >= 0
+        return np.column_stack([given[there, 0], number[given[there, 1]]])
+
     parent = whole.parent[left]
     candidates = tuple(replace(c, contour=int(number[c.contour])) for c in whole.candidates)
     return replace(
@@ -78,5 +84,6 @@ def remaining(whole: Facts, already: AlreadyCut) -> Facts:
         first=np.searchsorted(np.array([c.contour for c in candidates], dtype=np.int64), np.arange(len(left) + 1)),
         head=stretch(whole.head),
         tail=stretch(whole.tail),
+        older_kerfs=OlderKerfs(rings(whole.older_kerfs.rings), whole.older_kerfs.leads),
         past=Past(whole, already, number, tuple(loose.items())),
     )
