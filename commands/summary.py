@@ -21,6 +21,9 @@ def summary(plan: Plan, verdict: CheckResult) -> str:
     if plan.already:
         again = "" if plan.broken_off is None else f", cut {plan.resumed_after + 1} is made again"
         lines.append(f"resumed after cut {plan.resumed_after}{again}: only the rest is planned")
+    if plan.broken_off is not None and plan.cuts and plan.broken_off.cut.pierce == plan.cuts[0].cut.pierce:
+        name = plan.broken_off.cut.contour
+        lines.append(f"{name} begins in its old pierce: there is no room for another beside the old kerf")
     lines += [
         f"{counted(len(plan.cuts), 'contour')}, {counted(totals.pierces, 'pierce')}, cut {totals.cut_mm / 1000:.3f} m, "
         f"idle {totals.idle_mm / 1000:.3f} m, {minutes} min {seconds:02d} s",
