@@ -71,7 +71,8 @@ def build_candidates(
     around = Surroundings.of(nest, Void.of(nest, already, options.kerf_mm))
     tried = try_options(nest, left, around, options)
     again = again_as_it_was(nest, already.broken_off, tried, options.kerf_mm)
-    if tried.faulty - {candidate.contour for candidate in again}:
+    tried = replace(tried, bare=tuple(k for k in tried.bare if all(k != c.contour for c in again)))
+    if tried.faulty:
         raise refusal(nest, tried, around, options)
     to_mark = [(k, nest.contours[k]) for k in left if nest.contours[k].kind == "mark"]
     marks = [c for k, m in to_mark for c in mark_candidates(k, m, options)]

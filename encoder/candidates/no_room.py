@@ -12,7 +12,7 @@ from ..geometry.curve import FloatArray
 from .approaches import ways
 from .candidate import IN_PROFILE, LeadOptions
 from .joints import Joints, Outline
-from .lead_in import least_clearance_mm, shapes
+from .lead_in import lead_ins, least_clearance_mm, shapes
 from .lead_shapes import shaped
 from .search import dense, longest_lead_mm
 from .surroundings import Surroundings
@@ -23,6 +23,8 @@ ALONE = ("reach", "narrow")
 
 WITHOUT_ROOM = ("pierce", "lead", "path")
 """Causes that more room in the nest would take away."""
+
+BURNT = "what is already cut leaves no metal to pierce near it: all pierces and leads there would lie in older kerfs"
 
 _LOOKS = 8
 """Entries of a contour that are looked at; some of those that the search has tried."""
@@ -48,7 +50,10 @@ def reasons(tried: Tried, around: Surroundings, options: LeadOptions) -> dict[in
     said |= {k: Reason(text, "reach") for k, text in tried.beyond.items()}
     if tried.bare:
         joints = Joints.joined([dense(tried.outlines[k], _LOOKS) for k in tried.bare])
+        burnt = _but_for_what_is_cut(tried, around, options)
         for k, (cause, why, gap_mm) in _why(joints, tried.outlines, around, options, tried.bare).items():
+            if k in burnt:
+                cause, why, gap_mm = "burnt", BURNT, None
             x, y = tried.outlines[k].contour.curve.vertices[0, :2].tolist()
             said[k] = Reason(f"{tried.outlines[k].contour.id} at ({x:.1f}, {y:.1f}): {why}", cause, gap_mm)
     for i in tried.unmet:
@@ -59,6 +64,16 @@ def reasons(tried: Tried, around: Surroundings, options: LeadOptions) -> dict[in
             f"{tried.outlines[k].contour.id} at the entry asked for, ({x:.1f}, {y:.1f}): {why}", cause, gap_mm
         )
     return said
+
+
+def _but_for_what_is_cut(tried: Tried, around: Surroundings, options: LeadOptions) -> set[int]:
+    """Contours that have room for a lead but for metal that a stopped program has burnt away."""
+    if around.void is None:
+        return set()
+    to_try = ways(Joints.joined([dense(tried.outlines[k]) for k in tried.bare]), tried.outlines, options.directions)
+    longest_mm = np.array([longest_lead_mm(tried.outlines[k], options) for k in to_try.joints.contour.tolist()])
+    found = lead_ins(to_try, longest_mm, replace(around, void=None), options, patient=True)
+    return set(found.ways.joints.contour.tolist())
 
 
 def _why(

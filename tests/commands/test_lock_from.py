@@ -166,6 +166,32 @@ def test_what_a_program_says_is_out_is_held_against_the_nest(old: Path, tmp_path
     assert f"{last} is cut again as cut" in twice.out
 
 
+def test_a_contour_without_metal_left_to_pierce_is_named(tmp_path: Path) -> None:
+    """Two parts 3 mm apart in a hole, 3 mm from its edge: their kerfs leave the hole nothing to be pierced in."""
+
+    def square(x: float, y: float, w: float, h: float) -> list[list[float]]:
+        return [[x, y], [x + w, y], [x + w, y + h], [x, y + h]]
+
+    parts = [
+        {"id": "host", "outer": square(10, 10, 56, 79), "holes": [square(25, 25, 26, 49)]},
+        {"id": "G0", "outer": square(28, 28, 20, 20)},
+        {"id": "G1", "outer": square(28, 51, 20, 20)},
+    ]
+    sheet = {"width": 76, "height": 99}
+    (tmp_path / "nest.json").write_text(json.dumps({"format": "kerfwise-nest/1", "sheet": sheet, "parts": parts}))
+    paths = {"G0.outer": square(27.25, 27.25, 21.5, 21.5), "G1.outer": square(27.25, 50.25, 21.5, 21.5)}
+    lines = ["G21", "G90 G17 G40"]
+    for ring in paths.values():
+        lines += ["G0 X{} Y{}".format(*ring[0]), "M3 $0 S1", *("G1 X{} Y{} F2500".format(*p) for p in ring[1:])]
+        lines += ["G1 X{} Y{}".format(*ring[0]), "M5 $0"]
+    (tmp_path / "old.nc").write_text("\n".join([*lines, "M2", ""]))
+    refused = kerfwise(
+        "solve", tmp_path / "nest.json", "--lock-from", tmp_path / "old.nc", "--upto", "2", "-o", tmp_path / "new.nc"
+    )
+    assert (refused.code, (tmp_path / "new.nc").exists()) == (2, False)
+    assert "host.hole1 at (25.0, 25.0): what is already cut leaves no metal to pierce near it" in refused.err
+
+
 def test_wrong_use_is_said(old: Path, tmp_path: Path) -> None:
     alone = kerfwise("solve", NEST, "--upto", "3")
     assert (alone.code, "--lock-from OLD and --upto N go together" in alone.err) == (2, True)
