@@ -68,7 +68,7 @@ def build_candidates(
         return ()
     gone = already.contours.union(loose)
     left = [k for k, c in enumerate(nest.contours) if c.id not in gone]
-    around = Surroundings.of(nest, Void.of(nest, already, options.kerf_mm))
+    around = Surroundings.of(nest, Void.of(nest, already, options.kerf_mm, options.splash_mm or 0.0))
     tried = try_options(nest, left, around, options)
     again = again_as_it_was(nest, already.broken_off, tried, options.kerf_mm)
     tried = replace(tried, bare=tuple(k for k in tried.bare if all(k != c.contour for c in again)))

@@ -28,7 +28,7 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Void:
-    """The paths of a torch that have been burnt, `kerf_mm` wide.
+    """The paths of a torch that have been burnt, `kerf_mm` wide; a pierce keeps half a kerf and `splash_mm` from that.
 
     `round_of` names the contour whose leads may join a path: the round of a cut that broke off, and is made again.
     """
@@ -36,9 +36,10 @@ class Void:
     paths: shapely.STRtree
     round_of: Ints
     kerf_mm: float
+    splash_mm: float = 0.0
 
     @staticmethod
-    def of(nest: Nest, already: AlreadyCut, kerf_mm: float) -> Void | None:
+    def of(nest: Nest, already: AlreadyCut, kerf_mm: float, splash_mm: float = 0.0) -> Void | None:
         """The paths of all that is cut, and of what broke off; marks burn nothing away. None where nothing is burnt."""
         lines: list[shapely.LineString] = []
         round_of: list[int] = []
@@ -51,10 +52,10 @@ class Void:
                 if path is not None and path.segments:
                     lines.append(path.line(CHORD_MM))
                     round_of.append(joined)
-        return Void(shapely.STRtree(lines), np.array(round_of, dtype=np.int64), kerf_mm) if lines else None
+        return Void(shapely.STRtree(lines), np.array(round_of, dtype=np.int64), kerf_mm, splash_mm) if lines else None
 
     def clear_pierces(self, points: FloatArray) -> Bools:
-        """Points (m, 2) where a pierce, as wide as the kerf, has metal all around it.
+        """Points (m, 2) where a pierce, as wide as the kerf, has metal all around it, and so much to the next kerf.
 
         Examples
         --------
@@ -63,7 +64,7 @@ class Void:
         [False, True]
         """
         clear = np.full(len(points), True)
-        clear[self._near(shapely.points(points), self.kerf_mm)[0]] = False
+        clear[self._near(shapely.points(points), self.kerf_mm + self.splash_mm)[0]] = False
         return clear
 
     def clear_leads(self, lines: NDArray[np.object_], contour: Ints) -> Bools:
