@@ -13,8 +13,9 @@ SHARED_METAL = "shared-metal"
 
 def plant(profile: Profile) -> dict[str, Any]:
     """The keywords of `simulate` that a profile decides."""
-    shared = profile.rules.get(SHARED_METAL)
+    shared, pierce = profile.rules.get(SHARED_METAL), profile.settings().get("pierce")
     return {
+        "splash_mm": getattr(pierce.options, "splash_mm", 0.0) if pierce else 0.0,
         "kerf_mm": profile.material.kerf_mm,
         "edge_starts": profile.leads.edge_start,
         "touching": shared is not None and shared.strength == "off",
