@@ -19,12 +19,11 @@ from kerfwise.tests.metal.simulate import simulate
 @click.argument("program", type=Path)
 @click.option("-p", "--profile", default="plasma-carbon-steel", show_default=True)
 @click.option("--before", type=Path, help="The program that was broken off, where this one takes up its work.")
-@click.option("--splash", default=0.0, show_default=True, help="mm that a pierce keeps from a kerf beyond half of one.")
-def main(nest: str, program: Path, profile: str, before: Path | None, splash: float) -> None:
+def main(nest: str, program: Path, profile: str, before: Path | None) -> None:
     """Print what PROGRAM does wrong to the metal of NEST; exit code 1 if it does anything."""
     plant, text = load_profile(profile), program.read_text(encoding="utf-8")
     old = before and before.read_text(encoding="utf-8")
-    found = simulate(read_nest(nest, plant.read_options()), text, before=old, splash_mm=splash, **given(plant))
+    found = simulate(read_nest(nest, plant.read_options()), text, before=old, **given(plant))
     for finding in found:
         click.echo(str(finding))
     click.echo(f"{len(read_program(text).paths)} cuts and marks burnt, findings: {len(found)}")
