@@ -98,7 +98,8 @@ def _leads_of(position: int, cut: Cut, contour: Contour, kerf_mm: float) -> Iter
     """The leads of a cut, each without its half a kerf at the contour; a lead-out without its overcut."""
     for name, lead in _named_leads(cut):
         if name == "lead-in":
-            free = lead.between(0.0, lead.length_mm - kerf_mm / 2).line() if lead.length_mm > kerf_mm / 2 else None
+            free_mm = lead.length_mm - kerf_mm / 2
+            free = lead.between(0.0, free_mm).line() if free_mm > SLACK_MM / 100 else None  # else none but rounding
         else:
             free = shapely.difference(lead.line(), shapely.buffer(contour.line, kerf_mm + SLACK_MM))
         if free is not None and not free.is_empty:
