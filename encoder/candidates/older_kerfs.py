@@ -54,9 +54,9 @@ def older_kerfs(nest: Nest, candidates: Sequence[Candidate], kerf_mm: float, spl
     >>> from kerfwise.encoder.candidates import LeadOptions, build_candidates
     >>> from kerfwise.tests.nests import nest, part, rect
     >>> two = nest(400, 100, part("A", rect(10, 10, 80, 80)), part("B", rect(94, 10, 80, 80)))
-    >>> ways = build_candidates(two, LeadOptions(entries=4, pierce_clearance_mm=1.0))
-    >>> older_kerfs(two, ways, 1.5, 0.5).rings[:, 1].tolist()
-    [0, 0]
+    >>> ways = build_candidates(two, LeadOptions(entries=4, splash_mm=None))
+    >>> older_kerfs(two, ways, 1.5, 0.5).leads[:2].tolist()
+    [[2, 8], [2, 9]]
     """
     burning = [k for k, c in enumerate(candidates) if nest.contours[c.contour].kind != "mark"]
     if not burning:
