@@ -169,6 +169,7 @@ def make_problem(
     allowed, costs = _candidate_costs(facts, statements)
     site_of, representatives = _sites(facts, allowed, costs, conditions, general)
     chosen = np.array(representatives, dtype=np.int64)
+    kept = set(representatives)  # candidates of one site are asked alike: what is asked of one counts once
     contours = np.array([contour_of[c] for c in representatives], dtype=np.int64)
     candidate_site = np.full(len(facts.candidates), -1, dtype=np.int64)
     candidate_site[list(site_of)] = list(site_of.values())
@@ -186,9 +187,7 @@ def make_problem(
         travel_weight=sum(s.weight for s in statements if isinstance(s, IdleTravel)),
         before=before,
         block=blocks,
-        conditions=tuple(
-            dict.fromkeys(_on_site(c, site_of) for c in conditions if c.when is None or c.when in site_of)
-        ),
+        conditions=tuple(dict.fromkeys(_on_site(c, site_of) for c in conditions if c.when is None or c.when in kept)),
         soft_groups=tuple(SoftGroup(g.contours, _cost(g.weight), g.about) for g in groups if g.weight is not None),
         lags=tuple(s for s in statements if isinstance(s, Lag)),
         general=tuple(general),

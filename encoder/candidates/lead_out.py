@@ -80,7 +80,7 @@ def _leads(ends: Ways, around: Surroundings, options: LeadOptions) -> Leads:
                 return leads
             left, shape = ends.take(rows), Shape(kind, shortened, math.radians(angle))
             tried = shaped(shape, left.joints, left.along, longest_mm[rows], options.lead_out_mm / 4)
-            clear = around.inside_edges(tried)
+            clear = around.inside_edges(tried) & around.in_waste(tried.pierce)
             clear[clear] = around.clear_leads(tried.take(clear), left.joints.contour[clear], options.kerf_mm / 2)
             done = rows[clear]
             leads.pierce[done], leads.bulge[done] = tried.pierce[clear], tried.bulge[clear]

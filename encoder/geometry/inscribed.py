@@ -13,6 +13,7 @@ SAME_MM = 1e-6
 """Arcs whose centres and radii differ by less are arcs of one circle."""
 
 _CHORD_MM = 0.005
+_FOUND_MM = 1e-4
 _STEPS_MM = (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
 
 
@@ -46,7 +47,7 @@ def largest_circle(curve: Curve) -> tuple[Point, float]:
     found = _as_circle(curve)
     if found is not None:
         return found
-    x, y = shapely.get_coordinates(shapely.maximum_inscribed_circle(_area(curve), tolerance=_CHORD_MM))[0].tolist()
+    x, y = shapely.get_coordinates(shapely.maximum_inscribed_circle(_area(curve), tolerance=_FOUND_MM))[0].tolist()
     best_mm = curve.project((x, y))[1]
     for step_mm in _STEPS_MM:
         better = True

@@ -53,7 +53,7 @@ def test_a_lost_statement_is_noticed() -> None:
     cheapest = Judge(replace(Trial.of(case), profile=profile), frozenset()).cheapest_mm()
     assert cheapest is not None
     assert lost.mm is not None
-    assert lost.mm < cheapest - 100
+    assert lost.mm < cheapest - 10  # engines that agree do so to 0.01 mm
 
 
 def test_no_plan_drawn_at_random_is_cheaper_than_the_cheapest() -> None:

@@ -25,6 +25,7 @@ from kerfwise.tests.rules.case import cut
 
 # Three long parts side by side, and three rows of three: the middle one is locked to be the last.
 LONG = nest(700, 400, *(part(name, rect(200, 110 + 50 * k, 300, 40)) for k, name in enumerate("ABC")))
+BESIDE = nest(700, 400, *LONG.parts, part("D", rect(600, 160, 60, 60)))
 ROWS = nest(500, 500, *(part(f"P{k}", rect(85 + 110 * (k % 3), 85 + 110 * (k // 3), 100, 100)) for k in range(9)))
 
 
@@ -69,8 +70,9 @@ def test_a_strip_that_no_order_avoids() -> None:
 def test_a_strip_that_one_of_several_orders_makes() -> None:
     """A position is no order of two contours: that nothing better is left is the planner's word."""
     third = Lock(contour="B.outer", position=3)
+    before = (Lock(contour="A.outer", before="D.outer"), Lock(contour="C.outer", before="D.outer"))
     why = "the plan excuses it: what must be cut before B.outer left nothing better"
-    assert reasons(LONG, "no-narrow-strips", third) == [(("B.outer",), why)]
+    assert reasons(BESIDE, "no-narrow-strips", third, *before) == [(("B.outer",), why)]
 
 
 def test_an_island_that_no_order_avoids() -> None:
