@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from typing import assert_never
 
 from ..encoder.facts.facts import Facts
 from ..rules.state import Stated
-from ..rules.statements import EXEMPTION_MM, AtLeast, NoGood
+from ..rules.statements import EXEMPTION_MM, AtLeast, Contiguous, Crossing, Forbid, IdleTravel, Lag, NoGood, Precede
 from .conditions import Condition, of_at_least, of_no_good
 
 
@@ -49,10 +50,17 @@ def _excusable(stated: Stated, contour_of: list[int]) -> dict[int, list[tuple[Co
     """
     found: dict[int, list[tuple[Condition, str]]] = defaultdict(list)
     for s in stated.statements:
-        if isinstance(s, AtLeast | NoGood) and s.weight == EXEMPTION_MM:
-            if isinstance(s, NoGood):
+        if s.weight != EXEMPTION_MM:
+            continue
+        match s:
+            case NoGood():
                 for condition in of_no_good(s, None):
                     found[condition.contour].append((condition, s.about.contours[len(s.out)]))
-            elif (asked := of_at_least(s, contour_of, None)) is not None:
-                found[asked.contour].append((asked, s.about.contours[0]))
+            case AtLeast():
+                if (asked := of_at_least(s, contour_of, None)) is not None:
+                    found[asked.contour].append((asked, s.about.contours[0]))
+            case Precede() | Forbid() | Contiguous() | Lag() | Crossing() | IdleTravel():
+                pass  # no excusable rule states them
+            case _:
+                assert_never(s)
     return found

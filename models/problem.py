@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import assert_never
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from ..encoder.errors import RulesConflict
 from ..encoder.facts.facts import Facts
 from ..encoder.geometry.segment import Point
+from ..rules.by_kind import by_kind
 from ..rules.statements import (
     About,
     AtLeast,
@@ -159,14 +161,14 @@ def make_problem(
         If the hard orders form a cycle, or a contour has no candidate left.
     """
     contour_of = [c.contour for c in facts.candidates]
-    hard = [s for s in statements if isinstance(s, Precede) and s.weight is None]
-    groups = [s for s in statements if isinstance(s, Contiguous)]
-    blocks = _blocks(facts.n, [g for g in groups if g.weight is None])
+    kinds = by_kind(statements)
+    hard = [s for s in kinds.precede if s.weight is None]
+    blocks = _blocks(facts.n, [g for g in kinds.contiguous if g.weight is None])
     before = close(facts.n, [(p.before, p.after) for p in hard], blocks)
     if before.diagonal().any():
         raise _contradiction(before, hard)
     conditions, general = _conditions(statements, contour_of)
-    allowed, costs = _candidate_costs(facts, statements)
+    allowed, costs = _candidate_costs(facts, kinds.forbid)
     site_of, representatives = _sites(facts, allowed, costs, conditions, general)
     chosen = np.array(representatives, dtype=np.int64)
     kept = set(representatives)  # candidates of one site are asked alike: what is asked of one counts once
@@ -184,20 +186,22 @@ def make_problem(
         end_um=points_um([facts.candidates[c].end for c in representatives], home_mm),
         site_cost=costs[chosen] if len(chosen) else np.zeros(0, dtype=np.int64),
         home_um=points_um([home_mm], home_mm)[0],
-        travel_weight=sum(s.weight for s in statements if isinstance(s, IdleTravel)),
+        travel_weight=sum(s.weight for s in kinds.idle_travel),
         before=before,
         block=blocks,
         conditions=tuple(dict.fromkeys(_on_site(c, site_of) for c in conditions if c.when is None or c.when in kept)),
-        soft_groups=tuple(SoftGroup(g.contours, _cost(g.weight), g.about) for g in groups if g.weight is not None),
-        lags=tuple(s for s in statements if isinstance(s, Lag)),
+        soft_groups=tuple(
+            SoftGroup(g.contours, _cost(g.weight), g.about) for g in kinds.contiguous if g.weight is not None
+        ),
+        lags=kinds.lag,
         general=tuple(general),
         ids=tuple(c.id for c in facts.nest.contours),
         pace=Pace() if feeds is None else Pace.of(facts, representatives, feeds),
     )
-    return _with_crossings(problem, [s for s in statements if isinstance(s, Crossing)], earlier)
+    return _with_crossings(problem, kinds.crossing, earlier)
 
 
-def _with_crossings(problem: Problem, statements: list[Crossing], earlier: Problem | None) -> Problem:
+def _with_crossings(problem: Problem, statements: Sequence[Crossing], earlier: Problem | None) -> Problem:
     if not statements:
         return problem
     sites = np.append(problem.first, problem.m + 1)
@@ -280,33 +284,39 @@ def _contradiction(before: Bools, hard: list[Precede]) -> RulesConflict:
 
 
 def _conditions(statements: tuple[Statement, ...], contour_of: list[int]) -> tuple[list[Condition], list[AtLeast]]:
+    """What becomes conditions on sites, and what no condition can say; other kinds are fields of their own."""
     conditions: list[Condition] = []
     general: list[AtLeast] = []
     for s in statements:
-        if isinstance(s, Precede) and s.weight is not None:
-            conditions.append(of_soft_precede(s, _cost(s.weight)))
-        elif isinstance(s, NoGood):
-            conditions.extend(of_no_good(s, None if s.weight is None else _cost(s.weight)))
-        elif isinstance(s, AtLeast):
-            made = of_at_least(s, contour_of, None if s.weight is None else _cost(s.weight))
-            if made is None:
-                general.append(s)
-            else:
-                conditions.append(made)
+        match s:
+            case Precede():
+                if s.weight is not None:
+                    conditions.append(of_soft_precede(s, _cost(s.weight)))
+            case NoGood():
+                conditions.extend(of_no_good(s, None if s.weight is None else _cost(s.weight)))
+            case AtLeast():
+                made = of_at_least(s, contour_of, None if s.weight is None else _cost(s.weight))
+                if made is None:
+                    general.append(s)
+                else:
+                    conditions.append(made)
+            case Forbid() | Contiguous() | Lag() | Crossing() | IdleTravel():
+                pass  # `make_problem` reads them
+            case _:
+                assert_never(s)
     return conditions, general
 
 
-def _candidate_costs(facts: Facts, statements: tuple[Statement, ...]) -> tuple[Bools, Ints]:
+def _candidate_costs(facts: Facts, forbidden: Sequence[Forbid]) -> tuple[Bools, Ints]:
     allowed = np.ones(len(facts.candidates), dtype=np.bool_)
     costs = np.zeros(len(facts.candidates), dtype=np.int64)
     reasons: dict[int, list[str]] = defaultdict(list)
-    for s in statements:
-        if isinstance(s, Forbid):
-            if s.weight is None:
-                allowed[s.candidate] = False
-                reasons[facts.candidates[s.candidate].contour].append(s.about.sentence)
-            else:
-                costs[s.candidate] += _cost(s.weight)
+    for s in forbidden:
+        if s.weight is None:
+            allowed[s.candidate] = False
+            reasons[facts.candidates[s.candidate].contour].append(s.about.sentence)
+        else:
+            costs[s.candidate] += _cost(s.weight)
     for contour in range(facts.n):
         span = facts.candidates_of(contour)
         if not allowed[span.start : span.stop].any():

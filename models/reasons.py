@@ -7,8 +7,9 @@ from collections.abc import Sequence
 
 from ..encoder.facts.facts import Facts
 from ..encoder.geometry.segment import Point
+from ..rules.by_kind import by_kind
 from ..rules.state import Stated
-from ..rules.statements import Forbid, Precede
+from ..rules.statements import Precede
 
 SAME_MM = 1e-6
 
@@ -23,8 +24,8 @@ def reasons(facts: Facts, stated: Stated, route: Sequence[int], home: Point) -> 
     place = {contour: k for k, contour in enumerate(order)}
     after: dict[int, Precede] = {}
     before: dict[int, Precede] = {}
-    for s in stated.statements:
-        if not isinstance(s, Precede) or place[s.before] > place[s.after]:
+    for s in by_kind(stated.statements).precede:
+        if place[s.before] > place[s.after]:
             continue
         if s.after not in after or place[s.before] > place[after[s.after].before]:
             after[s.after] = s
@@ -41,7 +42,7 @@ def reasons(facts: Facts, stated: Stated, route: Sequence[int], home: Point) -> 
 
 def _entered(facts: Facts, stated: Stated, route: Sequence[int], home: Point) -> list[tuple[str, ...]]:
     """For every cut, that no candidate of its contour makes a shorter way between its neighbours, if that is so."""
-    forbidden = {s.candidate for s in stated.statements if isinstance(s, Forbid) and s.weight is None}
+    forbidden = {s.candidate for s in by_kind(stated.statements).forbid if s.weight is None}
     used = [facts.candidates[c] for c in route]
     names = ["home", *(facts.nest.contours[c.contour].id for c in used), "home"]
     told: list[tuple[str, ...]] = []

@@ -14,8 +14,9 @@ from ..models.problem import UM_PER_MM, make_problem
 from ..models.solution import Progress, Solution, SolveOptions
 from ..models.solve import solve
 from ..models.timing.choose import feeds_of
+from ..rules.by_kind import by_kind
 from ..rules.profile import Profile
-from ..rules.statements import EXEMPTION_MM, IdleTravel, Statement
+from ..rules.statements import EXEMPTION_MM, Statement
 
 
 def solve_by(
@@ -33,7 +34,8 @@ def solve_by(
     RulesConflict
         If it finds none.
     """
-    bare = tuple(s for s in statements if _binds(s))
+    prices = by_kind(statements).idle_travel
+    bare = tuple(s for s in statements if s in prices or _binds(s))
     if strategy == "shortest":
         return solve(facts, bare, limits, progress)
     problem = make_problem(facts, bare, limits.home_mm, limits.feeds)
@@ -55,5 +57,5 @@ def solve_by(
 
 
 def _binds(statement: Statement) -> bool:
-    """Whether it is hard, or hard but for excuses, or the price of idle travel itself."""
-    return isinstance(statement, IdleTravel) or statement.weight is None or statement.weight >= EXEMPTION_MM
+    """Whether it is hard, or hard but for excuses."""
+    return statement.weight is None or statement.weight >= EXEMPTION_MM

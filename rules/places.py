@@ -13,8 +13,9 @@ import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import coo_array
 
+from .by_kind import by_kind
 from .cycles import Link
-from .statements import AtLeast, Before, Statement
+from .statements import Before, Statement
 
 MOST_ROWS = 300_000
 """Where the program had more rows, nothing is dropped: the contradiction is told as any other."""
@@ -25,7 +26,7 @@ def positions(statements: Sequence[Statement], n: int) -> dict[int, int]:
 
     Examples
     --------
-    >>> from kerfwise.rules.statements import About
+    >>> from kerfwise.rules.statements import About, AtLeast
     >>> about = About("locks", ("B",), "B is cut 2 in order")
     >>> second = [AtLeast((Before(0, 1), Before(2, 1)), (1, 1), 1, about)]
     >>> positions([*second, AtLeast((Before(1, 0), Before(1, 2)), (1, 1), 1, about)], 3)
@@ -33,8 +34,8 @@ def positions(statements: Sequence[Statement], n: int) -> dict[int, int]:
     """
     ahead: dict[int, int] = {}
     behind: dict[int, int] = {}
-    for s in statements:
-        if not isinstance(s, AtLeast) or s.weight is not None or s.when is not None or len(s.literals) != n - 1:
+    for s in by_kind(statements).at_least:
+        if s.weight is not None or s.when is not None or len(s.literals) != n - 1:
             continue
         if set(s.weights) != {1} or not all(isinstance(literal, Before) for literal in s.literals):
             continue

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from ..encoder.errors import RulesConflict
+from .by_kind import by_kind
 from .cycles import Link, components, contracted, path
 from .feedback import Unbreakable, lightest_cut
 from .own import OwnFile
@@ -15,7 +16,7 @@ from .places import in_the_way, positions
 from .remainder import Rest, of_what_is_left
 from .rule import Rule
 from .slower_ways import slower_ways
-from .statements import EXEMPTION_MM, About, AtLeast, Contiguous, IdleTravel, Precede, Statement
+from .statements import EXEMPTION_MM, About, Contiguous, IdleTravel, Precede, Statement
 from .yaml_positions import wrong_at
 
 if TYPE_CHECKING:
@@ -117,7 +118,7 @@ def hopeless_anyway(facts: Facts, profile: Profile) -> tuple[About, ...]:
 
 def hopeless(statements: Sequence[Statement]) -> tuple[About, ...]:
     """Where the hard statements come from that no plan can meet, whatever the others ask."""
-    found = (s.about for s in statements if isinstance(s, AtLeast) and s.weight is None and s.hopeless)
+    found = (s.about for s in by_kind(statements).at_least if s.weight is None and s.hopeless)
     return tuple(dict.fromkeys(found))
 
 
@@ -196,8 +197,9 @@ def resolve(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int
 
     The weakest rules give way first (`gives_way`, the highest first; 0 never), and as few of their orders as can be.
     """
-    orders = [s for s in statements if isinstance(s, Precede) and s.weight is None]
-    runs = [s for s in statements if isinstance(s, Contiguous) and s.weight is None]
+    kinds = by_kind(statements)
+    orders = [s for s in kinds.precede if s.weight is None]
+    runs = [s for s in kinds.contiguous if s.weight is None]
     links = contracted(n, [(s.before, s.after) for s in orders], [s.contours for s in runs])
     asking: dict[Link, list[Precede]] = {}
     for component in components(links):
@@ -230,8 +232,9 @@ def _without(statements: Sequence[Statement], dropped: Sequence[DroppedStatement
 
 
 def _closes_cycle(statements: Sequence[Statement], n: int) -> bool:
-    orders = [(s.before, s.after) for s in statements if isinstance(s, Precede) and s.weight is None]
-    runs = [s.contours for s in statements if isinstance(s, Contiguous) and s.weight is None]
+    kinds = by_kind(statements)
+    orders = [(s.before, s.after) for s in kinds.precede if s.weight is None]
+    runs = [s.contours for s in kinds.contiguous if s.weight is None]
     return bool(components(contracted(n, orders, runs)))
 
 
@@ -240,14 +243,15 @@ def _out_of_place(statements: Sequence[Statement], n: int, gives_way: Mapping[st
     at = positions(statements, n)
     if not at:
         return []
+    kinds = by_kind(statements)
     asking: dict[Link, list[Precede]] = {}
-    for s in statements:
-        if isinstance(s, Precede) and s.weight is None:
+    for s in kinds.precede:
+        if s.weight is None:
             asking.setdefault((s.before, s.after), []).append(s)
-    runs = [s.contours for s in statements if isinstance(s, Contiguous) and s.weight is None]
+    runs = [s.contours for s in kinds.contiguous if s.weight is None]
     links = list(asking)
     out = in_the_way(n, links, _weights(list(asking.values()), gives_way), runs, at)
-    firm = [s.about for s in statements if isinstance(s, AtLeast) and s.weight is None and len(s.literals) == n - 1]
+    firm = [s.about for s in kinds.at_least if s.weight is None and len(s.literals) == n - 1]
     why = "place: " + "; ".join(dict.fromkeys(about.sentence for about in firm))
     return [DroppedStatement(order, why) for k in out for order in asking[links[k]]]
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from ...encoder.errors import RulesConflict
 from ...encoder.facts.facts import Facts
+from ...rules.by_kind import by_kind
 from ...rules.profile import Profile
 from ...rules.state import (
     HOPELESS,
@@ -19,7 +20,7 @@ from ...rules.state import (
     resolve,
     unread_files,
 )
-from ...rules.statements import About, Forbid, Precede, Statement
+from ...rules.statements import About, Statement
 from ..plan import RELAXED
 from ..timing.choose import feeds_of
 from .cheapest import cheapest
@@ -103,7 +104,8 @@ def find_conflict(facts: Facts, profile: Profile, purse: Purse | None = None) ->
         return None
     clash = tuple(group.about for group in core.groups)
     stuck, relax = _way_out_or_why_none(facts, profile, statements, finder)
-    forbidden = {s.candidate for group in core.groups for s in group.statements if isinstance(s, Forbid)}
+    clashing = by_kind(s for group in core.groups for s in group.statements)
+    forbidden = {s.candidate for s in clashing.forbid}
     notes = (*_only_ways(facts, profile, forbidden), *unread_files(profile))
     return Conflict(clash, core.minimal, relax, stuck, notes)
 
@@ -209,7 +211,8 @@ def _asked(facts: Facts, profile: Profile, statements: Sequence[Statement]) -> S
     try:
         return resolve(statements, facts.n, gives_way).statements
     except RulesConflict:
-        return [s for s in statements if not (isinstance(s, Precede) and gives_way[s.about.rule])]
+        without = {s for s in by_kind(statements).precede if gives_way[s.about.rule]}
+        return [s for s in statements if s not in without]
 
 
 def _gives_way(profile: Profile) -> dict[str, int]:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import assert_never
 
+from ...rules.by_kind import by_kind
 from ...rules.statements import (
     About,
     AtLeast,
@@ -12,6 +14,7 @@ from ...rules.statements import (
     Contiguous,
     Crossing,
     Forbid,
+    IdleTravel,
     Lag,
     NoGood,
     Pick,
@@ -34,21 +37,26 @@ def hard_groups(statements: Iterable[Statement]) -> tuple[Group, ...]:
     """The hard statements, grouped, in the order in which they are first met."""
     found: dict[About, list[Asked]] = {}
     for s in statements:
-        if isinstance(s, Asked) and s.weight is None:
-            found.setdefault(s.about, []).append(s)
+        match s:
+            case Precede() | Forbid() | AtLeast() | Contiguous() | Crossing() | Lag() | NoGood():
+                if s.weight is None:
+                    found.setdefault(s.about, []).append(s)
+            case IdleTravel():
+                pass  # a price: it is never hard
+            case _:
+                assert_never(s)
     return tuple(Group(about, tuple(members)) for about, members in found.items())
 
 
 def moves_or_seconds(groups: Iterable[Group]) -> bool:
     """Whether any of them looks at single moves or at the clock: more than an order and its entries can tell."""
-    return any(
-        isinstance(s, Crossing) or (isinstance(s, Lag) and s.seconds > 0) for group in groups for s in group.statements
-    )
+    found = by_kind(s for group in groups for s in group.statements)
+    return bool(found.crossing) or any(s.seconds > 0 for s in found.lag)
 
 
 def on_order(groups: Iterable[Group]) -> list[Group]:
     """Those that say something of an order and its entries."""
-    return [group for group in groups if not all(isinstance(s, Crossing) for s in group.statements)]
+    return [group for group in groups if len(by_kind(group.statements).crossing) < len(group.statements)]
 
 
 def contours_of(group: Group, contour_of: Sequence[int]) -> set[int]:
@@ -68,6 +76,10 @@ def contours_of(group: Group, contour_of: Sequence[int]) -> set[int]:
                 found |= set(contours)
             case NoGood(out, left):
                 found |= out | left
+            case Crossing():
+                pass  # it speaks of moves
+            case _:
+                assert_never(s)
     return found
 
 

@@ -9,11 +9,13 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import assert_never
 
 from ortools.sat.python.cp_model import FEASIBLE, INFEASIBLE, OPTIMAL, CpModel, IntVar, LiteralT
 
 from ...encoder.facts.facts import Facts
-from ...rules.statements import AtLeast, Before, Contiguous, Forbid, Lag, NoGood, Precede
+from ...rules.by_kind import by_kind
+from ...rules.statements import AtLeast, Before, Contiguous, Crossing, Forbid, Lag, NoGood, Precede
 from .group import Asked, Group, contours_of
 from .purse import WORK_A_STATEMENT, NotAnswered, Purse
 
@@ -61,7 +63,7 @@ def build(facts: Facts, groups: Sequence[Group]) -> OrderModel:
     """The model in which each group may be switched on by its literal in `holds`."""
     contour_of = [c.contour for c in facts.candidates]
     mentioned = sorted({k for group in groups for k in contours_of(group, contour_of)})
-    lags = any(isinstance(s, Lag) for group in groups for s in group.statements)
+    lags = bool(by_kind(s for group in groups for s in group.statements).lag)
     if not lags:
         loose = _loose(groups)
         mentioned = [k for k in mentioned if k not in loose]
@@ -94,6 +96,10 @@ def _loose(groups: Sequence[Group]) -> set[int]:
                 firm |= set(contours)
             case NoGood(out, left):
                 firm |= out | left
+            case Forbid() | Crossing():
+                pass  # neither speaks of a contour's place
+            case _:
+                assert_never(s)
     loose = {k for k, of in partners.items() if k not in firm and len(of) == 1 and k not in of}
     return {k for k in loose if not partners[k] & loose}
 
@@ -128,6 +134,10 @@ def _ask(built: OrderModel, statement: Asked, holds: IntVar) -> None:
                 model.add(at[other] - at[one] > statement.cuts).only_enforce_if(holds, literal)
         case NoGood(out, left):
             model.add_bool_or(*(built.before(b, a) for a in sorted(out) for b in sorted(left)), holds.negated())
+        case Crossing():
+            pass  # `whole` asks it
+        case _:
+            assert_never(statement)
 
 
 def clash(facts: Facts, groups: Sequence[Group], purse: Purse) -> list[int] | None:

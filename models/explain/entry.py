@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from ...encoder.cut import Direction
 from ...encoder.geometry.segment import Point
-from ...rules.statements import About, Forbid
+from ...rules.by_kind import by_kind
+from ...rules.statements import About
 from .resite import Stuck, resite
 from .setting import Setting
 
@@ -44,8 +45,8 @@ def explain_entry(setting: Setting, contour: int) -> Entry:
     place = setting.order.index(contour)
     already = set(setting.order[:place])
     forbidden: dict[int, list[About]] = defaultdict(list)
-    for s in setting.stated.statements:
-        if isinstance(s, Forbid) and s.weight is None:
+    for s in by_kind(setting.stated.statements).forbid:
+        if s.weight is None:
             forbidden[s.candidate].append(s.about)
     used = setting.candidates[place]
     costs: dict[int, int | tuple[About, ...]] = {}

@@ -3,8 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import assert_never
 
-from ...rules.statements import About, AtLeast, Before, Forbid, Precede, Statement
+from ...rules.statements import (
+    About,
+    AtLeast,
+    Before,
+    Contiguous,
+    Crossing,
+    Forbid,
+    IdleTravel,
+    Lag,
+    NoGood,
+    Precede,
+    Statement,
+)
 from ..heat_prices.priced_statements import HEAT
 from .setting import Setting
 
@@ -32,16 +45,15 @@ def heat_prices(setting: Setting, contour: int) -> tuple[HeatPrice, ...]:
     for s in setting.stated.statements:
         if s.weight is None or s.about.rule != HEAT or setting.name(contour) not in s.about.contours:
             continue
-        own = not isinstance(s, AtLeast) or all(isinstance(x, Before) and contour in (x.i, x.j) for x in s.literals)
-        kept = _kept(setting, s)
-        if own and kept is not None:
+        kept = _kept(setting, s, contour)
+        if kept is not None:
             others = tuple(name for name in s.about.contours if name != setting.name(contour))
             found[s.about] = HeatPrice(others, kept, s.weight, s.about)
     return tuple(sorted(found.values(), key=lambda price: -price.price_mm))
 
 
-def _kept(setting: Setting, statement: Statement) -> bool | None:
-    """Whether the plan keeps it; None where it asks nothing of how its contours are cut."""
+def _kept(setting: Setting, statement: Statement, contour: int) -> bool | None:
+    """Whether the plan keeps it; None where it asks nothing of how this contour is cut."""
     place = {contour: k for k, contour in enumerate(setting.order)}
     site_of = setting.problem.candidate_site
     match statement:
@@ -49,7 +61,14 @@ def _kept(setting: Setting, statement: Statement) -> bool | None:
             return place[before] < place[after]
         case Forbid(candidate):
             return int(site_of[candidate]) not in setting.route if site_of[candidate] >= 0 else None
-        case AtLeast(literals, weights, bound, when=when) if when is None or int(site_of[when]) in setting.route:
-            orders = ((x, w) for x, w in zip(literals, weights, strict=True) if isinstance(x, Before))
-            return sum(w for x, w in orders if place[x.i] < place[x.j]) >= bound
-    return None
+        case AtLeast():
+            orders = [x for x in statement.literals if isinstance(x, Before) and contour in (x.i, x.j)]
+            unused = statement.when is not None and int(site_of[statement.when]) not in setting.route
+            if unused or len(orders) < len(statement.literals):
+                return None
+            true = (w for x, w in zip(orders, statement.weights, strict=True) if place[x.i] < place[x.j])
+            return sum(true) >= statement.bound
+        case Contiguous() | Lag() | NoGood() | Crossing() | IdleTravel():
+            return None  # no price of heat is one of them
+        case _:
+            assert_never(statement)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import assert_never
 
 import numpy as np
 
-from ...rules.statements import About, Contiguous, Lag, NoGood, Precede
+from ...rules.statements import About, AtLeast, Contiguous, Crossing, Forbid, IdleTravel, Lag, NoGood, Precede
 from .setting import Setting
 
 
@@ -51,7 +52,7 @@ def others(setting: Setting, contour: int) -> tuple[About, ...]:
     """What else is asked of a contour's place: hard statements that are not the order of two contours."""
     found = []
     for s in setting.stated.statements:
-        if s.weight is not None or isinstance(s, Precede):
+        if s.weight is not None:
             continue
         match s:
             case Contiguous(contours):
@@ -60,8 +61,10 @@ def others(setting: Setting, contour: int) -> tuple[About, ...]:
                 mine = contour in out or contour in left
             case Lag(i, j):
                 mine = contour in (i, j)
+            case Precede() | Forbid() | AtLeast() | Crossing() | IdleTravel():
+                mine = False  # orders are `holds`; entries, sums and moves are told elsewhere
             case _:
-                mine = False
+                assert_never(s)
         if mine:
             found.append(s.about)
     site = setting.route[setting.order.index(contour)]

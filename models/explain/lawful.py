@@ -4,12 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import assert_never
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...rules.afterthoughts import afterthoughts
-from ...rules.statements import About, AtLeast, Before, Contiguous, Lag, NoGood, Statement
+from ...rules.statements import (
+    About,
+    AtLeast,
+    Before,
+    Contiguous,
+    Crossing,
+    Forbid,
+    IdleTravel,
+    Lag,
+    NoGood,
+    Precede,
+    Statement,
+)
 from ..evaluate import broken
 from .resite import Stuck, resite
 from .setting import Setting
@@ -61,8 +74,13 @@ def _holds(statement: Statement, place: NDArray[np.int64]) -> bool:
             return bool(place[sorted(out)].max() > place[sorted(left)].min())
         case Lag(i, j):
             return bool(abs(place[i] - place[j]) > statement.cuts)
-        case AtLeast(when=None):
+        case AtLeast():
+            if statement.when is not None:
+                return True
             pairs = [lit for lit in statement.literals if isinstance(lit, Before)]
             true = sum(w for lit, w in zip(pairs, statement.weights, strict=False) if place[lit.i] < place[lit.j])
             return len(pairs) < len(statement.literals) or true >= statement.bound
-    return True
+        case Precede() | Forbid() | Crossing() | IdleTravel():
+            return True  # `_broken` looks at orders, `resite` and `broken` at entries and moves
+        case _:
+            assert_never(statement)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ...encoder.cut import Cut
 from ...encoder.errors import InputError
 from ...encoder.facts.facts import Facts
+from ...rules.by_kind import by_kind
 from ...rules.profile import Profile
 from ...rules.state import Stated, unread_files
 from ...rules.statements import Precede
@@ -84,7 +85,7 @@ def make_setting(facts: Facts, profile: Profile, stated: Stated, plan: Plan) -> 
     conditions: dict[int, list[Condition]] = defaultdict(list)
     for condition in problem.conditions:
         conditions[condition.contour].append(condition)
-    orders = tuple(s for s in stated.statements if isinstance(s, Precede) and s.weight is None)
+    orders = tuple(s for s in by_kind(stated.statements).precede if s.weight is None)
     return Setting(
         facts,
         profile,

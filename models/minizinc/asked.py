@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ...rules.by_kind import by_kind
 from ...rules.catalogue.heat_lag import HeatLagOptions
 from ...rules.catalogue.part_rigidity import PartRigidityOptions
 from ...rules.own import OwnFile
@@ -14,7 +15,7 @@ from ...rules.profile import Profile
 from ...rules.registry import RULES
 from ...rules.sections import RuleSetting
 from ...rules.state import Stated
-from ...rules.statements import EXEMPTION_MM, IdleTravel, Lag, Statement
+from ...rules.statements import EXEMPTION_MM, Statement
 from .statement_text import conditions, lag_ms, missing_ms
 
 MODELS = Path(__file__).parent
@@ -46,7 +47,8 @@ def asked(profile: Profile, stated: Stated, afterwards: Sequence[Statement] = ()
     files = rules_in_files(profile, stated)
     arrays = [array for rule, setting in files.items() for array in _of_rule(rule, setting)]
     arrays += [Asked(include(f.path.resolve()), "", None) for f in profile.own_rules if isinstance(f, OwnFile)]
-    others = [s for s in stated.statements if not isinstance(s, IdleTravel) and s.about.rule not in files]
+    in_data = by_kind(stated.statements).idle_travel  # the table of travel has their price
+    others = [s for s in stated.statements if s not in in_data and s.about.rule not in files]
     return (*arrays, *_in_words([*others, *afterwards]))
 
 
@@ -94,8 +96,9 @@ def _in_words(statements: Sequence[Statement]) -> Iterator[Asked]:
     groups: dict[tuple[str, float | None, int], list[str]] = {}
     for s in statements:
         groups.setdefault((s.about.rule, s.weight, 0), []).extend(conditions(s))
-        if isinstance(s, Lag) and s.seconds > 0:
-            groups.setdefault((s.about.rule, s.weight, lag_ms(s)), []).append(missing_ms(s))
+        for lag in by_kind([s]).lag:
+            if lag.seconds > 0:
+                groups.setdefault((s.about.rule, s.weight, lag_ms(lag)), []).append(missing_ms(lag))
     for number, ((rule, weight, most_ms), values) in enumerate(groups.items(), 1):
         name, kind = f"stated_{number}", "int" if most_ms else "bool"
         listed = ",\n   ".join(values)

@@ -10,9 +10,9 @@ from ...encoder.errors import InputError
 from ...encoder.facts import facts_dzn
 from ...encoder.facts.facts import Facts, Floats, Ints
 from ...encoder.geometry.segment import Point
+from ...rules.by_kind import by_kind
 from ...rules.profile import Profile
 from ...rules.state import Stated
-from ...rules.statements import IdleTravel, Precede
 from ..pace import Pace
 from ..problem import points_um
 from ..solution import SolveOptions
@@ -30,7 +30,7 @@ def data_text(facts: Facts, profile: Profile, stated: Stated, options: SolveOpti
         If a rule counts seconds and `options` have no feeds.
     """
     home_mm = options.home_mm
-    price = sum(s.weight for s in stated.statements if isinstance(s, IdleTravel))
+    price = sum(s.weight for s in by_kind(stated.statements).idle_travel)
     fields: Fields = [("travel", table_from_0(travel_um(facts, price, home_mm)))]
     if clock:
         fields += _clock(facts, options)
@@ -46,7 +46,7 @@ def without_dropped(facts: Facts, stated: Stated) -> Facts:
 
 def _kept(pairs: Ints, rule: str, stated: Stated) -> Ints:
     orders = [d.statement for d in stated.dropped if d.rule == rule]
-    dropped = {(s.before, s.after) for s in orders if isinstance(s, Precede)}
+    dropped = {(s.before, s.after) for s in by_kind(orders).precede}
     kept = [(j, i) for j, i in pairs.tolist() if (j, i) not in dropped]
     return np.array(kept, dtype=np.int64).reshape(-1, 2)
 

@@ -9,6 +9,7 @@ from typing import Any
 from ...encoder.facts.facts import Facts
 from ...encoder.geometry.segment import Point
 from ...encoder.tolerance import tolerance_mm
+from ...rules.by_kind import by_kind
 from ...rules.catalogue.cut_direction import CutDirectionOptions
 from ...rules.catalogue.heat_lag import HeatLagOptions
 from ...rules.catalogue.locks import LocksOptions
@@ -21,7 +22,6 @@ from ...rules.catalogue.shared_metal import SharedMetalOptions
 from ...rules.option import NoOptions
 from ...rules.sections import RuleSetting
 from ...rules.state import Stated
-from ...rules.statements import Forbid
 from ..problem import UM_PER_MM
 from .dzn import Fields, assignments, flag, flags, number_set, numbers
 from .rule_facts import (
@@ -94,7 +94,7 @@ def _locks(case: Case, options: LocksOptions) -> Fields:
         for lock in locks
         if lock.contour and (place := lock.place_among(case.facts.n + made))
     ]
-    out = {s.candidate + 1 for s in case.stated.statements if isinstance(s, Forbid) and s.about.rule == "locks"}
+    out = {s.candidate + 1 for s in by_kind(case.stated.statements).forbid if s.about.rule == "locks"}
     return [
         ("n_lock_orders", str(len(orders))),
         ("lock_first", numbers(i for i, _ in orders)),

@@ -3,20 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import singledispatch
+from typing import assert_never
 
 from ...encoder.errors import InputError
-from ...rules.statements import AtLeast, Before, Contiguous, Forbid, Lag, Literal, NoGood, Precede, Statement
+from ...rules.statements import (
+    AtLeast,
+    Before,
+    Contiguous,
+    Crossing,
+    Forbid,
+    IdleTravel,
+    Lag,
+    Literal,
+    NoGood,
+    Precede,
+    Statement,
+)
 
 
-@singledispatch
 def conditions(statement: Statement) -> list[str]:
     """Boolean expressions over the words of `sequence.mzn`; a breach of the statement counts once for each false one.
 
     Raises
     ------
     InputError
-        If the statement is of a kind that MiniZinc is not told of.
+        If the statement is of a kind that has no words in MiniZinc.
 
     Examples
     --------
@@ -24,49 +35,39 @@ def conditions(statement: Statement) -> list[str]:
     >>> conditions(Precede(0, 4, About("level-ahead", (), "")))
     ['before(1, 5)']
     """
-    raise InputError(
-        f"rule {statement.about.rule} cannot be stated for MiniZinc: turn it off in the profile, or use --engine cp-sat"
-    )
+    match statement:
+        case Precede(before, after):
+            return [f"before({before + 1}, {after + 1})"]
+        case Forbid(candidate):
+            return [f"not picked({candidate + 1})"]
+        case AtLeast():
+            terms = [
+                f"{weight} * bool2int({_literal(literal)})"
+                for literal, weight in zip(statement.literals, statement.weights, strict=True)
+            ]
+            holds = f"{' + '.join(terms) or '0'} >= {statement.bound}"
+            return [holds if statement.when is None else f"picked({statement.when + 1}) -> {holds}"]
+        case Contiguous(contours):
+            return [_follows(i, set(contours) - {i}) for i in contours if len(set(contours)) > 1]
+        case Lag(first, second):
+            between = f"cuts_between({first + 1}, {second + 1})"
+            return [f"{between} >= {k}" for k in range(1, statement.cuts + 1)]
+        case NoGood(out, left):
+            return [f"exists(i in {_set(left)}, j in {_set(out)})(before(i, j))"]
+        case Crossing() | IdleTravel():
+            raise InputError(
+                f"rule {statement.about.rule} cannot be stated for MiniZinc: turn it off in the profile, "
+                "or use --engine cp-sat"
+            )
+        case _:
+            assert_never(statement)
 
 
-@conditions.register
-def _(statement: Precede) -> list[str]:
-    return [f"before({statement.before + 1}, {statement.after + 1})"]
-
-
-@conditions.register
-def _(statement: Forbid) -> list[str]:
-    return [f"not picked({statement.candidate + 1})"]
-
-
-@conditions.register
-def _(statement: AtLeast) -> list[str]:
-    terms = [
-        f"{weight} * bool2int({_literal(literal)})"
-        for literal, weight in zip(statement.literals, statement.weights, strict=True)
-    ]
-    holds = f"{' + '.join(terms) or '0'} >= {statement.bound}"
-    return [holds if statement.when is None else f"picked({statement.when + 1}) -> {holds}"]
-
-
-@conditions.register
-def _(statement: Contiguous) -> list[str]:
-    return [
+def _follows(i: int, others: set[int]) -> str:
+    """Contour i is cut before all the others, or right after one of them."""
+    return (
         f"forall(j in {_set(others)})(before({i + 1}, j)) \\/ exists(j in {_set(others)})(directly_before(j, {i + 1}))"
-        for i in statement.contours
-        if (others := set(statement.contours) - {i})
-    ]
-
-
-@conditions.register
-def _(statement: Lag) -> list[str]:
-    between = f"cuts_between({statement.first + 1}, {statement.second + 1})"
-    return [f"{between} >= {k}" for k in range(1, statement.cuts + 1)]
-
-
-@conditions.register
-def _(statement: NoGood) -> list[str]:
-    return [f"exists(i in {_set(statement.left)}, j in {_set(statement.out)})(before(i, j))"]
+    )
 
 
 def lag_ms(lag: Lag) -> int:
