@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from .by_kind import by_kind
-from .remainder import of_what_is_left
+from .remainder import no_good_left
 from .state import rest_of
 from .statements import EXEMPTION_MM, NoGood
 
@@ -40,7 +39,7 @@ def afterthoughts(facts: Facts, profile: Profile) -> Callable[[Sequence[int]], t
                     about = book[name].about((*wrong.out, *wrong.left), wrong.sentence)
                     hard = EXEMPTION_MM if book[name].excusable else None
                     seen = NoGood(out, left, about, hard if setting.weight is None else setting.weight)
-                    found += by_kind(of_what_is_left([seen], rest)).no_good
+                    found += no_good_left(seen, rest)
         return tuple(found)
 
     return look

@@ -94,13 +94,18 @@ def _reduced(s: Statement, rest: Rest) -> Iterator[Statement]:
             if rest.left(s.first, s.second):
                 yield replace(s, first=number[s.first], second=number[s.second])
         case NoGood():
-            out = frozenset(number[k] for k in s.out if rest.left(k))
-            if out and rest.left(*s.left):
-                yield replace(s, out=out, left=frozenset(number[k] for k in s.left))
+            yield from no_good_left(s, rest)
         case Crossing():
             yield replace(s, over=None if s.over is None or not rest.left(s.over) else number[s.over])
         case _:
             assert_never(s)
+
+
+def no_good_left(s: NoGood, rest: Rest) -> Iterator[NoGood]:
+    """What a no-good about a whole nest still asks of what is left: itself, or nothing."""
+    out = frozenset(rest.number[k] for k in s.out if rest.left(k))
+    if out and rest.left(*s.left):
+        yield replace(s, out=out, left=frozenset(rest.number[k] for k in s.left))
 
 
 def _at_least(s: AtLeast, rest: Rest) -> Iterator[Statement]:

@@ -1,0 +1,185 @@
+"""Each kind of statement, hard and soft, through each engine, the reference, conflict, explain and MiniZinc.
+
+In each example the statement changes what the best plan costs, so that whoever ignores it gives another answer.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import get_args
+
+import pytest
+
+from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.models.conflict.core import find_core
+from kerfwise.models.conflict.group import Group, hard_groups, on_order
+from kerfwise.models.conflict.relax import soften
+from kerfwise.models.conflict.whole import Engines, find_whole_core
+from kerfwise.models.engines import Member
+from kerfwise.models.evaluate import broken, route_cost
+from kerfwise.models.explain.entry import explain_entry
+from kerfwise.models.explain.lawful import try_order
+from kerfwise.models.explain.setting import Setting, make_setting
+from kerfwise.models.make_plan import make_plan
+from kerfwise.models.minizinc import solve_minizinc
+from kerfwise.models.problem import UM_PER_MM, make_problem
+from kerfwise.models.solution import SolveOptions
+from kerfwise.models.solve import solve
+from kerfwise.rules.state import Stated
+from kerfwise.rules.statements import About, Crossing, Forbid, Precede, Statement
+from kerfwise.tests.models.brute import cheapest
+from kerfwise.tests.models.conflict.statements import row
+from kerfwise.tests.models.every_kind import (
+    ABOUT,
+    FEEDS,
+    HOME,
+    NEAR_MM,
+    PARTS,
+    PROFILE,
+    Example,
+    Way,
+    examples,
+    way_of,
+    ways,
+)
+
+FACTS = row(PARTS)
+KINDS = get_args(Statement)
+MEMBERS: tuple[Member | None, ...] = (None, *get_args(Member))
+EXACT: tuple[Member | None, ...] = (None, "cp-sat")
+"""What must prove its plan, whatever the kind."""
+LOOKS_BACK = ("sum of entries", "lag of cuts", "lag of seconds")
+NOT_ALONE = {(member, name) for member in ("ideals", "beam") for name in LOOKS_BACK}
+"""What a state of these members does not hold: alone they have no plan, or one that they do not call the best."""
+HARD = [e for e in examples() if e.hard]
+every_example = pytest.mark.parametrize("example", examples(), ids=str)
+every_hard_one = pytest.mark.parametrize("example", HARD, ids=str)
+
+
+def test_every_kind_has_its_examples() -> None:
+    hard = {type(e.statement) for e in examples() if e.hard}
+    soft = {type(e.statement) for e in examples() if not e.hard}
+    without = [kind.__name__ for kind in KINDS if kind not in soft]
+    assert not without, f"tests/models/every_kind.py has no example of {', '.join(without)}"
+    never_hard = {kind.__name__ for kind in KINDS if kind not in hard}
+    assert never_hard == {"IdleTravel"}
+
+
+@every_example
+def test_the_statement_changes_the_best_plan(example: Example) -> None:
+    assert example.without_mm + 1 < example.best_mm < math.inf
+
+
+@every_example
+def test_the_reference_prices_every_way_as_by_hand(example: Example) -> None:
+    problem = make_problem(FACTS, example.statements, HOME, FEEDS)
+    for way in ways():
+        route = tuple(int(problem.candidate_site[c]) for c in way.candidates)
+        price_mm = example.price_mm(way)
+        assert (-1 in route or bool(broken(problem, route))) == math.isinf(price_mm), way
+        if price_mm < math.inf:
+            assert route_cost(problem, route) / UM_PER_MM == pytest.approx(price_mm, abs=NEAR_MM), way
+    best = cheapest(problem)
+    assert best is not None
+    assert best.cost / UM_PER_MM == pytest.approx(example.best_mm, abs=NEAR_MM)
+
+
+@pytest.mark.parametrize("member", MEMBERS)
+@every_example
+def test_every_engine_finds_the_best_plan(example: Example, member: Member | None) -> None:
+    options = SolveOptions(work=0.4, home_mm=HOME, feeds=FEEDS, member=member)
+    alone = (member, example.name) not in NOT_ALONE
+    try:
+        found = solve(FACTS, example.statements, options)
+    except RulesConflict:
+        if alone:
+            raise
+        return
+    assert found.objective == pytest.approx(example.price_mm(way_of(FACTS, found.route)), abs=NEAR_MM)
+    if alone:
+        assert found.objective == pytest.approx(example.best_mm, abs=NEAR_MM)
+        assert found.status == "optimal" or member not in EXACT
+    else:
+        assert found.status == "feasible"
+
+
+@every_example
+def test_minizinc_finds_the_best_plan_or_says_that_it_has_no_words(example: Example) -> None:
+    options = SolveOptions(work=20.0, home_mm=HOME, feeds=FEEDS)
+    stated = Stated(example.statements, ())
+    if isinstance(example.statement, Crossing):
+        with pytest.raises(InputError, match="rule r cannot be stated for MiniZinc"):
+            solve_minizinc(FACTS, PROFILE, stated, options)
+        return
+    found = solve_minizinc(FACTS, PROFILE, stated, options)
+    assert found.status == "optimal"
+    assert found.objective == pytest.approx(example.best_mm, abs=NEAR_MM)
+
+
+@every_hard_one
+def test_a_conflict_names_it(example: Example) -> None:
+    """Against it stands all that fixes one way to cut the row which breaks it."""
+    breaking = next(way for way in ways() if _keeps_the_given(example, way) and math.isinf(example.price_mm(way)))
+    fixed = _fixed(breaking)
+    assert _clash(hard_groups(fixed)) is None
+    core = _clash(hard_groups([*fixed, example.statement]))
+    assert core is not None
+    assert ABOUT in [group.about for group in core]
+
+
+@every_hard_one
+def test_it_can_give_way(example: Example) -> None:
+    *others, softened = soften(example.statements, [ABOUT])
+    assert tuple(others) == example.others
+    assert softened.weight is not None
+
+
+@every_example
+def test_explain_tries_orders_by_it(example: Example) -> None:
+    """An order is refused where every way along it breaks the statement, else priced with it."""
+    setting = _setting(example)
+    seen: set[bool] = set()
+    for order in {way.order for way in ways()}:
+        tried = try_order(setting, order)
+        prices = [example.price_mm(way) for way in ways() if way.order == order]
+        seen.add(bool(tried.breaks))
+        if math.isinf(min(prices)):
+            assert tried.breaks, order
+        elif not tried.breaks:
+            assert tried.cost is not None
+            chosen = way_of(FACTS, [int(setting.problem.site_candidate[s]) for s in tried.route])
+            assert tried.cost / UM_PER_MM == pytest.approx(example.price_mm(chosen), abs=NEAR_MM), order
+    assert False in seen
+
+
+def test_explain_says_that_an_entry_is_forbidden() -> None:
+    (example,) = (e for e in HARD if isinstance(e.statement, Forbid))
+    entry = explain_entry(_setting(example), FACTS.candidates[0].contour)
+    assert [way.against for way in entry.unlawful] == [(ABOUT,)]
+
+
+def _setting(example: Example) -> Setting:
+    """The best plan of an example, as explain sees it."""
+    stated = Stated(example.statements, ())
+    options = SolveOptions(work=0.4, home_mm=HOME, feeds=FEEDS)
+    plan = make_plan(FACTS, PROFILE, stated, solve(FACTS, example.statements, options), "cp-sat", 1)
+    return make_setting(FACTS, PROFILE, stated, plan)
+
+
+def _keeps_the_given(example: Example, way: Way) -> bool:
+    return all(way.place(i) < way.place(j) for i, j in example.given)
+
+
+def _fixed(way: Way) -> list[Statement]:
+    """Statements that leave one way to cut the row."""
+    orders = [Precede(i, j, About("locks", (), f"{i} before {j}")) for i, j in pairwise(way.order)]
+    out = [c for c in range(len(FACTS.candidates)) if c not in way.candidates]
+    return [*orders, *(Forbid(c, About("locks", (), f"not {c}")) for c in out)]
+
+
+def _clash(groups: tuple[Group, ...]) -> tuple[Group, ...] | None:
+    core = find_core(FACTS, on_order(groups), {})
+    if core is None:
+        core = find_whole_core(Engines(FACTS, HOME, FEEDS), groups, {})
+    return None if core is None else core.groups

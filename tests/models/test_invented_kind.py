@@ -1,0 +1,272 @@
+"""A kind of statement that nobody knows is refused by name wherever kinds are told apart, and the page lists where."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any, get_args
+
+import pytest
+
+import kerfwise
+from kerfwise.models.conflict import conflict, order_model
+from kerfwise.models.conflict.group import Group, contours_of, hard_groups, moves_or_seconds, on_order
+from kerfwise.models.excused import excused
+from kerfwise.models.explain import setting as explain_setting
+from kerfwise.models.explain.entry import explain_entry
+from kerfwise.models.explain.heat_prices import heat_prices
+from kerfwise.models.explain.holding import others
+from kerfwise.models.explain.lawful import try_order
+from kerfwise.models.explain.setting import Setting, make_setting
+from kerfwise.models.heat_prices.priced_statements import HEAT
+from kerfwise.models.make_plan import make_plan
+from kerfwise.models.minizinc.asked import asked
+from kerfwise.models.minizinc.data import data_text
+from kerfwise.models.minizinc.rule_data import Case, rule_data
+from kerfwise.models.minizinc.statement_text import conditions
+from kerfwise.models.plan import Plan
+from kerfwise.models.problem import make_problem
+from kerfwise.models.reasons import reasons
+from kerfwise.models.solution import SolveOptions
+from kerfwise.models.solve import solve
+from kerfwise.postproc.strategies import solve_by
+from kerfwise.rules.by_kind import by_kind
+from kerfwise.rules.catalogue.locks import LocksOptions
+from kerfwise.rules.places import positions
+from kerfwise.rules.remainder import Rest, of_what_is_left
+from kerfwise.rules.sections import RuleSetting
+from kerfwise.rules.state import Stated, hopeless, resolve
+from kerfwise.rules.statements import EXEMPTION_MM, About, Statement
+from kerfwise.tests.models.conflict.statements import row
+from kerfwise.tests.models.every_kind import ABOUT, FEEDS, HOME, PARTS, PROFILE, TRAVEL
+
+ROOT = Path(kerfwise.__file__).parent
+PAGE = (ROOT / "docs" / "writing-a-statement.md").read_text(encoding="utf-8")
+KINDS = {kind.__name__ for kind in get_args(Statement)}
+FACTS = row(PARTS)
+OPTIONS = SolveOptions(work=0.5, home_mm=HOME, feeds=FEEDS)
+
+
+@dataclass(frozen=True)
+class Invented:
+    """Not in the union."""
+
+    about: About = ABOUT
+    weight: float | None = None
+
+
+INVENTED: Any = Invented()
+GROUP = Group(ABOUT, (INVENTED,))
+STATED = Stated((TRAVEL, INVENTED), ())
+
+
+def at_weight(weight: float, rule: str = "r") -> Any:
+    return Stated((TRAVEL, Invented(replace(ABOUT, rule=rule), weight)), ())  # type: ignore[arg-type]
+
+
+@cache
+def planned() -> tuple[tuple[int, ...], Plan, Setting]:
+    """A plan without the invented statement."""
+    stated = Stated((TRAVEL,), ())
+    solution = solve(FACTS, stated.statements, OPTIONS)
+    plan = make_plan(FACTS, PROFILE, stated, solution, "cp-sat", 1)
+    return solution.route, plan, make_setting(FACTS, PROFILE, stated, plan)
+
+
+def setting(stated: Stated = STATED) -> Setting:
+    """Explain's view of the plan, with the invented statement added."""
+    return replace(planned()[2], stated=stated)
+
+
+def find_conflict(patch: pytest.MonkeyPatch) -> None:
+    """A rule states the invented kind."""
+    patch.setattr(conflict, "every_statement", lambda facts, profile: ([INVENTED], ()))
+    conflict.find_conflict(FACTS, PROFILE)
+
+
+def set_up(patch: pytest.MonkeyPatch) -> None:
+    """Explain reads a plan; the problem, which refuses the kind as well, is made already."""
+    patch.setattr(explain_setting, "make_problem", lambda *given: planned()[2].problem)
+    make_setting(FACTS, PROFILE, STATED, planned()[1])
+
+
+def ask_order_model(patch: pytest.MonkeyPatch) -> None:
+    built = order_model.OrderModel(FACTS)
+    order_model._ask(built, INVENTED, built.model.new_bool_var(""))
+
+
+Refuses = Callable[[pytest.MonkeyPatch], object]
+REFUSES: dict[str, list[Refuses]] = {
+    "rules/by_kind.py": [lambda _: by_kind([INVENTED])],
+    "rules/places.py": [lambda _: positions([INVENTED], PARTS)],
+    "rules/remainder.py": [lambda _: list(of_what_is_left([INVENTED], Rest(range(PARTS), {})))],
+    "rules/state.py": [lambda _: hopeless([INVENTED]), lambda _: resolve([INVENTED], PARTS, {})],
+    "models/excused.py": [lambda _: excused(FACTS, at_weight(EXEMPTION_MM), planned()[0])],
+    "models/problem.py": [lambda _: make_problem(FACTS, (INVENTED,), HOME)],
+    "models/reasons.py": [lambda _: reasons(FACTS, STATED, planned()[0], HOME)],
+    "models/conflict/conflict.py": [find_conflict],
+    "models/conflict/group.py": [
+        lambda _: hard_groups([INVENTED]),
+        lambda _: moves_or_seconds([GROUP]),
+        lambda _: on_order([GROUP]),
+        lambda _: contours_of(GROUP, []),
+    ],
+    "models/conflict/order_model.py": [
+        lambda _: order_model.build(FACTS, [GROUP]),
+        lambda _: order_model._loose([GROUP]),
+        ask_order_model,
+    ],
+    "models/explain/entry.py": [lambda _: explain_entry(setting(), 0)],
+    "models/explain/heat_prices.py": [lambda _: heat_prices(setting(at_weight(1.0, HEAT)), 0)],
+    "models/explain/holding.py": [lambda _: others(setting(), 0)],
+    "models/explain/lawful.py": [lambda _: try_order(setting(), range(PARTS))],
+    "models/explain/setting.py": [set_up],
+    "models/minizinc/asked.py": [lambda _: asked(PROFILE, STATED)],
+    "models/minizinc/data.py": [lambda _: data_text(FACTS, PROFILE, STATED, OPTIONS, clock=False)],
+    "models/minizinc/rule_data.py": [
+        lambda _: rule_data(Case(FACTS, STATED, HOME), {"locks": RuleSetting("hard", None, LocksOptions())})
+    ],
+    "models/minizinc/statement_text.py": [lambda _: conditions(INVENTED)],
+    "postproc/strategies.py": [lambda _: solve_by("random", FACTS, PROFILE, (INVENTED,), OPTIONS)],
+}
+"""File → what is called there with the invented statement."""
+
+
+@pytest.mark.parametrize(
+    ("file", "number"), [(file, k) for file, calls in REFUSES.items() for k in range(len(calls))], ids=str
+)
+def test_a_kind_that_nobody_knows_is_refused_by_name(file: str, number: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(AssertionError, match="Invented"):
+        REFUSES[file][number](monkeypatch)
+
+
+def test_each_file_that_tells_kinds_apart_is_tried() -> None:
+    found = {*matching(), *sorting()}
+    assert not found - set(REFUSES), "these tell kinds apart and are not tried"
+    assert not set(REFUSES) - found, "these no longer tell kinds apart"
+
+
+@pytest.mark.parametrize(
+    ("heading", "kind", "found"),
+    [
+        ("## 3.", "a match over kinds", lambda: matching()),
+        ("## 4.", "by_kind", lambda: sorting()),
+        ("## 5.", "lags", lambda: reading("lags")),
+    ],
+    ids=["match", "by_kind", "lags"],
+)
+def test_the_page_lists_the_files(heading: str, kind: str, found: Callable[[], set[str]]) -> None:
+    listed, there = set(listed_under(heading)), found()
+    assert len(there) > 5
+    assert not there - listed, f"docs/writing-a-statement.md, {heading}: these use {kind} and are not listed"
+    assert not listed - there, f"docs/writing-a-statement.md, {heading}: these do not use {kind}"
+
+
+def test_the_page_names_files_that_are_there() -> None:
+    named = re.findall(r"`([\w/]+\.py)`", PAGE)
+    assert [name for name in named if not (ROOT / name).exists()] == []
+
+
+def test_every_match_over_kinds_is_exhaustive() -> None:
+    open_ended = [f"{file}:{node.lineno}" for file, tree in sources() for node in matches(tree) if not exhaustive(node)]
+    assert open_ended == [], "a match over kinds ends in `case _: assert_never(…)`"
+
+
+def test_nobody_tells_kinds_apart_in_another_way() -> None:
+    found = [f"{file}:{line}" for file, tree in sources() for line in other_ways(tree)]
+    assert found == [], "use by_kind or an exhaustive match"
+
+
+OPEN = """
+match s:
+    case Precede():
+        go()
+    case _:
+        pass
+"""
+
+
+@pytest.mark.parametrize("text", ["isinstance(s, Precede)", "isinstance(s, AtLeast | NoGood)", "type(s) is Lag"])
+def test_other_ways_are_seen(text: str) -> None:
+    assert list(other_ways(ast.parse(text))) == [1]
+
+
+def test_an_open_match_is_seen() -> None:
+    (node,) = matches(ast.parse(OPEN))
+    assert not exhaustive(node)
+    (node,) = matches(ast.parse(OPEN.replace("pass", "assert_never(s)")))
+    assert exhaustive(node)
+
+
+def listed_under(heading: str) -> Iterator[str]:
+    """The files that a section of the page lists."""
+    section = PAGE.split(f"\n{heading}")[1].split("\n## ")[0]
+    yield from re.findall(r"^- `([\w/]+\.py)`", section, re.MULTILINE)
+
+
+@cache
+def sources() -> tuple[tuple[str, ast.Module], ...]:
+    """Every file of the program, by its path, with what is in it."""
+    floors = ("rules", "models", "postproc", "commands", "encoder", "benchmarks")
+    files = (file for floor in floors for file in sorted((ROOT / floor).rglob("*.py")))
+    return tuple((file.relative_to(ROOT).as_posix(), ast.parse(file.read_text(encoding="utf-8"))) for file in files)
+
+
+def names(node: ast.AST) -> set[str]:
+    """Names and attributes anywhere below."""
+    found = {n.id for n in ast.walk(node) if isinstance(n, ast.Name)}
+    return found | {n.attr for n in ast.walk(node) if isinstance(n, ast.Attribute)}
+
+
+def matches(tree: ast.AST) -> Iterator[ast.Match]:
+    """Each match with a kind of statement among its patterns."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Match):
+            patterns = (p for case in node.cases for p in ast.walk(case.pattern) if isinstance(p, ast.MatchClass))
+            if any(names(p.cls) & KINDS for p in patterns):
+                yield node
+
+
+def exhaustive(node: ast.Match) -> bool:
+    """Whether a match ends in `case _: assert_never(…)`."""
+    last, refused = node.cases[-1], f"assert_never({ast.unparse(node.subject)})"
+    return ast.unparse(last.pattern) == "_" and ast.unparse(last.body[0]) == refused
+
+
+def other_ways(tree: ast.AST) -> Iterator[int]:
+    """Lines that ask for the type of something and name a kind of statement, or a union of them."""
+    kinds = KINDS | {"Statement", "Asked", "Priced"}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call):
+            asks = names(node.func) & {"isinstance", "issubclass"} and names(node.args[1]) & kinds
+        elif isinstance(node, ast.Compare):
+            asks = "type" in names(node) and names(node) & kinds
+        else:
+            continue
+        if asks:
+            yield node.lineno
+
+
+def matching() -> set[str]:
+    """Files with a match over kinds."""
+    return {file for file, tree in sources() if any(matches(tree))}
+
+
+def sorting() -> set[str]:
+    """Files that call `by_kind`."""
+    calls = ((file, node) for file, tree in sources() for node in ast.walk(tree) if isinstance(node, ast.Call))
+    return {file for file, call in calls if isinstance(call.func, ast.Name) and call.func.id == "by_kind"}
+
+
+def reading(field: str) -> set[str]:
+    """Files of the models that read a field of the problem, or of what is made of it."""
+    return {
+        file
+        for file, tree in sources()
+        if file.startswith("models/")
+        and any(isinstance(node, ast.Attribute) and node.attr == field for node in ast.walk(tree))
+    }
