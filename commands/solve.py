@@ -105,7 +105,7 @@ def command(
     try:
         began_s = time.monotonic()
         asked = ask(facts, profile, relax, engine, limits)
-        if relax and time_limit:  # what was looked at is inside the limit; a plan gets its share all the same
+        if time_limit:  # stating the rules is inside the limit; a plan gets its share all the same
             spent_s = time.monotonic() - began_s
             limits = replace(limits, time_s=max(time_limit - spent_s, LEAST_SHARE * time_limit))
         with listening() as ear:

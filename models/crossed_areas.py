@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -20,6 +20,14 @@ Bools = NDArray[np.bool_]
 _CONFIG: Any = numba.config
 THREADS = int(_CONFIG.NUMBA_NUM_THREADS)
 SLOTS_AT_FIRST = 1 << 10
+GROUPS_AT_ONCE = 8
+
+Going = Callable[[float], bool]
+"""Whether to go on, given the share that is done."""
+
+
+class Stopped(Exception):
+    """Whoever asked has had enough."""
 
 
 class Areas(NamedTuple):
@@ -44,11 +52,17 @@ class Moves:
 
 
 def crossed_areas(
-    groups: Sequence[Moves], areas: Sequence[shapely.Geometry], late: Bools
+    groups: Sequence[Moves], areas: Sequence[shapely.Geometry], late: Bools, going: Going = lambda share: True
 ) -> list[tuple[Ints, Ints, Ints]]:
     """For every group of moves: where crossing ones leave and reach, as numbers in the group, and the area crossed.
 
-    `late[c, a]` says that area a is of no account to moves that reach contour c.
+    `late[c, a]` says that area a is of no account to moves that reach contour c. `going` is asked now and then, with
+    the share that is done, whether to go on.
+
+    Raises
+    ------
+    Stopped
+        If it says no.
 
     Examples
     --------
@@ -68,8 +82,14 @@ def crossed_areas(
         rows = _crossed(moves.leave, moves.reach, moves.owner, made, near, late)
         return rows[0], rows[1], rows[2]
 
+    found: list[tuple[Ints, Ints, Ints]] = []
+    done = np.cumsum([0, *(len(moves.leave) * len(moves.reach) * len(moves.areas) for moves in groups)])
     with ThreadPoolExecutor(THREADS) as threads:
-        return list(threads.map(look, groups))
+        for begin in range(0, len(groups), GROUPS_AT_ONCE):
+            if not going(float(done[begin] / max(1, done[-1]))):
+                raise Stopped
+            found += threads.map(look, groups[begin : begin + GROUPS_AT_ONCE])
+    return found
 
 
 def _edges_of(areas: Sequence[shapely.Geometry]) -> Areas:

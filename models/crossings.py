@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..encoder.errors import InputError
 from ..rules.statements import Crossing
-from .crossed_areas import Moves, crossed_areas
+from .crossed_areas import Going, Moves, Stopped, crossed_areas
 from .successors import Bools
 
 Ints = NDArray[np.int64]
@@ -51,17 +51,25 @@ class TooManyMoves(InputError):
 
 
 def find_crossings(
-    statements: Sequence[Crossing], before: Bools, lawful: Bools, first: Ints, ends_um: Ints, pierces_um: Ints
+    statements: Sequence[Crossing],
+    before: Bools,
+    lawful: Bools,
+    first: Ints,
+    ends_um: Ints,
+    pierces_um: Ints,
+    going: Going = lambda share: True,
 ) -> Crossings:
     """All crossings between contours that may follow each other, of areas that may be out by then.
 
     `before` (n, n) is the closed order, `lawful` the matrix of `successors.lawful_successors` (n + 1, n + 1), `first`
     the first site of every contour and of home; `ends_um`, `pierces_um` (m + 1, 2) include home as their last row.
 
+    `going` is asked now and then, with the share of the moves that has been looked at, whether to go on.
+
     Raises
     ------
     TooManyMoves
-        If there are more than `MOST_MOVES` moves between sites, as on large nests without zones.
+        If there are more than `MOST_MOVES` moves between sites, as on large nests without zones, or `going` says no.
     """
     if not statements:
         return Crossings()
@@ -82,19 +90,21 @@ def find_crossings(
     ends, pierces = ends_um.astype(np.float64), pierces_um.astype(np.float64)
     ahead = [np.flatnonzero(lawful[c][owner]) for c in range(n)]
     left = [c for c in range(n) if len(ahead[c]) and sites[c]]
-    found = crossed_areas(
-        [
-            Moves(
-                ends[first[c] : first[c + 1]],
-                pierces[ahead[c]],
-                owner[ahead[c]],
-                np.flatnonzero(~before[c, over] | from_start),
-            )
-            for c in left
-        ],
-        _areas_um(statements),
-        late,
-    )
+    asked = [
+        Moves(
+            ends[first[c] : first[c + 1]],
+            pierces[ahead[c]],
+            owner[ahead[c]],
+            np.flatnonzero(~before[c, over] | from_start),
+        )
+        for c in left
+    ]
+    try:
+        found = crossed_areas(asked, _areas_um(statements), late, going)
+    except Stopped:
+        raise TooManyMoves(
+            f"idle travel over parts that are out asks about {moves:,} moves, for which the time limit is too short"
+        ) from None
     rows = [(first[c] + leave, ahead[c][reach], area) for c, (leave, reach, area) in zip(left, found, strict=True)]
     leave, reach, area = (np.concatenate(column) for column in zip((_none(),) * 3, *rows, strict=True))
     price = [FORBIDDEN if s.weight is None else round(s.weight * UM_PER_MM) for s in statements]

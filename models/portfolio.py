@@ -27,6 +27,8 @@ PROOF, PROOF_SMALL = 0.45, 0.9
 
 On small problems the search has found the best plan long since, and only the proof is left to do.
 """
+SET_OUT_S = 0.2
+"""Seconds below which no further member begins: each has tables of its own to make first."""
 LOOKS, SEEDS_APART = 6, 1_000_003
 """Searches from scratch in the first look, where contours are few, and how far their seeds are apart."""
 DENSE = 0.15
@@ -127,7 +129,11 @@ class _Run:
         return not self.known.proven and (self.known.incumbent is None or not self.watch.stopped)
 
     def _over(self) -> bool:
-        return self.known.proven or self.watch.stopped
+        return self.known.proven or self.watch.stopped or self._late()
+
+    def _late(self) -> bool:
+        """Whether there is a plan, and no time for another member to set out in; none looks at the clock at work."""
+        return self.options.time_s is not None and self.known.incumbent is not None and self._left() < SET_OUT_S
 
     def _left(self) -> float:
         if self.options.time_s is None:

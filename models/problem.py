@@ -33,6 +33,7 @@ from ..rules.statements import (
 )
 from .closure import close
 from .conditions import Condition, of_at_least, of_no_good, of_soft_precede
+from .crossed_areas import Going
 from .crossings import Crossings, TooManyMoves, find_crossings, from_home
 from .pace import Pace
 from .successors import lawful_successors
@@ -149,11 +150,13 @@ def make_problem(
     home_mm: tuple[float, float],
     feeds: Feeds | None = None,
     earlier: Problem | None = None,
+    going: Going = lambda share: True,
 ) -> Problem:
     """Compile facts and statements; `feeds` are needed for statements that count seconds.
 
     `earlier` is a problem made of the same facts and some of these statements: the moves that were looked at for it
-    need not be looked at again where they are the same.
+    need not be looked at again where they are the same, and are not where it left them out. `going` is asked now and
+    then, with the share of the moves that has been looked at; where it says no a soft rule about moves is left out.
 
     Raises
     ------
@@ -198,10 +201,10 @@ def make_problem(
         ids=tuple(c.id for c in facts.nest.contours),
         pace=Pace() if feeds is None else Pace.of(facts, representatives, feeds),
     )
-    return _with_crossings(problem, kinds.crossing, earlier)
+    return _with_crossings(problem, kinds.crossing, earlier, going)
 
 
-def _with_crossings(problem: Problem, statements: Sequence[Crossing], earlier: Problem | None) -> Problem:
+def _with_crossings(problem: Problem, statements: Sequence[Crossing], earlier: Problem | None, going: Going) -> Problem:
     if not statements:
         return problem
     sites = np.append(problem.first, problem.m + 1)
@@ -209,14 +212,15 @@ def _with_crossings(problem: Problem, statements: Sequence[Crossing], earlier: P
         lawful, pierces = problem.successors(), problem.pierces()
         begun = [_not_first(problem, site, statements[k]) for site, k in from_home(statements, lawful, sites, pierces)]
         problem = replace(problem, conditions=(*problem.conditions, *begun))
-    if earlier is not None and _same_moves(problem, earlier):
+    if earlier is not None and (earlier.left_out or _same_moves(problem, earlier)):
         return replace(problem, crossings=earlier.crossings, left_out=earlier.left_out)
+    hard = any(s.weight is None for s in statements)
+    lawful, ends, pierces = problem.successors(), problem.ends(), problem.pierces()
     try:
-        found = find_crossings(
-            statements, problem.before, problem.successors(), sites, problem.ends(), problem.pierces()
-        )
+        asked = (statements, problem.before, lawful, sites, ends, pierces)
+        found = find_crossings(*asked) if hard else find_crossings(*asked, going)
     except TooManyMoves as error:
-        if any(s.weight is None for s in statements):
+        if hard:
             raise
         return replace(problem, left_out=((statements[0].about.rule, error.message),))
     return replace(problem, crossings=found)

@@ -26,6 +26,11 @@ ROUND = 0.7
 """Share of what is left for one round, where geometry may have afterthoughts that ask for another."""
 ENOUGH = 0.9
 """Share after which no further round is begun."""
+MOVES_SHARE = 0.25
+"""Share of a limit in seconds that looking at moves over parts that are out may take: what is made of them takes as
+long again."""
+PACE_KNOWN = 0.1
+"""Share of some work from which on its pace tells how long the rest takes."""
 LEAST = 0.2
 """Share that the first round has at the least, however long the problem has taken to be made."""
 
@@ -56,7 +61,8 @@ def solve(
     known: Known | None = None
     candidates: Sites | None = None
     while True:
-        posed = make_problem(facts, statements, options.home_mm, options.feeds, posed)
+        in_time = _in_time(watch, MOVES_SHARE * whole) if timed else _always
+        posed = make_problem(facts, statements, options.home_mm, options.feeds, posed, in_time)
         problem = simplify(posed)
         spent = watch.seconds if timed else spent  # making a problem takes its time on large nests, as looks do
         share = whole - spent if refine is None else min((whole - spent) * ROUND, whole - spent - look_s)
@@ -82,6 +88,22 @@ def solve(
         problem = make_problem(facts, statements, options.home_mm, options.feeds, posed)
         known = replace(known, incumbent=_judged_anew(problem, problem.candidate_site[candidates].tolist(), missing))
     return _solution(problem, known, spent)
+
+
+def _always(share: float) -> bool:
+    return True
+
+
+def _in_time(watch: Watch, most_s: float) -> Callable[[float], bool]:
+    """Whether work of which some share is done ends within so many seconds by its pace since it was first asked."""
+    began_s: float | None = None
+
+    def going(share: float) -> bool:
+        nonlocal began_s
+        began_s = watch.seconds if began_s is None else began_s
+        return watch.seconds - began_s <= most_s * (share if share > PACE_KNOWN else 1.0)
+
+    return going
 
 
 def _still_lawful(problem: Problem, candidates: Sites | None) -> tuple[int, ...] | None:

@@ -59,7 +59,7 @@ def produce(
     RulesConflict
         If no lawful plan exists, or none was found.
     """
-    facts = asked.facts
+    facts, started_s = asked.facts, time.monotonic()
     engine_named = engine if strategy == "ours" else "cp-sat"
 
     def solved(share: float, stated: Stated, further: tuple[Statement, ...] = ()) -> Solution:
@@ -88,7 +88,8 @@ def produce(
             return solved(share, asked.stated, further)
 
         def going() -> bool:
-            return progress is None or progress("t-max", None, None)
+            in_time = limits.time_s is None or time.monotonic() - started_s < limits.time_s
+            return in_time and (progress is None or progress("t-max", None, None))
 
         solution, plan = Cooler(facts, profile, asked.stated.statements, attempt, planned, going).find(again)
     else:

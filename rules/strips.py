@@ -53,20 +53,28 @@ class Metal:
         self.tree = shapely.STRtree(self.areas)
         self.size: Any = shapely.area(self.areas)
         self.out = np.zeros(len(self.parts), dtype=bool)
+        self.told = np.zeros(len(self.parts), dtype=bool)
         shapely.prepare(self.swept)
 
     def cut(self, p: int) -> Iterator[tuple[str, list[int], list[int]]]:
-        """Take part `p` out; what lies badly then, as (kind, out, left) in numbers of this place."""
+        """Take part `p` out; what lies badly then, as (kind, out, left) in numbers of this place.
+
+        The first of `left` lies badly. A part that was told is not told again, and not looked at for strips again.
+        """
         self.out[p] = True
-        yield from self._strips(p)
-        yield from self._islands(p)
+        for look in (self._strips, self._islands):
+            for kind, out, left in look(p):
+                if not self.told[left[0]]:
+                    self.told[left[0]] = True
+                    yield kind, out, left
 
     def _strips(self, p: int) -> Iterator[tuple[str, list[int], list[int]]]:
         """Looks at every part whose metal, as far as `_vanishes` looks around it, part `p` takes some of."""
         x0, y0, x1, y1 = self.swept[p].bounds
         r = self.strip_mm / 2
-        for q in sorted(self.tree.query(shapely.box(x0 - r, y0 - r, x1 + r, y1 + r)).tolist()):
-            if not self.out[q] and shapely.intersects(self.swept[p], shapely.box(*self._window(q))):
+        near = self.tree.query(shapely.box(x0 - r, y0 - r, x1 + r, y1 + r))
+        for q in sorted(near[~self.out[near] & ~self.told[near]].tolist()):
+            if shapely.intersects(self.swept[p], shapely.box(*self._window(q))):
                 around = self._around(q)
                 if self._on_both_sides(q, around) and self._vanishes(q, around):
                     yield "strip", self._fewest(q, around), [q]
@@ -160,16 +168,12 @@ def _badly(nest: Nest, order: Sequence[str], strip_mm: float, web_mm: float) -> 
     number = {part.outer.id: k for k, part in enumerate(nest.parts)}
     grounds, where = _grounds(nest, strip_mm, web_mm)
     in_place = {part: p for ground in grounds.values() for p, part in enumerate(ground.parts)}
-    told: set[int] = set()
     for k, contour in enumerate(order, 1):
         if contour not in number:
             continue
         ground = grounds[where[number[contour]]]
         for kind, out, left in ground.cut(in_place[number[contour]]):
-            badly = ground.parts[left[0]]
-            if badly not in told:
-                told.add(badly)
-                yield Cutting(k, kind, tuple(ground.parts[m] for m in out), tuple(ground.parts[m] for m in left))
+            yield Cutting(k, kind, tuple(ground.parts[m] for m in out), tuple(ground.parts[m] for m in left))
 
 
 def _grounds(nest: Nest, strip_mm: float, web_mm: float) -> tuple[dict[str, Metal], list[str]]:
