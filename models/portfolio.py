@@ -205,7 +205,8 @@ class _Run:
         before = self.known.work
         limit_s = None if self.options.time_s is None else share
         stages = stages[:1] if self._sure() else stages
-        proof = ideals.prove(self.of_sets, self.known.incumbent, share, self.watch, stages, limit_s)
+        going = self._within(max(share, self._left()))
+        proof = ideals.prove(self.of_sets, self.known.incumbent, share, going, stages, limit_s)
         self.known.work = before + (share if proof is None else proof.work)
         if proof is None:
             self.known.notes.append("ideals: too many sets for the limit, nothing is proven")

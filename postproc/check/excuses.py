@@ -21,7 +21,7 @@ from ...rules.feedback import EXACT_LINKS
 from ...rules.profile import Profile
 from ...rules.rule import Ids, Rule, Violation
 from .forcing import Forcing
-from .places import no_room
+from .places import Room
 from .result import Excused, Judgement
 
 
@@ -108,11 +108,11 @@ def _out_of_place(
         return {}
     kept = [pair for pair in asked if at[pair[0]] < at[pair[1]]]
     told = ", ".join(f"{name} at position {place}" for name, place in sorted(places.items(), key=lambda p: p[1]))
-    found = {}
+    found, room = {}, Room(list(at), runs, places)
     for pair, rule in asked.items():
         softest = book[rule].gives_way
         if softest and at[pair[0]] > at[pair[1]]:
             firm = [k for k in kept if book[asked[k]].gives_way <= softest]
-            if no_room(list(at), runs, [*firm, pair], places):
+            if room.none([*firm, pair]):
                 found[pair] = f"locks leave no room for this order: {told}"
     return found

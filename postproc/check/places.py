@@ -1,50 +1,100 @@
 """Whether contours can be cut at the positions that locks give them: asked of all orders that are known, at once.
 
-A small model of its own: every run of contours that are cut in one go is an interval of the order, and no two overlap.
+What must come before a contour, or after it, is counted first. Where that says nothing, a small model of its own
+answers: every run of contours that are cut in one go is an interval of the order, and no two overlap.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TypeVar
 
 from ortools.sat.python.cp_model import INFEASIBLE, CpModel, CpSolver
 
-WORK = 5.0
-"""CP-SAT's deterministic seconds; where they do not show that there is no room, there counts as being some."""
+WORK, WORK_IN_ALL = 5.0, 20.0
+"""CP-SAT's deterministic seconds for a question, and for all; where they do not show that there is no room, some
+counts as being there."""
+
+Order = tuple[str, str]
+Node = TypeVar("Node")
 
 
-def no_room(
-    names: Sequence[str],
-    runs: Sequence[Sequence[str]],
-    orders: Sequence[tuple[str, str]],
-    at: Mapping[str, int],
-) -> bool:
-    """Whether no order of the names keeps the runs together, all orders (before, after), and the positions from 1 on.
+class Room:
+    """Answers whether there is room for contours at the positions `at` (from 1 on), among all `names`.
+
+    `runs` are kept together. `questions` counts those that the model was asked.
 
     Examples
     --------
-    >>> no_room("abc", (), [("a", "c"), ("b", "c")], {"c": 2}), no_room("abc", (), [("a", "c")], {"c": 2})
+    >>> Room("abc", (), {"c": 2}).none([("a", "c"), ("b", "c")]), Room("abc", (), {"c": 2}).none([("a", "c")])
     (True, False)
     """
-    run_of = {name: (name,) for name in names} | {name: tuple(run) for run in runs for name in run}
-    model = CpModel()
-    begin = {run: model.new_int_var(1, len(names) + 1 - len(run), "") for run in dict.fromkeys(run_of.values())}
-    model.add_no_overlap(model.new_fixed_size_interval_var(first, len(run), "") for run, first in begin.items())
-    place = {}
-    for run, first in begin.items():
-        within = {name: model.new_int_var(0, len(run) - 1, "") for name in run}
-        model.add_all_different(within.values())
-        for name, offset in within.items():
-            place[name] = first + offset
-    for before, after in orders:
-        model.add(place[before] < place[after])
-        one, other = run_of[before], run_of[after]
-        if one != other:
-            model.add(begin[one] + len(one) <= begin[other])
-    for name, position in at.items():
-        model.add(place[name] == position)
-    solver = CpSolver()
-    solver.parameters.num_workers = 1
-    solver.parameters.random_seed = 1
-    solver.parameters.max_deterministic_time = WORK
-    return bool(solver.solve(model) == INFEASIBLE)
+
+    def __init__(self, names: Sequence[str], runs: Sequence[Sequence[str]], at: Mapping[str, int]) -> None:
+        self._names, self._at = names, at
+        self._run_of = {name: (name,) for name in names} | {name: tuple(run) for run in runs for name in run}
+        self._left = WORK_IN_ALL
+        self.questions = 0
+
+    def none(self, orders: Sequence[Order]) -> bool:
+        """Whether no order of the names keeps the runs together, all orders (before, after), and the positions."""
+        return self._crowded(orders) or (self._left > 0 and self._refuted(orders))
+
+    def _crowded(self, orders: Sequence[Order]) -> bool:
+        """Whether more must come before a position, or after it, than there is room for."""
+        turned = [(after, before) for before, after in orders]
+        return any(
+            self._ahead(name, orders) >= position or self._ahead(name, turned) > len(self._names) - position
+            for name, position in self._at.items()
+        )
+
+    def _ahead(self, name: str, orders: Iterable[Order]) -> int:
+        """How many names the orders put before one."""
+        within: dict[str, set[str]] = defaultdict(set)
+        between: dict[tuple[str, ...], set[tuple[str, ...]]] = defaultdict(set)
+        for before, after in orders:
+            one, other = self._run_of[before], self._run_of[after]
+            if one == other:
+                within[after].add(before)
+            else:
+                between[other].add(one)
+        return len(_reached(within, name)) + sum(map(len, _reached(between, self._run_of[name])))
+
+    def _refuted(self, orders: Sequence[Order]) -> bool:
+        """Whether the model shows that there is no room."""
+        model, run_of = CpModel(), self._run_of
+        last = len(self._names) + 1
+        begin = {run: model.new_int_var(1, last - len(run), "") for run in dict.fromkeys(run_of.values())}
+        model.add_no_overlap(model.new_fixed_size_interval_var(first, len(run), "") for run, first in begin.items())
+        place = {}
+        for run, first in begin.items():
+            within = {name: model.new_int_var(0, len(run) - 1, "") for name in run}
+            model.add_all_different(within.values())
+            for name, offset in within.items():
+                place[name] = first + offset
+        for before, after in orders:
+            model.add(place[before] < place[after])
+            one, other = run_of[before], run_of[after]
+            if one != other:
+                model.add(begin[one] + len(one) <= begin[other])
+        for name, position in self._at.items():
+            model.add(place[name] == position)
+        solver = CpSolver()
+        solver.parameters.num_workers = 1
+        solver.parameters.random_seed = 1
+        solver.parameters.max_deterministic_time = min(WORK, self._left)
+        answer = solver.solve(model)
+        self.questions += 1
+        self._left -= solver.response_proto.deterministic_time
+        return bool(answer == INFEASIBLE)
+
+
+def _reached(straight: Mapping[Node, set[Node]], start: Node) -> set[Node]:
+    """All that leads to a node, itself left out."""
+    seen, waiting = {start}, [start]
+    while waiting:
+        new = straight.get(waiting.pop(), set()) - seen
+        seen |= new
+        waiting += new
+    return seen - {start}

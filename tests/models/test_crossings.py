@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
+from itertools import count
 
 import pytest
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.models import crossings
+from kerfwise.models import crossed_areas, crossings
+from kerfwise.models import solve as rounds
 from kerfwise.models.make_plan import make_plan
 from kerfwise.models.problem import make_problem
 from kerfwise.models.solution import SolveOptions
 from kerfwise.models.solve import solve
 from kerfwise.models.timing.choose import feeds_of
+from kerfwise.models.watch import Watch
 from kerfwise.postproc.ask import ask, facts_of
 from kerfwise.rules.profile import Profile, load_profile
 from kerfwise.rules.statements import About, Precede
@@ -71,3 +75,41 @@ def test_moves_looked_at_once_are_not_looked_at_again(monkeypatch: pytest.Monkey
     assert len(make_problem(asked.facts, more, (0.0, 0.0), earlier=first).crossings) == len(anew.crossings)
     monkeypatch.setattr(crossings, "MOST_MOVES", 0)
     assert make_problem(asked.facts, statements, (0.0, 0.0), earlier=first).crossings is first.crossings
+
+
+def test_moves_for_which_the_time_is_too_short_leave_a_soft_rule_unpriced() -> None:
+    asked_shares: list[float] = []
+
+    def half_the_pace(share: float) -> bool:
+        asked_shares.append(share)
+        return False
+
+    profile = with_tips("soft")
+    asked = ask(facts_of(ROW, profile), profile)
+    problem = make_problem(asked.facts, asked.stated.statements, (0.0, 0.0), going=half_the_pace)
+    assert asked_shares == [0.0]
+    ((rule, why),) = problem.left_out
+    assert (rule, len(problem.crossings)) == ("no-tip-travel", 0)
+    assert why.endswith("moves, for which the time limit is too short")
+    again = make_problem(asked.facts, asked.stated.statements, (0.0, 0.0), None, problem, half_the_pace)
+    assert (asked_shares, again.left_out) == ([0.0], problem.left_out)
+
+
+def test_all_moves_are_looked_at_where_the_rule_is_hard() -> None:
+    profile = with_tips("hard")
+    asked = ask(facts_of(ROW, profile), profile)
+    problem = make_problem(asked.facts, asked.stated.statements, (0.0, 0.0), going=lambda share: False)
+    assert len(problem.crossings)
+
+
+@pytest.mark.parametrize(("time_s", "left_out"), [(1.0, 1), (None, 0)])
+def test_the_clock_counts_under_a_limit_in_seconds_alone(
+    monkeypatch: pytest.MonkeyPatch, time_s: float | None, left_out: int
+) -> None:
+    ticks = count()
+    monkeypatch.setattr(crossed_areas, "GROUPS_AT_ONCE", 1)
+    monkeypatch.setattr(rounds, "Watch", partial(Watch, clock=lambda: float(next(ticks))))
+    profile = with_tips("soft")
+    asked = ask(facts_of(ROW, profile), profile)
+    options = SolveOptions(work=1.0, time_s=time_s, feeds=feeds_of(profile))
+    assert len(solve(asked.facts, asked.stated.statements, options).left_out) == left_out

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import count
 
 import pytest
 
+from kerfwise.models import portfolio
 from kerfwise.models.engines import Member
 from kerfwise.models.known import Known
 from kerfwise.models.portfolio import run_portfolio
@@ -124,3 +126,14 @@ def test_an_earlier_plan_and_bound_are_gone_on_from() -> None:
     assert again.proven
     assert (again.bound_um, again.proved_by) == (best.bound_um, best.proved_by)
     assert again.notes == []
+
+
+def test_no_member_sets_out_without_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each step takes a second by the clock; the search has all the time there is, and the others have tables to make."""
+    given, seconds, set_out = scattered(1, contours=45, sites=1), count(), list[str]()
+    for module, name in ((portfolio.beam, "beam"), (portfolio, "flow_bound"), (portfolio, "solve_cpsat")):
+        monkeypatch.setattr(module, name, lambda *given, name=name: set_out.append(name))
+    limits = SolveOptions(time_s=5.0)
+    watch = Watch(replace(limits, time_s=1e9), clock=lambda: float(next(seconds)))
+    assert run_portfolio(given, limits, watch).incumbent is not None
+    assert set_out == []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import permutations
 
 import pytest
@@ -9,6 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules import strips
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStrips, NoNarrowStripsOptions
 from kerfwise.tests.nests import nest, part, rect
 from kerfwise.tests.rules.test_statements_agree import sheets
@@ -60,3 +62,21 @@ def test_the_side_with_fewer_parts_is_left_behind() -> None:
 def test_a_no_good_holds_in_every_order_of_any_sheet(sheet: Nest, strip_mm: float) -> None:
     assume(len(sheet.parts) <= 4)
     told_alike(sheet, NoNarrowStripsOptions(strip_mm=strip_mm))
+
+
+def test_a_part_that_was_told_is_not_looked_at_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a row of twelve every other part goes first: those between lie in strips, and each is told once."""
+    row = nest(800, 100, *(part(f"P{k}", rect(10 + 60 * k, 10, 50, 80)) for k in range(12)))
+    looked: list[tuple[int, bool]] = []
+    vanishes = strips.Metal._vanishes
+
+    def noted(metal: strips.Metal, q: int, around: Sequence[int]) -> bool:
+        found = vanishes(metal, q, around)
+        looked.append((q, bool(metal.told[q])))
+        return found
+
+    monkeypatch.setattr(strips.Metal, "_vanishes", noted)
+    order = [f"P{k}.outer" for k in (*range(0, 12, 2), *range(1, 12, 2))]
+    assert RULE.no_goods(row, order, NoNarrowStripsOptions())
+    assert looked
+    assert not any(told for _, told in looked)
