@@ -108,10 +108,13 @@ def command(
         if time_limit:  # stating the rules is inside the limit; a plan gets its share all the same
             spent_s = time.monotonic() - began_s
             limits = replace(limits, time_s=max(time_limit - spent_s, LEAST_SHARE * time_limit))
+        began_s = time.monotonic()
         with listening() as ear:
             made = produce(asked, profile, limits, ear, engine, solver, strategy)
     except RulesConflict as error:
         return tell_conflict(facts, profile, error, conflict_picture, limits)
+    over_s = time.monotonic() - began_s - made.judging_s - (limits.time_s or 0.0)
+    _not_counted("what planning had begun was brought to an end", over_s, time_limit)
     _not_counted("the program was written and checked", made.judging_s, time_limit)
     if verbose:
         click.echo("\n".join(made.notes))

@@ -26,10 +26,10 @@ ROUND = 0.7
 """Share of what is left for one round, where geometry may have afterthoughts that ask for another."""
 ENOUGH = 0.9
 """Share after which no further round is begun."""
-MOVES_SHARE = 0.25
+MOVES_SHARE = 0.3
 """Share of a limit in seconds that looking at moves over parts that are out may take: what is made of them takes as
 long again."""
-PACE_KNOWN = 0.1
+PACE_KNOWN = 0.2
 """Share of some work from which on its pace tells how long the rest takes."""
 LEAST = 0.2
 """Share that the first round has at the least, however long the problem has taken to be made."""
