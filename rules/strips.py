@@ -89,7 +89,8 @@ class Metal:
 
     def _on_both_sides(self, q: int, around: Sequence[int]) -> bool:
         """Whether parts that take metal from part `q` lie in directions more than a right angle apart."""
-        taking = [k for k in around if shapely.intersects(self.swept[k], self.areas[q])]
+        near = np.array(around, dtype=np.int64)
+        taking = near[shapely.intersects(self.swept[near], self.areas[q])]
         if len(taking) < 2:
             return False
         middle = shapely.centroid(self.areas[q])
@@ -100,8 +101,10 @@ class Metal:
 
     def _vanishes(self, q: int, around: Sequence[int]) -> bool:
         """Whether most of part `q` lies in metal that opening by half a strip leaves nothing of."""
-        core = shapely.clip_by_rect(self.stiff, *self._window(q))
-        core = shapely.difference(core, shapely.union_all(self.swept[list(around)]))
+        window = self._window(q)
+        taken = self.swept[list(around)]
+        taken = shapely.union_all(taken[shapely.intersects(taken, shapely.box(*window))])
+        core = shapely.difference(shapely.clip_by_rect(self.stiff, *window), taken)
         opened = shapely.buffer(core, self.strip_mm / 2, quad_segs=QUADRANT)
         return bool(shapely.area(shapely.difference(self.areas[q], opened)) > IN_STRIP * self.size[q])
 
@@ -112,13 +115,23 @@ class Metal:
         return x0 - r, y0 - r, x1 + r, y1 + r
 
     def _fewest(self, q: int, around: Sequence[int]) -> list[int]:
-        """The parts without any of which part `q` would not be in a strip, tried from the farthest."""
-        kept = list(around)
-        for k in reversed(around):
-            without = [m for m in kept if m != k]
+        """The parts without any of which part `q` would not be in a strip, tried from the farthest.
+
+        More parts out never widen a strip, so that many are left out at once where the rest still makes one.
+        """
+        needed: list[int] = []
+        stretches = [(0, len(around))]
+        while stretches:
+            begin, end = stretches.pop()
+            without = [*around[:begin], *needed]
             if self._on_both_sides(q, without) and self._vanishes(q, without):
-                kept = without
-        return sorted(kept)
+                continue
+            if end - begin == 1:
+                needed.append(around[begin])
+            else:
+                middle = (begin + end) // 2
+                stretches += [(begin, middle), (middle, end)]
+        return sorted(needed)
 
     def _islands(self, p: int) -> Iterator[tuple[str, list[int], list[int]]]:
         """Pieces that taking out `p` closes off from the rest, with a part on it and one elsewhere.

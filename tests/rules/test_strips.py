@@ -80,3 +80,31 @@ def test_a_part_that_was_told_is_not_looked_at_again(monkeypatch: pytest.MonkeyP
     assert RULE.no_goods(row, order, NoNarrowStripsOptions())
     assert looked
     assert not any(told for _, told in looked)
+
+
+def test_few_looks_tell_which_of_many_parts_make_a_strip(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Small parts in nine rows, the middle one last: of some dozens that are out around it few make the strip."""
+    side, step = 15, 21
+    field = nest(
+        20 + 9 * step, 20 + 9 * step,
+        *(part(f"P{k}", rect(10 + step * (k % 9), 10 + step * (k // 9), side, side)) for k in range(81)),
+    )  # fmt: skip
+    middle, looks = 40, list[int]()
+    vanishes = strips.Metal._vanishes
+
+    def noted(metal: strips.Metal, q: int, around: Sequence[int]) -> bool:
+        looks.append(q)
+        return vanishes(metal, q, around)
+
+    metal = next(iter(strips._grounds(field, 60.0, 25.0)[0].values()))
+    metal.out[:] = True
+    metal.out[middle] = False
+    around = metal._around(middle)
+    assert len(around) > 40
+    monkeypatch.setattr(strips.Metal, "_vanishes", noted)
+    needed = metal._fewest(middle, around)
+    assert len(looks) < len(around) / 2
+    assert vanishes(metal, middle, needed)
+    for k in needed:
+        without = [m for m in needed if m != k]
+        assert not (metal._on_both_sides(middle, without) and vanishes(metal, middle, without))
