@@ -144,6 +144,12 @@ def _hard() -> Iterator[Example]:
     )
     yield Example("run", Contiguous((0, 3), ABOUT), lambda way: abs(way.place(0) - way.place(3)) - 1 and 1, ((0, 1),))
     yield Example(
+        "lag of one cut",
+        Lag(2, 3, ABOUT, cuts=1),
+        lambda way: abs(way.place(2) - way.place(3)) == 1,
+        ((0, 1),),
+    )
+    yield Example(
         "lag of cuts", Lag(0, 1, ABOUT, cuts=2), lambda way: max(0, 3 - abs(way.place(0) - way.place(1))), ((2, 3),)
     )
     yield Example("lag of seconds", Lag(0, 1, ABOUT, seconds=5.2), lambda way: _missing(5.2 - way.pause_s(0, 1)))
