@@ -118,7 +118,7 @@ class Surroundings:
     def off_kerfs(self, leads: Leads, contour: Ints, kerf_mm: float, splash_mm: float) -> Bools:
         """Leads that would be lawful after the contours of all other parts: off their kerfs, which are then void."""
         near = self._near_others(shapely.points(leads.pierce), contour, 1.5 * kerf_mm + splash_mm)
-        free = leads.length_mm > kerf_mm / 2
+        free = leads.length_mm > kerf_mm / 2 + _EXACT_MM
         lines = shapely.linestrings(leads.take(free).points(kerf_mm / 2, most=1.0))
         near[free] |= self._near_others(lines, contour[free], kerf_mm)
         return ~near

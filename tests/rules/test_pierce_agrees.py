@@ -10,6 +10,7 @@ import pytest
 from kerfwise.encoder.candidates import Candidate, LeadOptions, build_candidates
 from kerfwise.encoder.candidates.older_kerfs import older_kerfs
 from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.pierce_kerfs import over_older_kerfs
 from kerfwise.tests.nests import circle, nest, part, rect
@@ -63,3 +64,16 @@ def _rows(where: Nest, ways: tuple[Candidate, ...], splash_mm: float) -> set[tup
     met = older_kerfs(where, ways, KERF_MM, splash_mm)
     of_rings = {(k, e) for k, c in met.rings.tolist() for e, other in enumerate(ways) if other.contour == c}
     return of_rings | set(map(tuple, met.leads.tolist()))
+
+
+@pytest.mark.parametrize("length_mm", [KERF_MM / 2 - 1e-9, KERF_MM / 2, KERF_MM / 2 + 1e-9])
+def test_a_lead_of_half_a_kerf_lies_wholly_beside_its_own_contour(length_mm: float) -> None:
+    where = nest(200, 120, part("A", rect(20, 20, 60, 60)), part("B", rect(110, 30, 60, 60)))
+
+    def entered(name: str, x: float, y: float) -> Cut:
+        join = (x, y - KERF_MM / 2)
+        pierce = (x, join[1] - length_mm)
+        return Cut(name, (x, y), "cw", pierce, Curve.of([pierce, join], closed=False))
+
+    cuts = CutSequence((entered("A.outer", 50, 20), entered("B.outer", 140, 30)))
+    assert list(over_older_kerfs(where, cuts, KERF_MM, SPLASH_MM)) == []
