@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Set
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -20,6 +21,7 @@ from kerfwise.tests.agreement.cases import judged_case
 from kerfwise.tests.agreement.engines import ENGINES, IMPOSSIBLE, UNPROVEN, Answer
 from kerfwise.tests.agreement.orders import ORDER_RULES, order_disagreements
 from kerfwise.tests.agreement.trial import Trial
+from kerfwise.tests.metal.findings import Kind
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import simulate
 from kerfwise.tests.models.minizinc.cases import Case
@@ -28,6 +30,17 @@ ROUNDED_MM = 0.01
 """Engines count whole micrometres, the check does not: so much may come of it on a small nest."""
 FEW = 6
 """Contours of the nests on which the sets of admissible orders are compared: 720 orders at most."""
+_ORDERS = frozenset({"inner-before-outer", "nested-before-host-holes", "pierce"})
+KEPT_OUT_BY: Mapping[Kind, Set[str]] = {
+    "loose-part-burnt": _ORDERS,
+    "loose-waste-burnt": _ORDERS,
+    "pierce-in-part": {"pierce"},
+    "pierce-over-void": {"pierce"},
+    "lead-over-void": {"pierce"},
+    "part-eroded": {"shared-metal", "pierce"},
+}
+"""Findings of the simulation that only these rules keep out: where a random mixture has one of them off, or soft, a
+plan may have them."""
 
 
 @dataclass(frozen=True)
@@ -130,5 +143,8 @@ def _broken(case: Case, stated: Stated, answer: Answer) -> list[str]:
     cuts = CutSequence(tuple(p.cut for p in plan.cuts), plan.start_side, case.profile.machine.home)
     judged = judge(case.facts.nest, cuts, case.profile)
     program = write_program(plan, case.facts.nest, case.profile)
-    scrap = simulate(case.facts.nest, program, **plant(case.profile))
+    hard = {name for name, setting in case.profile.rules.items() if setting.strength == "hard"}
+    scrap = [
+        f for f in simulate(case.facts.nest, program, **plant(case.profile)) if hard >= KEPT_OUT_BY.get(f.kind, set())
+    ]
     return [*(j.id for j in judged if j.strength == "hard" and not j.holds), *map(str, scrap)]
