@@ -67,7 +67,7 @@ def page(rule: str, picture: str | None, profile: str) -> None:
 def _draw(rule: str, path: Path) -> None:
     from ..postproc.files import write_files
     from ..postproc.report.case_picture import Panel, case_picture
-    from .rule_cases import cases_of
+    from ..rules.run_cases import cases_of
 
     if path.suffix.lower() != ".svg":
         raise InputError(f"cannot draw a case as {path.suffix or str(path)!r}: give a name ending in .svg")
@@ -98,7 +98,7 @@ def new(name: str, into: Path | None) -> None:
 def test(rule: str | None) -> int:
     """Run the cases of RULE, or of every rule; exit 1 if one does not go as it says."""
     from ..rules.registry import RULES
-    from .rule_cases import run_cases
+    from ..rules.run_cases import run_cases
 
     failed = count = 0
     for name in [rule] if rule else RULES:

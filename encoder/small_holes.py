@@ -85,7 +85,7 @@ def as_cut(nest: Nest, limits: HoleLimits) -> Nest:
 
     Examples
     --------
-    >>> from kerfwise.tests.nests import circle, nest, part, rect
+    >>> from kerfwise.encoder.by_hand import circle, nest, part, rect
     >>> plate = nest(200, 100, part("A", rect(10, 10, 80, 80), [circle(30, 50, 2), circle(60, 50, 9)]))
     >>> made = as_cut(plate, HoleLimits(least_mm=6, under="spot", full_feed_mm=30, feed_share=0.6))
     >>> [(c.id, c.kind, c.feed_share) for c in made.contours]

@@ -14,7 +14,7 @@ RESERVED = ("new", "page", "test")
 FILES = {
     "rule.py.txt": "rules/catalogue/{module}.py",
     "rule.mzn.txt": "models/minizinc/rules/{module}.mzn",
-    "cases.py.txt": "tests/rules/cases/{module}.py",
+    "cases.py.txt": "rules/cases/{module}.py",
 }
 """Template → where what is made of it goes in a checkout."""
 

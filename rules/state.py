@@ -78,7 +78,7 @@ def state_rules(facts: Facts, profile: Profile, *, reads_files: bool = False) ->
     --------
     >>> from kerfwise.encoder.facts import compute_facts
     >>> from kerfwise.rules.profile import load_profile
-    >>> from kerfwise.tests.nests import nest, part, rect
+    >>> from kerfwise.encoder.by_hand import nest, part, rect
     >>> profile = load_profile()
     >>> plate = nest(400, 100, part("P1", rect(10, 10, 80, 80), [rect(30, 30, 20, 20)]))
     >>> stated = state_rules(compute_facts(plate, profile.fact_options(), ()), profile)

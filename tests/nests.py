@@ -1,35 +1,5 @@
-"""Small nests built by hand, for tests and for trying things out: `from kerfwise.tests.nests import …`."""
+"""Small nests built by hand, under the name that the tests know them by."""
 
-from __future__ import annotations
+from kerfwise.encoder.by_hand import Rows, circle, nest, part, rect
 
-from collections.abc import Sequence
-
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
-
-Rows = Sequence[Sequence[float]]
-
-
-def rect(x: float, y: float, w: float, h: float) -> Rows:
-    """A rectangle's vertices, counter-clockwise from its lower left corner."""
-    return [(x, y), (x + w, y), (x + w, y + h), (x, y + h)]
-
-
-def circle(cx: float, cy: float, r: float) -> Rows:
-    """A circle as two half-circle arcs."""
-    return [(cx - r, cy, 1.0), (cx + r, cy, 1.0)]
-
-
-def part(name: str, outer: Rows, holes: Sequence[Rows] = (), marks: Sequence[Rows] = ()) -> Part:
-    """A part with contour ids as a reader gives them; marks are open lines."""
-    return Part(
-        name,
-        Contour(f"{name}.outer", name, "outer", Curve.of(outer)),
-        tuple(Contour(f"{name}.hole{k}", name, "hole", Curve.of(h)) for k, h in enumerate(holes, 1)),
-        tuple(Contour(f"{name}.mark{k}", name, "mark", Curve.of(m, closed=False)) for k, m in enumerate(marks, 1)),
-    )
-
-
-def nest(width: float, height: float, *parts: Part) -> Nest:
-    """A rectangular sheet at the origin with these parts."""
-    return Nest(Sheet.rectangle(width, height), parts)
+__all__ = ["Rows", "circle", "nest", "part", "rect"]

@@ -52,7 +52,7 @@ def older_kerfs(nest: Nest, candidates: Sequence[Candidate], kerf_mm: float, spl
     Examples
     --------
     >>> from kerfwise.encoder.candidates import LeadOptions, build_candidates
-    >>> from kerfwise.tests.nests import nest, part, rect
+    >>> from kerfwise.encoder.by_hand import nest, part, rect
     >>> two = nest(400, 100, part("A", rect(10, 10, 80, 80)), part("B", rect(94, 10, 80, 80)))
     >>> ways = build_candidates(two, LeadOptions(entries=4, splash_mm=None))
     >>> older_kerfs(two, ways, 1.5, 0.5).leads[:2].tolist()

@@ -49,7 +49,7 @@ def compute_facts(
 
     Examples
     --------
-    >>> from kerfwise.tests.nests import nest, part, rect
+    >>> from kerfwise.encoder.by_hand import nest, part, rect
     >>> two = nest(400, 100, part("A", rect(10, 10, 80, 80)), part("B", rect(100, 10, 80, 80)))
     >>> facts = compute_facts(two, FactOptions())
     >>> facts.start_side, facts.start_side_because, facts.level_ahead.tolist()

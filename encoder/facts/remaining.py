@@ -32,7 +32,7 @@ def remaining(whole: Facts, already: AlreadyCut) -> Facts:
     --------
     >>> from kerfwise.encoder.cut import Cut
     >>> from kerfwise.encoder.facts import FactOptions, compute_facts
-    >>> from kerfwise.tests.nests import nest, part, rect
+    >>> from kerfwise.encoder.by_hand import nest, part, rect
     >>> row = [part(name, rect(10 + 100 * k, 10, 80, 80)) for k, name in enumerate("ABC")]
     >>> facts = compute_facts(nest(400, 100, *row), FactOptions())
     >>> left = remaining(facts, AlreadyCut((Cut("A.outer", (10, 10), "cw", (5, 10)),)))

@@ -27,7 +27,7 @@ def validated(nest: Nest) -> Nest:
 
     Examples
     --------
-    >>> from kerfwise.tests.nests import nest, part, rect
+    >>> from kerfwise.encoder.by_hand import nest, part, rect
     >>> validated(nest(100, 50, part("A", rect(5, 5, 60, 20)), part("B", rect(40, 5, 70, 20))))
     Traceback (most recent call last):
     kerfwise.encoder.errors.InputError: the nest cannot be cut as it is drawn: 2 problems

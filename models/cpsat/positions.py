@@ -22,8 +22,9 @@ def windows_of_steps(problem: Problem) -> tuple[Ints, Ints]:
 
     Examples
     --------
-    >>> from kerfwise.tests.models.problems import problem
-    >>> first, last = windows_of_steps(problem([[(1, 0)], [(2, 0)], [(3, 0)]], pairs=[(0, 2)]))
+    >>> from types import SimpleNamespace
+    >>> zero_before_two = np.array([[0, 0, 1], [0, 0, 0], [0, 0, 0]], dtype=bool)
+    >>> first, last = windows_of_steps(SimpleNamespace(n=3, before=zero_before_two, block=np.arange(3)))
     >>> int(first[1, 2]), int(last[0, 1])
     (1, 1)
     """

@@ -102,7 +102,7 @@ def expected_side(nest: Nest, options: StartSideOptions) -> tuple[Side, str]:
 
     Examples
     --------
-    >>> from kerfwise.tests.nests import nest, part, rect
+    >>> from kerfwise.encoder.by_hand import nest, part, rect
     >>> expected_side(nest(400, 100, part("A", rect(10, 10, 80, 80))), StartSideOptions())
     ('left', 'there is a large offcut on the right')
     """

@@ -42,7 +42,7 @@ def groups(known: Known, scope: str) -> list[tuple[int, ...]]:
     --------
     >>> from kerfwise.rules.own.measures import measured
     >>> from kerfwise.rules.own.named_facts import known_of_nest
-    >>> from kerfwise.tests.nests import nest, part, rect
+    >>> from kerfwise.encoder.by_hand import nest, part, rect
     >>> two = part("A", rect(10, 10, 80, 80), [rect(30, 30, 20, 20)]), part("B", rect(110, 10, 80, 80))
     >>> plate = nest(300, 100, *two)
     >>> groups(known_of_nest(measured(plate, None, long_ratio=4, web_mm=25)), "part")

@@ -25,7 +25,7 @@ class Selector:
     >>> from kerfwise.rules.own.criterion import Pattern
     >>> from kerfwise.rules.own.named_facts import known_of_nest
     >>> from kerfwise.rules.own.measures import measured
-    >>> from kerfwise.tests.nests import nest, part, rect
+    >>> from kerfwise.encoder.by_hand import nest, part, rect
     >>> plate = nest(100, 100, part("P1", rect(10, 10, 80, 80), [rect(30, 30, 20, 20)]))
     >>> known = known_of_nest(measured(plate, None, long_ratio=4, web_mm=25))
     >>> Selector((("kind", Pattern("hole")),)).chosen(known)

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from kerfwise.commands import rule_cases
 from kerfwise.commands.rules import command
 from kerfwise.encoder.errors import InputError
+from kerfwise.rules import run_cases as runner
 from kerfwise.rules.new_rule import FILES, new_rule
 from kerfwise.rules.pages import rule_page
 from kerfwise.rules.registry import RULES
@@ -64,10 +64,10 @@ def test_cases_are_run() -> None:
 
 
 def test_case_that_fails_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    first, *others = rule_cases.cases_of("marks-first")
+    first, *others = runner.cases_of("marks-first")
     wrong = replace(others[0], violations=())
-    monkeypatch.setattr(rule_cases, "cases_of", lambda rule: (first, wrong))
-    outcomes = list(rule_cases.run_cases("marks-first"))
+    monkeypatch.setattr(runner, "cases_of", lambda rule: (first, wrong))
+    outcomes = list(runner.run_cases("marks-first"))
     assert [outcome.case for outcome in outcomes] == ["all", first.name, wrong.name]
     assert outcomes[0].wrong == ("there is no case of kind boundary",)
     assert outcomes[1].wrong == ()
@@ -86,18 +86,18 @@ def test_new_rule_is_three_files(tmp_path: Path) -> None:
     made = sorted(str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*.*") if p.suffix in (".py", ".mzn"))
     assert made == [
         "models/minizinc/rules/bars_last.mzn",
+        "rules/cases/bars_last.py",
         "rules/catalogue/bars_last.py",
-        "tests/rules/cases/bars_last.py",
     ]
     assert f"pip install -e {tmp_path.resolve()}" in out
     assert "next: kerfwise rules test bars-last" in out
-    assert "class BarsLast(OrderRule[NoOptions]):" in (tmp_path / made[1]).read_text(encoding="utf-8")
+    assert "class BarsLast(OrderRule[NoOptions]):" in (tmp_path / made[2]).read_text(encoding="utf-8")
     assert "bars_last_holds =" in (tmp_path / made[0]).read_text(encoding="utf-8")
     assert "$" not in "".join((tmp_path / name).read_text(encoding="utf-8") for name in made)
 
 
 def test_nothing_is_overwritten(tmp_path: Path) -> None:
-    taken = checkout(tmp_path) / "tests/rules/cases/bars_last.py"
+    taken = checkout(tmp_path) / "rules/cases/bars_last.py"
     taken.write_text("mine", encoding="utf-8")
     with pytest.raises(InputError, match="the file is there already"):
         new_rule("bars-last", tmp_path)

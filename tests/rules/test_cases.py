@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import importlib
 import inspect
+import pkgutil
 from dataclasses import replace
 
 import pytest
 
+from kerfwise.rules import cases
+from kerfwise.rules.case import Case
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import HEADINGS
-from kerfwise.tests.rules.case import Case
-
-
-def cases_of(rule: str) -> tuple[Case, ...]:
-    module = importlib.import_module(f"kerfwise.tests.rules.cases.{rule.replace('-', '_')}")
-    cases: tuple[Case, ...] = module.CASES
-    return cases
-
+from kerfwise.rules.run_cases import cases_of
 
 ALL = [pytest.param(rule, case, id=f"{rule}: {case.name}") for rule in RULES for case in cases_of(rule)]
 
@@ -30,11 +25,15 @@ def test_violations(rule: str, case: Case) -> None:
 
 @pytest.mark.parametrize("rule", RULES)
 def test_rule_has_a_case_of_each_kind(rule: str) -> None:
-    cases = cases_of(rule)
-    assert {case.kind for case in cases} == {"passes", "fails", "boundary"}
-    assert all(case.violations for case in cases if case.kind == "fails")
-    assert not any(case.violations for case in cases if case.kind == "passes")
-    assert len({case.name for case in cases}) == len(cases)
+    its = cases_of(rule)
+    assert {case.kind for case in its} == {"passes", "fails", "boundary"}
+    assert all(case.violations for case in its if case.kind == "fails")
+    assert not any(case.violations for case in its if case.kind == "passes")
+    assert len({case.name for case in its}) == len(its)
+
+
+def test_every_file_of_cases_is_of_a_rule() -> None:
+    assert sorted(m.name for m in pkgutil.iter_modules(cases.__path__)) == sorted(r.replace("-", "_") for r in RULES)
 
 
 def test_comparison_can_fail() -> None:

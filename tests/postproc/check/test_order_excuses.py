@@ -16,12 +16,12 @@ from kerfwise.postproc.check.relaxed import Relaxed
 from kerfwise.postproc.check.result import Judgement
 from kerfwise.postproc.checking import check_plan
 from kerfwise.postproc.produce import Produced, produce
+from kerfwise.rules.case import cut
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile import Profile
 from kerfwise.rules.sections import RuleSetting
 from kerfwise.tests.models.solved import plant
 from kerfwise.tests.nests import nest, part, rect
-from kerfwise.tests.rules.case import cut
 
 # Three long parts side by side, and three rows of three: the middle one is locked to be the last.
 LONG = nest(700, 400, *(part(name, rect(200, 110 + 50 * k, 300, 40)) for k, name in enumerate("ABC")))

@@ -8,12 +8,12 @@ import pytest
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import FactOptions, compute_facts
+from kerfwise.rules.case import in_order
 from kerfwise.rules.catalogue.locks import Locks, LocksOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.statements import AtLeast, Before, Precede, Statement
 from kerfwise.rules.yaml_positions import Place
 from kerfwise.tests.nests import nest, part, rect
-from kerfwise.tests.rules.case import in_order
 
 ROW = nest(
     400, 100, part("A", rect(10, 10, 60, 80)), part("B", rect(80, 10, 60, 80)), part("C", rect(150, 10, 60, 80)),

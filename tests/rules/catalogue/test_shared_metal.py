@@ -12,9 +12,9 @@ from kerfwise.encoder.facts import FactOptions, compute_facts
 from kerfwise.encoder.nest import Nest, Part
 from kerfwise.postproc.check.metal import gouges
 from kerfwise.postproc.check.runs_from_cuts import runs_from_cuts
+from kerfwise.rules.case import cut
 from kerfwise.rules.catalogue.shared_metal import SharedMetal, SharedMetalOptions
 from kerfwise.tests.nests import circle, nest, part, rect
-from kerfwise.tests.rules.case import cut
 
 RULE = SharedMetal()
 GAPS_MM = [round(0.1 * k, 1) for k in range(31)]

@@ -14,12 +14,12 @@ from kerfwise.encoder.candidates.candidate import LeadOptions
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.facts import FactOptions, Facts, compute_facts
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.case import cut
 from kerfwise.rules.own import Thresholds, as_rule
 from kerfwise.rules.own.measures import measured
 from kerfwise.rules.own.named_facts import NAMED_FACTS, known_of_facts, known_of_nest
 from kerfwise.rules.statements import AtLeast, Before, Contiguous, Forbid, Lag, NoGood, Precede, Statement
 from kerfwise.tests.nests import circle, nest, part, rect
-from kerfwise.tests.rules.case import cut
 from kerfwise.tests.rules.own.made import rules_of
 from kerfwise.tests.rules.test_statements_agree import sheets
 

@@ -11,6 +11,7 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.postproc.check.judge import judge
+from kerfwise.rules.case import cut, in_order
 from kerfwise.rules.own import OwnFile, Thresholds, as_rule
 from kerfwise.rules.own.ask import MOST
 from kerfwise.rules.profile import Profile, load_profile
@@ -18,7 +19,6 @@ from kerfwise.rules.profile_text import profile_yaml
 from kerfwise.rules.rule import Violation
 from kerfwise.rules.state import Stated, state_rules
 from kerfwise.tests.nests import nest, part, rect
-from kerfwise.tests.rules.case import cut, in_order
 from kerfwise.tests.rules.own.made import rules_of
 
 ROW = nest(400, 100, *(part(f"P{k}", rect(100 * k + 10, 10, 80, 80)) for k in range(4)))

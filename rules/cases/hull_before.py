@@ -1,6 +1,8 @@
-from kerfwise.rules.rule import Violation
-from kerfwise.tests.nests import circle, nest, part, rect
-from kerfwise.tests.rules.case import Case, in_order
+"""Cases of rule hull-before."""
+
+from ...encoder.by_hand import circle, nest, part, rect
+from ..case import Case, in_order
+from ..rule import Violation
 
 CHANNEL = part("C", [(10, 10), (210, 10), (210, 40), (40, 40), (40, 160), (210, 160), (210, 190), (10, 190)])
 MOUTH = nest(400, 200, CHANNEL, part("D", circle(120, 100, 40)))

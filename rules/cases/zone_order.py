@@ -1,11 +1,13 @@
+"""Cases of rule zone-order."""
+
 from dataclasses import replace
 
-from kerfwise.encoder.cut import CutSequence
-from kerfwise.encoder.nest import Nest
-from kerfwise.rules.catalogue.zone_order import ZoneOrderOptions
-from kerfwise.rules.rule import Violation
-from kerfwise.tests.nests import nest, part, rect
-from kerfwise.tests.rules.case import Case, in_order
+from ...encoder.by_hand import nest, part, rect
+from ...encoder.cut import CutSequence
+from ...encoder.nest import Nest
+from ..case import Case, in_order
+from ..catalogue.zone_order import ZoneOrderOptions
+from ..rule import Violation
 
 ROW = nest(
     400,

@@ -1,10 +1,12 @@
+"""Cases of rule shared-metal."""
+
 from dataclasses import replace
 
-from kerfwise.encoder.nest import Nest, Note
-from kerfwise.rules.catalogue.shared_metal import SharedMetalOptions
-from kerfwise.rules.rule import Violation
-from kerfwise.tests.nests import circle, nest, part, rect
-from kerfwise.tests.rules.case import Case, CaseKind, in_order
+from ...encoder.by_hand import circle, nest, part, rect
+from ...encoder.nest import Nest, Note
+from ..case import Case, CaseKind, in_order
+from ..catalogue.shared_metal import SharedMetalOptions
+from ..rule import Violation
 
 
 def side_by_side(gap_mm: float) -> Nest:

@@ -1,7 +1,9 @@
-from kerfwise.rules.catalogue.marks_first import MarksFirstOptions
-from kerfwise.rules.rule import Violation
-from kerfwise.tests.nests import nest, part, rect
-from kerfwise.tests.rules.case import Case, in_order
+"""Cases of rule marks-first."""
+
+from ...encoder.by_hand import nest, part, rect
+from ..case import Case, in_order
+from ..catalogue.marks_first import MarksFirstOptions
+from ..rule import Violation
 
 TWO = nest(
     300,

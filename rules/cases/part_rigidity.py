@@ -1,14 +1,32 @@
-from kerfwise.encoder.cut import CutSequence, Direction
-from kerfwise.encoder.geometry.segment import Point
-from kerfwise.encoder.nest import Nest
-from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
-from kerfwise.rules.rule import Violation
-from kerfwise.tests.nests import nest, part, rect
-from kerfwise.tests.rules.case import Case, cut
-from kerfwise.tests.rules.petunin import BEGIN, FIGURE_1
+"""Cases of rule part-rigidity."""
+
+from collections.abc import Mapping
+
+from ...encoder.by_hand import nest, part, rect
+from ...encoder.cut import CutSequence, Direction
+from ...encoder.geometry.segment import Point
+from ...encoder.nest import Nest
+from ..case import Case, cut
+from ..catalogue.part_rigidity import PartRigidityOptions
+from ..rule import Violation
 
 ALONE = nest(200, 200, part("P", rect(10, 10, 180, 180)))
 HOST = nest(400, 400, part("H", rect(50, 50, 300, 300), [rect(70, 70, 120, 120)]), part("G", rect(80, 80, 100, 100)))
+
+SIDE = 100.0
+LEFT = {"A": 10.0, "B": 120.0, "C": 230.0}
+BOTTOM = 290.0
+FIGURE_1 = nest(600, 400, *(part(name, rect(x, BOTTOM, SIDE, SIDE)) for name, x in LEFT.items()))
+"""Petunin 2009, figure 1. The drawing is not in the text; this nest is laid out to fit his answers: A, B and C stand in
+a row along the top edge of the sheet, A also along its left edge; below and to the right is solid metal. Points 4 and 7
+lie between two parts."""
+
+BEGIN: Mapping[str, Mapping[int, Point]] = {
+    "A": {1: (20, 290), 2: (30, 390), 3: (90, 390), 4: (110, 310)},
+    "B": {4: (120, 310), 5: (140, 390), 6: (200, 390), 7: (220, 310)},
+    "C": {7: (230, 310), 8: (310, 390), 9: (250, 390)},
+}
+"""Part → number of the point → where it meets the part."""
 
 
 def ways(sheet: Nest, *given: tuple[str, Point, Direction]) -> CutSequence:

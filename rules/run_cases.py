@@ -1,4 +1,4 @@
-"""The cases of rules, which live with the tests of a source checkout: found, and run."""
+"""The cases of rules: found, and run."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import importlib
 import importlib.util
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import get_args
 
 from ..encoder.errors import InputError
-from ..rules.registry import RULES
-from ..rules.suggest import unknown
-
-KINDS = ("passes", "fails", "boundary")
+from . import cases as folder
+from .case import Case, CaseKind
+from .registry import RULES
+from .suggest import unknown
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,34 +24,33 @@ class Outcome:
     wrong: tuple[str, ...] = ()
 
 
-def cases_of(rule: str) -> tuple[Any, ...]:
+def cases_of(rule: str) -> tuple[Case, ...]:
     """The cases of a rule, tiny nests with cuts and what is wrong with them.
 
     Raises
     ------
     InputError
-        If there is no such rule, no tests are installed beside the package, or the rule has no file of cases.
+        If there is no such rule, or the rule has no file of cases.
+
+    Examples
+    --------
+    >>> cases_of("hull-before")[0].kind
+    'passes'
     """
     if rule not in RULES:
         raise InputError(unknown("rule", rule, RULES))
-    package = f"{__package__.split('.')[0]}.tests.rules"
     name = rule.replace("-", "_")
-    try:
-        found = importlib.util.find_spec(f"{package}.case")
-    except ModuleNotFoundError:
-        found = None
-    if found is None:
-        raise InputError("the cases of rules are not installed beside kerfwise: install it anew, or run a checkout")
-    if importlib.util.find_spec(f"{package}.cases.{name}") is None:
-        raise InputError(f"rule {rule} has no cases: expected the file tests/rules/cases/{name}.py")
-    cases: tuple[Any, ...] = importlib.import_module(f"{package}.cases.{name}").CASES
+    module = f"{folder.__name__}.{name}"
+    if importlib.util.find_spec(module) is None:
+        raise InputError(f"rule {rule} has no cases: expected the file rules/cases/{name}.py")
+    cases: tuple[Case, ...] = importlib.import_module(module).CASES
     return cases
 
 
 def run_cases(rule: str) -> Iterator[Outcome]:
     """Judge every case of a rule and compare to the letter; a rule without a case of each kind is wrong too."""
     cases = cases_of(rule)
-    missing = [kind for kind in KINDS if all(case.kind != kind for case in cases)]
+    missing = [kind for kind in get_args(CaseKind) if all(case.kind != kind for case in cases)]
     if missing:
         yield Outcome(rule, "all", (f"there is no case of kind {', '.join(missing)}",))
     for case in cases:

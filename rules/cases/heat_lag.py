@@ -1,10 +1,12 @@
+"""Cases of rule heat-lag."""
+
 from dataclasses import replace
 
-from kerfwise.encoder.cut import CutSequence
-from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
-from kerfwise.rules.rule import Violation
-from kerfwise.tests.nests import circle, nest, part, rect
-from kerfwise.tests.rules.case import Case, in_order
+from ...encoder.by_hand import circle, nest, part, rect
+from ...encoder.cut import CutSequence
+from ..case import Case, in_order
+from ..catalogue.heat_lag import HeatLagOptions
+from ..rule import Violation
 
 ROW = nest(
     500,
