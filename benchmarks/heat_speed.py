@@ -65,7 +65,7 @@ def run(*arguments: str) -> Ran:
     RuntimeError
         If it does not end well.
     """
-    command = [sys.executable, "-c", "from kerfwise.cli import main; main()", *arguments]
+    command = [sys.executable, "-m", "kerfwise", *arguments]
     begin = time.perf_counter()
     with tempfile.TemporaryFile("w+") as said:
         child = subprocess.Popen(command, stdout=said)

@@ -5,6 +5,10 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import pytest
+
+import kerfwise
+
 HEAVY = ("numpy", "shapely", "numba", "ortools", "matplotlib", "ezdxf", "svgelements", "scipy", "rich", "yaml")
 
 
@@ -19,3 +23,13 @@ def test_help_imports_nothing_heavy() -> None:
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert "solve" in run.stdout
     assert run.stderr.strip() == "[]"
+
+
+@pytest.mark.parametrize("module", ["kerfwise", "kerfwise.cli"])
+def test_python_m_is_the_command_line(module: str) -> None:
+    asked = [sys.executable, "-m", module]
+    version = subprocess.run([*asked, "--version"], capture_output=True, text=True)
+    assert (version.returncode, version.stdout) == (0, f"kerfwise, version {kerfwise.__version__}\n")
+    wrong = subprocess.run([*asked, "solv"], capture_output=True, text=True)
+    assert wrong.returncode == 2
+    assert "unknown verb 'solv': did you mean 'solve'?" in wrong.stderr

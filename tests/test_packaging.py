@@ -21,23 +21,22 @@ def modules() -> list[str]:
     return [m.name for m in found if m.name.split(".")[1] not in OUTSIDE and not m.name.endswith("__main__")]
 
 
+def shipped(pattern: str) -> list[Path]:
+    """The files of a pattern in the folders that belong to the package."""
+    paths = ((path, path.relative_to(ROOT).parts[0]) for path in ROOT.rglob(pattern))
+    return [path for path, first in paths if first not in OUTSIDE and not first.startswith(".")]
+
+
 def test_every_package_folder_is_in_the_wheel() -> None:
     listed = set(tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"])
-    folders = {
-        ".".join(["kerfwise", *path.parent.relative_to(ROOT).parts])
-        for path in ROOT.rglob("__init__.py")
-        if path.relative_to(ROOT).parts[0] not in OUTSIDE and not path.relative_to(ROOT).parts[0].startswith(".")
-    }
+    folders = {".".join(["kerfwise", *path.parent.relative_to(ROOT).parts]) for path in shipped("__init__.py")}
     assert folders == listed
 
 
 def test_nothing_that_is_shipped_needs_the_tests() -> None:
-    shipped = [
-        p for p in ROOT.rglob("*") if p.suffix in (".py", ".txt") and p.relative_to(ROOT).parts[0] not in OUTSIDE
-    ]
-    shipped = [p for p in shipped if not p.relative_to(ROOT).parts[0].startswith(".")]
-    assert len(shipped) > 300
-    assert [str(p) for p in shipped if "kerfwise.tests" in p.read_text(encoding="utf-8")] == []
+    texts = [*shipped("*.py"), *shipped("*.txt")]
+    assert len(texts) > 300
+    assert [str(path) for path in texts if "kerfwise.tests" in path.read_text(encoding="utf-8")] == []
 
 
 @pytest.mark.parametrize("name", modules())

@@ -20,7 +20,7 @@ COMMANDS = re.findall(r"^\$ (.+)$", PAGE, re.MULTILINE)
 COMPILED = ("search", "ideals")
 PYTHON = f'"{sys.executable}"'
 WORDS = {
-    "kerfwise ": f"{PYTHON} -c 'from kerfwise.cli import main; main()' ",
+    "kerfwise ": f"{PYTHON} -m kerfwise ",
     "pytest ": f"{PYTHON} -m pytest ",
     "python ": f"{PYTHON} ",
 }
