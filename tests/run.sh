@@ -27,6 +27,7 @@ PYTHON=${PYTHON:-python3}
 say "environment in .venv"
 [ -x .venv/bin/python ] || "$PYTHON" -m venv .venv 2>/dev/null || { from_debian python3-venv; "$PYTHON" -m venv .venv; }
 .venv/bin/python -m pip install -q -e '.[test]'
+[ -e .typing/kerfwise ] || { mkdir -p .typing; ln -s .. .typing/kerfwise; } # left out of source distributions
 
 say "MiniZinc"
 command -v minizinc >/dev/null 2>&1 || from_debian minizinc
