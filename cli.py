@@ -44,7 +44,7 @@ class Verbs(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """The verb that was asked for; a mistyped one is answered with the nearest."""
         if args[0] not in VERBS and not args[0].startswith("-"):
-            from .rules.suggest import unknown
+            from kerfwise.rules.options.suggest import unknown
 
             raise click.UsageError(unknown("verb", args[0], VERBS), ctx)
         return super().resolve_command(ctx, args)
@@ -72,7 +72,7 @@ def program() -> None:
 
 def main(argv: list[str] | None = None) -> None:
     """Run the command line and leave with its exit code."""
-    from .encoder.errors import InputError, RulesConflict
+    from kerfwise.encoder.errors import InputError, RulesConflict
 
     try:
         code = program.main(argv, prog_name="kerfwise", standalone_mode=False)

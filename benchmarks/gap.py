@@ -24,14 +24,14 @@ import kerfwise
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.models.bounds import complete, flow_bound
-from kerfwise.models.problem import Problem, make_problem
-from kerfwise.models.search import Searcher
-from kerfwise.models.simplify import simplify
-from kerfwise.models.solution import Progress
-from kerfwise.models.timing.choose import feeds_of
-from kerfwise.postproc.ask import ask, facts_of
-from kerfwise.rules.profile import load_profile
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.models.engines.bounds import complete, flow_bound
+from kerfwise.models.engines.search import Searcher
+from kerfwise.models.engines.solution import Progress
+from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.problem.problem import Problem, make_problem
+from kerfwise.models.problem.simplify import simplify
+from kerfwise.rules.profile.profile import load_profile
 
 PAGE = """\
 # Where the gap without zones comes from
@@ -45,7 +45,7 @@ Python {python}, {system}, plates of `examples/gen_sheet.py`, seed 1, the defaul
 
 The plan is what search finds in {seconds:g} s, the bounds have as long each. Flows are a linear program with cuts for
 orders; walks visit n contours at lawful positions, and do not come back to the so many near contours that they remember
-(models/bounds). `conditions` are those of part-rigidity and of narrow strips, `lags` what heat-lag asks of contours cut
+(models/engines/bounds). `conditions` are those of part-rigidity and of narrow strips, `lags` what heat-lag asks of contours cut
 one after the other. Both bounds see a lag of one cut; neither sees a condition.
 """
 REMEMBERED = (0, 3, 5)

@@ -26,22 +26,22 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.models.baselines.random_order import random_order
-from kerfwise.models.baselines.realtime import realtime_order
-from kerfwise.models.evaluate import broken
-from kerfwise.models.heat import simulate
-from kerfwise.models.heat.grid import Grid, make_grid
-from kerfwise.models.heat.route_path import RoutePaths
+from kerfwise.jobs.ask import Asked, facts_of
+from kerfwise.jobs.priced_heat import cooler_orders, solve_priced
+from kerfwise.models.engines.baselines.random_order import random_order
+from kerfwise.models.engines.baselines.realtime import realtime_order
+from kerfwise.models.engines.rounds import solve
+from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.heat_prices.cooler_orders import ORDERS, CoolerOrders
-from kerfwise.models.problem import Problem, make_problem
-from kerfwise.models.solution import Solution, SolveOptions
-from kerfwise.models.solve import solve
-from kerfwise.models.timing.choose import feeds_of
-from kerfwise.postproc.ask import Asked, facts_of
-from kerfwise.postproc.heat_prices import cooler_orders, solve_priced
-from kerfwise.rules.profile import Profile, load_profile
-from kerfwise.rules.sections import RuleSetting
-from kerfwise.rules.state import Stated, state_rules
+from kerfwise.models.physics.heat import simulate
+from kerfwise.models.physics.heat.grid import Grid, make_grid
+from kerfwise.models.physics.heat.route_path import RoutePaths
+from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.problem.evaluate import broken
+from kerfwise.models.problem.problem import Problem, make_problem
+from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.sections import RuleSetting
+from kerfwise.rules.stating.state_rules import Stated, state_rules
 
 EXAMPLES = Path(kerfwise.__file__).parent / "examples" / "nests"
 RULES = ("inner-before-outer", "nested-before-host-holes", "part-contiguous", "cut-direction", "pierce", "marks-first")

@@ -23,10 +23,10 @@ import numpy as np
 
 from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.examples.gen_sheet import contour_count, make_sheet
-from kerfwise.models.heat import TimedPath, simulate
-from kerfwise.models.heat.timed_path import in_order, torch_on
-from kerfwise.rules.heat_section import Heat
-from kerfwise.rules.materials import MATERIALS
+from kerfwise.models.physics.heat import TimedPath, simulate
+from kerfwise.models.physics.heat.timed_path import in_order, torch_on
+from kerfwise.rules.profile.heat_section import Heat
+from kerfwise.rules.profile.materials import MATERIALS
 
 WIDTH_MM, HEIGHT_MM, APART_MM, SECONDS = 6000.0, 1500.0, 30.0, 7200.0
 PLANT = """\

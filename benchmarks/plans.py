@@ -22,14 +22,14 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.models.make_plan import make_plan
-from kerfwise.models.solution import Solution, SolveOptions
-from kerfwise.models.solve import solve
-from kerfwise.models.timing.choose import feeds_of
-from kerfwise.postproc.ask import facts_of
-from kerfwise.rules.afterthoughts import afterthoughts
-from kerfwise.rules.profile import Profile, load_profile
-from kerfwise.rules.state import state_rules
+from kerfwise.jobs.ask import facts_of
+from kerfwise.models.engines.rounds import solve
+from kerfwise.models.engines.solution import Solution, SolveOptions
+from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.plan.make import make_plan
+from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.stating.lazy import afterthoughts
+from kerfwise.rules.stating.state_rules import state_rules
 
 EXAMPLES = Path(kerfwise.__file__).parent / "examples" / "nests"
 PLATES = ((1, 115), (1, 300), (1, 1000))

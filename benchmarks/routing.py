@@ -23,8 +23,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 import kerfwise
+from kerfwise.jobs.bench import BestKnown, Job, Result, gap_to, measure, read_best_known, totals
 from kerfwise.models.routing import is_instance
-from kerfwise.postproc.bench import BestKnown, Job, Result, gap_to, measure, read_best_known, totals
 
 PAGE = """\
 # Routing benchmarks

@@ -23,14 +23,14 @@ import kerfwise
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.models.portfolio import run_portfolio
-from kerfwise.models.problem import make_problem
-from kerfwise.models.simplify import simplify
-from kerfwise.models.solution import SolveOptions
-from kerfwise.models.timing.choose import feeds_of
-from kerfwise.models.watch import Watch
-from kerfwise.postproc.ask import ask, facts_of
-from kerfwise.rules.profile import load_profile
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.models.engines.portfolio import run_portfolio
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.engines.watch import Watch
+from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.problem.problem import make_problem
+from kerfwise.models.problem.simplify import simplify
+from kerfwise.rules.profile.profile import load_profile
 
 PAGE = """\
 # Large nests

@@ -7,8 +7,9 @@ from typing import Any
 
 import click
 
-from ..encoder.errors import InputError
-from ..models.engines import BUILT_IN
+from kerfwise.encoder.errors import InputError
+from kerfwise.models.engines.names import BUILT_IN
+
 from .numbers import AMOUNT_OVER_ZERO
 
 
@@ -41,7 +42,7 @@ def command(
     Every tour is judged by code of its own. Each run has a process of its own; its clock starts when the file is
     read and the compiled kernels are loaded. A file that cannot be read is told, and the others are run.
     """
-    from ..postproc.bench import Job, as_json, head, line, measure, read_best_known, totals
+    from kerfwise.jobs.bench import Job, as_json, head, line, measure, read_best_known, totals
 
     for file in files:
         _expect(Path(file))
@@ -77,8 +78,8 @@ def command(
 
 
 def _expect(file: Path) -> None:
-    from ..encoder.readers.read import SUFFIXES
-    from ..models.routing.read import KINDS, is_instance
+    from kerfwise.encoder.readers.read import SUFFIXES
+    from kerfwise.models.routing.read import KINDS, is_instance
 
     if file.is_dir():
         raise InputError("this is a folder; name the files in it, such as folder/*.sop", file=file)

@@ -14,9 +14,9 @@ from .given import given_options, note_if_others, program_text, read_given
 @click.argument("made", metavar="PLAN.json|OUT.nc")
 def command(made: str, **given: Any) -> int:
     """Judge a plan or an NC program of NEST by every rule; exit 1 if a hard one is broken."""
-    from ..models.plan_reader import read_plan
-    from ..postproc.check import report
-    from ..postproc.checking import check_plan, check_program
+    from kerfwise.models.plan.reader import read_plan
+    from kerfwise.postproc.check import report
+    from kerfwise.postproc.verdict.checking import check_plan, check_program
 
     asked = read_given(**given)
     if made.endswith(".json"):

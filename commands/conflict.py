@@ -6,11 +6,11 @@ from pathlib import Path
 
 import click
 
-from ..encoder.errors import RulesConflict
-from ..encoder.facts.facts import Facts
-from ..models.solution import SolveOptions
-from ..rules.profile import Profile
-from ..rules.state import unread_files
+from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.stating.state_rules import unread_files
 
 
 def tell_conflict(
@@ -20,8 +20,8 @@ def tell_conflict(
 
     The look for what contradicts what takes no longer than the limits of the plan once more.
     """
-    from ..models.conflict import Purse, find_conflict
-    from ..postproc.report import plot_spot
+    from kerfwise.models.plan.conflict import Purse, find_conflict
+    from kerfwise.postproc.report import plot_spot
 
     conflict = find_conflict(facts, profile, Purse.of(limits))
     if conflict is None:

@@ -8,9 +8,9 @@ import click
 @click.command()
 def command() -> None:
     """List the engines of `kerfwise solve --engine`, and the solvers that MiniZinc has on this machine."""
-    from ..encoder.errors import InputError
-    from ..models.engines import BUILT_IN, ENGINES
-    from ..models.minizinc.installation import installed_solvers
+    from kerfwise.encoder.errors import InputError
+    from kerfwise.models.engines.minizinc.installation import installed_solvers
+    from kerfwise.models.engines.names import BUILT_IN, ENGINES
 
     for engine in BUILT_IN:
         click.echo(f"{engine:14}{ENGINES[engine]}")

@@ -20,12 +20,13 @@ from .given import given_options, read_given
 @click.option("--json", "as_data", is_flag=True, help="The same as data.")
 def command(plan: str, contour: str, everything: bool, as_data: bool, **given: Any) -> None:
     """Say what holds CONTOUR (such as P3.outer) in its place, why it is entered so, and what moving it would cost."""
-    from ..models.conflict import state_relaxed
-    from ..models.explain import as_json, as_text, explain
-    from ..models.plan_reader import read_plan
-    from ..postproc.ask import facts_of
-    from ..postproc.heat_prices import with_heat_prices
-    from ..rules.state import state_rules
+    from kerfwise.jobs.ask import facts_of
+    from kerfwise.jobs.priced_heat import with_heat_prices
+    from kerfwise.models.plan.conflict import state_relaxed
+    from kerfwise.models.plan.explain import as_json, as_text, explain
+    from kerfwise.models.plan.reader import read_plan
+    from kerfwise.rules.stating.state_rules import state_rules
+
     from .kept import again_first
 
     asked = read_given(**given)

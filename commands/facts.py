@@ -7,7 +7,8 @@ from typing import Any
 
 import click
 
-from ..encoder.errors import InputError
+from kerfwise.encoder.errors import InputError
+
 from .given import given_options, read_given
 
 
@@ -20,9 +21,9 @@ def command(output: str | None, **given: Any) -> None:
         raise InputError(
             f"cannot write facts as {Path(output).suffix or output!r}: give a name ending in .json or .dzn"
         )
-    from ..encoder.facts import facts_dzn, facts_json
-    from ..postproc.ask import facts_of
-    from ..postproc.files import expect_outputs, write_files
+    from kerfwise.encoder.facts import facts_dzn, facts_json
+    from kerfwise.jobs.ask import facts_of
+    from kerfwise.postproc.files import expect_outputs, write_files
 
     expect_outputs([Path(output)] if output else [], [Path(given["nest"])])
     asked = read_given(**given)

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..encoder.errors import InputError
-from ..encoder.nest import Nest
-from ..rules.machine_section import ORIGINS, Origin
-from ..rules.profile import DEFAULT, Profile, load_profile
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.profile.machine_section import ORIGINS, Origin
+from kerfwise.rules.profile.profile import DEFAULT, Profile, load_profile
 
 if TYPE_CHECKING:
-    from ..encoder.readers.options import Frame
-    from ..models.plan import Plan
-    from ..postproc.check.nc_program import NcProgram
+    from kerfwise.encoder.readers.options import Frame
+    from kerfwise.models.plan.plan import Plan
+    from kerfwise.postproc.check.reader.program import NcProgram
 
 Verb = Callable[..., Any]
 
@@ -63,7 +63,7 @@ def read_given(
     origin: Origin | None = None,
 ) -> Given:
     """Read both, the nest as the profile has it cut; what the reader has to say goes to standard error, a line each."""
-    from ..encoder.readers import read_nest
+    from kerfwise.encoder.readers import read_nest
 
     plant = load_profile(profile)
     plant = plant.at_origin(origin) if origin else plant
@@ -83,7 +83,7 @@ def read_given(
 
 def note_placing(given: Given) -> None:
     """Say on standard error what a planner would want to know of where the sheet lies on the machine."""
-    from ..rules.placing import placing_notes
+    from kerfwise.rules.profile.placing import placing_notes
 
     for text in placing_notes(given.nest, given.profile):
         click.echo(f"warning: {text}", err=True)
@@ -107,8 +107,8 @@ def read_program_of(path: str, given: Given) -> NcProgram:
     InputError
         If it cannot be read or understood, or is one of another nest.
     """
-    from ..postproc.of_nest import cuts_elsewhere
-    from ..postproc.timed import read_program
+    from kerfwise.postproc.clock.timed import read_program
+    from kerfwise.postproc.verdict.of_nest import cuts_elsewhere
 
     program = read_program(program_text(path), given.nest, given.profile, path)
     if elsewhere := cuts_elsewhere(program, given.nest, given.profile.material.kerf_mm, path):

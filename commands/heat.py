@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..encoder.errors import InputError
+from kerfwise.encoder.errors import InputError
+
 from .given import Given, given_options, note_if_others, read_given, read_program_of
 
 if TYPE_CHECKING:
-    from ..encoder.nest import Nest
-    from ..models.heat import HeatResult, PartHeat, TimedPath
-    from ..rules.heat_section import Heat
-    from ..rules.profile import Profile
+    from kerfwise.encoder.nest import Nest
+    from kerfwise.models.physics.heat import HeatResult, PartHeat, TimedPath
+    from kerfwise.rules.profile.heat_section import Heat
+    from kerfwise.rules.profile.profile import Profile
 
 FRAMES = 60
 _SHOWN = 15
@@ -36,8 +37,8 @@ def command(made: str, model: Any, as_json: bool, output: str | None, frames: st
     """Simulate how hot a plan or an NC program makes the sheet of NEST, and count the points that get too hot."""
     if output and Path(output).suffix.lower() != ".png":
         raise InputError(f"cannot draw temperatures as {Path(output).suffix or output!r}: give a name ending in .png")
-    from ..postproc.files import expect_folders, expect_place, make_folder, write_files
-    from ..postproc.report.heat_map import peak_map
+    from kerfwise.postproc.files import expect_folders, expect_place, make_folder, write_files
+    from kerfwise.postproc.report.heat_map import peak_map
 
     if output:
         expect_folders([Path(output)])
@@ -60,8 +61,8 @@ def command(made: str, model: Any, as_json: bool, output: str | None, frames: st
 
 
 def _path(made: str, given: Given) -> TimedPath:
-    from ..models.plan_reader import read_plan
-    from ..postproc.heat_path import path_of_plan, path_of_program
+    from kerfwise.models.plan.reader import read_plan
+    from kerfwise.postproc.clock.heat_path import path_of_plan, path_of_program
 
     if made.endswith(".json"):
         plan = read_plan(made)
@@ -73,9 +74,9 @@ def _path(made: str, given: Given) -> TimedPath:
 
 def _note_if_long(nest: Nest, path: TimedPath, heat: Heat) -> None:
     """Say beforehand what a fine grid will cost: the work goes with the fourth power of its fineness."""
-    from ..models.heat.grid import MOST_POINTS
-    from ..models.heat.physical import point_steps
-    from ..postproc.report.furniture import duration
+    from kerfwise.models.physics.heat.grid import MOST_POINTS
+    from kerfwise.models.physics.heat.physical import point_steps
+    from kerfwise.postproc.report.legend import duration
 
     area_mm2 = nest.sheet.polygon.area
     longest_s = point_steps(area_mm2, path.end_s, heat) / _POINT_STEPS_A_SECOND
@@ -90,9 +91,9 @@ def _simulated(
     nest: Nest, path: TimedPath, profile: Profile, frames: Path | None
 ) -> tuple[HeatResult, dict[Path, str | bytes]]:
     """What the simulation found, and the frames of its animation."""
-    from ..models.heat import simulate
-    from ..models.heat.grid import make_grid
-    from ..postproc.report.heat_map import HeatPicture
+    from kerfwise.models.physics.heat import simulate
+    from kerfwise.models.physics.heat.grid import make_grid
+    from kerfwise.postproc.report.heat_map import HeatPicture
 
     heat, files = profile.heat, dict[Path, str | bytes]()
     if frames is None or path.end_s <= 0:

@@ -6,10 +6,11 @@ from dataclasses import replace
 
 import click
 
-from ..encoder.already_cut import NOTHING_CUT, AlreadyCut, rest_of
-from ..encoder.errors import InputError
-from ..rules.lock import Lock
-from ..rules.profile import Profile
+from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut, rest_of
+from kerfwise.encoder.errors import InputError
+from kerfwise.rules.lock import Lock
+from kerfwise.rules.profile.profile import Profile
+
 from .given import Given, program_text
 
 
@@ -22,8 +23,8 @@ def already_cut(given: Given, lock_from: str | None, upto: int | None, redo_last
         If one of the two is given without the other, the file cannot be read or does not fit the nest, or nothing is
         left to cut.
     """
-    from ..models.plan_reader import read_plan
-    from ..postproc.stopped import stopped_plan, stopped_program
+    from kerfwise.jobs.stopped import stopped_plan, stopped_program
+    from kerfwise.models.plan.reader import read_plan
 
     if lock_from is None and upto is None and not redo_last:
         return NOTHING_CUT

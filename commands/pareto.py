@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..encoder.errors import InputError, RulesConflict
+from kerfwise.encoder.errors import InputError, RulesConflict
+
 from .given import Given, given_options, note_placing, read_given
 from .numbers import AMOUNT, AMOUNT_OVER_ZERO
 
 if TYPE_CHECKING:
-    from ..models.solution import SolveOptions
-    from ..postproc.trade_off import Trade
+    from kerfwise.jobs.trade_off import Trade
+    from kerfwise.models.engines.solution import SolveOptions
 
 PRICES_MM = (0.0, 10.0, 30.0, 100.0, 300.0)
 
@@ -44,11 +45,11 @@ def command(
     if output is plans is None:
         stem = Path(options["nest"]).stem
         output, plans = f"{stem}.pareto.png", f"{stem}.pareto"
-    from ..models.solution import SolveOptions
-    from ..models.timing.choose import feeds_of
-    from ..postproc.files import expect_folders, expect_place, make_folder, write_files
-    from ..postproc.report.front_plot import front_png
-    from ..postproc.trade_off import front
+    from kerfwise.jobs.front_plot import front_png
+    from kerfwise.jobs.trade_off import front
+    from kerfwise.models.engines.solution import SolveOptions
+    from kerfwise.models.physics.timing.choose import feeds_of
+    from kerfwise.postproc.files import expect_folders, expect_place, make_folder, write_files
 
     if output:
         expect_folders([Path(output)])
@@ -81,8 +82,9 @@ def command(
 
 def _plans(given: Given, prices_mm: Sequence[float], limits: SolveOptions) -> tuple[list[Trade], int]:
     """A plan for each price, and the exit code. After Ctrl-C, or where a price leaves no plan, those found so far."""
-    from ..postproc.ask import facts_of
-    from ..postproc.trade_off import TradeOff
+    from kerfwise.jobs.ask import facts_of
+    from kerfwise.jobs.trade_off import TradeOff
+
     from .progress import listening
 
     offered = TradeOff(facts_of(given.nest, given.profile), given.profile, limits)

@@ -16,9 +16,9 @@ from .given import given_options, note_if_others, read_given
 @click.option("-o", "--output", required=True, metavar="OUT.svg|.png|.html", help="Where to draw.")
 def command(plan: str | None, output: str, **given: Any) -> None:
     """Draw NEST, or the plan PLAN.json of it: order, zones, pierces, leads, directions and idle travel."""
-    from ..models.plan_reader import read_plan
-    from ..postproc.files import expect_outputs
-    from ..postproc.report import expect_picture, plot
+    from kerfwise.models.plan.reader import read_plan
+    from kerfwise.postproc.files import expect_outputs
+    from kerfwise.postproc.report import expect_picture, plot
 
     expect_picture(Path(output).suffix)
     expect_outputs([Path(output)], [Path(given["nest"])])

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import click
 
-from ..rules.profile import load_profile
-from ..rules.profile_text import profile_yaml
+from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.profile.text import profile_yaml
 
 
 @click.group()
@@ -17,7 +17,7 @@ def command() -> None:
 @click.argument("profile", metavar="PROFILE")
 def check(profile: str) -> None:
     """Say whether PROFILE can be used, and if not, where it is wrong."""
-    from ..postproc.dialects import fitting_dialect
+    from kerfwise.postproc.dialects import fitting_dialect
 
     loaded = load_profile(profile)
     fitting_dialect(loaded)

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from ..encoder.errors import InputError
-from ..rules.profile import DEFAULT, load_profile
+from kerfwise.encoder.errors import InputError
+from kerfwise.rules.profile.profile import DEFAULT, load_profile
 
 PROFILE = click.option("-p", "--profile", default=DEFAULT, show_default=True, help="Whose strengths to list.")
 
@@ -36,7 +36,7 @@ def command(ctx: click.Context, profile: str) -> None:
 
 
 def _list(profile: str) -> None:
-    from ..rules.pages import rule_table
+    from kerfwise.rules.pages.pages import rule_table
 
     loaded = load_profile(profile)
     for row in rule_table(loaded):
@@ -55,7 +55,7 @@ def _strength(strength: str, weight: float | None) -> str:
 @PROFILE
 def page(rule: str, picture: str | None, profile: str) -> None:
     """Print the page of RULE."""
-    from ..rules.pages import rule_page
+    from kerfwise.rules.pages.pages import rule_page
 
     text = rule_page(rule)
     if picture is None:
@@ -65,9 +65,9 @@ def page(rule: str, picture: str | None, profile: str) -> None:
 
 
 def _draw(rule: str, path: Path) -> None:
-    from ..postproc.files import write_files
-    from ..postproc.report.case_picture import Panel, case_picture
-    from ..rules.run_cases import cases_of
+    from kerfwise.postproc.files import write_files
+    from kerfwise.postproc.report.case_picture import Panel, case_picture
+    from kerfwise.rules.run_cases import cases_of
 
     if path.suffix.lower() != ".svg":
         raise InputError(f"cannot draw a case as {path.suffix or str(path)!r}: give a name ending in .svg")
@@ -82,7 +82,7 @@ def _draw(rule: str, path: Path) -> None:
 @click.option("--into", metavar="DIR", type=click.Path(path_type=Path), help="The source checkout, if not this one.")
 def new(name: str, into: Path | None) -> None:
     """Write the three files of a rule NAME, with an example in them that works: change it into your own."""
-    from ..rules.new_rule import is_checkout, new_rule
+    from kerfwise.rules.pages.new_rule import is_checkout, new_rule
 
     running = Path(__file__).resolve().parents[1]
     root = into or (running if is_checkout(running) else Path.cwd())
@@ -97,8 +97,8 @@ def new(name: str, into: Path | None) -> None:
 @click.argument("rule", required=False)
 def test(rule: str | None) -> int:
     """Run the cases of RULE, or of every rule; exit 1 if one does not go as it says."""
-    from ..rules.registry import RULES
-    from ..rules.run_cases import run_cases
+    from kerfwise.rules.registry import RULES
+    from kerfwise.rules.run_cases import run_cases
 
     failed = count = 0
     for name in [rule] if rule else RULES:

@@ -10,9 +10,10 @@ from typing import Any
 
 import click
 
-from ..encoder.errors import RulesConflict
-from ..models.baselines import STRATEGIES
-from ..models.engines import ENGINES, member_of
+from kerfwise.encoder.errors import RulesConflict
+from kerfwise.models.engines.baselines import STRATEGIES
+from kerfwise.models.engines.names import ENGINES, member_of
+
 from .given import given_options, note_placing, read_given
 from .numbers import AMOUNT_OVER_ZERO, Amount
 
@@ -71,13 +72,14 @@ def command(
     **options: Any,
 ) -> int:
     """Turn NEST into a cutting program that keeps every hard rule of the profile, checked before it is written."""
-    from ..models.solution import SolveOptions
-    from ..models.timing.choose import feeds_of
-    from ..postproc.ask import ask, facts_of
-    from ..postproc.dialects import fitting_dialect
-    from ..postproc.files import write_files
-    from ..postproc.produce import produce
-    from ..postproc.report import draw
+    from kerfwise.jobs.ask import ask, facts_of
+    from kerfwise.jobs.produce import produce
+    from kerfwise.models.engines.solution import SolveOptions
+    from kerfwise.models.physics.timing.choose import feeds_of
+    from kerfwise.postproc.dialects import fitting_dialect
+    from kerfwise.postproc.files import write_files
+    from kerfwise.postproc.report import draw
+
     from .conflict import tell_conflict
     from .kept import again_first, already_cut
     from .progress import listening
@@ -142,7 +144,7 @@ def _not_counted(what: str, took_s: float, time_limit: float | None) -> None:
 
 def _load_kernels() -> None:
     """Before the clock of a limit in seconds starts; said where it took long, as the first time it does."""
-    from ..models.ready import load_kernels
+    from kerfwise.models.engines.warm_up import load_kernels
 
     started_s = time.monotonic()
     load_kernels()
@@ -153,8 +155,8 @@ def _load_kernels() -> None:
 
 def _expect(outputs: Iterable[str | None], pictures: Iterable[str | None], inputs: Iterable[str | Path | None]) -> None:
     """Say before the work what could not be written after it."""
-    from ..postproc.files import expect_outputs
-    from ..postproc.report import expect_picture
+    from kerfwise.postproc.files import expect_outputs
+    from kerfwise.postproc.report import expect_picture
 
     for picture in pictures:
         if picture:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ..models.plan import Dropped, Plan
-from ..postproc.check import CheckResult, report
-from ..postproc.report.furniture import counted
-from ..rules.statements import EXEMPTION_MM, RELAXED_MM
+from kerfwise.models.plan.plan import Dropped, Plan
+from kerfwise.postproc.check import CheckResult, report
+from kerfwise.postproc.report.legend import counted
+from kerfwise.rules.statements import EXEMPTION_MM, RELAXED_MM
 
 
 def summary(plan: Plan, verdict: CheckResult) -> str:

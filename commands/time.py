@@ -10,10 +10,10 @@ import click
 from .given import given_options, note_if_others, read_given, read_program_of
 
 if TYPE_CHECKING:
-    from ..models.timing.cost import Cost
-    from ..models.timing.run import Job
-    from ..postproc.timed import Timed
-    from ..rules.profile import Profile
+    from kerfwise.models.physics.timing.cost import Cost
+    from kerfwise.models.physics.timing.run import Job
+    from kerfwise.postproc.clock.timed import Timed
+    from kerfwise.rules.profile.profile import Profile
 
 _FEEDS_DIFFER = 0.01
 """Share by which the program's own feeds may differ from the profile's before that is said."""
@@ -25,9 +25,9 @@ _FEEDS_DIFFER = 0.01
 @click.argument("made", metavar="PLAN.json|OUT.nc")
 def command(made: str, as_json: bool, **given: Any) -> None:
     """Say how long a plan or an NC program of NEST takes by the profile's time model, and what it costs."""
-    from ..models.plan_reader import read_plan
-    from ..models.timing.cost import cost_of
-    from ..postproc.timed import job_of_plan, job_of_program, time_job
+    from kerfwise.models.physics.timing.cost import cost_of
+    from kerfwise.models.plan.reader import read_plan
+    from kerfwise.postproc.clock.timed import job_of_plan, job_of_program, time_job
 
     asked = read_given(**given)
     nest, profile = asked.nest, asked.profile
@@ -48,9 +48,9 @@ def command(made: str, as_json: bool, **given: Any) -> None:
 
 def _note_if_its_times_differ(own: Job, job: Job, profile: Profile, taken: str) -> None:
     """Say on standard error where a program moves or stands for other times than the profile's feeds make."""
-    from ..models.timing.choose import machine_feeds
-    from ..models.timing.clock import times_of
-    from ..models.timing.constant import ConstantFeed
+    from kerfwise.models.physics.timing.choose import machine_feeds
+    from kerfwise.models.physics.timing.clock import times_of
+    from kerfwise.models.physics.timing.constant import ConstantFeed
 
     feeds = machine_feeds(profile)
     said, asked = (times_of(made, ConstantFeed(feeds), feeds) for made in (own, job))

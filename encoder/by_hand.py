@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from .geometry.curve import Curve
+from kerfwise.encoder.geometry.curve import Curve
+
 from .nest import Contour, Nest, Part, Sheet
 
 Rows = Sequence[Sequence[float]]

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from functools import lru_cache
 
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.offset import offset_curve
+
 from .errors import InputError
-from .geometry.curve import Curve
-from .geometry.offset import offset_curve
 from .nest import Contour
 
 

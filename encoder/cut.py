@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal, overload
 
-from .geometry.curve import Curve
-from .geometry.segment import Point
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
 
 Direction = Literal["cw", "ccw"]
 Side = Literal["left", "right", "bottom", "top"]

@@ -16,8 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from .geometry.curve import Curve, FloatArray
-from .geometry.segment import Point
+from kerfwise.encoder.geometry.curve import Curve, FloatArray
+from kerfwise.encoder.geometry.segment import Point
+
 from .nest import Contour
 from .tolerance import tolerance_mm
 

@@ -9,7 +9,7 @@ from typing import Literal
 
 import shapely
 
-from .geometry.curve import Curve
+from kerfwise.encoder.geometry.curve import Curve
 
 Kind = Literal["outer", "hole", "mark"]
 Severity = Literal["warning", "repaired"]

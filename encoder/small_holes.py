@@ -15,8 +15,9 @@ from typing import Literal
 import numpy as np
 import shapely
 
-from .geometry.curve import Curve
-from .geometry.inscribed import largest_circle, middle_of, wider_than
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.inscribed import largest_circle, middle_of, wider_than
+
 from .nest import Contour, Nest, Part
 
 Under = Literal["refuse", "spot", "skip"]

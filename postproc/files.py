@@ -7,7 +7,7 @@ import tempfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from ..encoder.errors import InputError
+from kerfwise.encoder.errors import InputError
 
 
 def expect_folders(paths: Iterable[Path]) -> None:

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from ..encoder.cut import Cut, CutSequence, Side
-from ..encoder.nest import Nest
+from kerfwise.encoder.cut import Cut, CutSequence, Side
+from kerfwise.encoder.nest import Nest
+
 from .rule import Violation
 
 CaseKind = Literal["passes", "fails", "boundary"]

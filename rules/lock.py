@@ -8,13 +8,13 @@ from typing import Any, Literal
 
 import yaml
 
-from ..encoder.cut import Direction
-from ..encoder.geometry.segment import Point
-from ..encoder.nest import Nest
-from .kinds import Choice, Kind, Number, PointXY, Text
-from .option import option
-from .suggest import unknown
-from .yaml_positions import Place, wrong_at
+from kerfwise.encoder.cut import Direction
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.options.kinds import Choice, Kind, Number, PointXY, Text
+from kerfwise.rules.options.option import option
+from kerfwise.rules.options.suggest import unknown
+from kerfwise.rules.options.yaml_positions import Place, wrong_at
 
 
 @dataclass(frozen=True, slots=True)

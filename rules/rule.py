@@ -7,12 +7,13 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Generic, Literal, TypeVar
 
-from ..encoder.cut import CutSequence, Side
-from ..encoder.nest import Nest
+from kerfwise.encoder.cut import CutSequence, Side
+from kerfwise.encoder.nest import Nest
+
 from .statements import About, Precede, Statement
 
 if TYPE_CHECKING:
-    from ..encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 Strength = Literal["hard", "soft", "off"]
 Ids = tuple[str, str]

@@ -8,11 +8,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import get_args
 
-from ..encoder.errors import InputError
+from kerfwise.encoder.errors import InputError
+from kerfwise.rules.options.suggest import unknown
+
 from . import cases as folder
 from .case import Case, CaseKind
 from .registry import RULES
-from .suggest import unknown
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,9 +8,9 @@ from dataclasses import replace
 import pytest
 
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.plan import Plan
-from kerfwise.postproc import produce as production
-from kerfwise.rules.profile import Profile
+from kerfwise.jobs import produce as production
+from kerfwise.models.plan.plan import Plan
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import simulate
 

@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.solution import SolveOptions
-from kerfwise.models.timing.choose import feeds_of
-from kerfwise.postproc.ask import ask, facts_of
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.produce import produce
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.postproc.check import report
-from kerfwise.postproc.produce import produce
 from kerfwise.rules.catalogue.pierce import PierceOptions
-from kerfwise.rules.profile import Profile, load_profile, shipped_profiles
+from kerfwise.rules.profile.profile import Profile, load_profile, shipped_profiles
 from kerfwise.tests.encoder.facts.random_nests import nests
 from kerfwise.tests.metal.clean import assert_clean
 from kerfwise.tests.metal.plant import plant

@@ -9,14 +9,14 @@ from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.conflict import find_conflict
-from kerfwise.models.solution import SolveOptions
-from kerfwise.models.timing.choose import feeds_of
-from kerfwise.postproc.ask import ask, facts_of
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.produce import produce
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.plan.conflict import find_conflict
 from kerfwise.postproc.check import report
-from kerfwise.postproc.produce import produce
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.profile import load_profile
+from kerfwise.rules.profile.profile import load_profile
 from kerfwise.tests.encoder.facts.random_nests import nests
 
 

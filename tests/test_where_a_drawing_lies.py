@@ -18,16 +18,16 @@ from kerfwise.encoder.facts.facts import FactOptions, Facts
 from kerfwise.encoder.facts.sides import OPPOSITE
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Part, Sheet
-from kerfwise.models.solution import SolveOptions
-from kerfwise.models.timing.choose import feeds_of
-from kerfwise.postproc.ask import ask, facts_of
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.produce import produce
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.postproc.check import report
-from kerfwise.postproc.produce import produce
 from kerfwise.rules.catalogue.hull_before import HullBefore
 from kerfwise.rules.catalogue.level_ahead import LevelAhead
 from kerfwise.rules.catalogue.start_side import StartSideOptions, expected_side
-from kerfwise.rules.option import NoOptions
-from kerfwise.rules.profile import Profile, load_profile
+from kerfwise.rules.options.option import NoOptions
+from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.tests.encoder.facts.random_nests import mirrored, moved, nests
 from kerfwise.tests.nests import circle, nest, part, rect
 

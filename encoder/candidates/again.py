@@ -6,9 +6,10 @@ import math
 
 import shapely
 
-from ..compensation import compensated
-from ..cut import Cut
-from ..nest import Nest
+from kerfwise.encoder.compensation import compensated
+from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.nest import Nest
+
 from .candidate import Candidate
 from .tried import Tried
 

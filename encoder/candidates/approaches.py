@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..cut import Direction
-from ..geometry.curve import FloatArray
-from ..nest import Kind
+from kerfwise.encoder.cut import Direction
+from kerfwise.encoder.geometry.curve import FloatArray
+from kerfwise.encoder.nest import Kind
+
 from .joints import Ints, Joints, Outline
 from .lead_shapes import Leads
 from .surroundings import Bools

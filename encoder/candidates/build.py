@@ -8,10 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..already_cut import NOTHING_CUT, AlreadyCut
-from ..errors import InputError
-from ..geometry.curve import Curve
-from ..nest import Nest
+from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Nest
+
 from .again import again_as_it_was
 from .approaches import Approaches
 from .candidate import IN_PROFILE, Candidate, LeadOptions

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from ..cut import Direction
-from ..geometry.curve import Curve
-from ..geometry.segment import Point
-from ..nest import Kind
-from ..small_holes import HoleLimits
+from kerfwise.encoder.cut import Direction
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Kind
+from kerfwise.encoder.small_holes import HoleLimits
 
 LeadKind = Literal["line", "arc", "none"]
 

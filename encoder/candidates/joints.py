@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.curve import Curve, FloatArray
-from ..geometry.segment_arrays import SegmentArrays
-from ..nest import Contour
+from kerfwise.encoder.geometry.curve import Curve, FloatArray
+from kerfwise.encoder.geometry.segment_arrays import SegmentArrays
+from kerfwise.encoder.nest import Contour
 
 Ints = NDArray[np.int64]
 

@@ -8,7 +8,8 @@ from itertools import product
 
 import numpy as np
 
-from ..geometry.curve import FloatArray
+from kerfwise.encoder.geometry.curve import FloatArray
+
 from .approaches import Approaches, Ways
 from .candidate import LEAST_WASTE_MM, LeadOptions
 from .joints import Ints

@@ -8,7 +8,8 @@ from typing import Literal
 
 import numpy as np
 
-from ..geometry.curve import Curve, FloatArray
+from kerfwise.encoder.geometry.curve import Curve, FloatArray
+
 from .approaches import Approaches, Ways
 from .candidate import LeadOptions
 from .joints import Joints, Outline

@@ -10,7 +10,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.curve import FloatArray
+from kerfwise.encoder.geometry.curve import FloatArray
+
 from .joints import Ints, Joints
 
 _POINTS = 17

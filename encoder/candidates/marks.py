@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry.curve import Curve
-from ..nest import Contour
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Contour
+
 from .candidate import Candidate, LeadOptions
 
 CLOSED_ENTRIES = 4

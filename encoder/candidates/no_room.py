@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..geometry.curve import FloatArray
+from kerfwise.encoder.geometry.curve import FloatArray
+
 from .approaches import ways
 from .candidate import IN_PROFILE, LeadOptions
 from .joints import Joints, Outline

@@ -13,7 +13,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ..nest import Nest
+from kerfwise.encoder.nest import Nest
+
 from .candidate import Candidate
 from .joints import Ints
 from .lead_shapes import Leads

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from ..errors import InputError
-from ..nest import Nest
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+
 from .candidate import LeadOptions
 from .no_room import ALONE, WITHOUT_ROOM, Reason, reasons
 from .remedies import ORDER, Key, Remedies, Remedy

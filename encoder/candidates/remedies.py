@@ -12,8 +12,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..nest import Nest
-from ..small_holes import EXACT_MM, HoleLimits, Under, diameter_under, kept_because
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.small_holes import EXACT_MM, HoleLimits, Under, diameter_under, kept_because
+
 from .candidate import IN_PROFILE, LEAST_WASTE_MM, LeadOptions
 from .lead_in import least_clearance_mm
 from .no_room import Reason

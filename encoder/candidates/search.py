@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..geometry.curve import FloatArray
+from kerfwise.encoder.geometry.curve import FloatArray
+
 from .approaches import Approaches, ways
 from .candidate import LeadOptions
 from .entries import ANYWHERE, Ranks, choose, places

@@ -8,8 +8,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ..geometry.curve import FloatArray
-from ..nest import Contour, Nest
+from kerfwise.encoder.geometry.curve import FloatArray
+from kerfwise.encoder.nest import Contour, Nest
+
 from .joints import Ints
 from .lead_shapes import Leads
 from .void import Void

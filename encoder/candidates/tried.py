@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..compensation import compensated
-from ..errors import InputError
-from ..narrow import lost_features, said_of
-from ..nest import Nest
-from ..small_holes import HoleLimits, diameter_under, kept_because, too_small
+from kerfwise.encoder.compensation import compensated
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.narrow import lost_features, said_of
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.small_holes import HoleLimits, diameter_under, kept_because, too_small
+
 from .approaches import Approaches
 from .candidate import LeadOptions
 from .joints import Joints, Outline

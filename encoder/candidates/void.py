@@ -11,12 +11,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ..already_cut import AlreadyCut
-from ..compensation import compensated
-from ..cut import Cut
-from ..errors import InputError
-from ..geometry.curve import Curve, FloatArray
-from ..nest import Nest
+from kerfwise.encoder.already_cut import AlreadyCut
+from kerfwise.encoder.compensation import compensated
+from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.curve import Curve, FloatArray
+from kerfwise.encoder.nest import Nest
 
 CHORD_MM = 0.01
 NOBODY = -1

@@ -6,8 +6,9 @@ from collections.abc import Iterable, Sequence
 
 import shapely
 
-from ..geometry.curve import Curve
-from ..nest import Contour
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Contour
+
 from .candidate import Candidate
 
 Bounds = tuple[float, float, float, float]

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..candidates.candidate import Candidate
-from ..candidates.older_kerfs import OlderKerfs, older_kerfs
-from ..nest import Nest
+from kerfwise.encoder.candidates.candidate import Candidate
+from kerfwise.encoder.candidates.older_kerfs import OlderKerfs, older_kerfs
+from kerfwise.encoder.nest import Nest
+
 from .cells import cells_of
 from .containment import closure_of, parents_of
 from .facts import FactOptions, Facts, Floats, Ints

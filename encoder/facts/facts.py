@@ -8,11 +8,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..already_cut import AlreadyCut
-from ..candidates.candidate import Candidate
-from ..candidates.older_kerfs import OlderKerfs
-from ..cut import Cut, Side
-from ..nest import Nest
+from kerfwise.encoder.already_cut import AlreadyCut
+from kerfwise.encoder.candidates.candidate import Candidate
+from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
+from kerfwise.encoder.cut import Cut, Side
+from kerfwise.encoder.nest import Nest
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]

@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from ..nest import Sheet
+from kerfwise.encoder.nest import Sheet
+
 from .cells import Cells
 from .facts import SIDES, Facing, FactOptions, Floats, Ints
 from .outlines import ROUNDING_MM, Outlines

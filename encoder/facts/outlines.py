@@ -9,7 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ..nest import Nest
+from kerfwise.encoder.nest import Nest
+
 from .facts import Bools, Floats, Ints
 from .sums import summed_by
 

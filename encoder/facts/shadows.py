@@ -12,7 +12,8 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..cut import Side
+from kerfwise.encoder.cut import Side
+
 from .facts import Ints
 from .outlines import ROUNDING_MM, Outlines, well_inside
 from .sides import AWAY, AXIS

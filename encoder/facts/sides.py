@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ..cut import Side
+from kerfwise.encoder.cut import Side
+
 from .outlines import SAME_SHARE
 
 Bounds = tuple[float, float, float, float]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ..cut import Side
+from kerfwise.encoder.cut import Side
+
 from .facts import SIDES, Because, Bools, FactOptions, Floats, Ints
 from .outlines import ROUNDING_MM, SAME_SHARE
 from .sides import OPPOSITE, Bounds, narrow_sides

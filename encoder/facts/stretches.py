@@ -12,7 +12,8 @@ from typing import Literal
 
 import numpy as np
 
-from ..candidates.candidate import Candidate
+from kerfwise.encoder.candidates.candidate import Candidate
+
 from .facts import Facing, Floats, Ints, Stretch
 from .neighbours import Outlook
 from .outlines import Outlines

@@ -11,7 +11,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ..errors import InputError
+from kerfwise.encoder.errors import InputError
+
 from .facts import SIDES, Facing, Facts, Floats, Ints, Stretch
 
 CONTOURS_MAX = 2000

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ..candidates.candidate import Candidate
+from kerfwise.encoder.candidates.candidate import Candidate
+
 from .facts import SIDES, Facing, Facts, Floats, Ints, Stretch
 
 FORMAT = "kerfwise-facts/1"

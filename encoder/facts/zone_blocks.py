@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import InputError
-from ..nest import Nest
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+
 from .containment import outermost_of
 from .facts import FactOptions, Floats, Ints
 from .outlines import Outlines

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..cut import Side
+from kerfwise.encoder.cut import Side
+
 from .facts import FactOptions, Floats, Ints
 from .outlines import ROUNDING_MM, SAME_SHARE
 from .ranges import laid_out

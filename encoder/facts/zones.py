@@ -13,9 +13,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..cut import Side
-from ..errors import InputError
-from ..nest import Nest
+from kerfwise.encoder.cut import Side
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+
 from .facts import FactOptions, Floats, Ints
 from .outlines import Outlines
 from .zone_blocks import blocks_of

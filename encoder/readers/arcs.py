@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from ..geometry.curve import Curve, FloatArray
+from kerfwise.encoder.geometry.curve import Curve, FloatArray
+
 from .limits import checked_curve
 
 FLATTEN_MM = 0.003

@@ -8,9 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from ..nest import Contour, Note, Part
-from ..validate import coincident
-from ..validate.metal import metal_of
+from kerfwise.encoder.nest import Contour, Note, Part
+from kerfwise.encoder.validate import coincident
+from kerfwise.encoder.validate.metal import metal_of
+
 from .depth import surrounding
 from .drawing import Piece
 

@@ -9,7 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from ..geometry.curve import Curve
+from kerfwise.encoder.geometry.curve import Curve
+
 from .nodes import IntArray
 from .trace import Step, Trail
 

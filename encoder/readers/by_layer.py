@@ -6,8 +6,9 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from ..errors import InputError
-from ..nest import Note
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Note
+
 from .drawing import Piece
 from .layers import DEFAULT, Layers, Purpose, Use, counted, setting
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import TypeVar
 
-from ..errors import InputError
+from kerfwise.encoder.errors import InputError
 
 DEEPEST = 32
 MOST_COPIES = 500_000

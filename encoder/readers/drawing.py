@@ -7,9 +7,9 @@ from functools import cached_property
 
 import shapely
 
-from ..geometry.curve import Curve
-from ..nest import Note, Sheet
-from ..validate.rings import enclosed
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Note, Sheet
+from kerfwise.encoder.validate.rings import enclosed
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from ..errors import InputError
-from ..nest import Nest, Note, Severity, Sheet
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest, Note, Severity, Sheet
+
 from .assemble import assemble, with_marks
 from .by_layer import by_layer
 from .drawing import Drawing, Piece

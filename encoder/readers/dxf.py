@@ -12,9 +12,10 @@ from ezdxf.entities.insert import Insert
 from ezdxf.filemanagement import readfile
 from ezdxf.lldxf.const import DXFError
 
-from ..errors import InputError
-from ..geometry.curve import Curve
-from ..nest import Note
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Note
+
 from .copies import check_copies
 from .drawing import Drawing, Piece
 from .dxf_entities import curve, entities

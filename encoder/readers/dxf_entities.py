@@ -23,8 +23,9 @@ from ezdxf.entities.spline import Spline
 from ezdxf.math import OCS, BSpline, ConstructionEllipse, Vec3
 from ezdxf.path import Path, make_path
 
-from ..errors import InputError
-from ..geometry.curve import Curve
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.curve import Curve
+
 from .arcs import FLATTEN_MM, fitted
 from .limits import LIMIT_MM, checked_curve
 from .unclamped import Unclamped

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from ..errors import InputError
-from ..nest import Note, Sheet
-from ..validate import coincident
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Note, Sheet
+from kerfwise.encoder.validate import coincident
+
 from .drawing import Piece
 from .layers import setting
 from .options import Frame, ReadOptions

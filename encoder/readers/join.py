@@ -10,8 +10,9 @@ import shapely
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from ..geometry.curve import Curve, FloatArray
-from ..geometry.segment import Point
+from kerfwise.encoder.geometry.curve import Curve, FloatArray
+from kerfwise.encoder.geometry.segment import Point
+
 from .branches import faces, twins
 from .drawing import Piece
 from .limits import SNAP_MM

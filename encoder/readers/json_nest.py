@@ -7,9 +7,10 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..errors import InputError
-from ..geometry.curve import Curve
-from ..nest import Contour, Kind, Nest, Note, Part, Sheet
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Contour, Kind, Nest, Note, Part, Sheet
+
 from .json_place import places
 from .json_schema import check_schema
 from .limits import checked_curve

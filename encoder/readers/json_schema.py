@@ -9,8 +9,9 @@ from itertools import islice
 
 from jsonschema import Draft202012Validator
 
-from ..errors import InputError
-from ..json_words import said
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.json_words import said
+
 from .json_place import places, spoken
 from .limits import LIMIT_MM
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal, NamedTuple
 
-from ..errors import InputError
+from kerfwise.encoder.errors import InputError
 
 Purpose = Literal["ignore", "scrap", "mark", "sheet", "cut"]
 PURPOSES: tuple[Purpose, ...] = ("ignore", "scrap", "mark", "sheet", "cut")

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from ..errors import InputError
-from ..geometry.curve import Curve, FloatArray
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.curve import Curve, FloatArray
 
 LIMIT_MM = 1e6
 """No coordinate and no arc reaches further than a kilometre from the origin."""

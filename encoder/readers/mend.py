@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from ..geometry.curve import Curve
-from ..nest import Contour, Nest, Note, Part
-from ..validate.rings import flat, place, speck
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Contour, Nest, Note, Part
+from kerfwise.encoder.validate.rings import flat, place, speck
+
 from .arcs import FLATTEN_MM, fitted
 
 DOMINANT = 0.95

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..geometry.curve import FloatArray
+from kerfwise.encoder.geometry.curve import FloatArray
+
 from .drawing import Piece
 from .options import ReadOptions
 

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from ..errors import InputError
-from ..nest import Note, Part
-from ..validate.metal import metal_of
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Note, Part
+from kerfwise.encoder.validate.metal import metal_of
+
 from .drawing import Piece
 from .layers import setting
 from .limits import SNAP_MM

@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from ..errors import InputError
+from kerfwise.encoder.errors import InputError
+
 from .layers import DEFAULT, Layers
 from .units import MM_PER
 

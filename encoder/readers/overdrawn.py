@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from ..geometry.curve import Curve
+from kerfwise.encoder.geometry.curve import Curve
+
 from .drawing import Piece
 from .limits import SNAP_MM
 

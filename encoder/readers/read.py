@@ -6,9 +6,10 @@ import hashlib
 from dataclasses import replace
 from pathlib import Path
 
-from ..errors import InputError
-from ..nest import Nest
-from ..validate import validated
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.validate import validated
+
 from .mend import mended
 from .options import ReadOptions
 

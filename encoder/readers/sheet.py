@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from ..errors import InputError
-from ..geometry.curve import Curve
-from ..nest import Note, Sheet
-from ..validate import coincident
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Note, Sheet
+from kerfwise.encoder.validate import coincident
+
 from .depth import surrounding
 from .drawing import Piece
 from .frame import alike

@@ -10,8 +10,9 @@ from typing import Any
 
 import svgelements
 
-from ..errors import InputError
-from ..nest import Note
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Note
+
 from .drawing import Drawing, Piece
 from .foreign import FOREIGN_ERRORS
 from .layers import Layers, Purpose

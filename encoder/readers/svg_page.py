@@ -8,8 +8,9 @@ from typing import Any
 
 import svgelements
 
-from ..errors import InputError
-from ..nest import Sheet
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Sheet
+
 from .options import ReadOptions
 from .units import DRAWN_MM, MM_PER
 

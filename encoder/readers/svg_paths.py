@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import svgelements
 
-from ..errors import InputError
-from ..geometry.curve import Curve, FloatArray
-from ..geometry.segment import Point
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.curve import Curve, FloatArray
+from kerfwise.encoder.geometry.segment import Point
+
 from .arcs import FLATTEN_MM, fit_arcs
 from .limits import LIMIT_MM, checked_curve
 

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from typing import Any
 from xml.etree import ElementTree
 
-from ..errors import InputError
+from kerfwise.encoder.errors import InputError
+
 from .copies import check_copies
 
 UNDRAWN = frozenset({"clipPath", "mask", "marker", "pattern", "filter"})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..nest import Note, Sheet
+from kerfwise.encoder.nest import Note, Sheet
 
 MM_PER = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
 

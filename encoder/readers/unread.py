@@ -9,7 +9,8 @@ from ezdxf.entities.dxfentity import DXFEntity, DXFTagStorage
 from ezdxf.entities.mtext import MText
 from ezdxf.entities.text import Text
 
-from ..nest import Note
+from kerfwise.encoder.nest import Note
+
 from .layers import Layers, counted
 from .writing import writing_note
 

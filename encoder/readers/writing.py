@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..nest import Note
+from kerfwise.encoder.nest import Note
+
 from .layers import Purpose
 
 FIRST = 3

@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from ..geometry.curve import Curve
-from ..nest import Contour, Note, Part
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Contour, Note, Part
+
 from .tolerances import COINCIDE_MM
 
 

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from ..nest import Contour, Note, Part
+from kerfwise.encoder.nest import Contour, Note, Part
+
 from .metal import metal_of
 from .tolerances import TOUCH_MM
 

@@ -8,7 +8,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ..nest import Part
+from kerfwise.encoder.nest import Part
+
 from .rings import enclosed, flat
 
 

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from ..nest import Note, Part, Sheet
+from kerfwise.encoder.nest import Note, Part, Sheet
+
 from .inside import around, thick
 from .metal import metal_of
 from .tolerances import TOUCH_MM

@@ -8,8 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from ..geometry.curve import Curve
-from ..nest import Contour, Sheet
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Contour, Sheet
+
 from .tolerances import TOUCH_MM
 
 

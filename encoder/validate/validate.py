@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..errors import InputError
-from ..nest import Nest
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+
 from .duplicates import drop_duplicates
 from .inside import hole_problems, mark_notes
 from .overlaps import overlap_problems, sheet_problems

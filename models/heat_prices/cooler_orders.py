@@ -18,18 +18,19 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from ...encoder.errors import RulesConflict
-from ...encoder.facts.facts import Facts
-from ...rules.heat_section import Heat
-from ...rules.statements import Statement
-from ..baselines.random_order import random_order
-from ..evaluate import route_cost
-from ..heat.grid import make_grid
-from ..heat.regions import Regions
-from ..heat.route_path import RoutePaths
-from ..heat.simulate import simulate
-from ..heat.timed_path import TimedPath
-from ..problem import UM_PER_MM, Problem
+from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.models.engines.baselines.random_order import random_order
+from kerfwise.models.physics.heat.grid import make_grid
+from kerfwise.models.physics.heat.regions import Regions
+from kerfwise.models.physics.heat.route_path import RoutePaths
+from kerfwise.models.physics.heat.simulate import simulate
+from kerfwise.models.physics.heat.timed_path import TimedPath
+from kerfwise.models.problem.evaluate import route_cost
+from kerfwise.models.problem.problem import UM_PER_MM, Problem
+from kerfwise.rules.profile.heat_section import Heat
+from kerfwise.rules.statements import Statement
+
 from .nearby_routes import nearby
 from .priced_statements import priced_statements
 from .prices import HeatPrices, fit_prices

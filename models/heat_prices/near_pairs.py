@@ -6,9 +6,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ...encoder.nest import Nest
-from ...rules.heat_section import Heat
-from ..heat.regions import hot_contours
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.physics.heat.regions import hot_contours
+from kerfwise.rules.profile.heat_section import Heat
 
 Ints = NDArray[np.int64]
 

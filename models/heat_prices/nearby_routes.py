@@ -8,9 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..baselines.walk import Walk
-from ..evaluate import broken
-from ..problem import UM_PER_MM, Problem
+from kerfwise.models.engines.baselines.walk import Walk
+from kerfwise.models.problem.evaluate import broken
+from kerfwise.models.problem.problem import UM_PER_MM, Problem
+
 from .prices import HeatPrices
 
 Floats = NDArray[np.float64]

@@ -7,9 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from ...encoder.facts.facts import Facts
-from ...rules.statements import About, AtLeast, Before, Forbid, Precede
-from ..problem import Problem
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.models.problem.problem import Problem
+from kerfwise.rules.statements import About, AtLeast, Before, Forbid, Precede
+
 from .prices import HeatPrices
 
 Priced = Precede | Forbid | AtLeast

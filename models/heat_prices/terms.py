@@ -10,9 +10,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ...encoder.facts.facts import Facts
-from ...rules.heat_section import Heat
-from ..problem import Problem
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.models.problem.problem import Problem
+from kerfwise.rules.profile.heat_section import Heat
+
 from .near_pairs import near_pairs
 
 Floats = NDArray[np.float64]

@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..closure import close
-from ..problem import Problem
+from kerfwise.models.problem.closure import close
+from kerfwise.models.problem.problem import Problem
 
 Ints = NDArray[np.int64]
 

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...encoder.errors import InputError
+from kerfwise.encoder.errors import InputError
+
 from .instance import Instance
 
 Ints = NDArray[np.int64]

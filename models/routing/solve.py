@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..portfolio import run_portfolio
-from ..simplify import simplify
-from ..solution import Progress, SolveOptions
-from ..watch import Watch
+from kerfwise.models.engines.portfolio import run_portfolio
+from kerfwise.models.engines.solution import Progress, SolveOptions
+from kerfwise.models.engines.watch import Watch
+from kerfwise.models.problem.simplify import simplify
+
 from .instance import Instance
 
 

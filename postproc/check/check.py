@@ -5,16 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from ...encoder.cut import CutSequence
-from ...encoder.nest import Nest
-from ...rules.profile import Profile
-from ...rules.rule import Violation
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
+from kerfwise.postproc.check.reader.on_machine import on_its_origin, other_origin, read_on_machine
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.rule import Violation
+
 from .coverage import coverage, once_each
 from .edge_starts import edge_starts, forbidden
 from .heating import Thermometer, heatings_of_cuts, heatings_of_program, measured
 from .judge import judge
 from .metal import Pairs, gouges, off_sheet
-from .nc_on_machine import on_its_origin, other_origin, read_on_machine
 from .program_rules import judgement
 from .rebuild import rebuild
 from .relaxed import Relaxed, read_relaxed, relaxed_warnings

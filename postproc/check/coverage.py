@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence, Set
 from dataclasses import replace
 
-from ...encoder.cut import Cut, CutSequence
-from ...encoder.nest import Nest
-from ...rules.rule import Violation
+from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.rule import Violation
+
 from .relaxed import Relaxed
 
 _RULE = "every-contour-once"

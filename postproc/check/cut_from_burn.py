@@ -6,13 +6,14 @@ import math
 
 import shapely
 
-from ...encoder.cut import Cut, Direction
-from ...encoder.geometry.curve import Curve
-from ...encoder.geometry.segment import Point
-from ...encoder.nest import Contour
-from ...rules.rule import Violation
+from kerfwise.encoder.cut import Cut, Direction
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Contour
+from kerfwise.postproc.check.reader.program import Burn
+from kerfwise.rules.rule import Violation
+
 from .matching import Match
-from .nc_program import Burn
 from .program_rules import tolerance_mm
 from .splitting import Pieces, split
 from .torch_run import TorchRun, line_of

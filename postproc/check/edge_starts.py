@@ -7,9 +7,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import shapely
 
-from ...encoder.nest import Nest
-from ...rules.profile import Profile
-from ...rules.rule import Violation
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.rule import Violation
+
 from .program_rules import TOLERANCE_MM
 from .torch_run import TorchRun
 

@@ -14,12 +14,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from ...encoder.cut import CutSequence
-from ...encoder.nest import Nest
-from ...rules.cycles import components, contracted, path
-from ...rules.feedback import EXACT_LINKS
-from ...rules.profile import Profile
-from ...rules.rule import Ids, Rule, Violation
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.rule import Ids, Rule, Violation
+from kerfwise.rules.stating.cycles import components, contracted, path
+from kerfwise.rules.stating.feedback import EXACT_LINKS
+
 from .forcing import Forcing
 from .places import Room
 from .result import Excused, Judgement

@@ -7,10 +7,10 @@ from functools import cached_property
 
 import numpy as np
 
-from ...encoder.cut import CutSequence
-from ...encoder.nest import Nest
-from ...rules.profile import Profile
-from ...rules.sections import RuleSetting
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import RuleSetting
 
 
 class Forcing:

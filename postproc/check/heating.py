@@ -16,10 +16,11 @@ import shapely
 from numpy.typing import NDArray
 from shapely import ops
 
-from ...encoder.cut import Cut, CutSequence, HotSpot
-from ...encoder.nest import Nest
-from ...rules.profile import Profile
-from .nc_program import NcProgram
+from kerfwise.encoder.cut import Cut, CutSequence, HotSpot
+from kerfwise.encoder.nest import Nest
+from kerfwise.postproc.check.reader.program import NcProgram
+from kerfwise.rules.profile.profile import Profile
+
 from .torch_run import TorchRun
 
 _CHORD_MM = 0.05

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...encoder.cut import CutSequence
-from ...encoder.nest import Nest
-from ...rules.profile import Profile
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.profile.profile import Profile
+
 from .excuses import excuse
 from .relaxed import Relaxed, let_go
 from .result import Judgement

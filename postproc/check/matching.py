@@ -10,7 +10,8 @@ from functools import partial
 import numpy as np
 import shapely
 
-from ...encoder.nest import Nest
+from kerfwise.encoder.nest import Nest
+
 from .program_rules import tolerance_mm
 from .rings import Side, torch_rings
 

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from ...encoder.geometry.segment import Point
-from ...encoder.nest import Nest, Part
-from ...rules.rule import Violation
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest, Part
+from kerfwise.rules.rule import Violation
+
 from .program_rules import tolerance_mm
 from .torch_run import TorchRun
 

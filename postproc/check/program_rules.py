@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ...encoder.tolerance import TOLERANCE_MM as TOLERANCE_MM
-from ...encoder.tolerance import tolerance_mm as tolerance_mm
-from ...rules.rule import Violation
+from kerfwise.encoder.tolerance import TOLERANCE_MM as TOLERANCE_MM
+from kerfwise.encoder.tolerance import tolerance_mm as tolerance_mm
+from kerfwise.rules.rule import Violation
+
 from .result import Judgement
 
 SENTENCES = {

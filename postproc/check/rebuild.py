@@ -9,14 +9,15 @@ from dataclasses import dataclass, replace
 
 import shapely
 
-from ...encoder.cut import Cut, CutSequence, Side
-from ...encoder.geometry.segment import Point
-from ...encoder.nest import Nest
-from ...rules.rule import Violation
+from kerfwise.encoder.cut import Cut, CutSequence, Side
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.postproc.check.reader.program import Burn, NcProgram
+from kerfwise.rules.rule import Violation
+
 from .cut_from_burn import cut_from_burn
 from .matching import Matcher
 from .names import folded
-from .nc_program import Burn, NcProgram
 from .resumed import read_resumed
 from .torch_run import TorchRun, line_of
 

@@ -10,11 +10,12 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from ...encoder.cut import CutSequence
-from ...encoder.nest import Nest
-from ...rules.cycles import path
-from ...rules.profile import Profile
-from ...rules.rule import Ids, Violation
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.rule import Ids, Violation
+from kerfwise.rules.stating.cycles import path
+
 from .names import folded
 from .result import Excused, Judgement
 

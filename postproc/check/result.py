@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from ...rules.rule import Strength, Violation
+from kerfwise.rules.rule import Strength, Violation
 
 Verdict = Literal["holds", "broken", "excused", "not judged", "off"]
 

@@ -12,10 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...encoder.cut import Cut
-from ...encoder.geometry.curve import Curve
-from ...encoder.nest import Nest
-from ...rules.rule import Violation
+from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.rule import Violation
+
 from .names import folded
 
 _RULE = "every-contour-once"

@@ -7,7 +7,7 @@ from typing import Literal
 
 import shapely
 
-from ...encoder.nest import Contour
+from kerfwise.encoder.nest import Contour
 
 Side = Literal["right", "wrong", "on"]
 _CHORD_MM = 0.005

@@ -9,13 +9,14 @@ from itertools import zip_longest
 import numpy as np
 import shapely
 
-from ...encoder.geometry.segment import Point
-from ...encoder.nest import Nest
-from ...rules.catalogue.t_max import TMaxOptions
-from ...rules.profile import Profile
-from ...rules.rule import Violation
-from ..dialects import pierce_dwell_of
-from .nc_program import Burn, NcProgram
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.postproc.check.reader.program import Burn, NcProgram
+from kerfwise.postproc.dialects import pierce_dwell_of
+from kerfwise.rules.catalogue.t_max import TMaxOptions
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.rule import Violation
+
 from .program_rules import TOLERANCE_MM, judgement
 from .result import Judgement
 from .small_holes import Shares

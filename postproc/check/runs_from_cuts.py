@@ -8,11 +8,12 @@ from collections.abc import Sequence
 import shapely
 from shapely import ops
 
-from ...encoder.cut import Cut, CutSequence
-from ...encoder.geometry.curve import Curve
-from ...encoder.geometry.segment import Point
-from ...encoder.nest import Contour, Nest
-from ...rules.rule import Violation
+from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.rules.rule import Violation
+
 from .program_rules import tolerance_mm
 from .rings import torch_rings
 from .torch_run import TorchRun, line_of

@@ -12,12 +12,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import shapely
 
-from ...encoder.cut import CutSequence
-from ...encoder.geometry.curve import Curve
-from ...encoder.nest import Contour, Nest
-from ...encoder.small_holes import HoleLimits
-from ...rules.profile import Profile
-from ...rules.rule import Violation
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.encoder.small_holes import HoleLimits
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.rule import Violation
+
 from .torch_run import TorchRun
 
 Shares = tuple[float, float]

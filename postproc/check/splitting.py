@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...encoder.geometry.curve import Curve
-from ...encoder.geometry.segment import Segment
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Segment
 
 _LEAST, _MOST = 0.5, 1.5
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import shapely
 
-from ...encoder.geometry.curve import Curve
-from ...encoder.nest import Contour
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Contour
 
 _CHORD_MM = 0.005
 

@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 
 import shapely
 
-from ...encoder.cut import Cut, CutSequence
-from ...encoder.geometry.segment import Point
-from ...encoder.nest import Nest
-from ...rules.rule import Violation
+from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.rule import Violation
+
 from .program_rules import TOLERANCE_MM
 from .result import Judgement
 from .torch_run import TorchRun

@@ -7,13 +7,14 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import shapely
 
-from ...encoder.cut import CutSequence
-from ...encoder.geometry.segment import Point
-from ...encoder.nest import Nest
-from ...rules.frame import Bounds
-from ...rules.profile import Profile
-from ...rules.rule import Violation
-from .nc_program import NcProgram
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.postproc.check.reader.program import NcProgram
+from kerfwise.rules.profile.frame import Bounds
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.rule import Violation
+
 from .program_rules import TOLERANCE_MM
 from .torch_run import TorchRun
 

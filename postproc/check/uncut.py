@@ -14,8 +14,9 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from ...encoder.geometry.curve import FloatArray
-from ...rules.rule import Violation
+from kerfwise.encoder.geometry.curve import FloatArray
+from kerfwise.rules.rule import Violation
+
 from .program_rules import tolerance_mm
 from .torch_run import TorchRun
 

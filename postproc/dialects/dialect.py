@@ -12,11 +12,11 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import yaml
 
-from ...encoder.errors import InputError
-from ...rules.machine_section import PROCESSES, PierceDwell, Process
-from ...rules.profile import Profile
-from ...rules.suggest import unknown
-from ...rules.yaml_positions import Problems, compose, entries, plain, shape
+from kerfwise.encoder.errors import InputError
+from kerfwise.rules.options.suggest import unknown
+from kerfwise.rules.options.yaml_positions import Problems, compose, entries, plain, shape
+from kerfwise.rules.profile.machine_section import PROCESSES, PierceDwell, Process
+from kerfwise.rules.profile.profile import Profile
 
 ControlName = Literal["linuxcnc-qtplasmac", "linuxcnc"]
 HOLES = {"feed": "mm_min", "dwell": "seconds", "comment": "text"}

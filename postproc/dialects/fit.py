@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from ...rules.profile import Profile
-from ...rules.profile_checks import MACHINE_WAITS
-from ...rules.yaml_positions import place_in, wrong_at
+from kerfwise.rules.options.yaml_positions import place_in, wrong_at
+from kerfwise.rules.profile.checks import MACHINE_WAITS
+from kerfwise.rules.profile.profile import Profile
+
 from .dialect import Dialect, dialect_names, load_dialect, pierce_dwell_of
 
 

@@ -9,9 +9,10 @@ from xml.sax.saxutils import escape
 
 import shapely
 
-from ...encoder.cut import CutSequence
-from ...encoder.nest import Contour, Nest
-from ...rules.rule import Violation
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.rules.rule import Violation
+
 from .svg import FONT
 
 PAGE, MARGIN, LINE = 720.0, 20.0, 18.0

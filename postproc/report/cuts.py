@@ -9,12 +9,13 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from ...encoder.cut import Cut
-from ...encoder.geometry.segment import Point
-from ...encoder.nest import Contour, Nest
+from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Contour, Nest
+
 from . import colours
-from .room import Place
 from .scene import Dot, Item, Layer, Shape, Style, Text
+from .text_room import Place
 from .view import View
 
 _ARROW_EVERY = 260.0  # page units along a contour

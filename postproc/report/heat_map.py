@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ...encoder.nest import Nest
-from ...models.heat import HeatResult
-from ...models.heat.grid import SCRAP, Bools, Grid
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.physics.heat import HeatResult
+from kerfwise.models.physics.heat.grid import SCRAP, Bools, Grid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

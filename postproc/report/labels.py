@@ -8,10 +8,11 @@ from dataclasses import dataclass
 
 import shapely
 
-from ...encoder.geometry.curve import Curve
-from ...encoder.geometry.segment import Point
-from ...encoder.nest import Contour, Nest, Part
-from .room import Place, find_room
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Contour, Nest, Part
+
+from .text_room import Place, find_room
 
 _ENOUGH = 0.8  # share of the wanted size with which no better place is looked for
 _FINE = 0.02  # of the wanted size: how far an outline may be simplified

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from ...encoder.nest import Nest, Part
+from kerfwise.encoder.nest import Nest, Part
+
 from . import colours
-from .room import find_room
 from .scene import Layer, Shape, Style, Text
+from .text_room import find_room
 from .view import View
 
 _ZONE_GAP_MM = 40.0  # parts of two zones closer than this want different tints

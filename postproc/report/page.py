@@ -6,7 +6,8 @@ import json
 from html import escape
 from importlib.resources import files
 
-from ...models.plan import Plan
+from kerfwise.models.plan.plan import Plan
+
 from .scene import Scene
 from .svg import svg_text
 

@@ -7,22 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from ...encoder.cut import Cut
-from ...encoder.errors import InputError
-from ...encoder.geometry.segment import Point
-from ...encoder.nest import Nest
-from ...models.plan import Plan
-from .cuts import (
-    contour_layer,
-    direction_layer,
-    home_layer,
-    lead_layer,
-    number_layer,
-    pierce_layer,
-    travel_layer,
-)
-from .furniture import Clock, footer_layer, header_layer, nest_name
+from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.plan.plan import Plan
+
+from .cuts import contour_layer, direction_layer, home_layer, lead_layer, number_layer, pierce_layer, travel_layer
 from .labels import Label, place_labels
+from .legend import Clock, footer_layer, header_layer, nest_name
 from .metal import out_layer, part_layer, sheet_layer, zone_layer, zone_map
 from .scene import Layer, Scene, Text
 from .view import View, Window

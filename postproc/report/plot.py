@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from ...encoder.errors import InputError
-from ...encoder.geometry.segment import Point
-from ...encoder.nest import Nest
-from ...models.plan import Plan
-from ..files import write_files
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.plan.plan import Plan
+from kerfwise.postproc.files import write_files
+
 from .page import html_text
 from .picture import Spot, make_scene
 from .png import png_bytes

@@ -10,8 +10,9 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
-from ...encoder.geometry.curve import Curve
-from ...encoder.geometry.segment import Point
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
+
 from .scene import FloatArray
 
 Window = tuple[float, float, float, float]

@@ -7,12 +7,13 @@ from collections.abc import Sequence
 
 import shapely
 
-from ...encoder.geometry.segment import Point
-from ...models.plan import PlannedCut
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.models.plan.plan import PlannedCut
+
 from . import colours
-from .furniture import duration
-from .room import Place
+from .legend import duration
 from .scene import CAP_HEIGHT, Dot, Item, Layer, Style, Text, text_width
+from .text_room import Place
 from .view import View
 
 _LEAST_RADIUS = 3.0

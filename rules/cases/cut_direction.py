@@ -1,10 +1,10 @@
 """Cases of rule cut-direction."""
 
-from ...encoder.by_hand import circle, nest, part, rect
-from ...encoder.cut import CutSequence
-from ..case import Case, cut
-from ..catalogue.cut_direction import CutDirectionOptions
-from ..rule import Violation
+from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.rules.case import Case, cut
+from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
+from kerfwise.rules.rule import Violation
 
 PLATE = nest(200, 200, part("P1", rect(10, 10, 100, 100), [circle(40, 60, 10)], [[(60, 60), (90, 60)]]))
 PLASMA = CutDirectionOptions(outer="cw", hole="ccw")

@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 
-from ...encoder.by_hand import circle, nest, part, rect
-from ...encoder.cut import CutSequence
-from ..case import Case, in_order
-from ..catalogue.heat_lag import HeatLagOptions
-from ..rule import Violation
+from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
+from kerfwise.rules.rule import Violation
 
 ROW = nest(
     500,

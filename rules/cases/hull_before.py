@@ -1,8 +1,8 @@
 """Cases of rule hull-before."""
 
-from ...encoder.by_hand import circle, nest, part, rect
-from ..case import Case, in_order
-from ..rule import Violation
+from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.rule import Violation
 
 CHANNEL = part("C", [(10, 10), (210, 10), (210, 40), (40, 40), (40, 160), (210, 160), (210, 190), (10, 190)])
 MOUTH = nest(400, 200, CHANNEL, part("D", circle(120, 100, 40)))

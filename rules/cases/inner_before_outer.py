@@ -1,8 +1,8 @@
 """Cases of rule inner-before-outer."""
 
-from ...encoder.by_hand import circle, nest, part, rect
-from ..case import Case, in_order
-from ..rule import Violation
+from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.rule import Violation
 
 PLATE = nest(300, 200, part("P1", rect(10, 10, 100, 100), [circle(40, 60, 10)], [[(60, 60), (90, 60)]]))
 RING = part("H", rect(10, 10, 150, 150), [rect(30, 30, 110, 110)])

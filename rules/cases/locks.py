@@ -1,12 +1,12 @@
 """Cases of rule locks."""
 
-from ...encoder.by_hand import nest, part, rect
-from ...encoder.cut import CutSequence
-from ..case import Case, cut, in_order
-from ..catalogue.locks import LocksOptions
-from ..lock import Lock
-from ..rule import Violation
-from ..yaml_positions import Place
+from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.rules.case import Case, cut, in_order
+from kerfwise.rules.catalogue.locks import LocksOptions
+from kerfwise.rules.lock import Lock
+from kerfwise.rules.options.yaml_positions import Place
+from kerfwise.rules.rule import Violation
 
 ROW = nest(
     400, 100, part("A", rect(10, 10, 60, 80)), part("B", rect(80, 10, 60, 80)), part("C", rect(150, 10, 60, 80))

@@ -1,9 +1,9 @@
 """Cases of rule marks-first."""
 
-from ...encoder.by_hand import nest, part, rect
-from ..case import Case, in_order
-from ..catalogue.marks_first import MarksFirstOptions
-from ..rule import Violation
+from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.catalogue.marks_first import MarksFirstOptions
+from kerfwise.rules.rule import Violation
 
 TWO = nest(
     300,

@@ -1,8 +1,8 @@
 """Cases of rule nested-before-host-holes."""
 
-from ...encoder.by_hand import circle, nest, part, rect
-from ..case import Case, in_order
-from ..rule import Violation
+from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.rule import Violation
 
 HOST = part("H", rect(10, 10, 200, 100), [rect(20, 20, 80, 80), circle(150, 60, 20)])
 ONE = nest(300, 200, HOST, part("G", rect(30, 30, 40, 40)))

@@ -1,9 +1,9 @@
 """Cases of rule no-islands."""
 
-from ...encoder.by_hand import nest, part, rect
-from ..case import Case, in_order
-from ..catalogue.no_islands import NoIslandsOptions
-from ..rule import Violation
+from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.catalogue.no_islands import NoIslandsOptions
+from kerfwise.rules.rule import Violation
 
 # Three by three, 10 mm apart and from the edges: M in the middle faces nothing but its neighbours.
 NAMES = ("A", "B", "C", "D", "M", "E", "F", "G", "H")

@@ -1,9 +1,9 @@
 """Cases of rule no-narrow-strips."""
 
-from ...encoder.by_hand import nest, part, rect
-from ..case import Case, in_order
-from ..catalogue.no_narrow_strips import NoNarrowStripsOptions
-from ..rule import Violation
+from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStripsOptions
+from kerfwise.rules.rule import Violation
 
 # Long parts side by side, 10 mm apart: A and C 150 mm wide, B between them.
 ROWS = nest(1200, 450, part("A", rect(50, 50, 1000, 150)), part("B", rect(50, 210, 1000, 40)),

@@ -1,10 +1,10 @@
 """Cases of rule no-tip-travel."""
 
-from ...encoder.by_hand import nest, part, rect
-from ...encoder.cut import CutSequence
-from ...encoder.geometry.segment import Point
-from ..case import Case, cut
-from ..rule import Violation
+from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.rules.case import Case, cut
+from kerfwise.rules.rule import Violation
 
 ROW = nest(400, 100, part("A", rect(10, 10, 60, 80)), part("B", rect(80, 10, 60, 80)), part("C", rect(150, 10, 60, 80)))
 

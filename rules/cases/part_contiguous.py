@@ -1,9 +1,9 @@
 """Cases of rule part-contiguous."""
 
-from ...encoder.by_hand import circle, nest, part, rect
-from ..case import Case, in_order
-from ..catalogue.part_contiguous import PartContiguousOptions
-from ..rule import Violation
+from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.catalogue.part_contiguous import PartContiguousOptions
+from kerfwise.rules.rule import Violation
 
 PLATE = part("P1", rect(10, 10, 100, 60), [circle(35, 40, 10), circle(80, 40, 10)], [[(50, 20), (70, 20)]])
 NEST = nest(300, 100, PLATE, part("P2", rect(120, 10, 50, 60)))

@@ -1,13 +1,13 @@
 """Cases of rule pierce."""
 
-from ...encoder.by_hand import circle, nest, part, rect
-from ...encoder.cut import Cut, CutSequence
-from ...encoder.geometry.curve import Curve
-from ...encoder.geometry.segment import Point
-from ...encoder.nest import Nest
-from ..case import Case, CaseKind
-from ..catalogue.pierce import PierceOptions
-from ..rule import Violation
+from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.case import Case, CaseKind
+from kerfwise.rules.catalogue.pierce import PierceOptions
+from kerfwise.rules.rule import Violation
 
 PLATE = nest(
     400, 300, part("A", rect(50, 50, 100, 100), [circle(100, 100, 20)]), part("B", rect(160, 50, 100, 100))

@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 
-from ...encoder.by_hand import circle, nest, part, rect
-from ...encoder.nest import Nest, Note
-from ..case import Case, CaseKind, in_order
-from ..catalogue.shared_metal import SharedMetalOptions
-from ..rule import Violation
+from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.encoder.nest import Nest, Note
+from kerfwise.rules.case import Case, CaseKind, in_order
+from kerfwise.rules.catalogue.shared_metal import SharedMetalOptions
+from kerfwise.rules.rule import Violation
 
 
 def side_by_side(gap_mm: float) -> Nest:

@@ -1,11 +1,11 @@
 """Cases of rule start-side."""
 
-from ...encoder.by_hand import circle, nest, part, rect
-from ...encoder.geometry.curve import Curve
-from ...encoder.nest import Nest, Sheet
-from ..case import Case, in_order
-from ..catalogue.start_side import StartSideOptions
-from ..rule import Violation
+from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Nest, Sheet
+from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.catalogue.start_side import StartSideOptions
+from kerfwise.rules.rule import Violation
 
 # Long strips (80 x 20) near the right side, though the offcut on the left would ask for the left's opposite as well.
 LONG = nest(400, 200, part("A", rect(280, 10, 100, 20)), part("B", rect(30, 60, 60, 60)))

@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 
-from ...encoder.by_hand import nest, part, rect
-from ...encoder.cut import CutSequence, HotSpot
-from ..case import Case, in_order
-from ..catalogue.t_max import TMaxOptions
-from ..rule import Violation
+from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder.cut import CutSequence, HotSpot
+from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.catalogue.t_max import TMaxOptions
+from kerfwise.rules.rule import Violation
 
 # Two parts 10 mm apart; A is cut from 1 s on, B from 31 s on.
 PAIR = nest(400, 200, part("A", rect(50, 50, 100, 100)), part("B", rect(160, 50, 100, 100)))

@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 
-from ...encoder.by_hand import nest, part, rect
-from ...encoder.cut import CutSequence
-from ...encoder.nest import Nest
-from ..case import Case, in_order
-from ..catalogue.zone_order import ZoneOrderOptions
-from ..rule import Violation
+from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.case import Case, in_order
+from kerfwise.rules.catalogue.zone_order import ZoneOrderOptions
+from kerfwise.rules.rule import Violation
 
 ROW = nest(
     400,

@@ -6,15 +6,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, cast
 
-from ...encoder.cut import CutSequence, Direction
-from ...encoder.nest import Kind, Nest
-from ..kinds import Choice
-from ..option import option
-from ..rule import Rule, Violation
-from ..statements import Forbid
+from kerfwise.encoder.cut import CutSequence, Direction
+from kerfwise.encoder.nest import Kind, Nest
+from kerfwise.rules.options.kinds import Choice
+from kerfwise.rules.options.option import option
+from kerfwise.rules.rule import Rule, Violation
+from kerfwise.rules.statements import Forbid
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 Way = Literal["free", "cw", "ccw"]
 WAYS = Choice(("free", "cw", "ccw"))

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
-from ...encoder.cut import CutSequence
-from ...encoder.nest import Contour, Nest
-from ..kinds import DURATION, LENGTH, Number
-from ..option import option
-from ..rule import Rule, Violation
-from ..statements import Lag
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.rules.options.kinds import DURATION, LENGTH, Number
+from kerfwise.rules.options.option import option
+from kerfwise.rules.rule import Rule, Violation
+from kerfwise.rules.statements import Lag
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 
 ROUNDING_MM = 1e-6

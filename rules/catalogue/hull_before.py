@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 
 import shapely
 
-from ...encoder.cut import CutSequence, Side
-from ...encoder.nest import Contour, Nest
-from ..option import NoOptions
-from ..placement import same_place
-from ..rule import Ids, OrderRule
-from ..statements import Precede
+from kerfwise.encoder.cut import CutSequence, Side
+from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.rules.judging.placement import same_place
+from kerfwise.rules.options.option import NoOptions
+from kerfwise.rules.rule import Ids, OrderRule
+from kerfwise.rules.statements import Precede
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 FLAT_MM = 0.05
 """A contour that nowhere lies deeper inside its hull is convex: drawings carry such rounding."""

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
-from ...encoder.cut import CutSequence, Side
-from ...encoder.nest import Nest
-from ..option import NoOptions
-from ..placement import same_place
-from ..rule import Ids, OrderRule
-from ..statements import Precede
+from kerfwise.encoder.cut import CutSequence, Side
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.judging.placement import same_place
+from kerfwise.rules.options.option import NoOptions
+from kerfwise.rules.rule import Ids, OrderRule
+from kerfwise.rules.statements import Precede
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 GRAZE_MM = 1e-6
 """A ray that passes a contour this near grazes it; a centroid this near to a contour lies on it, not inside."""

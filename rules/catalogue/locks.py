@@ -7,18 +7,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
-from ...encoder.cut import CutSequence
-from ...encoder.geometry.segment import Point
-from ...encoder.nest import Contour, Nest
-from ..kinds import LENGTH
-from ..lock import Lock, check_locks
-from ..option import option
-from ..rule import Ids, Rule, Violation
-from ..statements import AtLeast, Before, Forbid, Precede, Statement
-from ..yaml_positions import wrong_at
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.rules.lock import Lock, check_locks
+from kerfwise.rules.options.kinds import LENGTH
+from kerfwise.rules.options.option import option
+from kerfwise.rules.options.yaml_positions import wrong_at
+from kerfwise.rules.rule import Ids, Rule, Violation
+from kerfwise.rules.statements import AtLeast, Before, Forbid, Precede, Statement
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 
 @dataclass(frozen=True, slots=True)

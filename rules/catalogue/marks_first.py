@@ -6,15 +6,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
-from ...encoder.cut import CutSequence
-from ...encoder.nest import Nest
-from ..kinds import Choice
-from ..option import option
-from ..rule import Rule, Violation
-from ..statements import Contiguous, Precede
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.options.kinds import Choice
+from kerfwise.rules.options.option import option
+from kerfwise.rules.rule import Rule, Violation
+from kerfwise.rules.statements import Contiguous, Precede
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 WHY = "marks made after metal is cut through are out of place"
 

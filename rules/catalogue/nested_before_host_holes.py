@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ...encoder.cut import CutSequence, Side
-from ...encoder.nest import Nest
-from ..option import NoOptions
-from ..placement import host_holes
-from ..rule import Ids, OrderRule
-from ..statements import Precede
+from kerfwise.encoder.cut import CutSequence, Side
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.judging.placement import host_holes
+from kerfwise.rules.options.option import NoOptions
+from kerfwise.rules.rule import Ids, OrderRule
+from kerfwise.rules.statements import Precede
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 
 class NestedBeforeHostHoles(OrderRule[NoOptions]):

@@ -6,16 +6,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ...encoder.cut import CutSequence
-from ...encoder.nest import Nest
-from ..holding import clusters, cut_off, holding
-from ..kinds import Number
-from ..option import option
-from ..rule import Forced, Rule, Violation
-from ..statements import AtLeast, Before, Literal
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.judging.holding import clusters, cut_off, holding
+from kerfwise.rules.options.kinds import Number
+from kerfwise.rules.options.option import option
+from kerfwise.rules.rule import Forced, Rule, Violation
+from kerfwise.rules.statements import AtLeast, Before, Literal
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 ALLOWANCE = 0.05
 """How far under `frame_share` the judged share may be: facts see the boundary in cells, the judging sees it finer."""

@@ -6,16 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ...encoder.cut import CutSequence
-from ...encoder.nest import Nest
-from ..kinds import LENGTH, Number
-from ..option import option
-from ..rule import Forced, NoGoodIds, Rule, Violation
-from ..statements import Statement
-from ..strips import Cutting, strips_and_islands
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.judging.strips import Cutting, strips_and_islands
+from kerfwise.rules.options.kinds import LENGTH, Number
+from kerfwise.rules.options.option import option
+from kerfwise.rules.rule import Forced, NoGoodIds, Rule, Violation
+from kerfwise.rules.statements import Statement
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 
 @dataclass(frozen=True, slots=True)

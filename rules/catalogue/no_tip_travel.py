@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
-from ...encoder.cut import CutSequence
-from ...encoder.nest import Nest
-from ..option import NoOptions
-from ..rule import Rule, Violation
-from ..statements import Crossing
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.options.option import NoOptions
+from kerfwise.rules.rule import Rule, Violation
+from kerfwise.rules.statements import Crossing
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 GRAZE_MM = 0.1
 """Travel that comes no further over the rim of a part passes it by."""

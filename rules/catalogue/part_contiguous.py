@@ -7,15 +7,15 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
-from ...encoder.cut import CutSequence
-from ...encoder.nest import Contour, Nest, Part
-from ..kinds import Choice
-from ..option import option
-from ..rule import Ids, Rule, Violation
-from ..statements import Contiguous, Precede
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Contour, Nest, Part
+from kerfwise.rules.options.kinds import Choice
+from kerfwise.rules.options.option import option
+from kerfwise.rules.rule import Ids, Rule, Violation
+from kerfwise.rules.statements import Contiguous, Precede
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...encoder.cut import CutSequence
-from ...encoder.nest import Nest
-from ..kinds import LENGTH, Number
-from ..option import option
-from ..rigidity import rigid_at_best, rigid_at_the_end
-from ..rule import Forced, Rule, Violation
-from ..statements import About, AtLeast, Before
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.judging.rigidity import rigid_at_best, rigid_at_the_end
+from kerfwise.rules.options.kinds import LENGTH, Number
+from kerfwise.rules.options.option import option
+from kerfwise.rules.rule import Forced, Rule, Violation
+from kerfwise.rules.statements import About, AtLeast, Before
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts, Stretch
+    from kerfwise.encoder.facts.facts import Facts, Stretch
 
 PER_MM = 100
 """Lengths in statements are whole hundredths of a millimetre."""

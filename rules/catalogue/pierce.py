@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
-from ...encoder.cut import CutSequence
-from ...encoder.nest import Nest
-from ..option import option
-from ..pierce_kerfs import over_older_kerfs
-from ..pierce_places import PiercePlaces
-from ..rule import Rule, Violation
-from ..statements import AtLeast, Before, Pick
-from ..thickness_table import LENGTH_OR_TABLE
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.judging.pierce_kerfs import over_older_kerfs
+from kerfwise.rules.judging.pierce_places import PiercePlaces
+from kerfwise.rules.options.option import option
+from kerfwise.rules.options.thickness_table import LENGTH_OR_TABLE
+from kerfwise.rules.rule import Rule, Violation
+from kerfwise.rules.statements import AtLeast, Before, Pick
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
-from ...encoder.cut import CutSequence
-from ...encoder.geometry.segment import Point
-from ...encoder.nest import Contour, Nest
-from ...encoder.tolerance import tolerance_mm
-from ..burnt_metal import burnt_parts
-from ..rule import Rule, Violation
-from ..statements import AtLeast
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.encoder.tolerance import tolerance_mm
+from kerfwise.rules.judging.burnt_metal import burnt_parts
+from kerfwise.rules.rule import Rule, Violation
+from kerfwise.rules.statements import AtLeast
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 CHORD_MM = 0.002
 """Contours are measured by chords that lie this close to them."""

@@ -10,15 +10,15 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ...encoder.cut import CutSequence, Side
-from ...encoder.nest import Nest
-from ..kinds import LENGTH, Choice, Number
-from ..option import option
-from ..rule import Rule, Violation
-from ..statements import Statement
+from kerfwise.encoder.cut import CutSequence, Side
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.options.kinds import LENGTH, Choice, Number
+from kerfwise.rules.options.option import option
+from kerfwise.rules.rule import Rule, Violation
+from kerfwise.rules.statements import Statement
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 Box = tuple[float, float, float, float]
 

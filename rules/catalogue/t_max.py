@@ -6,15 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ...encoder.cut import CutSequence, HotSpot
-from ...encoder.nest import Nest
-from ..kinds import DURATION, TEMPERATURE, Flag, OrWord
-from ..option import option
-from ..rule import Rule, Violation
-from ..statements import Statement
+from kerfwise.encoder.cut import CutSequence, HotSpot
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.options.kinds import DURATION, TEMPERATURE, Flag, OrWord
+from kerfwise.rules.options.option import option
+from kerfwise.rules.rule import Rule, Violation
+from kerfwise.rules.statements import Statement
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,18 +8,18 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from ...encoder.cut import CutSequence
-from ...encoder.nest import Nest
-from ..kinds import ENERGY, Number, OrWord, over_zero
-from ..lock import Lock
-from ..option import option
-from ..placement import host_holes
-from ..rule import Forced, Ids, Rule, Violation
-from ..statements import About, Precede
-from ..zone_budget import ALLOWANCE, HotZone, hot_zones
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.judging.placement import host_holes
+from kerfwise.rules.judging.zone_budget import ALLOWANCE, HotZone, hot_zones
+from kerfwise.rules.lock import Lock
+from kerfwise.rules.options.kinds import ENERGY, Number, OrWord, over_zero
+from kerfwise.rules.options.option import option
+from kerfwise.rules.rule import Forced, Ids, Rule, Violation
+from kerfwise.rules.statements import About, Precede
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 
 @dataclass(frozen=True, slots=True)

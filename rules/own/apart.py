@@ -9,18 +9,19 @@ from typing import TYPE_CHECKING, Any
 import shapely
 import yaml
 
-from ...encoder.cut import CutSequence
-from ..kinds import DURATION, LENGTH, Number, Unfit
-from ..option import option, options_of
-from ..statements import Lag
-from ..suggest import unknown
-from ..yaml_positions import Problems, entries
-from .ask import Ask, Chosen, Found
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.rules.options.kinds import DURATION, LENGTH, Number, Unfit
+from kerfwise.rules.options.option import option, options_of
+from kerfwise.rules.options.suggest import unknown
+from kerfwise.rules.options.yaml_positions import Problems, entries
+from kerfwise.rules.statements import Lag
+
 from .criterion import ROUNDING_MM
+from .demand import Ask, Chosen, Found
 from .selector import Selector, read_selector
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 FROM = "from"
 _CLOCK_S = 0.05

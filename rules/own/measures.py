@@ -13,9 +13,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ...encoder.cut import CutSequence
-from ...encoder.nest import Nest
-from ..placement import host_holes, places
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.judging.placement import host_holes, places
+
 from .criterion import ROUNDING_MM
 
 Floats = NDArray[np.float64]

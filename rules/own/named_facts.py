@@ -10,13 +10,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ...encoder.nest import Nest
+from kerfwise.encoder.nest import Nest
+
 from . import measures
 from .measures import Measured
 from .value_kinds import AREAS, COUNTED, LENGTHS, FlagKind, FreeKind, TextKind, ValueKind, WordKind
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 Values = Sequence[Any]
 ATTRIBUTE = "attribute."

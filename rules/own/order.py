@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import yaml
 
-from ...encoder.cut import CutSequence
-from ..statements import Precede
-from ..yaml_positions import Problems
-from .ask import Ask, Chosen, Found, read_true
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.rules.options.yaml_positions import Problems
+from kerfwise.rules.statements import Precede
+
+from .demand import Ask, Chosen, Found, read_true
 from .selector import Selector, read_selector
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,19 +6,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ..kinds import LENGTH
-from ..rule import Strength
-from ..yaml_positions import Place as FilePlace
+from kerfwise.rules.options.kinds import LENGTH
+from kerfwise.rules.options.yaml_positions import Place as FilePlace
+from kerfwise.rules.rule import Strength
+
 from .apart import Apart
-from .ask import Ask, Chosen
-from .ends import Ends
-from .keep import OneStays
+from .demand import Ask, Chosen
+from .direction_entry import Place, Way
+from .first_last import Ends
 from .named_facts import Known
+from .one_stays import OneStays
 from .order import Order
 from .runs import Together
 from .scope import groups
 from .selector import Selector
-from .ways import Place, Way
 
 PREFIX = "own:"
 """What the id of every own rule begins with."""

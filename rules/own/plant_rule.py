@@ -6,17 +6,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ...encoder.cut import CutSequence
-from ...encoder.nest import Nest
-from ..rule import Ids, Rule, Violation
-from ..statements import Statement
-from .ask import Chosen
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.rule import Ids, Rule, Violation
+from kerfwise.rules.statements import Statement
+
+from .demand import Chosen
 from .measures import measured
 from .named_facts import known_of_facts, known_of_nest
 from .own_rule import Own, OwnFile, OwnRule
 
 if TYPE_CHECKING:
-    from ...encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Facts
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,10 +7,11 @@ from typing import Any
 
 import yaml
 
-from ..kinds import LENGTH, Choice, Kind, Text, Unfit
-from ..rule import Strength
-from ..suggest import unknown
-from ..yaml_positions import Problems, entries, items
+from kerfwise.rules.options.kinds import LENGTH, Choice, Kind, Text, Unfit
+from kerfwise.rules.options.suggest import unknown
+from kerfwise.rules.options.yaml_positions import Problems, entries, items
+from kerfwise.rules.rule import Strength
+
 from .own_rule import ASKS, Own, OwnFile, OwnRule
 from .scope import Scope
 from .selector import read_selector, selector_schema

@@ -7,7 +7,8 @@ from typing import Any
 
 import yaml
 
-from ..kinds import Choice, Kind
+from kerfwise.rules.options.kinds import Choice, Kind
+
 from .named_facts import ATTRIBUTE, Known
 
 WORDS = ("sheet", "part", "zone")

@@ -7,9 +7,10 @@ from typing import Any
 
 import yaml
 
-from ..kinds import Unfit
-from ..suggest import unknown
-from ..yaml_positions import Problems, entries, is_empty, shape
+from kerfwise.rules.options.kinds import Unfit
+from kerfwise.rules.options.suggest import unknown
+from kerfwise.rules.options.yaml_positions import Problems, entries, is_empty, shape
+
 from .criterion import Criterion
 from .named_facts import ATTRIBUTE, NAMED_FACTS, Known, named_fact
 

@@ -10,8 +10,9 @@ from typing import Any
 
 import yaml
 
-from ..kinds import LENGTH, Choice, Kind, Number, Unfit
-from ..yaml_positions import is_empty, shape
+from kerfwise.rules.options.kinds import LENGTH, Choice, Kind, Number, Unfit
+from kerfwise.rules.options.yaml_positions import is_empty, shape
+
 from .criterion import AnyOf, Criterion, Pattern, Span, Truth
 
 SIGNED_LENGTH = dataclasses.replace(LENGTH, at_least=None)

@@ -8,14 +8,14 @@ from math import inf
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import RulesConflict
-from kerfwise.models.make_plan import make_plan
-from kerfwise.models.solution import Solution
+from kerfwise.models.engines.solution import Solution
+from kerfwise.models.plan.make import make_plan
 from kerfwise.postproc.check.judge import judge
-from kerfwise.postproc.program import write_program
-from kerfwise.rules.afterthoughts import afterthoughts
+from kerfwise.postproc.nc.program import write_program
 from kerfwise.rules.catalogue.part_rigidity import ALLOWANCE
-from kerfwise.rules.state import Stated, state_rules
 from kerfwise.rules.statements import EXEMPTION_MM
+from kerfwise.rules.stating.lazy import afterthoughts
+from kerfwise.rules.stating.state_rules import Stated, state_rules
 from kerfwise.tests.agreement.by_check import Judge, Let, shifted
 from kerfwise.tests.agreement.cases import judged_case
 from kerfwise.tests.agreement.engines import ENGINES, IMPOSSIBLE, UNPROVEN, Answer
@@ -24,7 +24,7 @@ from kerfwise.tests.agreement.trial import Trial
 from kerfwise.tests.metal.findings import Kind
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import simulate
-from kerfwise.tests.models.minizinc.cases import Case
+from kerfwise.tests.models.engines.minizinc.cases import Case
 
 ROUNDED_MM = 0.01
 """Engines count whole micrometres, the check does not: so much may come of it on a small nest."""

@@ -12,14 +12,14 @@ from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.make_plan import feeds_of
-from kerfwise.models.solution import SolveOptions
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.plan.make import feeds_of
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStripsOptions
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
-from kerfwise.rules.profile import Profile
-from kerfwise.rules.sections import RuleSetting
-from kerfwise.tests.models.minizinc.cases import Case, lead_options, random_nest, random_profile
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import RuleSetting
+from kerfwise.tests.models.engines.minizinc.cases import Case, lead_options, random_nest, random_profile
 
 ROUTES = {5: 256, 6: 128, 7: 64, 8: 16, 9: 4}
 """Contours → the most ways to pick entries and directions that are tried along each order."""
@@ -45,7 +45,7 @@ def _visible(rng: np.random.Generator, profile: Profile) -> Profile:
 
     The wish where a cut begins is never judged; what soft strips cost hangs on which of them geometry was shown; and
     seconds that are missing of a soft lag are not counted by violations. All three are compared by statements alone, in
-    `tests/models/minizinc`.
+    `tests/models/engines/minizinc`.
     """
     rules = dict(profile.rules)
     strips, heat, rigidity = rules["no-narrow-strips"], rules["heat-lag"], rules["part-rigidity"]

@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from kerfwise.encoder.errors import RulesConflict
-from kerfwise.models.minizinc import solve_minizinc
-from kerfwise.models.solution import Solution
-from kerfwise.models.solve import solve
-from kerfwise.rules.afterthoughts import afterthoughts
-from kerfwise.rules.state import Stated
-from kerfwise.tests.models.minizinc.cases import Case
+from kerfwise.models.engines.minizinc import solve_minizinc
+from kerfwise.models.engines.rounds import solve
+from kerfwise.models.engines.solution import Solution
+from kerfwise.rules.stating.lazy import afterthoughts
+from kerfwise.rules.stating.state_rules import Stated
+from kerfwise.tests.models.engines.minizinc.cases import Case
 
 IMPOSSIBLE = "no plan meets every hard rule"
 UNPROVEN = "nothing proven"

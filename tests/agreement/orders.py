@@ -15,19 +15,19 @@ from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.evaluate import broken
-from kerfwise.models.minizinc.asked import asked
-from kerfwise.models.minizinc.data import data_text
-from kerfwise.models.minizinc.installation import driver, solver_named
-from kerfwise.models.minizinc.model_text import model_text
-from kerfwise.models.problem import make_problem
-from kerfwise.models.solution import SolveOptions
+from kerfwise.models.engines.minizinc.asked import asked
+from kerfwise.models.engines.minizinc.data import data_text
+from kerfwise.models.engines.minizinc.installation import driver, solver_named
+from kerfwise.models.engines.minizinc.model_text import model_text
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.problem.evaluate import broken
+from kerfwise.models.problem.problem import make_problem
 from kerfwise.rules.catalogue.no_islands import ALLOWANCE
-from kerfwise.rules.profile import Profile
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.sections import RuleSetting
-from kerfwise.rules.state import Stated
 from kerfwise.rules.statements import About, IdleTravel
+from kerfwise.rules.stating.state_rules import Stated
 from kerfwise.tests.agreement.by_check import shifted
 
 ORDER_RULES = (

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.state import state_rules
+from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.agreement.agree import agreement
 from kerfwise.tests.agreement.by_check import Judge
 from kerfwise.tests.agreement.cases import judged_case

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 from kerfwise.encoder.cut import Cut, CutSequence, Side
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.make_plan import feeds_of
-from kerfwise.models.timing.constant import Leg, schedule
+from kerfwise.models.physics.timing.constant import Leg, schedule
+from kerfwise.models.plan.make import feeds_of
 from kerfwise.postproc.check.runs_from_cuts import runs_from_cuts
 from kerfwise.rules.catalogue.pierce import PierceOptions
-from kerfwise.rules.profile import Profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
-from kerfwise.tests.models.minizinc.cases import Case
+from kerfwise.tests.models.engines.minizinc.cases import Case
 
 Floats = NDArray[np.float64]
 LEAST_S = 1e-3

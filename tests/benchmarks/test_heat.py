@@ -10,9 +10,9 @@ import pytest
 from kerfwise.benchmarks.heat import EXAMPLES, bench, correlation, plant
 from kerfwise.benchmarks.heat_speed import HEIGHT_MM, PLANT, SECONDS, WIDTH_MM, run, up_and_down
 from kerfwise.encoder.readers import read_nest
-from kerfwise.models.baselines.random_order import random_order
-from kerfwise.models.timing.constant import Leg, idle_mm
-from kerfwise.postproc.heat_prices import cooler_orders
+from kerfwise.jobs.priced_heat import cooler_orders
+from kerfwise.models.engines.baselines.random_order import random_order
+from kerfwise.models.physics.timing.constant import Leg, idle_mm
 
 
 def test_a_row_of_the_correlation(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import kerfwise
 from kerfwise.benchmarks.routing import Limits, page, run_set
-from kerfwise.postproc.bench import BestKnown
+from kerfwise.jobs.bench import BestKnown
 
 ROUTING = Path(kerfwise.__file__).parent / "examples" / "routing"
 

@@ -12,10 +12,10 @@ import kerfwise as package
 from kerfwise.commands.conflict import tell_conflict
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.readers import read_nest
-from kerfwise.models.solution import SolveOptions
-from kerfwise.postproc.ask import facts_of
+from kerfwise.jobs.ask import facts_of
+from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.profile import load_profile
+from kerfwise.rules.profile.profile import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.models.solved import plant, proven_plan
 from kerfwise.tests.nests import nest, part, rect

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import kerfwise as package
-from kerfwise.postproc.trade_off import TradeOff
+from kerfwise.jobs.trade_off import TradeOff
 from kerfwise.tests.commands.run_cli import kerfwise
 
 NEST = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"

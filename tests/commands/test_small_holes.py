@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.readers import read_nest
-from kerfwise.postproc.ask import facts_of
-from kerfwise.rules.profile import load_profile
+from kerfwise.jobs.ask import facts_of
+from kerfwise.rules.profile.profile import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.nests import circle, rect
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import kerfwise
-from kerfwise.models.plan_reader import read_plan
+from kerfwise.models.plan.reader import read_plan
 
 ROOT = Path(kerfwise.__file__).parent
 PAGE = (ROOT / "docs" / "writing-a-rule.md").read_text(encoding="utf-8")

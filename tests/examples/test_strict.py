@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from kerfwise.encoder.readers import read_nest
-from kerfwise.models.solution import SolveOptions
-from kerfwise.models.timing.choose import feeds_of
-from kerfwise.postproc.ask import ask, facts_of
-from kerfwise.postproc.produce import produce
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.produce import produce
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.rules.catalogue.part_rigidity import ALLOWANCE, PartRigidityOptions
-from kerfwise.rules.profile import load_profile
-from kerfwise.rules.rigidity import rigid_at_the_end
+from kerfwise.rules.judging.rigidity import rigid_at_the_end
+from kerfwise.rules.profile.profile import load_profile
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 STIFF = ("no-islands", "no-narrow-strips", "part-rigidity")

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from kerfwise.cli import main as kerfwise
 from kerfwise.encoder.readers import read_nest
-from kerfwise.rules.profile import load_profile
+from kerfwise.rules.profile.profile import load_profile
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.made_nests import Made
 from kerfwise.tests.metal.plant import plant

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from kerfwise.rules.profile import Profile
+    from kerfwise.rules.profile.profile import Profile
 
 SHARED_METAL = "shared-metal"
 """The rule that keeps parts a kerf apart; where it is off, as in wood, parts may touch."""

@@ -10,7 +10,7 @@ import pytest
 from kerfwise.encoder.nest import Nest
 from kerfwise.tests.encoder.facts.random_nests import moved
 from kerfwise.tests.metal.findings import Finding
-from kerfwise.tests.metal.hand_made import (
+from kerfwise.tests.metal.hand_made import (  # fmt: skip
     CUTS,
     HOLE,
     KERF_MM,
@@ -22,7 +22,7 @@ from kerfwise.tests.metal.hand_made import (
     sheet,
     straight,
     with_cut,
-)  # fmt: skip
+)
 from kerfwise.tests.metal.program import UnreadableProgram
 from kerfwise.tests.metal.simulate import by_kind, simulate
 from kerfwise.tests.nests import circle, nest, part, rect

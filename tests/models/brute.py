@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import permutations, product
 
-from kerfwise.models.evaluate import broken, route_cost
-from kerfwise.models.problem import Problem
-from kerfwise.models.solution import Incumbent
+from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.models.problem.problem import Problem
 
 
 def cheapest(problem: Problem) -> Incumbent | None:

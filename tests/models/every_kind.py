@@ -14,7 +14,7 @@ from itertools import pairwise, permutations, product
 import shapely
 
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.models.timing.choose import feeds_of
+from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import (
     About,
@@ -30,7 +30,7 @@ from kerfwise.rules.statements import (
     Precede,
     Statement,
 )
-from kerfwise.tests.models.conflict.statements import row
+from kerfwise.tests.models.plan.conflict.statements import row
 from kerfwise.tests.models.solved import plant
 
 PARTS = 4

@@ -8,11 +8,11 @@ from itertools import pairwise
 import numpy as np
 from hypothesis import strategies as st
 
-from kerfwise.models.closure import close
-from kerfwise.models.conditions import Condition
-from kerfwise.models.crossings import FORBIDDEN, Crossings
-from kerfwise.models.pace import Pace
-from kerfwise.models.problem import UM_PER_MM, Problem, SoftGroup
+from kerfwise.models.problem.closure import close
+from kerfwise.models.problem.conditions import Condition
+from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
+from kerfwise.models.problem.pace import Pace
+from kerfwise.models.problem.problem import UM_PER_MM, Problem, SoftGroup
 from kerfwise.rules.statements import About, AtLeast, Before, Lag, Literal, Pick
 
 ABOUT = About("test", (), "a statement made for a test")

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.ideals import prove
-from kerfwise.models.make_plan import make_plan
-from kerfwise.models.plan import Plan
-from kerfwise.models.problem import UM_PER_MM, make_problem
-from kerfwise.models.solution import Solution
-from kerfwise.postproc.ask import facts_of
-from kerfwise.rules.option import NoOptions
-from kerfwise.rules.profile import Profile, load_profile
-from kerfwise.rules.sections import RuleSetting
-from kerfwise.rules.state import Stated, state_rules
+from kerfwise.jobs.ask import facts_of
+from kerfwise.models.engines.ideals import prove
+from kerfwise.models.engines.solution import Solution
+from kerfwise.models.plan.make import make_plan
+from kerfwise.models.plan.plan import Plan
+from kerfwise.models.problem.problem import UM_PER_MM, make_problem
+from kerfwise.rules.options.option import NoOptions
+from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.sections import RuleSetting
+from kerfwise.rules.stating.state_rules import Stated, state_rules
 
 QUIET = ("heat-lag", "part-rigidity", "no-islands", "no-narrow-strips", "no-tip-travel")
 

@@ -12,24 +12,23 @@ from typing import get_args
 import pytest
 
 from kerfwise.encoder.errors import InputError, RulesConflict
-from kerfwise.models.conflict.core import find_core
-from kerfwise.models.conflict.group import Group, hard_groups, on_order
-from kerfwise.models.conflict.relax import soften
-from kerfwise.models.conflict.whole import Engines, find_whole_core
-from kerfwise.models.engines import Member
-from kerfwise.models.evaluate import broken, route_cost
-from kerfwise.models.explain.entry import explain_entry
-from kerfwise.models.explain.lawful import try_order
-from kerfwise.models.explain.setting import Setting, make_setting
-from kerfwise.models.make_plan import make_plan
-from kerfwise.models.minizinc import solve_minizinc
-from kerfwise.models.problem import UM_PER_MM, make_problem
-from kerfwise.models.solution import SolveOptions
-from kerfwise.models.solve import solve
-from kerfwise.rules.state import Stated
+from kerfwise.models.engines.minizinc import solve_minizinc
+from kerfwise.models.engines.names import Member
+from kerfwise.models.engines.rounds import solve
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.plan.conflict.core import find_core
+from kerfwise.models.plan.conflict.group import Group, hard_groups, on_order
+from kerfwise.models.plan.conflict.relax import soften
+from kerfwise.models.plan.conflict.whole import Engines, find_whole_core
+from kerfwise.models.plan.explain.entry import explain_entry
+from kerfwise.models.plan.explain.lawful import try_order
+from kerfwise.models.plan.explain.setting import Setting, make_setting
+from kerfwise.models.plan.make import make_plan
+from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.models.problem.problem import UM_PER_MM, make_problem
 from kerfwise.rules.statements import About, Crossing, Forbid, Precede, Statement
+from kerfwise.rules.stating.state_rules import Stated
 from kerfwise.tests.models.brute import cheapest
-from kerfwise.tests.models.conflict.statements import row
 from kerfwise.tests.models.every_kind import (
     ABOUT,
     FEEDS,
@@ -43,6 +42,7 @@ from kerfwise.tests.models.every_kind import (
     way_of,
     ways,
 )
+from kerfwise.tests.models.plan.conflict.statements import row
 
 FACTS = row(PARTS)
 KINDS = get_args(Statement)

@@ -13,36 +13,36 @@ from typing import Any, get_args
 import pytest
 
 import kerfwise
-from kerfwise.models.conflict import conflict, order_model
-from kerfwise.models.conflict.group import Group, contours_of, hard_groups, moves_or_seconds, on_order
-from kerfwise.models.excused import excused
-from kerfwise.models.explain import setting as explain_setting
-from kerfwise.models.explain.entry import explain_entry
-from kerfwise.models.explain.heat_prices import heat_prices
-from kerfwise.models.explain.holding import others
-from kerfwise.models.explain.lawful import try_order
-from kerfwise.models.explain.setting import Setting, make_setting
+from kerfwise.jobs.strategies import solve_by
+from kerfwise.models.engines.minizinc.asked import asked
+from kerfwise.models.engines.minizinc.data import data_text
+from kerfwise.models.engines.minizinc.rule_data import Case, rule_data
+from kerfwise.models.engines.minizinc.statement_text import conditions
+from kerfwise.models.engines.rounds import solve
+from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.heat_prices.priced_statements import HEAT
-from kerfwise.models.make_plan import make_plan
-from kerfwise.models.minizinc.asked import asked
-from kerfwise.models.minizinc.data import data_text
-from kerfwise.models.minizinc.rule_data import Case, rule_data
-from kerfwise.models.minizinc.statement_text import conditions
-from kerfwise.models.plan import Plan
-from kerfwise.models.problem import make_problem
-from kerfwise.models.reasons import reasons
-from kerfwise.models.solution import SolveOptions
-from kerfwise.models.solve import solve
-from kerfwise.postproc.strategies import solve_by
+from kerfwise.models.plan.conflict import conflict, order_model
+from kerfwise.models.plan.conflict.group import Group, contours_of, hard_groups, moves_or_seconds, on_order
+from kerfwise.models.plan.excused import excused
+from kerfwise.models.plan.explain import setting as explain_setting
+from kerfwise.models.plan.explain.entry import explain_entry
+from kerfwise.models.plan.explain.heat_prices import heat_prices
+from kerfwise.models.plan.explain.holding import others
+from kerfwise.models.plan.explain.lawful import try_order
+from kerfwise.models.plan.explain.setting import Setting, make_setting
+from kerfwise.models.plan.make import make_plan
+from kerfwise.models.plan.plan import Plan
+from kerfwise.models.plan.reasons import reasons
+from kerfwise.models.problem.problem import make_problem
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.catalogue.locks import LocksOptions
-from kerfwise.rules.places import positions
-from kerfwise.rules.remainder import Rest, of_what_is_left
-from kerfwise.rules.sections import RuleSetting
-from kerfwise.rules.state import Stated, hopeless, resolve
+from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.statements import EXEMPTION_MM, About, Statement
-from kerfwise.tests.models.conflict.statements import row
+from kerfwise.rules.stating.places import positions
+from kerfwise.rules.stating.remainder import Rest, of_what_is_left
+from kerfwise.rules.stating.state_rules import Stated, hopeless, resolve
 from kerfwise.tests.models.every_kind import ABOUT, FEEDS, HOME, PARTS, PROFILE, TRAVEL
+from kerfwise.tests.models.plan.conflict.statements import row
 
 ROOT = Path(kerfwise.__file__).parent
 PAGE = (ROOT / "docs" / "writing-a-statement.md").read_text(encoding="utf-8")
@@ -102,36 +102,36 @@ def ask_order_model(patch: pytest.MonkeyPatch) -> None:
 Refuses = Callable[[pytest.MonkeyPatch], object]
 REFUSES: dict[str, list[Refuses]] = {
     "rules/by_kind.py": [lambda _: by_kind([INVENTED])],
-    "rules/places.py": [lambda _: positions([INVENTED], PARTS)],
-    "rules/remainder.py": [lambda _: list(of_what_is_left([INVENTED], Rest(range(PARTS), {})))],
-    "rules/state.py": [lambda _: hopeless([INVENTED]), lambda _: resolve([INVENTED], PARTS, {})],
-    "models/excused.py": [lambda _: excused(FACTS, at_weight(EXEMPTION_MM), planned()[0])],
-    "models/problem.py": [lambda _: make_problem(FACTS, (INVENTED,), HOME)],
-    "models/reasons.py": [lambda _: reasons(FACTS, STATED, planned()[0], HOME)],
-    "models/conflict/conflict.py": [find_conflict],
-    "models/conflict/group.py": [
+    "rules/stating/places.py": [lambda _: positions([INVENTED], PARTS)],
+    "rules/stating/remainder.py": [lambda _: list(of_what_is_left([INVENTED], Rest(range(PARTS), {})))],
+    "rules/stating/state_rules.py": [lambda _: hopeless([INVENTED]), lambda _: resolve([INVENTED], PARTS, {})],
+    "models/plan/excused.py": [lambda _: excused(FACTS, at_weight(EXEMPTION_MM), planned()[0])],
+    "models/problem/problem.py": [lambda _: make_problem(FACTS, (INVENTED,), HOME)],
+    "models/plan/reasons.py": [lambda _: reasons(FACTS, STATED, planned()[0], HOME)],
+    "models/plan/conflict/conflict.py": [find_conflict],
+    "models/plan/conflict/group.py": [
         lambda _: hard_groups([INVENTED]),
         lambda _: moves_or_seconds([GROUP]),
         lambda _: on_order([GROUP]),
         lambda _: contours_of(GROUP, []),
     ],
-    "models/conflict/order_model.py": [
+    "models/plan/conflict/order_model.py": [
         lambda _: order_model.build(FACTS, [GROUP]),
         lambda _: order_model._loose([GROUP]),
         ask_order_model,
     ],
-    "models/explain/entry.py": [lambda _: explain_entry(setting(), 0)],
-    "models/explain/heat_prices.py": [lambda _: heat_prices(setting(at_weight(1.0, HEAT)), 0)],
-    "models/explain/holding.py": [lambda _: others(setting(), 0)],
-    "models/explain/lawful.py": [lambda _: try_order(setting(), range(PARTS))],
-    "models/explain/setting.py": [set_up],
-    "models/minizinc/asked.py": [lambda _: asked(PROFILE, STATED)],
-    "models/minizinc/data.py": [lambda _: data_text(FACTS, PROFILE, STATED, OPTIONS, clock=False)],
-    "models/minizinc/rule_data.py": [
+    "models/plan/explain/entry.py": [lambda _: explain_entry(setting(), 0)],
+    "models/plan/explain/heat_prices.py": [lambda _: heat_prices(setting(at_weight(1.0, HEAT)), 0)],
+    "models/plan/explain/holding.py": [lambda _: others(setting(), 0)],
+    "models/plan/explain/lawful.py": [lambda _: try_order(setting(), range(PARTS))],
+    "models/plan/explain/setting.py": [set_up],
+    "models/engines/minizinc/asked.py": [lambda _: asked(PROFILE, STATED)],
+    "models/engines/minizinc/data.py": [lambda _: data_text(FACTS, PROFILE, STATED, OPTIONS, clock=False)],
+    "models/engines/minizinc/rule_data.py": [
         lambda _: rule_data(Case(FACTS, STATED, HOME), {"locks": RuleSetting("hard", None, LocksOptions())})
     ],
-    "models/minizinc/statement_text.py": [lambda _: conditions(INVENTED)],
-    "postproc/strategies.py": [lambda _: solve_by("random", FACTS, PROFILE, (INVENTED,), OPTIONS)],
+    "models/engines/minizinc/statement_text.py": [lambda _: conditions(INVENTED)],
+    "jobs/strategies.py": [lambda _: solve_by("random", FACTS, PROFILE, (INVENTED,), OPTIONS)],
 }
 """File → what is called there with the invented statement."""
 

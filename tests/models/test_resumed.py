@@ -11,12 +11,12 @@ import shapely
 
 from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.models.solution import SolveOptions
-from kerfwise.postproc.ask import ask, facts_of
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.produce import produce
+from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.postproc.check import check_cuts
-from kerfwise.postproc.produce import produce
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.profile import Profile, load_profile
+from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.tests.nests import nest, part, rect
 
 PLATE = nest(
@@ -73,7 +73,7 @@ def price_mm(facts: Facts, route: tuple[int, ...], home: tuple[float, float]) ->
 @pytest.mark.scrap("looks at travel alone")
 @pytest.mark.parametrize("engine", ["cp-sat", "search", "ideals", "beam", "cp-sat-alone"])
 def test_every_engine_finds_the_best_of_all_ways_to_go_on(left: Facts, profile: Profile, engine: str) -> None:
-    from kerfwise.models.engines import member_of
+    from kerfwise.models.engines.names import member_of
 
     assert [c.id for c in left.nest.contours] == ["C.outer", "D.outer", "E.outer"]
     ways = [[c for c in left.candidates_of(k) if left.candidates[c].direction == "cw"] for k in range(left.n)]

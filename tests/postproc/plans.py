@@ -12,10 +12,10 @@ from kerfwise.encoder.cut import Cut, Direction
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.offset import offset_curve
 from kerfwise.encoder.nest import Contour, Nest
-from kerfwise.models.plan import Plan, PlannedCut, SolveReport, Totals
+from kerfwise.models.plan.plan import Plan, PlannedCut, SolveReport, Totals
 from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
-from kerfwise.rules.profile import Profile, RuleSetting, default_settings
-from kerfwise.rules.sections import Machine
+from kerfwise.rules.profile.profile import Profile, RuleSetting, default_settings
+from kerfwise.rules.profile.sections import Machine
 from kerfwise.tests.nests import circle, nest, part, rect
 
 KERF_MM = 1.5

@@ -10,13 +10,13 @@ import pytest
 
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Sheet
-from kerfwise.models.plan_reader import read_plan
-from kerfwise.postproc.checking import check_plan, check_program
-from kerfwise.postproc.program import write_program
-from kerfwise.postproc.timed import job_of_plan, job_of_program, read_program
-from kerfwise.rules.machine_section import Machine
-from kerfwise.rules.placing import placing_notes
-from kerfwise.rules.profile import Profile
+from kerfwise.models.plan.reader import read_plan
+from kerfwise.postproc.clock.timed import job_of_plan, job_of_program, read_program
+from kerfwise.postproc.nc.program import write_program
+from kerfwise.postproc.verdict.checking import check_plan, check_program
+from kerfwise.rules.profile.machine_section import Machine
+from kerfwise.rules.profile.placing import placing_notes
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.nests import part, rect
 from kerfwise.tests.postproc.plans import cut_of, plan_of, profile
 from kerfwise.tests.tools import canon

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.postproc.checking import check_program
-from kerfwise.postproc.program import write_program
-from kerfwise.postproc.timed import job_of_plan, job_of_program, read_program, time_job
-from kerfwise.rules.machine_section import PierceDwell
-from kerfwise.rules.profile import Profile
+from kerfwise.postproc.clock.timed import job_of_plan, job_of_program, read_program, time_job
+from kerfwise.postproc.nc.program import write_program
+from kerfwise.postproc.verdict.checking import check_program
+from kerfwise.rules.profile.machine_section import PierceDwell
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 
 PLATE = plate()

@@ -11,14 +11,14 @@ from functools import cache
 import pytest
 
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.plan_reader import validator
-from kerfwise.models.solution import SolveOptions
-from kerfwise.models.timing.choose import feeds_of
-from kerfwise.postproc.ask import ask, facts_of
-from kerfwise.postproc.checking import check_plan, check_program
-from kerfwise.postproc.produce import Produced, produce
-from kerfwise.rules.by_thickness import ByThickness
-from kerfwise.rules.profile import Profile, load_profile
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.produce import Produced, produce
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.plan.reader import validator
+from kerfwise.postproc.verdict.checking import check_plan, check_program
+from kerfwise.rules.options.by_thickness import ByThickness
+from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.tests.nests import circle, nest, part, rect
 
 PLATE = nest(

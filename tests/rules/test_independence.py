@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.rules import burnt_metal, catalogue, facing, holding, pierce_places, placement, rigidity, strips
+from kerfwise.rules import catalogue
+from kerfwise.rules.judging import burnt_metal, facing, holding, pierce_places, placement, rigidity, strips
 from kerfwise.rules.own import criterion, measures
 from kerfwise.rules.registry import catalogue_modules
 

@@ -12,7 +12,7 @@ from kerfwise.encoder.candidates.older_kerfs import older_kerfs
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.pierce_kerfs import over_older_kerfs
+from kerfwise.rules.judging.pierce_kerfs import over_older_kerfs
 from kerfwise.tests.nests import circle, nest, part, rect
 
 KERF_MM, SPLASH_MM = 1.5, 0.5

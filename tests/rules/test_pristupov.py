@@ -8,10 +8,10 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.case import cut
-from kerfwise.rules.profile import Profile
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.state import state_rules
 from kerfwise.rules.statements import Precede
+from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.encoder.facts import pristupov
 
 ORDER_RULES = ("inner-before-outer", "level-ahead", "hull-before")

@@ -8,7 +8,7 @@ import pytest
 
 from kerfwise.rules import catalogue
 from kerfwise.rules.catalogue import hull_before
-from kerfwise.rules.option import NoOptions, options_of
+from kerfwise.rules.options.option import NoOptions, options_of
 from kerfwise.rules.registry import RULES, catalogue_modules, collect
 from kerfwise.rules.rule import Rule
 

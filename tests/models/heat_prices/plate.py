@@ -6,12 +6,12 @@ from dataclasses import replace
 from functools import cache
 
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.models.problem import Problem, make_problem
-from kerfwise.models.timing.choose import feeds_of
-from kerfwise.postproc.ask import facts_of
-from kerfwise.rules.profile import Profile, load_profile
-from kerfwise.rules.sections import RuleSetting
-from kerfwise.rules.state import Stated, state_rules
+from kerfwise.jobs.ask import facts_of
+from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.problem.problem import Problem, make_problem
+from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.sections import RuleSetting
+from kerfwise.rules.stating.state_rules import Stated, state_rules
 from kerfwise.tests.nests import circle, nest, part, rect
 
 PLATE = nest(

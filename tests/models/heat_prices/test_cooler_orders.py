@@ -7,13 +7,13 @@ from collections.abc import Sequence
 import pytest
 
 from kerfwise.encoder.errors import RulesConflict
-from kerfwise.models.evaluate import broken
-from kerfwise.models.heat import simulate
-from kerfwise.models.heat.route_path import RoutePaths
+from kerfwise.models.engines.rounds import solve
+from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.heat_prices.cooler_orders import CoolerOrders
-from kerfwise.models.solution import SolveOptions
-from kerfwise.models.solve import solve
-from kerfwise.models.timing.choose import feeds_of
+from kerfwise.models.physics.heat import simulate
+from kerfwise.models.physics.heat.route_path import RoutePaths
+from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.problem.evaluate import broken
 from kerfwise.rules.statements import Statement
 from kerfwise.tests.models.heat_prices.plate import PLATE, facts, plant, posed, stated
 

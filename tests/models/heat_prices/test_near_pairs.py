@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from kerfwise.models.heat_prices.near_pairs import near_pairs
-from kerfwise.rules.heat_section import Heat
+from kerfwise.rules.profile.heat_section import Heat
 from kerfwise.tests.nests import nest, part, rect
 
 HEAT = Heat()

@@ -8,11 +8,11 @@ from itertools import product
 import numpy as np
 import pytest
 
-from kerfwise.models.baselines.random_order import random_order
-from kerfwise.models.evaluate import broken, route_cost
+from kerfwise.models.engines.baselines.random_order import random_order
 from kerfwise.models.heat_prices.nearby_routes import _cheapest, nearby
 from kerfwise.models.heat_prices.prices import HeatPrices
 from kerfwise.models.heat_prices.terms import Terms
+from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.tests.models.heat_prices.plate import PLATE, facts, plant, posed
 from kerfwise.tests.models.problems import problem
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from kerfwise.models.baselines.random_order import random_order
-from kerfwise.models.evaluate import route_cost
+from kerfwise.models.engines.baselines.random_order import random_order
 from kerfwise.models.heat_prices.priced_statements import HEAT, priced_statements
 from kerfwise.models.heat_prices.prices import HeatPrices, fit_prices
 from kerfwise.models.heat_prices.terms import Terms
-from kerfwise.models.problem import UM_PER_MM, make_problem
+from kerfwise.models.problem.evaluate import route_cost
+from kerfwise.models.problem.problem import UM_PER_MM, make_problem
 from kerfwise.rules.statements import AtLeast, Forbid, Precede
 from kerfwise.tests.models.heat_prices.plate import PLATE, facts, plant, posed, stated
 

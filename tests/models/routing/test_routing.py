@@ -11,10 +11,10 @@ import pytest
 
 import kerfwise
 from kerfwise.encoder.errors import InputError
-from kerfwise.models.engines import Engine, member_of
-from kerfwise.models.evaluate import route_cost
+from kerfwise.models.engines.names import Engine, member_of
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.routing import Instance, judge_tour, read_instance, solve_instance
-from kerfwise.models.solution import SolveOptions
 
 EXAMPLES = Path(kerfwise.__file__).parent / "examples" / "routing"
 

@@ -12,8 +12,8 @@ from kerfwise.encoder.candidates.candidate import Candidate, LeadKind, LeadOptio
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check import CheckResult, report
-from kerfwise.postproc.checking import check_plan, check_program
-from kerfwise.postproc.program import write_program
+from kerfwise.postproc.nc.program import write_program
+from kerfwise.postproc.verdict.checking import check_plan, check_program
 from kerfwise.tests.nests import circle, nest, part, rect
 from kerfwise.tests.postproc.plans import plan_of, plate, profile
 

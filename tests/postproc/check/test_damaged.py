@@ -8,8 +8,8 @@ import pytest
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.postproc.check import check_cuts, report
-from kerfwise.postproc.checking import check_plan, check_program
-from kerfwise.postproc.program import write_program
+from kerfwise.postproc.nc.program import write_program
+from kerfwise.postproc.verdict.checking import check_plan, check_program
 from kerfwise.tests.postproc.plans import cut_of, good_cuts, plan_of, plate, profile
 
 PLATE, PROFILE = plate(), profile()

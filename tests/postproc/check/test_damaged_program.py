@@ -6,8 +6,8 @@ from collections.abc import Callable
 import pytest
 
 from kerfwise.postproc.check import CheckResult, report
-from kerfwise.postproc.checking import check_program
-from kerfwise.postproc.program import write_program
+from kerfwise.postproc.nc.program import write_program
+from kerfwise.postproc.verdict.checking import check_program
 from kerfwise.tests.postproc.plans import cut_of, good_cuts, plan_of, plate, profile
 
 PLATE, PROFILE = plate(), profile()

@@ -11,7 +11,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check import CheckResult, check_cuts
 from kerfwise.rules.catalogue.shared_metal import SharedMetalOptions
-from kerfwise.rules.profile import RuleSetting, default_settings
+from kerfwise.rules.profile.profile import RuleSetting, default_settings
 from kerfwise.rules.registry import RULES
 from kerfwise.tests.nests import circle, nest, part, rect
 from kerfwise.tests.postproc.plans import cut_of, profile

@@ -11,15 +11,15 @@ import pytest
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.make_plan import make_plan
-from kerfwise.models.plan import Plan
-from kerfwise.models.plan_reader import read_plan
-from kerfwise.models.solution import SolveOptions
-from kerfwise.models.solve import solve
-from kerfwise.postproc.checking import check_plan, check_program, report_of
-from kerfwise.postproc.program import write_program
-from kerfwise.rules.profile import load_profile
-from kerfwise.rules.state import Stated, state_rules
+from kerfwise.models.engines.rounds import solve
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.plan.make import make_plan
+from kerfwise.models.plan.plan import Plan
+from kerfwise.models.plan.reader import read_plan
+from kerfwise.postproc.nc.program import write_program
+from kerfwise.postproc.verdict.checking import check_plan, check_program, report_of
+from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.stating.state_rules import Stated, state_rules
 from kerfwise.tests.nests import nest, part, rect
 
 PROFILE = load_profile()

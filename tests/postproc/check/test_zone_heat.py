@@ -6,17 +6,17 @@ import dataclasses
 from functools import cache
 
 from kerfwise.encoder.cut import CutSequence
-from kerfwise.models.solution import SolveOptions
-from kerfwise.models.timing.choose import feeds_of
-from kerfwise.postproc.ask import ask, facts_of
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.produce import Produced, produce
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.postproc.check import check_program
-from kerfwise.postproc.checking import check_plan
-from kerfwise.postproc.produce import Produced, produce
+from kerfwise.postproc.verdict.checking import check_plan
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.profile import Profile
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.sections import RuleSetting
-from kerfwise.rules.state import state_rules
+from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.models.solved import plant
 from kerfwise.tests.nests import nest, part, rect
 

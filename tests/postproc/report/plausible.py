@@ -10,7 +10,7 @@ from kerfwise.encoder.cut import Cut, Direction
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest, Part
-from kerfwise.models.plan import Plan, PlannedCut, SolveReport, Totals
+from kerfwise.models.plan.plan import Plan, PlannedCut, SolveReport, Totals
 
 LEAD_MM = 5.0
 

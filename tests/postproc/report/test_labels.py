@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.report.labels import Label, place_labels
-from kerfwise.postproc.report.room import Place
+from kerfwise.postproc.report.text_room import Place
 from kerfwise.tests.nests import Rows, circle, nest, part, rect
 
 

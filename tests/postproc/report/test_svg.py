@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.plan import Plan
+from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.report.picture import make_scene
 from kerfwise.postproc.report.scene import Dot, Layer, Scene, Shape, Style, Text
 from kerfwise.postproc.report.svg import svg_text

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.postproc.report.furniture import Clock
+from kerfwise.postproc.report.legend import Clock
 from kerfwise.postproc.report.view import MARGIN, View
 from kerfwise.tests.nests import circle
 

@@ -8,7 +8,7 @@ import pytest
 import shapely
 
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.plan import Plan
+from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.report import draw
 from kerfwise.postproc.report.picture import make_scene
 from kerfwise.postproc.report.scene import CAP_HEIGHT, Dot, Text, text_width

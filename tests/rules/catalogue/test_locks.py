@@ -11,8 +11,8 @@ from kerfwise.encoder.facts import FactOptions, compute_facts
 from kerfwise.rules.case import in_order
 from kerfwise.rules.catalogue.locks import Locks, LocksOptions
 from kerfwise.rules.lock import Lock
+from kerfwise.rules.options.yaml_positions import Place
 from kerfwise.rules.statements import AtLeast, Before, Precede, Statement
-from kerfwise.rules.yaml_positions import Place
 from kerfwise.tests.nests import nest, part, rect
 
 ROW = nest(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import yaml
 
+from kerfwise.rules.options.yaml_positions import Problems, compose
 from kerfwise.rules.own import Own, read_own_rules
-from kerfwise.rules.yaml_positions import Problems, compose
 
 
 def rules_of(text: str) -> tuple[Own, ...]:

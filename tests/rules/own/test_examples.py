@@ -12,18 +12,18 @@ import kerfwise
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.readers import read_nest
-from kerfwise.models.make_plan import make_plan
-from kerfwise.models.plan import Plan
-from kerfwise.models.solution import SolveOptions
-from kerfwise.models.solve import solve
-from kerfwise.models.timing.choose import feeds_of
-from kerfwise.postproc.checking import check_plan
+from kerfwise.models.engines.rounds import solve
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.plan.make import make_plan
+from kerfwise.models.plan.plan import Plan
+from kerfwise.postproc.verdict.checking import check_plan
 from kerfwise.rules.own import as_rule
+from kerfwise.rules.own.direction_entry import PLACES
 from kerfwise.rules.own.named_facts import NAMED_FACTS
 from kerfwise.rules.own.own_rule import ASKS
-from kerfwise.rules.own.ways import PLACES
-from kerfwise.rules.profile import Profile, load_profile
-from kerfwise.rules.state import state_rules
+from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.stating.state_rules import state_rules
 
 DOCS = Path(kerfwise.__file__).parent / "docs"
 PAGE = (DOCS / "own-rules.md").read_text(encoding="utf-8")

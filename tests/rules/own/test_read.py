@@ -9,7 +9,7 @@ import yaml
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.own.criterion import Span
 from kerfwise.rules.own.selector import Selector
-from kerfwise.rules.schema import profile_schema
+from kerfwise.rules.profile.schema import profile_schema
 from kerfwise.tests.rules.own.made import rules_of
 from kerfwise.tests.rules.own.test_agree import RULES, WAYS
 

@@ -13,11 +13,11 @@ from kerfwise.encoder.facts import compute_facts
 from kerfwise.postproc.check.judge import judge
 from kerfwise.rules.case import cut, in_order
 from kerfwise.rules.own import OwnFile, Thresholds, as_rule
-from kerfwise.rules.own.ask import MOST
-from kerfwise.rules.profile import Profile, load_profile
-from kerfwise.rules.profile_text import profile_yaml
+from kerfwise.rules.own.demand import MOST
+from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.text import profile_yaml
 from kerfwise.rules.rule import Violation
-from kerfwise.rules.state import Stated, state_rules
+from kerfwise.rules.stating.state_rules import Stated, state_rules
 from kerfwise.tests.nests import nest, part, rect
 from kerfwise.tests.rules.own.made import rules_of
 

@@ -1,0 +1,100 @@
+"""What is asked of a plan: the facts of a nest, and what a profile's rules state of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
+from kerfwise.encoder.candidates import build_candidates
+from kerfwise.encoder.errors import MOST_DETAILS, InputError, RulesConflict
+from kerfwise.encoder.facts import compute_facts
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.facts.remaining import loose_in, remaining
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.engines.names import Engine
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.postproc.clock.contour_heat import contour_heat_kj
+from kerfwise.rules.lock import check_locks
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.stating.state_rules import (
+    HOPELESS,
+    DroppedStatement,
+    Stated,
+    hopeless_anyway,
+    loose_orders,
+    state_rules,
+)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Asked:
+    """What is asked of a plan: the facts of the nest, and what the profile's rules state of them."""
+
+    facts: Facts
+    stated: Stated
+
+
+def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) -> Facts:
+    """All facts of the nest, as the profile has it cut, under the profile's thresholds.
+
+    Where some of it is `already` cut they are those of what is left.
+
+    Raises
+    ------
+    InputError
+        If a lock names what the nest does not have, or a contour cannot be cut as the profile asks.
+    RulesConflict
+        If contours cannot be cut and hard rules cannot hold in any order: the second is mostly the reason of the first.
+    """
+    nest = profile.as_cut(nest)
+    check_locks(profile.locks, nest)
+    loose = loose_in(nest, already.contours)
+    try:
+        candidates = build_candidates(nest, profile.lead_options(nest), already, loose)
+    except InputError as error:
+        unheated = replace(profile.fact_options(nest), zone_heat_kj=None)  # without candidates no heat is known
+        if alone := hopeless_anyway(_left(compute_facts(nest, unheated, ()), already), profile):
+            besides = (f"besides, {error.message}, and --relax does not help there:", *error.details[:MOST_DETAILS])
+            raise RulesConflict(HOPELESS, (*(f"{about.rule}: {about.sentence}" for about in alone), *besides)) from None
+        raise
+    heat_kj = contour_heat_kj(nest, candidates, profile)
+    return _left(compute_facts(nest, profile.fact_options(nest), candidates, heat_kj), already)
+
+
+def _left(facts: Facts, already: AlreadyCut) -> Facts:
+    return remaining(facts, already) if already else facts
+
+
+def ask(
+    facts: Facts,
+    profile: Profile,
+    relax: bool = False,
+    engine: Engine = "cp-sat",
+    limits: SolveOptions | None = None,
+) -> Asked:
+    """What the rules state of the facts; `relax` lets the cheapest statements give way where they clash.
+
+    The look for them ends within `limits`.
+
+    Rule files of the plant's own are read by the engine minizinc only.
+
+    Raises
+    ------
+    RulesConflict
+        If hard orders contradict each other (and nothing that may give way helps), or, unless `relax` leaves them out,
+        if contours are left in metal that has dropped.
+    """
+    loose = loose_orders(facts)
+    if relax:
+        from kerfwise.models.plan.conflict import Purse, state_relaxed
+        from kerfwise.models.plan.plan import RELAXED
+
+        purse = None if limits is None else Purse.of(limits)
+        stated = state_relaxed(facts, profile, reads_files=engine == "minizinc", purse=purse)
+        left_out = (DroppedStatement(order, f"{RELAXED}{order.about.sentence}") for order in loose)
+        return Asked(facts, replace(stated, dropped=(*stated.dropped, *left_out)))
+    if loose:
+        raise RulesConflict(
+            "some contours cannot be cut any more (--relax leaves them out)", tuple(o.about.sentence for o in loose)
+        )
+    return Asked(facts, state_rules(facts, profile, reads_files=engine == "minizinc"))

@@ -1,0 +1,113 @@
+"""The process that runs one engine on one file: a `Job` on standard input, a `Result` on standard output, as JSON."""
+
+from __future__ import annotations
+
+import json
+import resource
+import sys
+import time
+from dataclasses import asdict
+from typing import NamedTuple
+
+import numpy as np
+
+from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.models.engines.names import member_of
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.engines.warm_up import load_kernels
+from kerfwise.models.routing import Instance, is_instance, judge_tour, read_instance, solve_instance
+
+from .measure import Job, Result
+
+
+class _Outcome(NamedTuple):
+    instance: str
+    cost: float | None
+    bound: float | None
+    proven: bool
+    fault: str
+    tour: tuple[int | str, ...]
+    seconds: float
+
+
+def run(job: Job) -> Result:
+    """Run a job in this process."""
+    options = SolveOptions(seed=job.seed, work=job.work, time_s=job.time_s, member=member_of(job.engine))
+    outcome = _route(job, options) if is_instance(job.path) else _nest(job, options)
+    return Result(
+        instance=outcome.instance,
+        engine=job.engine,
+        cost=outcome.cost,
+        bound=outcome.bound,
+        proven=outcome.proven,
+        feasible=outcome.cost is not None and not outcome.fault,
+        seconds=round(outcome.seconds, 3),
+        memory_mb=round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / _RSS_PER_MB, 1),
+        tour=outcome.tour,
+        fault=outcome.fault,
+    )
+
+
+_RSS_PER_MB = 1024 * 1024 if sys.platform == "darwin" else 1024
+
+
+def _route(job: Job, options: SolveOptions) -> _Outcome:
+    instance = read_instance(job.path)
+    _load_kernels(options)
+    started = time.perf_counter()
+    answer = solve_instance(instance, options)
+    seconds = time.perf_counter() - started
+    if answer.cost is None:
+        fault = "no tour keeps the orders" if answer.infeasible else "no tour was found"
+        return _Outcome(instance.name, None, answer.bound, answer.proven, fault, (), seconds)
+    cost, fault = judge_tour(instance, answer.tour)
+    if not fault and cost != answer.cost:
+        fault = f"the engine says the tour costs {answer.cost}"
+    return _Outcome(instance.name, cost, answer.bound, answer.proven, fault, answer.tour, seconds)
+
+
+def _load_kernels(options: SolveOptions) -> None:
+    """Solve something small with every engine that has kernels, so that they are loaded when the clock starts."""
+    load_kernels(_small().problem)
+    solve_instance(_small(), options)
+
+
+def _small() -> Instance:
+    cost = np.arange(36, dtype=np.int64).reshape(6, 6) % 7
+    return Instance("small", cost, ((0,), (1, 2), (3,), (4,), (5,)), ((0, 1), (1, 2)), start=0, closed=True)
+
+
+def _nest(job: Job, options: SolveOptions) -> _Outcome:
+    from dataclasses import replace
+    from pathlib import Path
+
+    from kerfwise.encoder.readers import read_nest
+    from kerfwise.jobs.ask import ask, facts_of
+    from kerfwise.jobs.produce import produce
+    from kerfwise.models.physics.timing.choose import feeds_of
+    from kerfwise.rules.profile.profile import load_profile
+
+    profile = load_profile(job.profile) if job.profile else load_profile()
+    nest = read_nest(job.path, profile.read_options())
+    limits = replace(options, home_mm=profile.home_on(nest), feeds=feeds_of(profile))
+    load_kernels()
+    started = time.perf_counter()
+    try:
+        made = produce(ask(facts_of(nest, profile), profile), profile, limits)
+    except RulesConflict as conflict:
+        seconds = time.perf_counter() - started
+        return _Outcome(Path(job.path).stem, None, None, False, conflict.message, (), seconds)
+    seconds = time.perf_counter() - started
+    solve = made.plan.solve
+    fault = "" if made.verdict.ok else "the check finds hard rules broken"
+    tour = tuple(planned.cut.contour for planned in made.plan.cuts)
+    proven = solve.status == "optimal"
+    return _Outcome(Path(job.path).stem, solve.objective, solve.bound, proven, fault, tour, seconds)
+
+
+if __name__ == "__main__":
+    try:
+        print(json.dumps(asdict(run(Job(**json.load(sys.stdin))))))
+    except InputError as error:
+        print(error, file=sys.stderr)
+        sys.exit(2)

@@ -1,0 +1,77 @@
+"""Runs one engine on one file in a process of its own, so that its memory can be told from that of others."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from dataclasses import dataclass
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.models.engines.names import Engine
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """What is to be run: a routing instance or a nest, and the limits (see `SolveOptions`)."""
+
+    path: str
+    engine: Engine = "cp-sat"
+    seed: int = 1
+    work: float = 30.0
+    time_s: float | None = None
+    profile: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What came of it.
+
+    `cost` is in the file's own unit (mm of objective for nests), judged by code that shares nothing with the engines;
+    `bound` is None where nothing is proven. `tour` holds the file's vertex numbers, contour ids for nests. `feasible`
+    says that the judge found nothing wrong, `fault` what it found. `seconds` are wall-clock, from the file read to the
+    answer, kernels loaded; `memory_mb` is the most the process held, the interpreter and its libraries included.
+    """
+
+    instance: str
+    engine: Engine
+    cost: float | None
+    bound: float | None
+    proven: bool
+    feasible: bool
+    seconds: float
+    memory_mb: float
+    tour: tuple[int | str, ...]
+    fault: str = ""
+
+
+def measure(job: Job) -> Result:
+    """Run a job and wait for it.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or the process dies, for want of memory for instance.
+    """
+    given = json.dumps({name: getattr(job, name) for name in job.__slots__})
+    command = [sys.executable, "-m", f"{__package__}.child"]
+    with subprocess.Popen(
+        command,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as child:
+        try:
+            answer, said = child.communicate(given)
+        except KeyboardInterrupt:
+            child.kill()
+            raise
+    if child.returncode == 2:
+        raise InputError(said.strip())
+    if child.returncode != 0:
+        last = said.strip().splitlines()[-1:] or [f"exit code {child.returncode}"]
+        raise InputError(f"the engine {job.engine} died of it: {last[0]}", file=job.path)
+    fields = json.loads(answer)
+    return Result(**{**fields, "tour": tuple(fields["tour"])})

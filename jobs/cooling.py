@@ -1,0 +1,247 @@
+"""Plans that keep the rule t-max: simulated, planned anew where they get too hot, and given waits where those may be.
+
+What heated a place is known only of a whole order, so it comes back afterwards (Verkhoturov et al. choose by simulated
+temperatures as well): for each burn that was too hot, the near contour cut last before it shall lie further away in
+time, at a price for each second that is missing, and near contours shall not all be out before it where it is too hot
+even on a cold sheet. These are attempts and no statements of the rule: they may well forbid orders that keep to the
+limit, so the price of the plan, and what is proven of it, are those without them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import shapely
+
+from kerfwise.encoder.cut import HotSpot
+from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.models.engines.solution import Solution
+from kerfwise.models.heat_prices.near_pairs import NEAR_BANDS
+from kerfwise.models.physics.heat.grid import Grid, make_grid
+from kerfwise.models.physics.heat.pacing import Heated, Pace, pace
+from kerfwise.models.physics.heat.timed_path import TimedPath
+from kerfwise.models.physics.heat.watch import hot_spots
+from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.plan.plan import WAITS, Plan
+from kerfwise.models.problem.evaluate import route_cost
+from kerfwise.models.problem.problem import UM_PER_MM, make_problem
+from kerfwise.postproc.clock.heat_path import path_of_plan, path_of_program
+from kerfwise.postproc.clock.timed import read_program, with_times
+from kerfwise.postproc.nc.program import write_program
+from kerfwise.rules.catalogue.t_max import TMaxOptions
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.statements import About, Lag, NoGood, Statement
+from kerfwise.rules.stating.lazy import afterthoughts
+
+from .t_max_refused import said, too_hot
+
+ROUNDS = 5
+"""Orders tried, the first included."""
+FIRST = 0.5
+"""Share of the limits for the first of them."""
+MARGIN_K = 1.0
+"""How far below the limit plans aim: the check makes the torch's paths in its own way, and a point of the grid that
+comes to lie on the other side of the kerf makes half a kelvin."""
+SOON_S = 30.0
+"""Where a shorter wait would do, something else is to be cut meanwhile; where not, kerfs hold the heat back, and the
+contour is to be cut before they are all there."""
+LONGEST_S = 3600.0
+"""Waits longer than this are not looked for."""
+REPEATS = 4
+RAISE = 4.0
+"""How much dearer a demand becomes that an order has not met."""
+
+Attempt = Callable[[float, tuple[Statement, ...]], Solution]
+"""Solves with a share of the limits, and further statements."""
+Planned = Callable[[Solution], Plan]
+"""Makes the plan of a solution, with its times."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Tried:
+    """A solution, its plan, and the waits that the plan needs."""
+
+    solution: Solution
+    plan: Plan
+    pace: Pace
+
+    @property
+    def least_s(self) -> float:
+        """When its program is done at the earliest: the waits may turn out longer, never shorter."""
+        return self.plan.totals.time_s + self.pace.wait_s
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Cooler:
+    """Finds a plan that keeps the rule t-max by the facts and profile given."""
+
+    facts: Facts
+    profile: Profile
+    statements: tuple[Statement, ...]
+    attempt: Attempt
+    planned: Planned
+    going: Callable[[], bool] = lambda: True
+    """Asked between orders whether to go on: not once somebody has had enough."""
+
+    def find(self, again: bool = True) -> tuple[Solution, Plan]:
+        """The first plan that keeps to the limit as it is; else, of those that waits make keep it, the one done first.
+
+        `again` says that other orders may be asked for.
+
+        Raises
+        ------
+        RulesConflict
+            If none does: with the temperature of the coolest, and the waits that would do.
+        """
+        grid = make_grid(self.facts.nest, self.profile.heat.grid_mm)
+        tried: list[Tried] = []
+        asked: dict[tuple[str, ...], Lag | NoGood] = {}
+        for k in range(ROUNDS if again else 1):
+            share = 1.0 if not again else FIRST if k == 0 else (1 - FIRST) / (ROUNDS - 1)
+            try:
+                solution = self.attempt(share, tuple(asked.values()))
+            except RulesConflict:
+                if not tried:
+                    raise
+                break  # the limits left no time for another order
+            found = self._tried(solution, grid)
+            tried.append(found)
+            if not found.pace.heated or not self.going():
+                break
+            for demand in self._demands(found):
+                again_asked = asked.get(demand.about.contours)
+                if again_asked is not None and again_asked.weight is not None:  # it was not worth the price
+                    demand = replace(demand, weight=again_asked.weight * RAISE)
+                asked[demand.about.contours] = demand
+            if not asked:
+                break
+        best = next((one for one in tried if not one.pace.heated), None) or self._soonest_done(tried, grid)
+        if best is None:
+            raise too_hot(list(map(self._hottest, tried)), [one.pace for one in tried], self._options)
+        if best.solution is tried[0].solution:
+            return best.solution, best.plan
+        solution = self._proven(best.solution, tried[0].solution)
+        report = self.planned(solution).solve
+        return solution, replace(best.plan, solve=report)
+
+    @property
+    def _options(self) -> TMaxOptions:
+        options = self.profile.settings()["t-max"].options
+        assert isinstance(options, TMaxOptions)
+        return options
+
+    def _tried(self, solution: Solution, grid: Grid) -> Tried:
+        """The plan of a solution, and the waits that it needs, however long."""
+        plan = self.planned(solution)
+        return Tried(solution, plan, self._pace(path_of_plan(plan, self.facts.nest, self.profile), grid))
+
+    def _pace(self, path: TimedPath, grid: Grid) -> Pace:
+        profile = self.profile
+        limit_c = self._options.most_c - MARGIN_K
+        return pace(self.facts.nest, path, profile.heat, profile.material.thickness_mm, limit_c, LONGEST_S, grid)
+
+    def _allowed(self, paced: Pace) -> bool:
+        """Whether the profile lets the torch wait as long as the order needs."""
+        return paced.possible and max(paced.waits.values(), default=0.0) <= self._options.allowed_dwell_s
+
+    def _hottest(self, one: Tried) -> tuple[str, HotSpot]:
+        """The burn, and the place, with which a plan is hottest as it stands."""
+        nest, profile = self.facts.nest, self.profile
+        path = path_of_plan(one.plan, nest, profile)
+        spots = hot_spots(nest, path, profile.heat, profile.material.thickness_mm, math.inf)
+        hottest = zip((burn.contour for burn in path.burns), spots, strict=True)
+        return max(hottest, key=lambda found: found[1].peak_c)
+
+    def _soonest_done(self, tried: Sequence[Tried], grid: Grid) -> Tried | None:
+        """Of the plans that waits make keep to the limit the one that is done first; None if the waits are too long."""
+        best: Tried | None = None
+        for one in sorted((one for one in tried if self._allowed(one.pace)), key=lambda one: one.least_s):
+            if best is not None and one.least_s >= best.plan.totals.time_s:
+                break
+            waiting = self._with_waits(one, grid)
+            if waiting is not None and (best is None or waiting.plan.totals.time_s < best.plan.totals.time_s):
+                best = waiting
+        return best
+
+    def _with_waits(self, one: Tried, grid: Grid) -> Tried | None:
+        """The plan with its waits, by the plan's clock and by the program's; None if they get too long."""
+        nest, profile, plan = self.facts.nest, self.profile, one.plan
+        waits = dict(one.pace.waits)
+        heated = {hot.contour: hot for hot in one.pace.heated}
+        for _ in range(REPEATS):
+            plan = with_times(_waiting(plan, waits, heated, self._options.most_c), nest, profile)
+            written = read_program(write_program(plan, nest, profile), nest, profile)
+            paces = [self._pace(path, grid) for path in (path_of_plan(plan, nest, profile), path_of_program(written))]
+            if not any(paced.heated for paced in paces):
+                return replace(one, plan=plan)
+            for contour in dict.fromkeys(name for paced in paces for name in paced.waits):
+                more_s = max(paced.waits.get(contour, 0.0) for paced in paces)
+                waits[contour] = waits.get(contour, 0.0) + more_s
+            heated = {hot.contour: hot for paced in paces for hot in paced.heated} | heated
+            if max(waits.values()) > self._options.allowed_dwell_s or not all(paced.possible for paced in paces):
+                return None
+        return None
+
+    def _proven(self, best: Solution, first: Solution) -> Solution:
+        """The solution at the price of the rules alone, with what is proven of them: further demands prove nothing."""
+        facts = self.facts
+        order = [facts.candidates[c].contour for c in best.route]
+        rules = (*self.statements, *afterthoughts(facts, self.profile)(order))
+        problem = make_problem(facts, rules, self.profile.home_on(facts.nest), feeds_of(self.profile))
+        cost_mm = route_cost(problem, problem.candidate_site[list(best.route)].tolist()) / UM_PER_MM
+        bound = None if first.bound is None else min(first.bound, cost_mm)
+        optimal = bound is not None and cost_mm <= bound
+        return replace(
+            best,
+            objective=cost_mm,
+            bound=bound,
+            status="optimal" if optimal else "feasible",
+            proved_by=first.proved_by if bound is not None else "",
+            seconds=first.seconds + best.seconds,
+            notes=(*first.notes, *best.notes),
+        )
+
+    def _demands(self, found: Tried) -> Iterator[Lag | NoGood]:
+        """What would have kept the burns of a plan cooler."""
+        facts, heat = self.facts, self.profile.heat
+        contours, index = facts.nest.contours, facts.nest.index
+        price_mm = self.profile.machine.travel_mm_s
+        near_mm = NEAR_BANDS * max(heat.kerf_band_mm, heat.grid_mm)
+        cuts = [planned.cut for planned in found.plan.cuts]
+        position = {cut.contour: k for k, cut in enumerate(cuts)}
+        for hot in found.pace.heated:
+            k = position[hot.contour]
+            spot = shapely.Point(hot.spot.at)
+            near = [
+                cut
+                for cut in cuts[:k]
+                if (contour := contours[index[cut.contour]]).kind != "mark" and contour.line.dwithin(spot, near_mm)
+            ]
+            if not near:
+                continue
+            last, sentence = near[-1], said(hot.contour, hot.spot)
+            ids = (last.contour, hot.contour)
+            if hot.wait_s is not None and hot.wait_s <= SOON_S:
+                pause_s = float(math.ceil(cuts[k].start_s - last.end_s + hot.wait_s))
+                yield Lag(index[ids[0]], index[ids[1]], About("t-max", ids, sentence), seconds=pause_s, weight=price_mm)
+            else:
+                about = About("t-max", (*(cut.contour for cut in near), hot.contour), sentence)
+                out = frozenset(index[cut.contour] for cut in near)
+                yield NoGood(out, frozenset({index[hot.contour]}), about, SOON_S * price_mm)
+
+
+def _waiting(plan: Plan, waits: dict[str, float], heated: Mapping[str, Heated], limit_c: float) -> Plan:
+    """The plan with waits (contour id to s) before the torch is lit, each with its reason: what would get too hot."""
+    cuts = []
+    for planned in plan.cuts:
+        wait_s = round(waits.get(planned.cut.contour, 0.0), 3)
+        because = tuple(text for text in planned.because if not text.startswith(WAITS))
+        if wait_s:
+            hot = heated[planned.cut.contour]
+            without, asked = said(hot.contour, hot.spot), f"{limit_c:g} °C, less {MARGIN_K:g} K to be sure"
+            because += (f"{WAITS}{wait_s:g} s first: without, {without}; t-max asks for {asked}",)
+        cuts.append(replace(planned, dwell_s=wait_s, because=because))
+    return replace(plan, cuts=tuple(cuts))

@@ -1,0 +1,129 @@
+"""The main job in one call: what is asked of a plan becomes a plan, its program, and the verdict on both."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from kerfwise.models.engines.baselines import Strategy
+from kerfwise.models.engines.names import Engine
+from kerfwise.models.engines.solution import Progress, Solution, SolveOptions
+from kerfwise.models.plan.make import make_plan
+from kerfwise.models.plan.plan import Plan
+from kerfwise.postproc.check import CheckResult
+from kerfwise.postproc.clock.timed import with_times
+from kerfwise.postproc.nc.program import write_program
+from kerfwise.postproc.verdict.checking import judge, report_of
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.statements import Statement
+from kerfwise.rules.stating.lazy import afterthoughts
+from kerfwise.rules.stating.state_rules import Stated
+
+from .ask import Asked
+
+if TYPE_CHECKING:
+    from kerfwise.models.heat_prices.cooler_orders import CoolerOrders
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Produced:
+    """A plan with the rules' verdicts in it, its NC program, the whole verdict, and what the engines had to say.
+
+    `judging_s` is how long the program and the judging of it took by the clock, which no limit counts.
+    """
+
+    plan: Plan
+    program: str
+    verdict: CheckResult
+    notes: tuple[str, ...]
+    judging_s: float = 0.0
+
+
+def produce(
+    asked: Asked,
+    profile: Profile,
+    limits: SolveOptions,
+    progress: Progress | None = None,
+    engine: Engine = "cp-sat",
+    solver: str = "gecode",
+    strategy: Strategy = "ours",
+    cooler: CoolerOrders | None = None,
+) -> Produced:
+    """Solve, write the program, and judge both; a plain strategy may take the place of the engine, to compare with.
+
+    Where the profile puts a price on overheats, the nest is simulated many times over; `cooler` knows what was
+    simulated before of the same nest by the same rules.
+
+    Raises
+    ------
+    RulesConflict
+        If no lawful plan exists, or none was found.
+    """
+    facts, started_s = asked.facts, time.monotonic()
+    engine_named = engine if strategy == "ours" else "cp-sat"
+
+    def solved(share: float, stated: Stated, further: tuple[Statement, ...] = ()) -> Solution:
+        part = replace(limits, work=limits.work * share, time_s=limits.time_s and limits.time_s * share)
+        return _solved(Asked(facts, stated), further, profile, part, progress, engine, solver, strategy)
+
+    cool: Solution | None = None
+    if strategy == "ours" and profile.objective.heat and profile.heat.absorbed_power_w:
+        from .priced_heat import solve_priced
+
+        cool, stated = solve_priced(asked, profile, limits, solved, progress, cooler)
+        asked = Asked(facts, stated)
+
+    def planned(solution: Solution) -> Plan:
+        seen = afterthoughts(facts, profile)([facts.candidates[c].contour for c in solution.route])
+        stated = replace(asked.stated, statements=(*asked.stated.statements, *seen))
+        plan = make_plan(facts, profile, stated, solution, engine_named, limits.seed)
+        return with_times(plan, facts.whole_nest, profile)
+
+    if "t-max" in profile.settings():
+        from .cooling import Cooler
+
+        again = strategy == "ours" and engine != "minizinc"  # the others cannot be asked for more than the rules state
+
+        def attempt(share: float, further: tuple[Statement, ...]) -> Solution:
+            return solved(share, asked.stated, further)
+
+        def going() -> bool:
+            in_time = limits.time_s is None or time.monotonic() - started_s < limits.time_s
+            return in_time and (progress is None or progress("t-max", None, None))
+
+        solution, plan = Cooler(facts, profile, asked.stated.statements, attempt, planned, going).find(again)
+    else:
+        solution = solved(1.0, asked.stated) if cool is None else cool
+        plan = planned(solution)
+    began_s = time.monotonic()
+    program = write_program(plan, facts.whole_nest, profile)
+    verdict = judge(facts.whole_nest, plan, program, profile)
+    judging_s = time.monotonic() - began_s
+    return Produced(replace(plan, rules=report_of(verdict)), program, verdict, solution.notes, judging_s)
+
+
+def _solved(
+    asked: Asked,
+    further: tuple[Statement, ...],
+    profile: Profile,
+    limits: SolveOptions,
+    progress: Progress | None,
+    engine: Engine,
+    solver: str,
+    strategy: Strategy,
+) -> Solution:
+    """What the engine makes of the statements and further ones; MiniZinc and plain strategies know no further ones."""
+    facts, stated = asked.facts, asked.stated
+    refine = afterthoughts(facts, profile)
+    if strategy != "ours":
+        from .strategies import solve_by
+
+        return solve_by(strategy, facts, profile, stated.statements, limits, progress)
+    if engine == "minizinc":
+        from kerfwise.models.engines.minizinc import solve_minizinc
+
+        return solve_minizinc(facts, profile, stated, limits, solver, refine, progress)
+    from kerfwise.models.engines.rounds import solve
+
+    return solve(facts, (*stated.statements, *further), limits, progress, refine)

@@ -1,0 +1,95 @@
+"""What a stopped program has already cut: read from its plan, or from the program itself, as far as it has come."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from kerfwise.encoder.already_cut import AlreadyCut
+from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.plan.plan import Plan
+from kerfwise.postproc.check.reader.on_machine import read_on_machine
+from kerfwise.postproc.check.rebuild import rebuild
+from kerfwise.postproc.verdict.of_nest import cuts_elsewhere
+from kerfwise.rules.profile.profile import Profile
+
+_OFF_MM = 1.0
+"""How far from its contour the entry of an old cut may be: more, and the plan is one of another nest."""
+
+
+def stopped_plan(plan: Plan, nest: Nest, upto: int, redo_last: bool = False, file: str = "") -> AlreadyCut:
+    """The first `upto` cuts of a plan; those that it found already made count among them.
+
+    With `redo_last` the last of them has broken off.
+
+    Raises
+    ------
+    InputError
+        If the plan has fewer cuts, begins later, or does not fit the nest.
+    """
+    cuts = [planned.cut for planned in (*plan.already_cut, *plan.cuts)]
+    _expect(upto, plan.resumed_after, len(cuts), "plan", file)
+    for k, cut in enumerate(cuts[:upto], 1):
+        if cut.contour not in nest.index:
+            raise InputError(f"the plan cuts {cut.contour} as cut {k}, which {_named(nest)} does not have", file=file)
+        off_mm = nest.contour(cut.contour).curve.project(cut.entry)[1]
+        if off_mm > _OFF_MM:
+            raise InputError(
+                f"the plan does not fit {_named(nest)}: cut {k} enters {cut.contour} {off_mm:.1f} mm off it; give the "
+                "nest that the plan was made from",
+                file=file,
+            )
+    return _stopped(cuts, upto, redo_last, "plan", file)
+
+
+def stopped_program(
+    text: str, nest: Nest, profile: Profile, upto: int, redo_last: bool = False, file: str = ""
+) -> AlreadyCut:
+    """The first `upto` cuts of an NC program, a mark counting as one; a program that was resumed itself counts on.
+
+    Which contour each of them is of is seen from the torch's path alone.
+
+    Raises
+    ------
+    InputError
+        If the program cannot be read, has fewer cuts, begins later, or does not fit the nest.
+    """
+    program = read_on_machine(text, nest, profile, file)
+    kerf_mm = profile.material.kerf_mm
+    cuts_elsewhere(program, nest, kerf_mm, file)
+    built = rebuild(nest, program, kerf_mm, profile.home_on(nest))
+    made = built.cuts.made
+    _expect(upto, made, made + len(program.burns), "program", file)
+    if told := [v.text for v in built.violations if not v.cuts and not v.text.startswith("line ")]:
+        raise InputError(f"the program does not say clearly what was cut before it: {told[0]}", file=file)
+    for k, (burn, run) in enumerate(zip(program.burns, built.runs, strict=True), made + 1):
+        if k <= upto and run.contour is None:
+            message = f"cut {k} runs along no contour of {_named(nest)}: is it the nest of this program?"
+            raise InputError(message, file=file, line=burn.line)
+    return _stopped(built.cuts, upto, redo_last, "program", file)
+
+
+def _expect(upto: int, made: int, count: int, what: str, file: str) -> None:
+    if upto > count:
+        raise InputError(f"--upto {upto}: the {what} has {count} cuts only", file=file)
+    if upto < made:
+        raise InputError(
+            f"--upto {upto}: the {what} goes on after cut {made} itself, so that at least {made} are cut", file=file
+        )
+
+
+def _stopped(cuts: Sequence[Cut], upto: int, redo_last: bool, what: str, file: str) -> AlreadyCut:
+    first: dict[str, int] = {}
+    for k, cut in enumerate(cuts[:upto], 1):
+        if cut.contour in first:
+            message = f"the {what} cuts {cut.contour} twice, as cut {first[cut.contour]} and as cut {k}"
+            raise InputError(message, file=file)
+        first[cut.contour] = k
+    if redo_last:
+        return AlreadyCut(tuple(cuts[: upto - 1]), cuts[upto - 1])
+    return AlreadyCut(tuple(cuts[:upto]))
+
+
+def _named(nest: Nest) -> str:
+    return nest.file or "the nest"

@@ -1,0 +1,79 @@
+"""The strategy Realtime of Verkhoturov et al.: each next contour by the temperature of the sheet at that moment."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import shapely
+
+from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.models.physics.heat.events import events_of
+from kerfwise.models.physics.heat.grid import Grid, make_grid
+from kerfwise.models.physics.heat.physical import Simulation
+from kerfwise.models.physics.heat.route_path import RoutePaths
+from kerfwise.models.physics.heat.timed_path import TimedPath
+from kerfwise.models.problem.evaluate import broken
+from kerfwise.models.problem.problem import Problem
+from kerfwise.rules.profile.heat_section import Heat
+
+from .walk import Walk
+
+Indices = tuple[np.ndarray[tuple[int], np.dtype[np.int64]], np.ndarray[tuple[int], np.dtype[np.int64]]]
+WARM_SHARE = 0.25
+"""A contour is cool enough while the metal along it is warmer than the air by less than this share of the limit's."""
+
+
+def realtime_order(
+    problem: Problem, facts: Facts, heat: Heat, thickness_mm: float, paths: RoutePaths
+) -> tuple[int, ...]:
+    """A lawful route (sites): each time the nearest contour whose metal is cool enough, else the coolest one.
+
+    Raises
+    ------
+    RulesConflict
+        If nothing lawful was left at some step.
+    """
+    grid = make_grid(facts.nest, heat.grid_mm)
+    sheet = Simulation(grid, heat, thickness_mm)
+    along = [_along(grid, contour.line) for contour in facts.nest.contours]
+    cool_k = WARM_SHARE * (heat.limit_c - heat.ambient_c)
+    walk, now_s, at = Walk(problem), 0.0, (float(problem.home_um[0]) / 1000, float(problem.home_um[1]) / 1000)
+    while not walk.finished:
+        options = walk.options()
+        if not options:
+            raise RulesConflict("the strategy realtime came to a step where no contour may lawfully be cut")
+        field, of = sheet.temperature_c(), problem.site_contour
+        warm_k = {c: _warmth_k(field, along[c], heat.ambient_c) for c in sorted({int(of[s]) for s in options})}
+        least_k = max(cool_k, min(warm_k.values()))
+        site = _nearest(problem, facts, [s for s in options if warm_k[int(of[s])] <= least_k], at)
+        walk.take(site)
+        number = int(problem.site_candidate[site])
+        burn, now_s = paths.burn(number, now_s, at)
+        at = facts.candidates[number].end
+        if burn is not None:
+            sheet.run(events_of(TimedPath((burn,), now_s), grid), now_s)
+    if wrong := broken(problem, walk.route):
+        raise RulesConflict(f"the strategy realtime found no lawful order: {wrong[0].sentence}")
+    return tuple(walk.route)
+
+
+def _nearest(problem: Problem, facts: Facts, sites: list[int], at: Point) -> int:
+    pierces = [facts.candidates[int(problem.site_candidate[s])].pierce for s in sites]
+    return min(zip((math.dist(at, pierce) for pierce in pierces), sites, strict=True))[1]
+
+
+def _along(grid: Grid, line: shapely.LineString) -> Indices:
+    """Points of the grid under a contour."""
+    steps = np.arange(0.0, line.length, grid.step_mm)
+    xy = shapely.get_coordinates(shapely.line_interpolate_point(line, steps))
+    i = np.clip(np.rint((xy[:, 0] - grid.x0_mm) / grid.step_mm).astype(np.int64), 0, grid.shape[0] - 1)
+    j = np.clip(np.rint((xy[:, 1] - grid.y0_mm) / grid.step_mm).astype(np.int64), 0, grid.shape[1] - 1)
+    return i, j
+
+
+def _warmth_k(field: np.ndarray[tuple[int, int], np.dtype[np.float32]], along: Indices, ambient_c: float) -> float:
+    """How far the hottest tenth of the metal along a contour is above the air, K."""
+    return float(np.quantile(field[along], 0.9)) - ambient_c

@@ -1,0 +1,30 @@
+"""Which problems the beam takes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kerfwise.models.problem.problem import Problem
+
+from .tables import NEVER
+
+MOST_SITES = 4000
+"""More would make the tables of moves, from both ends, larger than 400 MB."""
+
+
+def applies(problem: Problem) -> bool:
+    """Whether the cost of a step depends on nothing but the set already cut and the last site.
+
+    Lags of more than one cut or of seconds, and general statements, look further back than that.
+    """
+    short = all(lag.cuts <= 1 and lag.seconds == 0 for lag in problem.lags)
+    return short and not problem.general and problem.m <= MOST_SITES and _dearest(problem) < NEVER
+
+
+def _dearest(problem: Problem) -> float:
+    """What no move costs more than, but for what it crosses."""
+    lags = sum(round(lag.weight * 1000) for lag in problem.lags if lag.weight is not None)
+    if problem.matrix is not None:
+        return float(problem.matrix.max()) + lags
+    points = np.vstack([problem.ends(), problem.pierces()]).astype(np.float64)
+    return problem.travel_weight * float(np.linalg.norm(np.ptp(points, axis=0))) + lags + 1

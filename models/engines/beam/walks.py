@@ -1,0 +1,94 @@
+"""A bound by priced walks of n steps that each land where the orders allow a contour at that place.
+
+A plan is such a walk that visits every contour once. A price on contours, taken off for each visit and charged once,
+changes the cost of no plan but discourages walks that visit one contour often and another never (Held and Karp 1971;
+walks by place in the order: Picard and Queyranne 1978). Walks that turn back at once, i–j–i, are left out (Houck and
+others 1980).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from kerfwise.models.problem.problem import Problem
+
+from .bound import Bound
+from .tables import NEVER, Ints, way_home
+from .walk_kernels import count_visits, look_ahead
+
+GRAIN = 64.0
+"""Prices are whole 64ths, so that their sums with costs are exact in doubles."""
+MOST_ROUNDS = 300
+PATIENCE = 8
+"""Rounds without a better bound before the steps become shorter."""
+SHORTER = 0.7
+SHORTEST = 1e-3
+INERTIA = 0.6
+"""Share of the direction of a step that comes from the steps before."""
+
+
+def walk_operations(problem: Problem, travel: Ints) -> int:
+    """What one round takes."""
+    return 2 * problem.n * int((travel < NEVER).sum()) // 3 + 1
+
+
+def priced_walks(
+    problem: Problem, travel: Ints, known: Bound, target: int, rounds: int, pay: Callable[[int], None]
+) -> Bound:
+    """The bound at the best prices found in so many rounds of subgradient steps.
+
+    Parameters
+    ----------
+    problem, travel
+        What is bounded, and its `travel_table`.
+    known
+        Bounds whose prices are a start.
+    target
+        Cost of a plan: steps aim at it.
+    rounds
+        How many walks are looked at, at the most `MOST_ROUNDS`.
+    pay
+        Called after each round with the operations that it took.
+    """
+    n, m = problem.n, problem.m
+    rows, columns = np.nonzero(travel[:, :m] < NEVER)
+    arc_from = np.searchsorted(rows, np.arange(m + 2)).astype(np.int64)
+    arc_to = columns.astype(np.int64)
+    arc_cost = (travel[rows, columns] + problem.site_cost[columns]).astype(np.float64)
+    owner = np.append(problem.site_contour, n)
+    earliest = problem.before.sum(axis=0).astype(np.int64)
+    latest = (n - 1 - problem.before.sum(axis=1)).astype(np.int64)
+    least, second = np.full((n + 1, m + 1), np.inf), np.full((n + 1, m + 1), np.inf)
+    contour, step, second_step = (np.full((n + 1, m + 1), -1, dtype=np.int64) for _ in range(3))
+    least[n, :m] = second[n, :m] = way_home(problem, travel)
+    visits = np.zeros(n, dtype=np.int64)
+
+    price = np.rint(np.minimum(known.price, target).mean(axis=0) * GRAIN) / GRAIN
+    best, best_price, drift, length, waited = -np.inf, price, np.zeros(n), 1.0, 0
+    cost = walk_operations(problem, travel)
+    for _ in range(min(rounds, MOST_ROUNDS)):
+        look_ahead(
+            arc_from, arc_to, arc_cost, owner, price, earliest, latest, least, contour, step, second, second_step
+        )
+        pay(cost)
+        bound = least[0, m] + price.sum()
+        if bound > best:
+            best, best_price, waited = bound, price, 0
+        else:
+            waited += 1
+        if bound > target or length < SHORTEST:
+            break
+        count_visits(owner, contour, step, second_step, visits)
+        if waited > PATIENCE:
+            price, length, waited = best_price, SHORTER * length, 0
+        if (visits == 1).all():
+            break
+        drift = INERTIA * drift + (1 - INERTIA) * (1 - visits)
+        price = price + length * max(target - bound, 1.0) / max(1.0, float(drift @ drift)) * drift
+        price = np.rint(np.clip(price, -target, target) * GRAIN) / GRAIN
+    look_ahead(
+        arc_from, arc_to, arc_cost, owner, best_price, earliest, latest, least, contour, step, second, second_step
+    )
+    return Bound(least[None, :, :m].copy(), best_price[None, :])

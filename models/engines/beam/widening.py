@@ -1,0 +1,117 @@
+"""Runs beams one after the other, each twice as wide as the last, at first from both ends."""
+
+from __future__ import annotations
+
+import math
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.problem.evaluate import route_cost
+from kerfwise.models.problem.problem import Problem
+
+from .bound import Bound, least_moves
+from .grower import Grower, Spent
+from .history import History
+from .layer import root
+from .purse import Purse
+from .tables import make_tables, travel_table
+from .turned import can_turn, turned
+from .walks import MOST_ROUNDS, priced_walks, walk_operations
+
+WORTH_A_RUN = 1.3
+"""A run that can only be so much wider than the last is not begun."""
+WORTH_PRICING = 128
+"""Width from which on a better bound is worth its price."""
+PRICING = 0.1
+"""Share of what is left that the better bound may take, from each end."""
+SCOUTING = 0.25
+"""Share of the work after which only the end of the better bound is gone on with."""
+ROUNDING = 1e-3
+"""Bounds are sums of doubles, costs whole: what is under the next whole number by less is taken for it."""
+
+
+class _End:
+    """The problem from one end."""
+
+    def __init__(self, problem: Problem, backwards: bool) -> None:
+        self.problem, self.backwards = problem, backwards
+        self.travel = travel_table(problem)
+        self.tables = make_tables(problem, self.travel)
+        self.bound = least_moves(problem, self.travel)
+        self.priced = False
+        self.reached = -math.inf  # bound that its last run has proven
+
+    def price(self, target: int, purse: Purse) -> None:
+        """Better bounds, aiming at the cost of a plan."""
+        self.priced = True
+        rounds = int(purse.left(PRICING) / walk_operations(self.problem, self.travel))
+        if rounds >= MOST_ROUNDS // 10:
+            better = priced_walks(self.problem, self.travel, self.bound, target, rounds, purse.pay)
+            self.bound = Bound(
+                np.concatenate([self.bound.to_go, better.to_go]), np.concatenate([self.bound.price, better.price])
+            )
+
+
+class Widening:
+    """One run after another, each twice as wide as the last."""
+
+    def __init__(self, problem: Problem, incumbent: Incumbent | None, purse: Purse) -> None:
+        self._problem, self._purse = problem, purse
+        self._ends = [_End(problem, False)]
+        if can_turn(problem):
+            self._ends.append(_End(turned(problem), True))
+        self.incumbent = incumbent
+        self.bound: int | None = None
+        self.proven = False
+        self.width = 0
+
+    def run(self, width: int, most: int) -> None:
+        """Until proven, or the next run would not be worth it; `Empty` when a limit is reached on the way."""
+        with ThreadPoolExecutor(max_workers=1) as threads:
+            while not self.proven and self.width < most:
+                width, before = min(width, most), self._purse.mark()
+                for end in self._ends:
+                    if width >= WORTH_PRICING and self.incumbent is not None and not end.priced:
+                        end.price(self.incumbent.cost, self._purse)
+                        before = self._purse.mark()
+                    self._one(end, width, threads)
+                    if self.proven:
+                        break
+                self.width = width
+                if self._purse.share_spent > SCOUTING:
+                    self._ends = [max(self._ends, key=lambda end: end.reached)]
+                room = self._purse.times(before)
+                if room < WORTH_A_RUN:
+                    break
+                width = math.ceil(width * min(2.0, room))
+
+    def _one(self, end: _End, width: int, threads: ThreadPoolExecutor) -> None:
+        """One run: better routes and bounds are noted, and whether all is proven."""
+        n = self._problem.n
+        limit = math.inf if self.incumbent is None else self.incumbent.cost - 1 + ROUNDING
+        grower, spent, history = Grower(end.tables, end.bound, width, threads), Spent(), History()
+        layer = root(end.tables, end.bound)
+        while layer.depth < n and len(layer.site):
+            paid = spent.operations
+            layer, parent = grower.grow(layer, limit, spent)
+            history.note(parent, layer.site)
+            self._purse.pay(spent.operations - paid, self.incumbent, self.bound)
+        if len(layer.site):
+            total = layer.value + end.bound.to_go[0, n, layer.site]
+            best = int(np.argmin(total))
+            if math.isfinite(total[best]):
+                route = history.route(best)
+                self.incumbent = Incumbent(route[::-1] if end.backwards else route, int(total[best]))
+                assert self.incumbent.cost == route_cost(self._problem, self.incumbent.route)
+        end.reached = spent.dropped
+        self._learn(spent.dropped)
+
+    def _learn(self, dropped: float) -> None:
+        """`dropped` bounds every route that the run could have missed."""
+        best = math.inf if self.incumbent is None else self.incumbent.cost
+        self.proven = math.isinf(dropped) or dropped > best - 1 + ROUNDING
+        lower = min(best, dropped)
+        if math.isfinite(lower):
+            self.bound = max(math.ceil(lower - ROUNDING), self.bound or 0)

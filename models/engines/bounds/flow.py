@@ -1,0 +1,181 @@
+"""A bound by linear programming: one unit of flow through every contour, and cuts that make it follow the orders.
+
+Every plan is a cycle through home that reaches each contour at one of its sites and leaves it from there. What no
+plan does and the cheapest flow may do is cut off: what must lead from one contour to another must do so without what
+comes before the one or after the other (Balas, Fischetti and Pulleyblank 1995), and contiguous blocks are entered
+once. The bound is worked out from the multipliers over all moves, so that it holds however good they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix, vstack
+
+from kerfwise.models.engines.solution import Incumbent, Progress
+from kerfwise.models.problem.problem import Problem
+
+from .broken import Flow, broken_cuts
+from .cuts import Cuts, block_cuts
+from .growing import Growing
+from .merged import merged
+from .moves import least_moves
+
+Ints = NDArray[np.int64]
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+NEAREST = 5
+"""Moves from and to every site that are looked at from the start."""
+MORE = 8000
+"""Moves that are added at once at the most."""
+LEAST_GAIN = 3e-4
+"""Share of the bound that the last few rounds must bring."""
+PATIENCE = 12
+CROWD = 3
+"""Cuts a contour, beyond which those that nothing is paid for are dropped."""
+ADDITIONS_PER_S = 3.6e7
+"""Moves times rounds of the simplex method that a second is counted for."""
+FEW = 1000
+"""Rounds of the simplex method that there is always time for."""
+PRODUCTS_PER_S = 6e9
+"""Of multipliers and moves, in the same way."""
+MOST_SITES, MOST_CONTOURS = 3000, 1500
+"""With more sites contours stand for all of theirs; with more contours there is no bound (it takes too long)."""
+
+
+@dataclass(frozen=True, slots=True)
+class FlowBound:
+    """What every plan costs at least, in the problem's unit (µm), and the deterministic seconds spent."""
+
+    bound: int
+    work: float
+
+
+def flow_bound(problem: Problem, plan: Incumbent, work: float, progress: Progress | None = None) -> FlowBound:
+    """Bound every plan from below, cutting off what no plan does until it is worth no more rounds.
+
+    Parameters
+    ----------
+    plan
+        A lawful plan: its moves make the flow feasible, and its cost is as high as a bound can be.
+    work
+        Limit in deterministic seconds; the round in which it is reached is finished.
+    progress
+        Told the bound after every round, asked whether to go on.
+    """
+    if not 0 < problem.n <= MOST_CONTOURS:
+        return FlowBound(0, 0.0)
+    if problem.m > MOST_SITES:
+        plan = Incumbent(tuple(int(problem.site_contour[s]) for s in plan.route), plan.cost)
+        problem = merged(problem)
+    blocks = block_cuts(problem)
+    flow, best, seen = _Flow(problem, plan, blocks), 0.0, [0.0] * PATIENCE
+    while flow.cheapest(work):
+        best = max(best, flow.bound)
+        if best > plan.cost - 1 or flow.work > work or (progress and not progress("bound", plan.cost, _whole(best))):
+            break
+        found, work_found = broken_cuts(problem, flow.moves, lambda: not progress or progress("bound", plan.cost, None))
+        flow.work += work_found
+        seen.append(best)
+        if (flow.complete and not len(found)) or best < (1 + LEAST_GAIN) * seen[-1 - PATIENCE]:
+            break
+        if flow.complete or flow.cuts > CROWD * problem.n:
+            flow.drop_idle(len(blocks))
+        flow.cut(found)
+    return FlowBound(max(0, min(plan.cost, _whole(best))), flow.work)
+
+
+def _whole(bound: float) -> int:
+    """Costs are whole; multipliers are sums of doubles, so a little less than the next whole number is not enough."""
+    return int(np.ceil(bound - 1e-9 * abs(bound) - 1e-3))
+
+
+class _Flow:
+    """The linear program over the moves that have been of use so far.
+
+    Rows: home and every contour are come to once, every site and home are left as often as come to, then the cuts.
+    """
+
+    def __init__(self, problem: Problem, plan: Incumbent, cuts: Cuts) -> None:
+        n, m = problem.n, problem.m
+        self._n, self._m = n, m
+        self._owner = np.append(problem.site_contour, n)
+        self._cost = least_moves(problem)
+        self._cost[:, :m] += problem.site_cost
+        self._open = np.isfinite(self._cost)
+        self._used = np.zeros_like(self._open)
+        self._leave, self._reach = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+        everywhere, most = np.arange(m + 1), min(NEAREST, m + 1)
+        wanted = np.zeros_like(self._open)
+        wanted[everywhere[:, None], np.argsort(self._cost, axis=1, kind="stable")[:, :most]] = True
+        wanted[np.argsort(self._cost, axis=0, kind="stable")[:most], everywhere[None, :]] = True
+        wanted &= self._open
+        wanted[[m, *plan.route], [*plan.route, m]] = True
+        once = np.repeat([1.0, 0.0], [n + 1, m + 1])
+        self._program = Growing(once)
+        self._cuts = cuts.only(np.zeros(len(cuts), dtype=np.bool_))
+        self._use(*np.nonzero(wanted))
+        self.cut(cuts)
+        self.work, self.bound, self.complete = 0.0, 0.0, False
+        self._binding: Bools = np.zeros(0, dtype=np.bool_)
+
+    def cheapest(self, work: float) -> bool:
+        """Solve; add the moves that would have made it cheaper. False where it cannot be solved within that work."""
+        left = max(0.0, work - self.work) * ADDITIONS_PER_S / len(self._leave)
+        solved = self._program.solve(FEW + int(left))
+        if solved is None:
+            return False
+        n = self._n
+        self.work += len(self._leave) * (solved.iterations + 1) / ADDITIONS_PER_S
+        self.work += (len(self._cuts) + 10) * self._open.size / PRODUCTS_PER_S
+        paid = np.maximum(solved.multiplier[n + self._m + 2 :], 0.0)
+        self._binding = paid > 1e-9
+        self.moves = Flow(self._leave, self._reach, np.maximum(solved.value, 0.0))
+        self._learn(solved.multiplier[n + 1 : n + self._m + 2], paid)
+        return True
+
+    def cut(self, found: Cuts) -> None:
+        """Ask for these cuts, too."""
+        self._program.add_rows(found.across(self._leave, self._reach), found.sure)
+        self._cuts = self._cuts.joined(found)
+
+    @property
+    def cuts(self) -> int:
+        """Number of cuts."""
+        return len(self._cuts)
+
+    def drop_idle(self, kept: int) -> None:
+        """Drop the cuts that nothing is paid for, but for the first few."""
+        idle = ~self._binding
+        idle[:kept] = False
+        self._program.drop_rows(self._n + self._m + 2 + np.flatnonzero(idle))
+        self._cuts = self._cuts.only(~idle)
+
+    def _use(self, leave: Ints, reach: Ints) -> None:
+        """Let more moves be made."""
+        self._used[leave, reach] = True
+        self._leave, self._reach = np.append(self._leave, leave), np.append(self._reach, reach)
+        n, moves = self._n, np.arange(len(leave))
+        entry = np.repeat([1.0, 1.0, -1.0], len(moves))
+        rows = np.concatenate([self._owner[reach], n + 1 + reach, n + 1 + leave])
+        flow = csr_matrix((entry, (rows, np.tile(moves, 3))), shape=(n + self._m + 2, len(moves)))
+        self._program.add_columns(self._cost[leave, reach], vstack([flow, self._cuts.across(leave, reach)]))
+
+    def _learn(self, price: Floats, paid: Floats) -> None:
+        """The bound that these multipliers prove over all moves, and the moves that are missing."""
+        owner, m = self._owner, self._m
+        left = self._cost - price[None, :] + price[:, None] - self._cuts.worth(paid)
+        first = np.append(np.searchsorted(owner, np.arange(self._n)), m)
+        least = np.minimum.reduceat(left.min(axis=0), first)
+        self.bound = float(least.sum() + paid @ self._cuts.sure)
+        in_use = np.where(self._used, left, np.inf)
+        known = np.minimum.reduceat(in_use.min(axis=0), first)
+        missing = np.where(self._used | ~self._open, 0.0, left - known[owner][None, :])
+        better = np.flatnonzero(missing.ravel() < -1.0)
+        chosen = better[np.argsort(missing.ravel()[better], kind="stable")[:MORE]]
+        self.complete = not len(better)
+        if len(chosen):
+            self._use(*np.divmod(chosen, m + 1))

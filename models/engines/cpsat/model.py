@@ -1,0 +1,77 @@
+"""Builds the model, solves it and reads the route back."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from ortools.sat.python.cp_model import FEASIBLE, INFEASIBLE, MODEL_INVALID, OPTIMAL, CpModel, CpSolver
+
+from kerfwise.models.engines.solution import Incumbent, Progress, SolveOptions
+from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.models.problem.problem import Problem
+
+from .arcs import Arcs
+from .constraints import add_constraints
+from .hint import add_hint
+from .objective import limit_objective, set_objective
+from .outcome import Outcome
+from .run import Run, run
+from .variables import Variables, make_variables
+
+
+def solve_whole(
+    problem: Problem,
+    arcs: Arcs,
+    options: SolveOptions,
+    start: Incumbent | None,
+    bound_um: int,
+    progress: Progress,
+) -> Outcome:
+    """Solve the model of the whole problem, given a lawful route and a proven lower bound."""
+    model, v = build(problem, arcs)
+    limit_objective(model, bound_um, None if start is None else start.cost)
+    if start is not None:
+        add_hint(model, problem, arcs, v, start.route)
+    done = run(model, options, progress)
+    bound = proven_bound(done, bound_um)
+    if done.status == INFEASIBLE and start is None:
+        return Outcome(None, infeasible=True)
+    found = start
+    if done.status in (OPTIMAL, FEASIBLE):
+        found = _checked(problem, _route(problem, arcs, v, done.solver), round(done.solver.objective_value))
+    elif done.status in (INFEASIBLE, MODEL_INVALID):
+        raise AssertionError(f"CP-SAT calls the model {done.status.name}, given {start}")
+    return Outcome(found, bound, found is not None and bound >= found.cost, interrupted=done.interrupted)
+
+
+def build(problem: Problem, arcs: Arcs) -> tuple[CpModel, Variables]:
+    """The model of a problem over these arcs."""
+    model = CpModel()
+    v = make_variables(model, problem, arcs)
+    add_constraints(model, problem, arcs, v)
+    set_objective(model, problem, arcs, v)
+    return model, v
+
+
+def proven_bound(done: Run, bound_um: int) -> int:
+    """The better of what the run has proven and of what was known before, whole µm."""
+    return max(bound_um, math.ceil(done.solver.best_objective_bound - 1e-6))
+
+
+def _route(problem: Problem, arcs: Arcs, v: Variables, solver: CpSolver) -> tuple[int, ...]:
+    legs = zip(arcs.tail.tolist(), arcs.head.tolist(), v.travel, strict=True)
+    after = {tail: head for tail, head, literal in legs if solver.boolean_value(literal)}
+    route = [after[problem.m]]
+    while len(route) < problem.n:
+        route.append(after[route[-1]])
+    return tuple(route)
+
+
+def _checked(problem: Problem, route: Sequence[int], cost: int) -> Incumbent:
+    """The route with its cost, if the plain reference agrees with the model."""
+    real = route_cost(problem, route)
+    said = [about.sentence for about in broken(problem, route)]
+    if said or real != cost:
+        raise AssertionError(f"CP-SAT found {route} for {cost} µm; it costs {real} µm and breaks {said}")
+    return Incumbent(tuple(route), cost)

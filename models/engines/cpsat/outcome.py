@@ -1,0 +1,22 @@
+"""What CP-SAT answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from kerfwise.models.engines.solution import Incumbent
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """The best route known, and what is proven.
+
+    `bound` is a lower bound for the whole problem, µm (None where nothing was proven); `interrupted` says that Ctrl-C
+    ended the search.
+    """
+
+    incumbent: Incumbent | None
+    bound: int | None = None
+    proven_optimal: bool = False
+    infeasible: bool = False
+    interrupted: bool = False

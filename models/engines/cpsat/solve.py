@@ -1,0 +1,73 @@
+"""The entry: takes the model that the size of the problem allows."""
+
+from __future__ import annotations
+
+import time
+
+from kerfwise.models.engines.solution import Incumbent, Progress, SolveOptions
+from kerfwise.models.problem.problem import Problem
+
+from .arcs import count_site_arcs, site_arcs
+from .model import solve_whole
+from .outcome import Outcome
+from .prices import NEVER, price_sites
+from .relaxation import solve_relaxed
+from .run import ENGINE
+
+MAX_ARCS = 80_000
+"""Above this, the smaller model gives the better bound for the same work (measured on plates of 115, 308 contours)."""
+MOST_ARCS = 20_000_000
+"""More arcs between sites than this are not even listed."""
+MAX_CONTOURS = 3_000
+
+
+def solve_cpsat(
+    problem: Problem,
+    options: SolveOptions,
+    start: Incumbent | None,
+    bound_um: int = 0,
+    progress: Progress | None = None,
+    max_arcs: int = MAX_ARCS,
+) -> Outcome:
+    """Improve on `start`, a lawful route, and prove a bound, given one (µm) that is proven already.
+
+    Ends when proven, when `options.work` or `options.time_s` is used up, when `progress` returns False, or on Ctrl-C;
+    what was found until then comes back. A model of more than `max_arcs` arcs between sites is not built: a smaller
+    one then gives a bound only; if that is too large as well, its prices alone do, or nothing.
+
+    Raises
+    ------
+    AssertionError
+        If the model and `models/problem/evaluate` disagree about a route: a bug in one of them.
+    """
+    progress = _until(progress, None if options.time_s is None else time.monotonic() + options.time_s)
+    if problem.n == 0:
+        return Outcome(Incumbent((), 0), 0, proven_optimal=True)
+    if problem.n > MAX_CONTOURS:
+        return Outcome(start)
+    lawful = problem.successors()
+    count = count_site_arcs(problem, lawful)
+    if count > MOST_ARCS:
+        return Outcome(start)
+    arcs = site_arcs(problem, lawful)
+    priced = price_sites(problem, arcs, None if start is None else start.cost)
+    if priced.bound >= NEVER:
+        return Outcome(None, infeasible=True)
+    bound_um = max(bound_um, priced.bound)
+    if not progress(ENGINE, None if start is None else start.cost, bound_um):
+        return Outcome(start, bound_um)
+    if count <= max_arcs:
+        return solve_whole(problem, arcs, options, start, bound_um, progress)
+    if len(priced.arcs.cost) <= max_arcs:
+        return solve_relaxed(problem, priced, options, start, bound_um, progress)
+    return Outcome(start, bound_um)
+
+
+def _until(progress: Progress | None, deadline: float | None) -> Progress:
+    """Asks `progress`, and says stop from the deadline on."""
+
+    def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+        heard = progress is None or progress(engine, cost_um, bound_um)
+        return heard and (deadline is None or time.monotonic() < deadline)
+
+    return going

@@ -1,0 +1,33 @@
+"""How long cuts and moves take, for the clock of a model."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kerfwise.models.problem.problem import Problem
+
+from .arcs import Arcs
+
+Ints = NDArray[np.int64]
+
+
+def counts_seconds(problem: Problem) -> bool:
+    """Whether a statement counts seconds, so that a clock is needed."""
+    return any(lag.seconds > 0 for lag in problem.lags)
+
+
+def cuts_ms(problem: Problem) -> Ints:
+    """Time of the cut of every site."""
+    return problem.pace.cut_ms if len(problem.pace.cut_ms) else np.zeros(problem.m, dtype=np.int64)
+
+
+def moves_ms(problem: Problem, arcs: Arcs) -> Ints:
+    """Time of the idle travel along every arc."""
+    return problem.pace.move_ms(problem.ends()[arcs.tail], problem.pierces()[arcs.head])
+
+
+def longest_ms(problem: Problem, arcs: Arcs) -> int:
+    """No plan takes longer than the longest cuts and the longest moves together."""
+    cuts = np.maximum.reduceat(cuts_ms(problem), problem.first[:-1])
+    return int(cuts.sum()) + (problem.n + 1) * int(moves_ms(problem, arcs).max(initial=0))

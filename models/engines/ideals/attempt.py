@@ -1,0 +1,59 @@
+"""One sweep through all stretches, and the way back."""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor
+
+import numpy as np
+
+from kerfwise.models.engines.bounds import Completion
+from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.problem.problem import Problem
+
+from .budget import Budget
+from .crossed import HOME
+from .lattice import Layer, Stretch, sweep_layers, walk_back
+from .local import localise
+from .parts import Parts
+from .prune import least_in, least_rest, walked_rest
+from .series import series
+from .stretches import dearest, entrance_of, make_moves, never, way_home
+
+
+def attempt(
+    problem: Problem, known: int | None, bound: Completion | None, budget: Budget, threads: Executor
+) -> Incumbent | None:
+    """The best route of all that cost no more than `known`, None where there is none; `TooLarge` over the budget."""
+    limit = dearest(problem) if known is None else known
+    least = least_in(problem) if bound is None else []
+    swept: list[tuple[Stretch, list[Layer]]] = []
+    ways, costs, earlier = np.array([HOME]), entrance_of([0], limit), frozenset[int]()
+    total = None
+    parts = Parts(problem)
+    for group in series(problem):
+        inside = parts.of(group)
+        local = localise(inside, group, earlier)
+        moves = make_moves(inside, local, earlier, ways, limit)
+        rests = least_rest(local, earlier, least) if bound is None else walked_rest(local, earlier, bound)
+        stretch = Stretch(local, moves, rests, limit, never(limit))
+        layers = sweep_layers(stretch, costs, budget, threads)
+        swept.append((stretch, layers))
+        earlier |= frozenset(group)
+        last, costs = layers[-1].contour, layers[-1].values
+        if not (costs < stretch.never).any():
+            break
+        ways = np.concatenate([local.sites[local.first[c] : local.first[c + 1]] for c in last])
+    else:
+        total = costs + way_home(problem, ways)
+    if total is None or total.min() > limit:
+        return None
+    best = int(np.argmin(total))
+    return Incumbent(_route(swept, best), int(total[best]))
+
+
+def _route(swept: list[tuple[Stretch, list[Layer]]], state: int) -> tuple[int, ...]:
+    route: list[int] = []
+    for stretch, layers in reversed(swept):
+        columns, state = walk_back(stretch, layers, state)
+        route = [int(stretch.local.sites[c]) for c in columns] + route
+    return tuple(route)

@@ -1,0 +1,137 @@
+"""The sweep: shortest ways through the ideals of one stretch, layer by layer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numba
+import numpy as np
+
+from kerfwise.models.problem.bits import masks_of
+
+from .budget import Budget
+from .kernels import Costs, Moves, Rest, arrange, crossing, leaving, sweep
+from .local import Ints, Local
+from .sets import Sets, Shorts, Tinies, grow, growth
+
+_CONFIG: Any = numba.config
+THREADS = int(_CONFIG.NUMBA_NUM_THREADS)
+A_SHARE = 3e7
+"""Additions that a thread does at a time, at the least."""
+LOOKS = 16
+"""Times a layer is looked up from, at the most."""
+WORTH_CLEARING = 0.8
+"""A layer of which no more than this share of the entries lives is stored without the others."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Layer:
+    """What is kept of the ideals of one size (see `kernels`): their entries and the value of every state.
+
+    Entries of ideal k are `ideal_entry[k]` … `ideal_entry[k + 1] - 1`, `source` the ideal of the layer before.
+    """
+
+    ideal_entry: Ints
+    contour: Tinies
+    source: Shorts
+    values: Costs
+
+    def begin(self, size: Ints) -> Ints:
+        """Where the states of every entry begin."""
+        return np.append(0, np.cumsum(size[self.contour])).astype(np.int64)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Stretch:
+    """All that a sweep works on: `limit` is the cost of the dearest plan of use, `never` more than it."""
+
+    local: Local
+    moves: Moves
+    rests: Callable[[int], Rest]
+    limit: int
+    never: int
+
+
+def sweep_layers(stretch: Stretch, entrance: Costs, budget: Budget, threads: Executor) -> list[Layer]:
+    """All layers of a stretch, the first the empty set with the values at its entrance.
+
+    States that cost more than the limit, less what is still to come, are dropped: they cannot be part of a better plan.
+    """
+    local, orders = stretch.local, stretch.local.orders
+    sets = Sets.empty(orders, len(entrance))
+    layers = [Layer(np.array([0, 1]), np.array([-1], np.int16), np.array([-1], np.int32), entrance)]
+    begin, alive = np.array([0, len(entrance)]), np.array([0])
+    wide = entrance.itemsize
+    for depth in range(1, len(local.contours) + 1):
+        ahead = growth(orders, sets, alive)
+        budget.expect(ahead, len(sets), sets.masks.shape[1], wide)
+        grown, contour, target, entry_from = grow(orders, sets, alive, ahead.entries)
+        ideal_entry, last, source, place, new_begin = arrange(
+            contour, target, entry_from, alive, len(grown), orders.size
+        )
+        values = np.empty(ahead.states, dtype=entrance.dtype)
+        living = np.empty(ahead.entries, dtype=np.bool_)
+        back = layers[-1]
+        sweep_span = partial(
+            sweep, stretch.moves, local.terms, stretch.rests(depth), local.first, stretch.limit, stretch.never,
+            sets.masks, back.ideal_entry, back.contour, begin, back.values, alive,
+            entry_from, contour, place, new_begin, values, living,
+        )  # fmt: skip
+        for spans in _shares(len(alive), ahead.additions):
+            list(threads.map(sweep_span, *zip(*spans, strict=True)))
+            budget.check()
+        if living.sum() <= WORTH_CLEARING * len(living):
+            kept = np.append(0, np.cumsum(living))
+            values = values[np.repeat(living, np.diff(new_begin))]
+            ideal_entry, last, source = kept[ideal_entry], last[living], source[living]
+            layers.append(Layer(ideal_entry, last, source, values))
+            new_begin, living = layers[-1].begin(orders.size), np.ones(len(last), dtype=np.bool_)
+        else:
+            layers.append(Layer(ideal_entry, last, source, values))
+        lives = np.append(0, np.cumsum(living))
+        alive = np.flatnonzero(np.diff(lives[ideal_entry]))
+        budget.keep(len(last), len(values), wide)
+        sets, begin = grown, new_begin
+    return layers
+
+
+def _shares(alive: int, additions: float) -> list[list[tuple[int, int]]]:
+    """Spans of ideals: those of one list may be swept at the same time, and between lists it may be stopped."""
+    lists = int(min(LOOKS, max(1.0, additions / (THREADS * A_SHARE) / 8)))
+    spans = int(min(8 * THREADS, max(1.0, additions / lists / A_SHARE * THREADS)))
+    cuts = np.linspace(0, alive, lists * spans + 1).astype(int).tolist()
+    return [[(cuts[k], cuts[k + 1]) for k in range(at * spans, (at + 1) * spans)] for at in range(lists)]
+
+
+def walk_back(stretch: Stretch, layers: list[Layer], state: int) -> tuple[list[int], int]:
+    """The sites (columns) of a best way to state `state` of the last layer, in order, and the way in it took."""
+    local, moves = stretch.local, stretch.moves
+    size, ways = local.orders.size, len(layers[0].values)
+    out = masks_of([range(len(size))], len(size))[0]
+    columns: list[int] = []
+    for here, back in zip(reversed(layers[1:]), reversed(layers[:-1]), strict=True):
+        begin = here.begin(size)
+        entry = int(np.searchsorted(begin, state, side="right")) - 1
+        i, ideal = int(here.contour[entry]), int(here.source[entry])
+        offset = state - int(begin[entry])
+        columns.append(int(local.first[i]) + offset)
+        out[i // 64] &= ~(np.uint64(1) << np.uint64(i % 64))
+        begin = back.begin(size) if back is not layers[0] else np.array([0, ways])
+        best, state = -1, -1
+        for s in range(int(back.ideal_entry[ideal]), int(back.ideal_entry[ideal + 1])):
+            j = int(back.contour[s])
+            rows = int(moves.row_of[j]) + np.arange(begin[s + 1] - begin[s])
+            costs = back.values[begin[s] : begin[s + 1]].astype(np.int64)
+            costs += moves.table[moves.base[i] + rows * moves.pad[i] + offset]
+            if len(moves.mask):
+                costs += [crossing(moves, out, row, columns[-1]) for row in rows]
+            if j >= 0:
+                costs += leaving(local.terms, out, j, i)
+            k = int(np.argmin(costs))
+            if best < 0 or costs[k] < best:
+                best, state = int(costs[k]), int(begin[s]) + k
+    return columns[::-1], state

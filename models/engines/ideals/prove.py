@@ -1,0 +1,127 @@
+"""Proves the best plan wherever the sets that can occur are few, stretch after stretch."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from kerfwise.models.engines.bounds import Completion, complete
+from kerfwise.models.engines.solution import Incumbent, Progress
+from kerfwise.models.problem.problem import Problem
+
+from .attempt import attempt
+from .budget import Budget, TooLarge
+from .lattice import THREADS
+from .series import series
+
+STAGES = (0.03, 0.1, 0.4)
+"""Shares of the work, or the time, for the bound by walks: a quick one first, as a sweep often is short even so."""
+AS_GOOD_AS_IT_GETS = 0.8
+"""A bound that took no more than this of its share will not become better with more."""
+MOST_SITES, MOST_SITES_BOUND = 4000, 1500
+"""Sites of a stretch: with more the table of moves is too large; sites altogether: the bound takes too long."""
+
+
+@dataclass(frozen=True, slots=True)
+class Proof:
+    """The best route there is; `incumbent` is None where no lawful route exists at all.
+
+    `work` is what the proof took, in deterministic seconds (`count.ADDITIONS_PER_S` additions each).
+    """
+
+    incumbent: Incumbent | None
+    work: float = field(default=0.0, compare=False)
+
+
+def applies(problem: Problem) -> bool:
+    """Whether the cost of a step depends on nothing but the set already cut and the last site."""
+    short = all(lag.cuts <= 1 and lag.seconds == 0 for lag in problem.lags)
+    one_price = len(np.unique(problem.crossings.cost)) <= 1
+    return short and one_price and not problem.general
+
+
+def fits(problem: Problem) -> bool:
+    """Whether a proof is worth a try: it applies, and the moves of every stretch fit in a table."""
+    size = np.diff(problem.first)
+    return applies(problem) and 0 < max((int(size[list(g)].sum()) for g in series(problem)), default=0) <= MOST_SITES
+
+
+def prove(
+    problem: Problem,
+    incumbent: Incumbent | None,
+    work: float,
+    progress: Progress | None = None,
+    stages: tuple[float, ...] = STAGES,
+    time_s: float | None = None,
+) -> Proof | None:
+    """Solve exactly, or return None if the budget does not suffice.
+
+    Parameters
+    ----------
+    problem
+        Anything; where a state cannot hold what is asked, the answer is None.
+    incumbent
+        Makes it faster, never different: states that cannot lead to a plan as cheap are dropped.
+    work
+        Deterministic limit, in seconds or so.
+    progress
+        Asked now and then whether to go on.
+    stages
+        Shares of the work for a bound by walks, which takes its time and drops far more states.
+    time_s
+        Wall-clock time, s, of which the bound takes no more than its share.
+    """
+    if not fits(problem):
+        return None
+    known = incumbent.cost if incumbent else None
+
+    def go() -> bool:
+        return progress is None or progress("ideals", known, None)
+
+    purse = _Purse(problem, known, work, go)
+    if not stages or known is None or problem.m > MOST_SITES_BOUND:
+        return purse.sweep(None, work)
+    for share in stages:
+        until_s = np.inf if time_s is None else time.monotonic() + share * time_s
+
+        def pricing(engine: str, cost_um: int | None, bound_um: int | None, until_s: float = until_s) -> bool:
+            return go() and time.monotonic() < until_s
+
+        bound = complete(problem, float(known), share * work, pricing)
+        purse.left -= bound.work
+        last = share == stages[-1] or bound.work <= AS_GOOD_AS_IT_GETS * share * work
+        proof = purse.sweep(bound, purse.left if last else min(purse.left, share * work))
+        if proof is not None or last or not go():
+            return proof
+    return None
+
+
+@dataclass(slots=True)
+class _Purse:
+    """Sweeps of a problem, paid from `work` seconds of which `left` are left."""
+
+    problem: Problem
+    known: int | None
+    work: float
+    go: Callable[[], bool]
+    left: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.left = self.work
+
+    def sweep(self, bound: Completion | None, most: float) -> Proof | None:
+        """What a sweep of no more than so many seconds proves."""
+        budget = Budget.of(max(0.0, most), self.go)
+        best: Incumbent | None = None
+        with ThreadPoolExecutor(THREADS) as threads:
+            try:
+                best = attempt(self.problem, self.known, bound, budget, threads)
+                swept = True
+            except TooLarge:
+                swept = False
+        self.left -= most - max(0.0, budget.seconds)
+        return Proof(best, self.work - self.left) if swept else None

@@ -1,0 +1,55 @@
+"""What plans still cost after a state, as the sweep of a stretch needs it to drop what is too dear."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from kerfwise.models.engines.bounds import Completion
+from kerfwise.models.problem.problem import Problem
+
+from .kernels import Rest
+from .local import Local
+
+NOWHERE = 1e12
+"""Travel to a contour that nothing may come right before: more than any plan costs, but finite."""
+
+
+def least_rest(local: Local, earlier: frozenset[int], least: list[float]) -> Callable[[int], Rest]:
+    """Every contour that is left must be travelled to, which costs `least`, whatever is cut last."""
+    n = len(least)
+    inside = set(local.contours)
+    rest = Rest(
+        np.zeros((1, len(local.sites))),
+        np.zeros((len(local.contours), 0), dtype=np.int64),
+        np.array([least[c] for c in local.contours]),
+        sum(least[c] for c in range(n) if c not in earlier and c not in inside),
+    )
+    return lambda _: rest
+
+
+def walked_rest(local: Local, earlier: frozenset[int], bound: Completion) -> Callable[[int], Rest]:
+    """The bound by walks."""
+    number = np.full(len(bound.price) + 1, -2, dtype=np.int64)
+    number[[*earlier, -1]] = -1
+    number[list(local.contours)] = np.arange(len(local.contours))
+    chosen = list(local.contours)
+    near, price = number[bound.near[chosen]], bound.price[chosen]
+    later = float(bound.price[number[:-1] == -2].sum())
+
+    def after(depth: int) -> Rest:
+        return Rest(np.ascontiguousarray(bound.to_go[len(earlier) + depth][:, local.sites]), near, price, later)
+
+    return after
+
+
+def least_in(problem: Problem) -> list[float]:
+    """For every contour a lower bound on the travel that leads to it from what may come right before."""
+    follows = np.ascontiguousarray(problem.successors().T)
+    sites = np.append(np.diff(problem.first), 1)
+    least = []
+    for contour in range(problem.n):
+        ways = problem.travel(np.flatnonzero(np.repeat(follows[contour], sites)), np.array(problem.sites(contour)))
+        least.append(float(ways.min(initial=NOWHERE)))
+    return least

@@ -1,0 +1,188 @@
+"""The sets that the orders allow to be cut first, layer by layer: those of one size from those one smaller."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from kerfwise.models.problem.bits import LOW, ONE, Masks, missing, place, words
+
+from .local import Ints, Orders
+
+Shorts = NDArray[np.int32]
+Tinies = NDArray[np.int16]
+SLOTS_AT_FIRST = 1 << 12
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Sets:
+    """s sets of one size. `masks`, `ready` (s, w) are the sets and what may be cut next, blocks aside; `pending` (s) is
+    a block that is not whole, or -1; `width` (s) the number of states (last sites) that a set has.
+    """
+
+    masks: Masks
+    ready: Masks
+    pending: Shorts
+    width: Ints
+    hashes: Masks
+
+    def __len__(self) -> int:
+        return len(self.width)
+
+    @staticmethod
+    def empty(orders: Orders, ways: int) -> Sets:
+        """The set of no contours, which has as many states as there are ways in."""
+        k = len(orders.size)
+        ready = np.zeros((1, words(k)), dtype=np.uint64)
+        for i in np.flatnonzero(~orders.needs.any(axis=1)):
+            ready[0, i // 64] |= np.uint64(1 << int(i) % 64)
+        return Sets(np.zeros_like(ready), ready, np.full(1, -1, np.int32), np.array([ways]), np.zeros(1, np.uint64))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Growth:
+    """What cutting one more contour from some sets takes: entries (set, contour cut), states and additions."""
+
+    entries: int
+    states: int
+    additions: float
+
+
+def growth(orders: Orders, sets: Sets, alive: Ints) -> Growth:
+    """Count before anything is made."""
+    entries, states, additions = _count(orders, sets.ready, sets.pending, sets.width, alive)
+    return Growth(entries, states, float(additions))
+
+
+def grow(orders: Orders, sets: Sets, alive: Ints, entries: int) -> tuple[Sets, Tinies, Shorts, Ints]:
+    """The sets that cutting one more contour from the sets `alive` leads to.
+
+    Returns them, and of every entry the contour cut and the set it leads to; entries of `alive[a]` are `entry_from[a]`
+    … `entry_from[a + 1] - 1`.
+    """
+    masks, ready, pending, width, hashes, contour, target, entry_from = _grow(
+        orders, sets.masks, sets.ready, sets.pending, sets.hashes, alive, entries
+    )
+    return Sets(masks, ready, pending, width, hashes), contour, target, entry_from
+
+
+@njit(cache=True, nogil=True)
+def _open(orders: Orders, ready: Masks, pending: Shorts, k: int, w: int) -> np.uint64:  # pragma: no cover - compiled
+    """Word w of what may be cut next."""
+    bits = ready[k, w]
+    if pending[k] >= 0:
+        bits &= orders.block_mask[pending[k], w]
+    return np.uint64(bits)
+
+
+@njit(cache=True, nogil=True)
+def _count(  # pragma: no cover - compiled
+    orders: Orders, ready: Masks, pending: Shorts, width: Ints, alive: Ints
+) -> tuple[int, int, int]:
+    entries = states = additions = 0
+    for k in alive:
+        sites = 0
+        for w in range(ready.shape[1]):
+            bits = _open(orders, ready, pending, k, w)
+            while bits:
+                low = bits & (~bits + ONE)
+                bits ^= low
+                sites += orders.size[w * 64 + place(low)]
+                entries += 1
+        states += sites
+        additions += sites * width[k]
+    return entries, states, additions
+
+
+@njit(cache=True, nogil=True)
+def _find(  # pragma: no cover - compiled
+    slots: Shorts, key: np.uint64, masks: Masks, hashes: Masks, source: Masks, word: int, bit: np.uint64
+) -> int:
+    """The slot of a set (`source` and one bit more), or the free slot where it belongs; slots hold numbers from 1."""
+    span = np.uint64(len(slots) - 1)
+    slot = key & span
+    while slots[slot] > 0:
+        known = slots[slot] - 1
+        if hashes[known] == key:
+            same = True
+            for w in range(len(source)):
+                here = source[w]
+                if w == word:
+                    here |= bit
+                if here != masks[known, w]:
+                    same = False
+                    break
+            if same:
+                break
+        slot = (slot + ONE) & span
+    return int(slot)
+
+
+@njit(cache=True, nogil=True)
+def _grow(  # pragma: no cover - compiled
+    orders: Orders, masks: Masks, ready: Masks, pending: Shorts, hashes: Masks, alive: Ints, entries: int
+) -> tuple[Masks, Masks, Shorts, Ints, Masks, Tinies, Shorts, Ints]:
+    words = masks.shape[1]
+    new_masks, new_ready = np.empty((entries, words), np.uint64), np.empty((entries, words), np.uint64)
+    new_hashes, new_pending = np.empty(entries, np.uint64), np.empty(entries, np.int32)
+    width = np.empty(entries, np.int64)
+    contour, target = np.empty(entries, np.int16), np.empty(entries, np.int32)
+    entry_from = np.zeros(len(alive) + 1, np.int64)
+    slots = np.zeros(SLOTS_AT_FIRST, np.int32)
+    count = used = 0
+    for a in range(len(alive)):
+        k = alive[a]
+        for w in range(words):
+            bits = _open(orders, ready, pending, k, w)
+            while bits:
+                bit = bits & (~bits + ONE)
+                bits ^= bit
+                i = w * 64 + place(bit)
+                key = hashes[k] ^ orders.noise[i]
+                slot = _find(slots, key, new_masks, new_hashes, masks[k], w, bit)
+                if slots[slot] == 0:
+                    slots[slot] = count + 1
+                    new_hashes[count] = key
+                    new_masks[count] = masks[k]
+                    new_masks[count, w] |= bit
+                    new_ready[count] = ready[k]
+                    new_ready[count, w] &= ~bit
+                    for e in range(orders.open_from[i], orders.open_from[i + 1]):
+                        j = orders.opens[e]
+                        if not missing(orders.needs[j], new_masks[count]):
+                            new_ready[count, j >> 6] |= ONE << (np.uint64(j) & LOW)
+                    block = orders.block[i]
+                    if block >= 0 and not missing(orders.block_mask[block], new_masks[count]):
+                        block = -1
+                    new_pending[count] = block
+                    width[count] = 0
+                    count += 1
+                    known = count - 1
+                    if 2 * count > len(slots):
+                        slots = _wider(slots, new_hashes, count)
+                else:
+                    known = slots[slot] - 1
+                width[known] += orders.size[i]
+                contour[used], target[used] = i, known
+                used += 1
+        entry_from[a + 1] = used
+    return (
+        new_masks[:count], new_ready[:count], new_pending[:count], width[:count], new_hashes[:count],
+        contour, target, entry_from,
+    )  # fmt: skip
+
+
+@njit(cache=True, nogil=True)
+def _wider(slots: Shorts, hashes: Masks, count: int) -> Shorts:  # pragma: no cover - compiled
+    """Four times as many slots."""
+    wider = np.zeros(4 * len(slots), np.int32)
+    span = np.uint64(len(wider) - 1)
+    for known in range(count):
+        slot = hashes[known] & span
+        while wider[slot] > 0:
+            slot = (slot + ONE) & span
+        wider[slot] = known + 1
+    return wider

@@ -1,0 +1,140 @@
+"""Windows of consecutive contours put in their best order, with their best sites, between what stays as it is.
+
+The sweep over ideals does it exactly, for whatever a state can hold (a neighbourhood of exponential size that is
+searched whole, as in Balas and Simonetti 2001).
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kerfwise.models.engines.solution import Incumbent, Progress
+from kerfwise.models.problem.bits import masks_of
+from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.models.problem.problem import Problem
+
+from .budget import Budget, TooLarge
+from .count import ADDITIONS_PER_S
+from .crossed import HOME, add_settled
+from .lattice import Layer, Stretch, sweep_layers, walk_back
+from .local import Ints, Local, Orders, localise
+from .parts import Parts
+from .prove import applies
+from .prune import least_in, least_rest
+from .stretches import dearest, entrance_of, make_moves, never, travel_between
+
+WIDTH, STEP = 12, 4
+"""Contours in a window, and from one window to the next."""
+SETTING_UP = 1e6
+"""Additions that it takes as long as to set a window up."""
+
+
+@dataclass(frozen=True, slots=True)
+class Polished:
+    """A route after the windows, and the work they took, in deterministic seconds."""
+
+    incumbent: Incumbent
+    work: float
+
+
+def polish(problem: Problem, incumbent: Incumbent, work: float, progress: Progress | None = None) -> Polished:
+    """Improve a route window by window, until no window has a better order or `work` is spent.
+
+    What comes back is never dearer, and lawful if the route was. Where a state cannot hold what is asked, nothing is
+    tried.
+    """
+    if not applies(problem) or problem.n == 0:
+        return Polished(incumbent, 0.0)
+
+    def go() -> bool:
+        return progress is None or progress("windows", incumbent.cost, None)
+
+    budget = Budget.of(work, go)
+    with ThreadPoolExecutor(1) as thread:
+        windows = _Windows(problem, budget, thread)
+        last = max(0, problem.n - WIDTH)
+        starts = [*range(0, last, STEP), last]
+        waiting = set(starts)
+        try:
+            while waiting:
+                for start in sorted(waiting):
+                    waiting.discard(start)
+                    better = windows.best(incumbent, start)
+                    if better is not None:
+                        incumbent = better
+                        waiting |= {s for s in starts if abs(s - start) < WIDTH and s != start}
+        except TooLarge:
+            pass
+    return Polished(incumbent, work - max(0.0, budget.additions) / ADDITIONS_PER_S)
+
+
+class _Windows:
+    """What all windows of a problem share."""
+
+    def __init__(self, problem: Problem, budget: Budget, thread: Executor) -> None:
+        self._problem, self._budget, self._thread = problem, budget, thread
+        self._least, self._dearest = least_in(problem), dearest(problem)
+        self._parts = Parts(problem)
+
+    def best(self, incumbent: Incumbent, start: int) -> Incumbent | None:
+        """The route with the window from position `start` in its best order, if that is better."""
+        route, problem = incumbent.route, self._problem
+        stop = min(start + WIDTH, problem.n)
+        order = problem.site_contour[list(route)].tolist()
+        earlier, group = frozenset(order[:start]), tuple(order[start:stop])
+        inside = self._parts.of(group)
+        local = localise(inside, group, earlier)
+        before = np.array([route[start - 1] if start else HOME])
+        after = np.array([route[stop] if stop < problem.n else HOME])
+        stays = replace(local, orders=_in_line(local.orders))
+        known = self._sweep(inside, stays, earlier, before, after, self._dearest)
+        if known is None:
+            return None
+        found = self._sweep(inside, local, earlier, before, after, known[0] - 1)
+        if found is None:
+            return None
+        better = (*route[:start], *local.sites[found[1]].tolist(), *route[stop:])
+        # groups and blocks that reach beyond the window are judged here, on the whole route
+        cost = route_cost(problem, better)
+        return Incumbent(better, cost) if cost < incumbent.cost and not broken(problem, better) else None
+
+    def _sweep(
+        self, problem: Problem, local: Local, earlier: frozenset[int], before: Ints, after: Ints, limit: int
+    ) -> tuple[int, list[int]] | None:
+        """The cheapest way through a window from one site to another, and its cost; None if it is over the limit."""
+        everything = frozenset(range(problem.n))
+        self._budget.additions -= SETTING_UP
+        moves = make_moves(problem, local, earlier, before, limit)
+        rests = least_rest(local, everything - frozenset(local.contours), self._least)
+        stretch = Stretch(local, moves, rests, limit, never(limit))
+        allowed = replace(self._budget)
+        layers = sweep_layers(stretch, entrance_of([0], limit), allowed, self._thread)
+        self._budget.additions = allowed.additions
+        if not len(layers[-1].contour):
+            return None
+        total = layers[-1].values + self._onward(local, earlier, layers[-1], after)
+        best = int(np.argmin(total))
+        if total[best] > limit:
+            return None
+        return int(total[best]), walk_back(stretch, layers, best)[0]
+
+    def _onward(self, local: Local, earlier: frozenset[int], end: Layer, after: Ints) -> Ints:
+        """What it costs to leave a window to the site `after` it, from every state at its end."""
+        ways = np.concatenate([local.sites[local.first[c] : local.first[c + 1]] for c in end.contour])
+        onward = travel_between(self._problem, ways, after)
+        add_settled(self._problem, earlier | frozenset(local.contours), ways, after, onward)
+        return onward[:, 0]
+
+
+def _in_line(orders: Orders) -> Orders:
+    """The same contours, one after the other as they are numbered."""
+    k = len(orders.size)
+    return orders._replace(
+        needs=masks_of([range(i) for i in range(k)], k),
+        open_from=np.minimum(np.arange(k + 1), k - 1),
+        opens=np.arange(1, k),
+        block=np.full(k, -1, dtype=np.int64),
+    )

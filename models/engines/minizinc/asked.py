@@ -1,0 +1,107 @@
+"""What is asked of a plan: arrays of statements, each with the file that defines it and what a breach costs."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from kerfwise.rules.by_kind import by_kind
+from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
+from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
+from kerfwise.rules.own import OwnFile
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import RuleSetting
+from kerfwise.rules.registry import RULES
+from kerfwise.rules.statements import EXEMPTION_MM, Statement
+from kerfwise.rules.stating.state_rules import Stated
+
+from .statement_text import conditions, lag_ms, missing_ms
+
+MODELS = Path(__file__).parent
+FILTERED = {"level-ahead", "hull-before"}
+"""Rules whose dropped orders are taken out of the facts they are stated over."""
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """One array of `var bool`, false where a plan breaks what is asked.
+
+    `source` defines it; `name` may be empty for a file that states constraints itself. `weight_mm` is None where it is
+    hard, else the price of each breach in idle travel; `EXEMPTION_MM` stands for a hard rule that may be excused. With
+    `most_ms` the array is of `var int`, milliseconds that are missing, at most so many each, and the price is that of a
+    second.
+    """
+
+    source: str
+    name: str
+    weight_mm: float | None
+    most_ms: int = 0
+
+
+def asked(profile: Profile, stated: Stated, afterwards: Sequence[Statement] = ()) -> tuple[Asked, ...]:
+    """Everything that the rules of the profile and its own files ask, and the statements of rules without a file.
+
+    `afterwards` are statements that geometry has added since; they are stated whatever rule they come from.
+    """
+    files = rules_in_files(profile, stated)
+    arrays = [array for rule, setting in files.items() for array in _of_rule(rule, setting)]
+    arrays += [Asked(include(f.path.resolve()), "", None) for f in profile.own_rules if isinstance(f, OwnFile)]
+    in_data = by_kind(stated.statements).idle_travel  # the table of travel has their price
+    others = [s for s in stated.statements if s not in in_data and s.about.rule not in files]
+    return (*arrays, *_in_words([*others, *afterwards]))
+
+
+def rules_in_files(profile: Profile, stated: Stated) -> dict[str, RuleSetting]:
+    """The rules that are on and whose files say all that is asked of them.
+
+    Not so where single statements of a rule were let go or given a price of their own to resolve a conflict: such a
+    rule is stated in words. (Orders dropped of level-ahead and hull-before are taken out of their facts.)
+    """
+    weights: dict[str, set[float | None]] = {}
+    for s in stated.statements:
+        weights.setdefault(s.about.rule, set()).add(s.weight)
+    picked_at = {d.rule for d in stated.dropped} - FILTERED
+    return {
+        rule: setting
+        for rule, setting in profile.settings().items()
+        if rule_file(rule).exists()
+        and rule not in picked_at
+        and weights.get(rule, set()) <= {array.weight_mm for array in _of_rule(rule, setting)}
+    }
+
+
+def rule_file(rule: str) -> Path:
+    """The file that states the rule of that id, whether there is one or not."""
+    return MODELS / "rules" / f"{rule.replace('-', '_')}.mzn"
+
+
+def include(path: Path) -> str:
+    """The line that includes a file."""
+    return f"include {json.dumps(path.as_posix(), ensure_ascii=False)};"
+
+
+def _of_rule(rule: str, setting: RuleSetting) -> Iterator[Asked]:
+    source, name, weight, options = include(rule_file(rule)), rule.replace("-", "_"), setting.weight, setting.options
+    hard = EXEMPTION_MM if RULES[rule].excusable else None
+    yield Asked(source, f"{name}_holds", hard if weight is None else weight)
+    if isinstance(options, PartRigidityOptions) and options.head_weight_mm > 0:
+        yield Asked(source, f"{name}_begins", options.head_weight_mm)
+    if isinstance(options, HeatLagOptions) and options.lag_s > 0:
+        yield Asked(include(rule_file(f"{rule}-seconds")), f"{name}_missing_ms", weight, round(options.lag_s * 1000))
+
+
+def _in_words(statements: Sequence[Statement]) -> Iterator[Asked]:
+    """Statements as text, one array for each rule and weight, and one for those that count seconds."""
+    groups: dict[tuple[str, float | None, int], list[str]] = {}
+    for s in statements:
+        groups.setdefault((s.about.rule, s.weight, 0), []).extend(conditions(s))
+        for lag in by_kind([s]).lag:
+            if lag.seconds > 0:
+                groups.setdefault((s.about.rule, s.weight, lag_ms(lag)), []).append(missing_ms(lag))
+    for number, ((rule, weight, most_ms), values) in enumerate(groups.items(), 1):
+        name, kind = f"stated_{number}", "int" if most_ms else "bool"
+        listed = ",\n   ".join(values)
+        text = f"array[int] of var {kind}: {name} =  % {rule}\n  [{listed}];"
+        yield Asked(f"{include(MODELS / 'clock.mzn')}\n{text}" if most_ms else text, name, weight, most_ms)

@@ -1,0 +1,78 @@
+"""The data of the model: the facts as every engine sees them, what moves cost, and what single rules need."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.facts import facts_dzn
+from kerfwise.encoder.facts.facts import Facts, Floats, Ints
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.problem.pace import Pace
+from kerfwise.models.problem.problem import points_um
+from kerfwise.rules.by_kind import by_kind
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.stating.state_rules import Stated
+
+from .asked import rules_in_files
+from .dzn import Fields, assignments, numbers, table_from_0
+from .rule_data import Case, rule_data
+
+
+def data_text(facts: Facts, profile: Profile, stated: Stated, options: SolveOptions, *, clock: bool) -> str:
+    """MiniZinc data for `sequence.mzn`, for `clock.mzn` if that is included, and for the rules of the profile.
+
+    Raises
+    ------
+    InputError
+        If a rule counts seconds and `options` have no feeds.
+    """
+    home_mm = options.home_mm
+    price = sum(s.weight for s in by_kind(stated.statements).idle_travel)
+    fields: Fields = [("travel", table_from_0(travel_um(facts, price, home_mm)))]
+    if clock:
+        fields += _clock(facts, options)
+    rules = rule_data(Case(facts, stated, home_mm), rules_in_files(profile, stated))
+    return facts_dzn(without_dropped(facts, stated)) + assignments(fields) + rules
+
+
+def without_dropped(facts: Facts, stated: Stated) -> Facts:
+    """The facts without the pairs whose orders were dropped because they closed a cycle."""
+    level_ahead = _kept(facts.level_ahead, "level-ahead", stated)
+    return replace(facts, level_ahead=level_ahead, in_hull=_kept(facts.in_hull, "hull-before", stated))
+
+
+def _kept(pairs: Ints, rule: str, stated: Stated) -> Ints:
+    orders = [d.statement for d in stated.dropped if d.rule == rule]
+    dropped = {(s.before, s.after) for s in by_kind(orders).precede}
+    kept = [(j, i) for j, i in pairs.tolist() if (j, i) not in dropped]
+    return np.array(kept, dtype=np.int64).reshape(-1, 2)
+
+
+def travel_um(facts: Facts, price: float, home_mm: Point) -> Ints:
+    """Cost of idle travel, µm, from the end of each candidate (row) to the pierce of each (column); home is number 0.
+
+    Rounded as `Problem.travel` rounds, so that every engine finds the same optimum to the digit.
+    """
+    ends, pierces = _points_um(facts, home_mm)
+    gap = ends[:, None, :] - pierces[None, :, :]
+    return np.asarray(np.rint(price * np.sqrt((gap**2).sum(axis=2))), dtype=np.int64)
+
+
+def _clock(facts: Facts, options: SolveOptions) -> Fields:
+    if options.feeds is None:
+        raise InputError("a rule counts seconds: the feeds of the machine are needed to solve")
+    pace = Pace.of(facts, range(len(facts.candidates)), options.feeds)
+    ends, pierces = _points_um(facts, options.home_mm)
+    moves = pace.move_ms(ends[:, None, :].astype(np.int64), pierces[None, :, :].astype(np.int64))
+    return [("cut_ms", numbers(pace.cut_ms.tolist())), ("move_ms", table_from_0(moves))]
+
+
+def _points_um(facts: Facts, home_mm: Point) -> tuple[Floats, Floats]:
+    """Where idle travel leaves from, and where it arrives: home, then the candidates."""
+    ends = points_um([home_mm, *(c.end for c in facts.candidates)], home_mm)
+    pierces = points_um([home_mm, *(c.pierce for c in facts.candidates)], home_mm)
+    return ends.astype(np.float64), pierces.astype(np.float64)

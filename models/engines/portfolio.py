@@ -1,0 +1,293 @@
+"""The portfolio: search finds, the ideals prove where they fit, CP-SAT carries what a state cannot hold.
+
+Members share incumbents and bounds, run one after the other (each may use every core) and stop as soon as the best
+plan is proven.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from kerfwise.models.engines.ideals.windows import polish
+from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.models.problem.problem import Problem
+
+from . import beam, ideals
+from .bounds import MOST_SITES, flow_bound
+from .cpsat import solve_cpsat
+from .known import Known
+from .names import Member
+from .search import Searcher
+from .solution import Incumbent, Progress, SolveOptions
+from .watch import Watch
+
+FIRST, FIRST_S, FIRST_MOST = 0.03, 0.9, 0.6
+"""Share of the work for a first look by the search; as many seconds at the least, but no more than this share."""
+PROOF, PROOF_SMALL = 0.45, 0.9
+"""Share that the proof by ideals may take, where it fits; most take next to nothing.
+
+On small problems the search has found the best plan long since, and only the proof is left to do.
+"""
+SET_OUT_S = 0.2
+"""Seconds below which no further member begins: each has tables of its own to make first."""
+LOOKS, SEEDS_APART = 6, 1_000_003
+"""Searches from scratch in the first look, where contours are few, and how far their seeds are apart."""
+DENSE = 0.15
+"""Share of the pairs of contours that hard orders decide, from which on the sets that can occur are few."""
+BEAM_DENSE, BEAM_SPARSE = 0.5, 0.1
+"""Share of what is left for the beam, which proves where orders are dense and guides where they are not."""
+FLOW, FLOW_PLAIN = 0.4, 0.15
+"""Share of what is left, where nothing is proven, for the bound by flows; less where only orders bind, or where there
+are so many sites that it does not come near the plan anyway."""
+SEARCH, SEARCH_PLAIN = 0.6, 0.9
+"""Share of what is left, where nothing is proven, for more search; CP-SAT has the rest.
+
+CP-SAT has more where it alone can prove anything: where statements look further back than a state does.
+"""
+WINDOWS = 0.3
+"""Share of what is then left, where nothing is proven, for windows of the best plan in their best order."""
+AT_ONCE_S, AT_ONCE = 1.5, 0.6
+"""A sweep over all sets is begun with, before any search, if it takes no longer, and no more than this share."""
+SURE = 0.4
+"""Share of what is left that a sweep over all sets may take so that nothing else is tried before it."""
+COUNTED, COUNTED_FEW = 2e7, 5e6
+"""Entries that are counted beforehand at the most, where there are `COUNTED_S` seconds or more; and where contours are
+so few that a bound is tried anyway."""
+COUNTED_S = 30.0
+LONGEST, LONGEST_ZONE = 36, 63
+"""Contours in a stretch up to which a bound may make the ideals few; and in one of several, none of which is most of
+all."""
+
+
+def run_portfolio(
+    problem: Problem,
+    options: SolveOptions,
+    watch: Watch,
+    start: tuple[int, ...] | None = None,
+    earlier: Known | None = None,
+) -> Known:
+    """Everything that can be found out about a problem within the limits.
+
+    Parameters
+    ----------
+    start
+        A lawful route to go on from, where one is known.
+    earlier
+        What is known of the problem with fewer statements: its bound holds here, too.
+    """
+    run = _Run(problem, options, watch)
+    if start is not None:
+        run.known.offer(Incumbent(start, route_cost(problem, start)), "search")
+    if earlier is not None and earlier.proved_by:
+        run.known.raise_bound(earlier.bound_um, earlier.proved_by)
+    return run.whole()
+
+
+class _Run:
+    def __init__(self, problem: Problem, options: SolveOptions, watch: Watch) -> None:
+        self.problem, self.options, self.watch = problem, options, watch
+        self.of_sets = replace(problem, general=())  # all but what a set and the last site cannot tell
+        self.known = Known()
+        self.searcher: Searcher | None = None
+        self.tried = False
+        self.began_s = watch.seconds
+
+    def whole(self) -> Known:
+        self._count()
+        if self._at_once():
+            self._ideals(self._left(), ())
+        if self._wanting() and self._takes("search", "it finds the first plan"):
+            left = self._left()
+            first = min(FIRST_MOST * left, max(FIRST * left, FIRST_S))
+            if self.options.member:
+                self._search(left)
+            else:
+                self._look(first, LOOKS if self.problem.n <= LONGEST else 1)
+        if not self._over() and self._ideals_fit():
+            share = PROOF_SMALL if self.problem.n <= LONGEST else PROOF
+            self._ideals(self._left() * (1.0 if self.options.member else share))
+        if not self._over() and self._beam_applies():
+            share = BEAM_DENSE if self._density() >= DENSE else BEAM_SPARSE
+            self._beam(self._left() * (1.0 if self.options.member else share))
+        if not self._over() and self.options.member is None:
+            self._flow(self._left() * (FLOW if self._bounded_well() else FLOW_PLAIN))
+        if not self._over() and self.options.member is None:
+            self._search(self._left() * (SEARCH if self._carried() else SEARCH_PLAIN))
+            self._windows(self._left() * WINDOWS)
+        if not self._over() and self._takes("cp-sat", "nothing is proven yet"):
+            self._cpsat(self._left())
+        return self.known
+
+    def _takes(self, member: Member, why: str) -> bool:
+        forced = self.options.member
+        if forced is not None and forced != member:
+            return False
+        self.known.notes.append(f"{member}: {why if forced is None else 'asked for'}")
+        return True
+
+    def _wanting(self) -> bool:
+        """Whether there is no plan at all, or time for a better one."""
+        return not self.known.proven and (self.known.incumbent is None or not self.watch.stopped)
+
+    def _over(self) -> bool:
+        return self.known.proven or self.watch.stopped or self._late()
+
+    def _late(self) -> bool:
+        """Whether there is a plan, and no time for another member to set out in; none looks at the clock at work."""
+        return self.options.time_s is not None and self.known.incumbent is not None and self._left() < SET_OUT_S
+
+    def _left(self) -> float:
+        if self.options.time_s is None:
+            return max(0.0, self.options.work - self.known.work)
+        return max(0.0, self.options.time_s - (self.watch.seconds - self.began_s))
+
+    def _look(self, share: float, looks: int) -> None:
+        """Searches from scratch, as one alone may be caught; that of the best plan is gone on with later."""
+        best: Searcher | None = None
+        for look in range(looks):
+            known = self.known.incumbent
+            self.searcher = Searcher(self.problem, self.options.seed + look * SEEDS_APART) if look else None
+            self._search(share / looks)
+            if best is None or self.known.incumbent is not known:
+                best = self.searcher
+            if self._over():
+                break
+        self.searcher = best
+
+    def _search(self, share: float) -> None:
+        if self.searcher is None:
+            self.searcher = Searcher(self.problem, self.options.seed)
+            if self.known.incumbent is not None:
+                self.searcher.stand_on(self.known.incumbent.route)
+        elif self.known.incumbent is not None and self.known.found_by != "search":
+            self.searcher.stand_on(self.known.incumbent.route)
+        self.searcher.run(share, self.options.time_s and share, self.watch)
+        self.known.offer(self.searcher.best, "search")
+        self.known.work += share
+
+    def _count(self) -> None:
+        """Count the sets that can occur, as far as there is a use for it."""
+        self.count: ideals.Count | None = None
+        if self.options.member not in (None, "ideals"):
+            return
+        if not ideals.fits(self.of_sets):
+            self.known.notes.append(
+                "ideals: left out, the sets that can occur do not say enough, or sites are too many"
+            )
+            return
+        most = COUNTED_FEW if self.problem.n <= LONGEST else COUNTED
+        self.count = ideals.count_sets(self.of_sets, most * min(1.0, self._left() / COUNTED_S))
+        self.known.work += self.count.work
+
+    def _at_once(self) -> bool:
+        count, most_s = self.count, min(AT_ONCE_S, AT_ONCE * self._left())
+        if count is None or not (self.options.member or (count.in_memory and count.seconds <= most_s)):
+            return False
+        self.known.notes.append(f"ideals: {'swept at once' if self.options.member is None else 'asked for'}, {count}")
+        self.tried = True
+        return True
+
+    def _ideals_fit(self) -> bool:
+        if self.count is None or self.tried:
+            return False
+        longest = self.count.longest
+        few = longest <= LONGEST or (longest <= LONGEST_ZONE and longest <= self.problem.n / 2)
+        if not self._sure() and not few:
+            self.known.notes.append(f"ideals: left to the others, {self.count}")
+            return False
+        self.known.notes.append(f"ideals: {self.count}")
+        return True
+
+    def _sure(self) -> bool:
+        """Whether a sweep over all sets fits well into what is left."""
+        return self.count is not None and self.count.in_memory and self.count.seconds <= SURE * self._left()
+
+    def _ideals(self, share: float, stages: tuple[float, ...] = ideals.STAGES) -> None:
+        before = self.known.work
+        limit_s = None if self.options.time_s is None else share
+        stages = stages[:1] if self._sure() else stages
+        going = self._within(max(share, self._left()))
+        proof = ideals.prove(self.of_sets, self.known.incumbent, share, going, stages, limit_s)
+        self.known.work = before + (share if proof is None else proof.work)
+        if proof is None:
+            self.known.notes.append("ideals: too many sets for the limit, nothing is proven")
+        elif proof.incumbent is None:
+            self.known.infeasible = True
+        else:
+            self._proven_of_sets(proof.incumbent)
+
+    def _proven_of_sets(self, best: Incumbent) -> None:
+        """The best route without what sets cannot tell: a bound, and the answer if nothing else is broken by it."""
+        route = best.route
+        if not self.problem.general:
+            self.known.offer(best, "ideals")
+        elif not broken(self.problem, route):
+            self.known.offer(Incumbent(route, route_cost(self.problem, route)), "ideals")
+        else:
+            self.known.notes.append("ideals: the best plan breaks what a set cannot tell, it is a bound only")
+        self.known.raise_bound(best.cost, "ideals")
+
+    def _density(self) -> float:
+        """Share of the pairs of contours that hard orders decide."""
+        n = self.problem.n
+        return float(self.problem.before.sum()) / max(1, n * (n - 1) // 2)
+
+    def _bounded_well(self) -> bool:
+        """Whether the bound by flows is worth its time: a nest, with all its sites in it."""
+        return self.problem.m <= MOST_SITES and bool(self.problem.conditions or self.problem.lags)
+
+    def _carried(self) -> bool:
+        """Whether CP-SAT alone can hold all that is asked."""
+        return not beam.applies(self.problem)
+
+    def _beam_applies(self) -> bool:
+        if self.options.member not in (None, "beam"):
+            return False
+        if not beam.applies(self.problem):
+            self.known.notes.append("beam: left out, a statement looks further back than the last cut")
+            return False
+        return self._takes("beam", f"hard orders decide {self._density():.0%} of the pairs")
+
+    def _beam(self, share: float) -> None:
+        limit_s = None if self.options.time_s is None else share
+        outcome = beam.beam(self.problem, self.known.incumbent, share, limit_s, self.watch)
+        self.known.offer(outcome.incumbent, "beam")
+        self.known.work += outcome.work
+        if outcome.proven and outcome.incumbent is None:
+            self.known.infeasible = True
+        elif outcome.bound is not None:
+            self.known.raise_bound(outcome.bound, "beam")
+
+    def _flow(self, share: float) -> None:
+        if self.known.incumbent is None or self.known.proved_by == "flow":
+            return
+        found = flow_bound(self.problem, self.known.incumbent, share, self._within(share))
+        self.known.work += found.work
+        if found.bound > 0:
+            self.known.notes.append("flow: a bound by linear programming")
+            self.known.raise_bound(found.bound, "flow")
+
+    def _windows(self, share: float) -> None:
+        if self.known.incumbent is None or self._over():
+            return
+        polished = polish(self.problem, self.known.incumbent, share, self._within(share))
+        self.known.offer(polished.incumbent, "windows")
+        self.known.work += polished.work
+
+    def _within(self, share: float) -> Progress:
+        """To be asked whether to go on, no longer than so many seconds where seconds are counted."""
+        limited, until_s = self.options.time_s is not None, self.watch.seconds + share
+
+        def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+            return self.watch(engine, cost_um, bound_um) and not (limited and self.watch.seconds >= until_s)
+
+        return going
+
+    def _cpsat(self, share: float) -> None:
+        limits = replace(self.options, work=share, time_s=self.options.time_s and share)
+        outcome = solve_cpsat(self.problem, limits, self.known.incumbent, self.known.bound_um, self.watch)
+        self.known.offer(outcome.incumbent, "cp-sat")
+        self.known.infeasible = outcome.infeasible
+        if outcome.bound is not None:
+            self.known.raise_bound(outcome.bound, "cp-sat")
+        self.known.work += share

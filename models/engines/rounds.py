@@ -1,0 +1,147 @@
+"""Finds the best plan: statements become a problem, the portfolio solves it, geometry may ask for another round."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.models.problem.problem import UM_PER_MM, Problem, make_problem
+from kerfwise.models.problem.simplify import simplify
+from kerfwise.rules.statements import Statement
+
+from .known import Known
+from .portfolio import run_portfolio
+from .solution import Incumbent, Progress, Solution, SolveOptions
+from .watch import Watch
+
+Sites = NDArray[np.int64]
+Refine = Callable[[tuple[int, ...]], tuple[Statement, ...]]
+
+ROUND = 0.7
+"""Share of what is left for one round, where geometry may have afterthoughts that ask for another."""
+ENOUGH = 0.9
+"""Share after which no further round is begun."""
+MOVES_SHARE = 0.3
+"""Share of a limit in seconds that looking at moves over parts that are out may take: what is made of them takes as
+long again."""
+PACE_KNOWN = 0.2
+"""Share of some work from which on its pace tells how long the rest takes."""
+LEAST = 0.2
+"""Share that the first round has at the least, however long the problem has taken to be made."""
+
+
+def solve(
+    facts: Facts,
+    statements: tuple[Statement, ...],
+    options: SolveOptions,
+    progress: Progress | None = None,
+    refine: Refine | None = None,
+) -> Solution:
+    """The best route found within the limits, with what is proven of it.
+
+    `refine` looks at a whole order (contour numbers) and answers with statements that geometry has now shown to be
+    missing; the problem is solved again with them until there are none. A bound proven before all are known is a
+    bound all the same: the missing ones can only add to the cost.
+
+    Raises
+    ------
+    RulesConflict
+        If no lawful plan exists, or none was found (the message says which).
+    """
+    watch = Watch(options, progress)
+    timed = options.time_s is not None
+    whole = options.work if options.time_s is None else options.time_s
+    spent = look_s = 0.0
+    posed: Problem | None = None
+    known: Known | None = None
+    candidates: Sites | None = None
+    while True:
+        in_time = _in_time(watch, MOVES_SHARE * whole) if timed else _always
+        posed = make_problem(facts, statements, options.home_mm, options.feeds, posed, in_time)
+        problem = simplify(posed)
+        spent = watch.seconds if timed else spent  # making a problem takes its time on large nests, as looks do
+        share = whole - spent if refine is None else min((whole - spent) * ROUND, whole - spent - look_s)
+        share = max(share, LEAST * whole) if known is None else max(share, 0.0)
+        watch.begin()
+        limits = replace(options, work=share, time_s=options.time_s and share)
+        known = run_portfolio(problem, limits, watch, _still_lawful(problem, candidates), known)
+        spent += known.work
+        if known.incumbent is None:
+            raise _no_plan(known.infeasible)
+        candidates = problem.site_candidate[list(known.incumbent.route)]
+        order = tuple(int(problem.site_contour[s]) for s in known.incumbent.route)
+        began_s = watch.seconds
+        missing = () if refine is None else refine(order)
+        statements += missing
+        if timed:
+            spent, look_s = watch.seconds, watch.seconds - began_s
+        if not missing or watch.stopped or spent + look_s >= whole * ENOUGH:
+            break
+    if missing:
+        took = f" that ends with a look of {look_s:.1f} s" if timed else ""
+        known.notes.append(f"rounds: what geometry found last is priced only; the limit leaves no further round{took}")
+        problem = make_problem(facts, statements, options.home_mm, options.feeds, posed)
+        known = replace(known, incumbent=_judged_anew(problem, problem.candidate_site[candidates].tolist(), missing))
+    return _solution(problem, known, spent)
+
+
+def _always(share: float) -> bool:
+    return True
+
+
+def _in_time(watch: Watch, most_s: float) -> Callable[[float], bool]:
+    """Whether work of which some share is done ends within so many seconds by its pace since it was first asked."""
+    began_s: float | None = None
+
+    def going(share: float) -> bool:
+        nonlocal began_s
+        began_s = watch.seconds if began_s is None else began_s
+        return watch.seconds - began_s <= most_s * (share if share > PACE_KNOWN else 1.0)
+
+    return going
+
+
+def _still_lawful(problem: Problem, candidates: Sites | None) -> tuple[int, ...] | None:
+    """The route of an earlier round, where it may be gone on from."""
+    if candidates is None:
+        return None
+    route = tuple(problem.candidate_site[candidates].tolist())
+    return None if min(route, default=0) < 0 or broken(problem, route) else route
+
+
+def _solution(problem: Problem, known: Known, spent: float) -> Solution:
+    assert known.incumbent is not None
+    cost = known.incumbent.cost
+    bound = min(known.bound_um, cost)
+    return Solution(
+        route=tuple(int(problem.site_candidate[s]) for s in known.incumbent.route),
+        objective=cost / UM_PER_MM,
+        bound=bound / UM_PER_MM if known.proved_by else None,
+        status="optimal" if bound >= cost else "feasible",
+        found_by=known.found_by,
+        proved_by=known.proved_by,
+        seconds=spent,
+        notes=tuple(known.notes),
+        left_out=problem.left_out,
+    )
+
+
+def _judged_anew(problem: Problem, route: list[int], missing: tuple[Statement, ...]) -> Incumbent:
+    """The route at hand at the price of what was found missing last, when there is no time left to solve again."""
+    if broken(problem, route):
+        raise _no_plan(False, tuple(s.about.sentence for s in missing))
+    return Incumbent(tuple(route), route_cost(problem, route))
+
+
+def _no_plan(infeasible: bool, reasons: tuple[str, ...] = ()) -> RulesConflict:
+    if infeasible:
+        return RulesConflict("no plan meets every hard rule", reasons)
+    return RulesConflict(
+        "no plan that meets every hard rule was found within the limit (none is proven impossible)", reasons
+    )

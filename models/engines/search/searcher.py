@@ -1,0 +1,147 @@
+"""A search that can be run, looked at, handed a better route, and run on."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from functools import partial
+
+import numpy as np
+
+from kerfwise.models.engines.solution import Incumbent, Progress
+from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.models.problem.problem import Problem
+
+from .generations import CHILD, Generations
+from .merge import mergeable
+from .schedule import Part, Schedule
+from .structs import for_kernels
+from .tables import make_tables
+from .walker import Walker
+
+WORK_PER_S = 450_000_000  # elementary operations that a second of work stands for
+CHUNK = 20_000_000  # operations between two looks at the clock and at whether to stop
+WALKERS = 2
+FIRST = 0.25  # share of the first run that may go into the descent from the first route, and
+FIRST_DESCENT = 200_000  # the most operations a contour
+
+
+class Searcher:
+    """Walkers over one problem, a thread each, with random numbers of their own; the best of what they find.
+
+    Parameters
+    ----------
+    problem
+        What to search.
+    seed
+        Equal seeds and equal work give equal routes.
+    """
+
+    def __init__(self, problem: Problem, seed: int = 1) -> None:
+        self._problem = problem
+        fields = make_tables(problem)
+        tables = for_kernels(fields)
+        self._walkers = [Walker(tables, fields, (seed, k)) for k in range(WALKERS)]
+        self._generations = Generations(problem, self._walkers, seed) if mergeable(problem) else None
+
+    @property
+    def best(self) -> Incumbent | None:
+        """The best lawful route so far, if one is known."""
+        if self._problem.n == 0:
+            return Incumbent((), route_cost(self._problem, ()))
+        cost = self._best_cost()
+        if cost is None:
+            return None
+        elite = next(walker.best for walker in self._walkers if walker.cost == cost)
+        assert elite is not None
+        found = Incumbent(tuple(elite.route.tolist()), cost)
+        assert cost == route_cost(self._problem, found.route)
+        return found
+
+    def run(self, work: float, time_s: float | None = None, progress: Progress | None = None) -> bool:
+        """Anneal, from the routes it stands on, the longer the later; just once where there is little time.
+
+        Parameters
+        ----------
+        work
+            How long, in seconds of a machine like the one this was measured on, counted in each walker's operations.
+        time_s
+            Wall-clock limit, s; the cooling then follows whichever of the two runs out first.
+        progress
+            Asked now and then; the search stops when it answers False.
+
+        Returns
+        -------
+        bool
+            False if it was asked to stop, by `progress` or by an interrupt from the keyboard.
+        """
+        if self._problem.n == 0:
+            return True
+        try:
+            with ThreadPoolExecutor(WALKERS) as pool:
+                return self._run(pool, max(1, int(work * WORK_PER_S)), time_s, progress)
+        except KeyboardInterrupt:
+            return False
+
+    def _run(self, pool: Executor, budget: int, time_s: float | None, progress: Progress | None) -> bool:
+        """See `run`; `budget` is in operations."""
+        started_s, spent = time.monotonic(), 0
+        likely = budget if time_s is None else max(1, min(budget, int(time_s * WORK_PER_S)))
+        schedule = Schedule.of(self._problem.n, likely)
+        if not self._walkers[0].ready:
+            end_s = None if time_s is None else started_s + FIRST * time_s
+            if not self._begin(pool, int(FIRST * likely), end_s, progress):
+                return False
+            spent = self._walkers[0].work
+        while spent < budget:
+            if progress is not None and not progress("search", self._best_cost(), None):
+                return False
+            pace = 1 / likely  # share of the whole that an operation takes
+            if time_s is not None and spent > 0:
+                pace = max(1 / budget, (time.monotonic() - started_s) / max(time_s, 1e-9) / spent)
+            if (done := pace * spent) >= 1.0:
+                break
+            chunk = min(CHUNK, budget - spent)
+            part = schedule.part(done, done + pace * chunk)
+            if self._generations is None or schedule.short:
+                self._anneal(pool, chunk, part)
+                spent += chunk
+            else:
+                most = max(CHUNK, min(budget - spent, int(CHILD / pace)))
+                spent += self._generations.step(pool, chunk, part, most, partial(self._anneal, pool))
+        return True
+
+    def _anneal(self, pool: Executor, chunk: int, part: Part) -> None:
+        """Walk on through part of an annealing; one walker is hotter than the other."""
+        heats = [part.heat(k) for k in range(WALKERS)]
+        list(pool.map(lambda walker, heat: walker.anneal(chunk, part, heat), self._walkers, heats))
+
+    def _begin(self, pool: Executor, most: int, end_s: float | None, progress: Progress | None) -> bool:
+        """First routes, improved without going uphill; answers as `run` does."""
+        list(pool.map(Walker.start, self._walkers))
+        left = min(most, FIRST_DESCENT * self._problem.n)
+        while left > 0 and (end_s is None or time.monotonic() < end_s):
+            if progress is not None and not progress("search", self._best_cost(), None):
+                return False
+            list(pool.map(partial(Walker.descend, chunk=min(CHUNK, left)), self._walkers))
+            left -= CHUNK
+        list(pool.map(partial(Walker.measure, most=most), self._walkers))
+        return True
+
+    def stand_on(self, route: Sequence[int]) -> None:
+        """Go on from a lawful route (sites in cutting order) that another engine found.
+
+        Raises
+        ------
+        ValueError
+            If the route breaks a hard statement.
+        """
+        faults = broken(self._problem, route)
+        if faults:
+            raise ValueError(f"not a lawful route: {faults[0].sentence}")
+        for walker in self._walkers:
+            walker.stand_on(np.asarray(route, dtype=np.int64))
+
+    def _best_cost(self) -> int | None:
+        return min((walker.cost for walker in self._walkers if walker.cost is not None), default=None)

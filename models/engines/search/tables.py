@@ -1,0 +1,44 @@
+"""A problem as the flat arrays that compiled kernels read."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from kerfwise.models.problem.problem import Problem
+
+from .arcs import Arcs, make_arcs
+from .crossed import Crossed, make_crossed
+from .demands import Demands, make_demands
+from .groups import Groups, make_groups
+from .lags import Lags, make_lags
+from .legs import Legs, make_legs
+from .literals import Literals, make_literals
+from .orders import Orders, make_orders
+
+
+class Tables(NamedTuple):
+    """Everything that stays as it is during a search."""
+
+    legs: Legs
+    orders: Orders
+    demands: Demands
+    crossed: Crossed
+    groups: Groups
+    lags: Lags
+    literals: Literals
+    arcs: Arcs
+
+
+def make_tables(problem: Problem) -> Tables:
+    """The arrays of a problem."""
+    legs = make_legs(problem)
+    return Tables(
+        legs,
+        make_orders(problem, legs),
+        make_demands(problem),
+        make_crossed(problem, priced=legs.travel.size > 0),
+        make_groups(problem),
+        make_lags(problem),
+        make_literals(problem),
+        make_arcs(problem, legs),
+    )

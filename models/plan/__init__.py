@@ -1,0 +1,1 @@
+"""Plans: made from a solution, read back, explained; and what to do when the hard rules contradict each other."""

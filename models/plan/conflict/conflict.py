@@ -1,0 +1,245 @@
+"""Why the hard rules cannot all hold, the cheapest way out of it, and the statements once that way is taken."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.plan.plan import RELAXED
+from kerfwise.rules.by_kind import by_kind
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.statements import About, Statement
+from kerfwise.rules.stating.state_rules import (
+    HOPELESS,
+    DroppedStatement,
+    Stated,
+    every_statement,
+    hopeless,
+    refuse_unknown,
+    resolve,
+    unread_files,
+)
+
+from .cheapest import cheapest
+from .core import Core, find_core
+from .group import Group, hard_groups, moves_or_seconds, on_order
+from .purse import NotAnswered, Purse
+from .relax import find_relaxation, may_give_way, soften
+from .whole import Engines, find_whole_core
+
+MOST = 20
+CORE = 0.6
+"""Share of what may be spent that goes into what contradicts what; the rest goes into the way out of it."""
+NO_HELP = "no rule that may give way helps: change the locks or the nest"
+
+
+@dataclass(frozen=True, slots=True)
+class Conflict:
+    """Statements that contradict each other, and those that should give way.
+
+    Without any one of `clash` the others of it could hold (unless `minimal` is False); with `alone` none of them can be
+    met by any plan, whatever the others ask. `relax` is what must give way
+    so that *all* rules can hold: None where nothing that may give way helps or none was found, and then `stuck` says
+    which. `notes` are what no statement says.
+    """
+
+    clash: tuple[About, ...]
+    minimal: bool
+    relax: tuple[About, ...] | None
+    stuck: str = ""
+    notes: tuple[str, ...] = ()
+    alone: bool = False
+
+    @property
+    def contours(self) -> tuple[str, ...]:
+        """The ids of the contours in conflict, each once."""
+        return tuple(dict.fromkeys(name for about in self.clash for name in about.contours))
+
+    def lines(self) -> Iterator[str]:
+        """The conflict in a planner's words."""
+        if self.alone:
+            yield f"{HOPELESS}: {_times(self.clash)}:"
+            yield from _listed(self.clash, len(self.clash))
+        else:
+            yield "these hard rules cannot all hold; " + (
+                "without any one of them the others can:"
+                if self.minimal
+                else "a smallest set was not proven within the limit, so that some may have no part in it:"
+            )
+            yield from _listed(self.clash)
+        yield from (f"  note: {note}" for note in self.notes)
+        if self.relax is None:
+            yield self.stuck
+            return
+        yield "the cheapest way out:"
+        by_rule: dict[str, list[About]] = {}
+        for about in self.relax:
+            by_rule.setdefault(about.rule, []).append(about)
+        for rule, abouts in by_rule.items():
+            count = f"{len(abouts)} statement" + ("s" if len(abouts) > 1 else "")
+            names = tuple(dict.fromkeys(name for about in abouts for name in about.contours))
+            yield f"  relax {rule}: {count} about {_few(names)}"
+
+
+def find_conflict(facts: Facts, profile: Profile, purse: Purse | None = None) -> Conflict | None:
+    """Why no plan of this nest can hold every hard rule of the profile; None if no contradiction is shown.
+
+    Looked for among statements on order and entries first; where these can hold, among all, what moves cross and
+    seconds included, by the engines. No more is spent than the purse holds: what is told then is what was shown so far.
+    """
+    purse = purse or Purse()
+    statements, _ = every_statement(facts, profile)
+    finder = _Finder(facts, profile, purse)
+    if alone := hopeless(statements):
+        stuck, relax = _way_out_or_why_none(facts, profile, statements, finder)
+        return Conflict(alone, True, relax, stuck, tuple(unread_files(profile)), alone=True)
+    try:
+        core = finder.core(hard_groups(_asked(facts, profile, statements)), purse.part(CORE))
+    except NotAnswered:
+        return None
+    if core is None:
+        return None
+    clash = tuple(group.about for group in core.groups)
+    stuck, relax = _way_out_or_why_none(facts, profile, statements, finder)
+    clashing = by_kind(s for group in core.groups for s in group.statements)
+    forbidden = {s.candidate for s in clashing.forbid}
+    notes = (*_only_ways(facts, profile, forbidden), *unread_files(profile))
+    return Conflict(clash, core.minimal, relax, stuck, notes)
+
+
+def state_relaxed(facts: Facts, profile: Profile, *, reads_files: bool = False, purse: Purse | None = None) -> Stated:
+    """As `rules.state.state_rules`, but where hard rules contradict each other the cheapest way out is taken.
+
+    What gives way costs more than any plan travels and is among `dropped`, each with a reason that begins with
+    `models.plan.RELAXED`.
+
+    Raises
+    ------
+    InputError
+        As `rules.state.state_rules` does.
+    RulesConflict
+        If nothing that may give way helps, or nothing was found within the work allowed.
+    """
+    refuse_unknown(profile, reads_files)
+    statements, exempt = every_statement(facts, profile)
+    out = _way_out(facts, profile, statements, _Finder(facts, profile, purse or Purse(), trusting=True))
+    relaxed = set(out)
+    never_met = set(hopeless(statements))
+    left = [s for s in soften(statements, relaxed) if s.about not in never_met]  # they would only add to every cost
+    resolved = resolve(left, facts.n, _gives_way(profile))
+    given_up = {s.about: s for s in statements if s.weight is None and s.about in relaxed}
+    dropped = tuple(DroppedStatement(s, f"{RELAXED}{about.sentence}") for about, s in given_up.items())
+    return replace(resolved, dropped=(*resolved.dropped, *dropped), exempt=exempt)
+
+
+class _Finder:
+    """Finds contradictions, with so much work of the engines in all, and no more than the purse holds.
+
+    With `trusting`, what the engines show nothing of counts as none: whoever solves will see.
+    """
+
+    def __init__(self, facts: Facts, profile: Profile, purse: Purse, trusting: bool = False) -> None:
+        self.facts, self.gives_way, self.trusting, self.purse = facts, _gives_way(profile), trusting, purse
+        self.engines = Engines(facts, profile.home_on(facts.nest), feeds_of(profile), purse=purse)
+
+    def core(self, groups: Sequence[Group], part: Purse | None = None) -> Core | None:
+        """A contradiction, on order and entries alone where there is one, within a part of the purse.
+
+        Raises
+        ------
+        NotAnswered
+            If it was not shown whether there is one.
+        """
+        left = part.left if part else 0.0
+        try:
+            found = find_core(self.facts, on_order(groups), self.gives_way, part or self.purse)
+        finally:
+            if part is not None:
+                self.purse.spend(left - part.left)
+        if found is not None or not moves_or_seconds(groups):
+            return found
+        try:
+            return find_whole_core(self.engines, groups, self.gives_way)
+        except NotAnswered:
+            if self.trusting:
+                return None
+            raise
+
+
+def _way_out_or_why_none(
+    facts: Facts, profile: Profile, statements: Sequence[Statement], finder: _Finder
+) -> tuple[str, tuple[About, ...] | None]:
+    """Why nothing helps, "" where something does, and what must give way."""
+    try:
+        return "", _way_out(facts, profile, statements, finder)
+    except RulesConflict as error:
+        return error.message, None
+
+
+def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement], finder: _Finder) -> tuple[About, ...]:
+    """What must give way: first where even rules that give way do not help."""
+    book = profile.rulebook()
+    out = list(hopeless(statements))
+    if not all(may_give_way(book[about.rule]) for about in out):
+        raise RulesConflict(NO_HELP)
+    clashes: list[frozenset[About]] = []
+    more = 0
+    while True:
+        left = soften(statements, out)
+        try:
+            groups = hard_groups(_asked(facts, profile, left))
+            found = find_relaxation(groups, book, finder.core, finder.purse)
+        except NotAnswered:
+            raise RulesConflict("no way out was found within the limit (none is proven impossible)") from None
+        if found is None:
+            raise RulesConflict(NO_HELP)
+        if not found.groups:
+            first = out[: len(out) - more]
+            left = soften(statements, first)
+            return (*first, *cheapest(finder.engines, left, out[len(first) :], clashes, _gives_way(profile)))
+        more += len(found.groups)
+        clashes += found.clashes
+        out += [group.about for group in found.groups]
+
+
+def _asked(facts: Facts, profile: Profile, statements: Sequence[Statement]) -> Sequence[Statement]:
+    """The statements once cycles are resolved; where that is impossible, without the orders that give way."""
+    gives_way = _gives_way(profile)
+    try:
+        return resolve(statements, facts.n, gives_way).statements
+    except RulesConflict:
+        without = {s for s in by_kind(statements).precede if gives_way[s.about.rule]}
+        return [s for s in statements if s not in without]
+
+
+def _gives_way(profile: Profile) -> dict[str, int]:
+    return {name: rule.gives_way for name, rule in profile.rulebook().items()}
+
+
+def _only_ways(facts: Facts, profile: Profile, forbidden: set[int]) -> Iterator[str]:
+    """Contours in conflict over their entry that a hard cut-direction lets be cut one way round only."""
+    directions = profile.lead_options().directions
+    for k in sorted({facts.candidates[c].contour for c in forbidden}):
+        contour = facts.nest.contours[k]
+        ways = directions[contour.kind]
+        if len(ways) == 1:
+            yield f"cut-direction offers no other way round {contour.id} than {ways[0]}"
+
+
+def _listed(abouts: Sequence[About], most: int = MOST) -> Iterator[str]:
+    yield from (f"  - {about.rule}: {about.sentence}" for about in abouts[:most])
+    if len(abouts) > most:
+        yield f"  … and {len(abouts) - most} more; in all {_times(abouts)}"
+
+
+def _times(abouts: Sequence[About]) -> str:
+    counts = Counter(about.rule for about in abouts)
+    return ", ".join(f"{count} of {rule}" for rule, count in sorted(counts.items()))
+
+
+def _few(names: Sequence[str], most: int = 8) -> str:
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

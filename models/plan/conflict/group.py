@@ -1,0 +1,87 @@
+"""Hard statements as a planner sees them: those with the same rule, contours and sentence are one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import assert_never
+
+from kerfwise.rules.by_kind import by_kind
+from kerfwise.rules.statements import (
+    About,
+    AtLeast,
+    Before,
+    Contiguous,
+    Crossing,
+    Forbid,
+    IdleTravel,
+    Lag,
+    NoGood,
+    Pick,
+    Precede,
+    Statement,
+)
+
+Asked = Precede | Forbid | AtLeast | Contiguous | Crossing | Lag | NoGood
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Statements that a planner takes for one."""
+
+    about: About
+    statements: tuple[Asked, ...]
+
+
+def hard_groups(statements: Iterable[Statement]) -> tuple[Group, ...]:
+    """The hard statements, grouped, in the order in which they are first met."""
+    found: dict[About, list[Asked]] = {}
+    for s in statements:
+        match s:
+            case Precede() | Forbid() | AtLeast() | Contiguous() | Crossing() | Lag() | NoGood():
+                if s.weight is None:
+                    found.setdefault(s.about, []).append(s)
+            case IdleTravel():
+                pass  # a price: it is never hard
+            case _:
+                assert_never(s)
+    return tuple(Group(about, tuple(members)) for about, members in found.items())
+
+
+def moves_or_seconds(groups: Iterable[Group]) -> bool:
+    """Whether any of them looks at single moves or at the clock: more than an order and its entries can tell."""
+    found = by_kind(s for group in groups for s in group.statements)
+    return bool(found.crossing) or any(s.seconds > 0 for s in found.lag)
+
+
+def on_order(groups: Iterable[Group]) -> list[Group]:
+    """Those that say something of an order and its entries."""
+    return [group for group in groups if len(by_kind(group.statements).crossing) < len(group.statements)]
+
+
+def contours_of(group: Group, contour_of: Sequence[int]) -> set[int]:
+    """Numbers of the contours whose place or entry the group speaks of; `contour_of` maps candidates to contours."""
+    found: set[int] = set()
+    for s in group.statements:
+        match s:
+            case Precede(i, j) | Lag(i, j):
+                found |= {i, j}
+            case Forbid(c):
+                found.add(contour_of[c])
+            case AtLeast():
+                found |= {k for lit in s.literals for k in _of_literal(lit, contour_of)}
+                if s.when is not None:
+                    found.add(contour_of[s.when])
+            case Contiguous(contours):
+                found |= set(contours)
+            case NoGood(out, left):
+                found |= out | left
+            case Crossing():
+                pass  # it speaks of moves
+            case _:
+                assert_never(s)
+    return found
+
+
+def _of_literal(literal: Before | Pick, contour_of: Sequence[int]) -> tuple[int, ...]:
+    return (literal.i, literal.j) if isinstance(literal, Before) else (contour_of[literal.c],)

@@ -1,0 +1,99 @@
+"""Why a contour is cut where it is, then, and so: everything that can be said of one contour of a finished plan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.small_holes import not_cut_because
+from kerfwise.models.plan.plan import Plan
+from kerfwise.rules.options.suggest import unknown
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.statements import About
+from kerfwise.rules.stating.state_rules import Stated
+
+from .entry import Entry, explain_entry
+from .heat_prices import HeatPrice, heat_prices
+from .holding import Hold, chain, holds, others
+from .moves import Move, explain_moves
+from .setting import make_setting
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """What there is to say of one contour; places count from 1.
+
+    `previous` and `following` are its neighbours in the plan, "" for the machine's home. `earlier` and `later` hold
+    it, nearest first; the chains lead on from there to the ends of the plan. `also` are statements of other kinds,
+    `heat` prices on orders and entries that overheat metal. The torch waits for `dwell_s` before the contour is cut,
+    and why. Where zones have a budget of heat, `zone_heat_kj` says how much goes into this one at the most. `small`
+    says why a small hole is not cut but marked.
+    """
+
+    contour: str
+    place: int
+    of: int
+    zone: int
+    previous: str
+    following: str
+    earlier: tuple[Hold, ...]
+    later: tuple[Hold, ...]
+    earlier_chain: tuple[Hold, ...]
+    later_chain: tuple[Hold, ...]
+    also: tuple[About, ...]
+    entry: Entry
+    moves: tuple[Move, ...]
+    notes: tuple[str, ...]
+    heat: tuple[HeatPrice, ...] = ()
+    dwell_s: float = 0.0
+    waits_because: str = ""
+    zone_heat_kj: float | None = None
+    zone_budget_kj: float | None = None
+    small: str = ""
+
+
+def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour: str) -> Explanation:
+    """Explain one contour of a plan under the facts and statements as they are now.
+
+    Raises
+    ------
+    InputError
+        If the nest has no such contour (the nearest names are given), or the plan is not one of this nest.
+    """
+    index = facts.nest.index
+    left = next((left for left in plan.left_out if left.contour == contour), None)
+    if contour not in index and left is not None:
+        raise InputError(f"{contour} is not in the plan: {left.why}")
+    if contour in (made := [cut.contour for cut in facts.already_cut]):
+        raise InputError(
+            f"{contour} was cut before the stop, as cut {made.index(contour) + 1}: the old plan explains it"
+        )
+    if contour not in index:
+        raise InputError(unknown("contour", contour, index))
+    setting = make_setting(facts, profile, stated, plan)
+    number = index[contour]
+    order, budget_kj = setting.order, facts.options.zone_heat_kj
+    k = order.index(number)
+    return Explanation(
+        contour,
+        k + 1 + setting.made,
+        len(order) + setting.made,
+        int(facts.zone[number]),
+        setting.name(order[k - 1]) if k else "",
+        setting.name(order[k + 1]) if k + 1 < len(order) else "",
+        holds(setting, number, earlier=True),
+        holds(setting, number, earlier=False),
+        chain(setting, number, earlier=True),
+        chain(setting, number, earlier=False),
+        others(setting, number),
+        explain_entry(setting, number),
+        explain_moves(setting, number),
+        setting.notes,
+        heat_prices(setting, number),
+        plan.cuts[k].dwell_s,
+        plan.cuts[k].waits_because,
+        None if budget_kj is None else float(facts.zone_heat_kj[facts.zone[number] - 1]),
+        budget_kj,
+        not_cut_because(facts.whole_nest, profile.hole_limits()).get(contour, ""),
+    )

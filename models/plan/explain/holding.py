@@ -1,0 +1,73 @@
+"""What holds a contour in its place: the statements that keep it from coming earlier, and later, nearest first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import assert_never
+
+import numpy as np
+
+from kerfwise.rules.statements import About, AtLeast, Contiguous, Crossing, Forbid, IdleTravel, Lag, NoGood, Precede
+
+from .setting import Setting
+
+
+@dataclass(frozen=True, slots=True)
+class Hold:
+    """An order that holds: the other contour, its place in the plan (from 1), and the statement."""
+
+    contour: str
+    place: int
+    about: About
+
+
+def holds(setting: Setting, contour: int, earlier: bool) -> tuple[Hold, ...]:
+    """The orders that keep a contour from coming earlier (else later), the nearest in the plan first."""
+    place = {c: k for k, c in enumerate(setting.order, 1)}
+    mine, other = (1, 0) if earlier else (0, 1)
+    found = []
+    for k in np.flatnonzero(setting.pairs[:, mine] == contour).tolist():
+        rival = int(setting.pairs[k, other])
+        found.append(Hold(setting.name(rival), place[rival] + setting.made, setting.orders[k].about))
+    return tuple(sorted(found, key=lambda hold: abs(hold.place - setting.made - place[contour])))
+
+
+def chain(setting: Setting, contour: int, earlier: bool) -> tuple[Hold, ...]:
+    """From the contour to an end of the plan: its nearest hold, the nearest hold of that, and so on."""
+    found: list[Hold] = []
+    at = contour
+    while nearest := holds(setting, at, earlier)[:1]:
+        if not _lies_so(setting, at, nearest[0], earlier):
+            break
+        found += nearest
+        at = setting.facts.nest.index[nearest[0].contour]
+    return tuple(found)
+
+
+def _lies_so(setting: Setting, contour: int, hold: Hold, earlier: bool) -> bool:
+    """Whether the plan keeps the order, as an old plan need not."""
+    return (hold.place - setting.made < setting.order.index(contour) + 1) == earlier
+
+
+def others(setting: Setting, contour: int) -> tuple[About, ...]:
+    """What else is asked of a contour's place: hard statements that are not the order of two contours."""
+    found = []
+    for s in setting.stated.statements:
+        if s.weight is not None:
+            continue
+        match s:
+            case Contiguous(contours):
+                mine = contour in contours
+            case NoGood(out, left):
+                mine = contour in out or contour in left
+            case Lag(i, j):
+                mine = contour in (i, j)
+            case Precede() | Forbid() | AtLeast() | Crossing() | IdleTravel():
+                mine = False  # orders are `holds`; entries, sums and moves are told elsewhere
+            case _:
+                assert_never(s)
+        if mine:
+            found.append(s.about)
+    site = setting.route[setting.order.index(contour)]
+    found += [c.about for c in setting.conditions.get(contour, ()) if c.cost is None and c.when in (None, site)]
+    return tuple(dict.fromkeys(found))

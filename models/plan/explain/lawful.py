@@ -1,0 +1,87 @@
+"""Which hard statements a changed order breaks, and what it costs where it breaks none."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import assert_never
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kerfwise.models.problem.evaluate import broken
+from kerfwise.rules.statements import (
+    About,
+    AtLeast,
+    Before,
+    Contiguous,
+    Crossing,
+    Forbid,
+    IdleTravel,
+    Lag,
+    NoGood,
+    Precede,
+    Statement,
+)
+from kerfwise.rules.stating.lazy import afterthoughts
+
+from .resite import Stuck, resite
+from .setting import Setting
+
+
+@dataclass(frozen=True, slots=True)
+class Tried:
+    """A changed order: what it breaks or, if nothing, what its best route costs, µm."""
+
+    breaks: tuple[About, ...]
+    cost: int | None = None
+    route: tuple[int, ...] = ()
+
+
+def try_order(setting: Setting, order: Sequence[int]) -> Tried:
+    """Judge an order by all that is stated, with the best entries along it."""
+    breaks = tuple(dict.fromkeys(_broken(setting, order)))
+    if breaks:
+        return Tried(breaks)
+    found = resite(setting, order)
+    if isinstance(found, Stuck):
+        return Tried(found.abouts)
+    breaks = broken(setting.problem, found.route)
+    if not breaks:
+        thoughts = afterthoughts(setting.facts, setting.profile)(order)
+        breaks = tuple(s.about for s in thoughts if s.weight is None)
+    return Tried(breaks) if breaks else Tried((), found.cost, found.route)
+
+
+def _broken(setting: Setting, order: Sequence[int]) -> Iterator[About]:
+    """The hard statements that the order breaks whatever the entries."""
+    place = np.empty(setting.problem.n, dtype=np.int64)
+    place[list(order)] = np.arange(len(order))
+    if len(setting.pairs):
+        for k in np.flatnonzero(place[setting.pairs[:, 0]] > place[setting.pairs[:, 1]]).tolist():
+            yield setting.orders[k].about
+    for s in setting.stated.statements:
+        if s.weight is None and not _holds(s, place):
+            yield s.about
+
+
+def _holds(statement: Statement, place: NDArray[np.int64]) -> bool:
+    """Whether an order keeps a statement; one that hangs on entries is taken to hold."""
+    match statement:
+        case Contiguous(contours):
+            at = place[list(contours)]
+            return bool(at.max() - at.min() < len(contours))
+        case NoGood(out, left):
+            return bool(place[sorted(out)].max() > place[sorted(left)].min())
+        case Lag(i, j):
+            return bool(abs(place[i] - place[j]) > statement.cuts)
+        case AtLeast():
+            if statement.when is not None:
+                return True
+            pairs = [lit for lit in statement.literals if isinstance(lit, Before)]
+            true = sum(w for lit, w in zip(pairs, statement.weights, strict=False) if place[lit.i] < place[lit.j])
+            return len(pairs) < len(statement.literals) or true >= statement.bound
+        case Precede() | Forbid() | Crossing() | IdleTravel():
+            return True  # `_broken` looks at orders, `resite` and `broken` at entries and moves
+        case _:
+            assert_never(statement)

@@ -1,0 +1,126 @@
+"""From a solution to a plan: cuts with their times, totals, and the reasons for every place."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+from kerfwise.encoder.compensation import compensated
+from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.nest import Contour
+from kerfwise.encoder.small_holes import not_cut_because
+from kerfwise.models.engines.solution import Solution
+from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.physics.timing.constant import Leg, idle_mm, schedule
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.stating.state_rules import Stated
+
+from .excused import excused, excuses_used
+from .plan import Dropped, LeftOut, Plan, PlannedCut, SolveReport, Totals
+from .reasons import reasons
+
+
+def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution, engine: str, seed: int) -> Plan:
+    """The whole plan but for what only its program can tell: its times by the profile's model, and the verdicts.
+
+    Until then its times are those at constant feeds, none of them too long.
+    """
+    nest = facts.nest
+    candidates = [facts.candidates[c] for c in solution.route]
+    contours = [nest.contours[c.contour] for c in candidates]
+    legs = [
+        Leg(c.pierce, c.end, c.cut_mm, k.kind == "mark", not c.edge_start, k.feed_share)
+        for c, k in zip(candidates, contours, strict=True)
+    ]
+    machine, home, feeds = profile.machine, profile.home_on(nest), feeds_of(profile)
+    times = schedule(legs, feeds, home)
+    excuses = excused(facts, stated, solution.route)
+    why = reasons(facts, stated, solution.route, home)
+    small = not_cut_because(facts.whole_nest, profile.hole_limits())
+    cuts = tuple(
+        PlannedCut(
+            Cut(
+                contour.id,
+                candidate.entry,
+                candidate.direction,
+                candidate.pierce,
+                candidate.lead_in,
+                candidate.lead_out,
+                int(facts.zone[candidate.contour]),
+                begin,
+                end,
+                excuses.get(contour.id, ()),
+            ),
+            contour.part,
+            contour.kind,
+            candidate.cut_mm,
+            (small[contour.id], *because) if contour.id in small else because,
+        )
+        for candidate, contour, (begin, end), because in zip(candidates, contours, times, why, strict=True)
+    )
+    last = times[-1][1] + math.dist(legs[-1].end, home) / machine.travel_mm_s if times else 0.0
+    gap = None
+    if solution.bound is not None:
+        gap = (solution.objective - solution.bound) / solution.objective if solution.objective > 0 else 0.0
+    return Plan(
+        nest={"file": nest.file, "sha256": nest.sha256},
+        profile={"name": profile.name, "sha256": profile.sha256},
+        start_side=facts.start_side,
+        start_side_because=facts.start_side_because,
+        origin=machine.origin,
+        zero=profile.frame_on(nest).corner,
+        cuts=cuts,
+        totals=Totals(
+            cut_mm=sum(leg.length_mm for leg in legs),
+            idle_mm=idle_mm(legs, home),
+            pierces=sum(leg.pierced and not leg.marks for leg in legs),
+            time_s=last,
+            heat=close_calls(contours),
+        ),
+        solve=SolveReport(
+            engine,
+            solution.status,
+            solution.objective,
+            solution.bound,
+            gap,
+            solution.seconds,
+            seed,
+            solution.found_by,
+            solution.proved_by,
+            excuses_used(facts, stated, solution.route),
+        ),
+        dropped=(
+            *(Dropped(d.rule, d.contours, d.why) for d in stated.dropped),
+            *(Dropped(rule, (), f"not priced: {why}") for rule, why in solution.left_out),
+        ),
+        left_out=tuple(LeftOut(name, small[name]) for name in facts.whole_nest.left_out),
+        already_cut=tuple(_made(facts, cut, profile.material.kerf_mm) for cut in facts.already_cut),
+        broken_off=None if (again := _broken_off(facts)) is None else _made(facts, again, profile.material.kerf_mm),
+    )
+
+
+def _broken_off(facts: Facts) -> Cut | None:
+    return None if facts.past is None else facts.past.already.broken_off
+
+
+def _made(facts: Facts, cut: Cut, kerf_mm: float) -> PlannedCut:
+    """A cut that an earlier program has made, as a plan lists it; why it came when it did is told there."""
+    contour = facts.whole_nest.contour(cut.contour)
+    try:
+        around_mm = contour.curve.length_mm if contour.kind == "mark" else compensated(contour, kerf_mm).length_mm
+    except InputError:  # made with another kerf
+        around_mm = contour.curve.length_mm
+    leads_mm = sum(lead.length_mm for lead in (cut.lead_in, cut.lead_out) if lead is not None)
+    return PlannedCut(cut, contour.part, contour.kind, around_mm + leads_mm)
+
+
+def close_calls(contours: list[Contour], radius_mm: float = 50.0) -> float:
+    """A first measure of heat: how many cuts follow a cut of another part less than `radius_mm` away.
+
+    Pristupov and Petunin ask that neighbours not be cut one after the other; the simulated temperature
+    (Verkhoturov) will be a better measure.
+    """
+    through = [c for c in contours if c.kind != "mark"]
+    return float(sum(a.part != b.part and a.line.distance(b.line) < radius_mm for a, b in pairwise(through)))

@@ -1,0 +1,236 @@
+"""The plan: which contour when, where and which way round, and what is proven of it (kerfwise-plan/1)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from kerfwise.encoder.already_cut import AlreadyCut
+from kerfwise.encoder.cut import Cut, CutSequence, Side
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.models.physics.timing.report import TimeReport
+from kerfwise.rules.profile.machine_section import Origin
+
+FORMAT = "kerfwise-plan/1"
+RELAXED = "relaxed: "
+"""How the reason of a statement begins that a planner has let go because the hard rules cannot all hold."""
+WAITS = "waits "
+"""How the reason of a wait begins, among the reasons of a cut."""
+Status = Literal["optimal", "feasible"]
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedCut:
+    """A cut with what the plan says of it: its part, kind, torch-on length and the reasons for its place.
+
+    The torch waits over the pierce, off, for `dwell_s` before the cut begins, so that metal may cool.
+    """
+
+    cut: Cut
+    part: str
+    kind: str
+    length_mm: float
+    because: tuple[str, ...] = ()
+    dwell_s: float = 0.0
+
+    @property
+    def waits_because(self) -> str:
+        """Why the torch waits; "" if it does not, or the plan does not say."""
+        return next((text for text in self.because if text.startswith(WAITS)), "") if self.dwell_s > 0 else ""
+
+
+@dataclass(frozen=True, slots=True)
+class Totals:
+    """Sums over the whole program: mm, pierces, s, and heat (see `models/physics/heat`)."""
+
+    cut_mm: float
+    idle_mm: float
+    pierces: int
+    time_s: float
+    heat: float
+
+
+@dataclass(frozen=True, slots=True)
+class SolveReport:
+    """What is known of the plan's cost; `bound` and `gap` are None unless proven for the whole model.
+
+    `objective` and `bound` are in mm of idle travel (soft rules weigh in at their weights); `gap` is
+    (objective - bound) / objective. `proved_by` names the engine behind the bound, `found_by` the one behind the plan.
+    `excuses` is how many hard statements the plan could not keep: each weighs 1000 m in the objective.
+    """
+
+    engine: str
+    status: Status
+    objective: float
+    bound: float | None
+    gap: float | None
+    seconds: float
+    seed: int
+    found_by: str = ""
+    proved_by: str = ""
+    excuses: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class RuleReport:
+    """One rule of the profile: whether it holds in the plan, and where it was excused and why."""
+
+    id: str
+    strength: str
+    holds: bool
+    exceptions: tuple[tuple[tuple[str, ...], str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """A hole of the nest that the plan does not cut because the profile leaves it out, and why."""
+
+    contour: str
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Dropped:
+    """A statement left out because hard rules contradict each other: an order on a cycle, or one that was relaxed."""
+
+    rule: str
+    contours: tuple[str, ...]
+    why: str
+
+    @property
+    def relaxed(self) -> bool:
+        """Whether a planner let it go, and not the rules by themselves."""
+        return self.why.startswith(RELAXED)
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """The whole answer; `nest` and `profile` name files and their sha256.
+
+    Coordinates are the drawing's; `zero` is the point of it that is the machine's zero, as its `origin` says. `time`
+    says by which model the times are, and what they are spent on; None where no program has been timed. `left_out` are
+    small holes that are not cut. Where a program goes on after a stop, `already_cut` are the cuts made before, with
+    times of the program that made them, and `cuts` go on from there; `broken_off` is the one that is cut again, as it
+    was begun.
+    """
+
+    nest: Mapping[str, str]
+    profile: Mapping[str, str]
+    start_side: Side
+    start_side_because: str
+    cuts: tuple[PlannedCut, ...]
+    totals: Totals
+    solve: SolveReport
+    rules: tuple[RuleReport, ...] = ()
+    dropped: tuple[Dropped, ...] = field(default=())
+    time: TimeReport | None = None
+    left_out: tuple[LeftOut, ...] = ()
+    origin: Origin = "drawing"
+    zero: Point = (0.0, 0.0)
+    already_cut: tuple[PlannedCut, ...] = ()
+    broken_off: PlannedCut | None = None
+
+    @property
+    def resumed_after(self) -> int:
+        """How many cuts were made before: the first of `cuts` has the number after it."""
+        return len(self.already_cut)
+
+    @property
+    def already(self) -> AlreadyCut:
+        """What was made before, as geometry."""
+        broken_off = None if self.broken_off is None else self.broken_off.cut
+        return AlreadyCut(tuple(p.cut for p in self.already_cut), broken_off)
+
+    @property
+    def waits(self) -> tuple[PlannedCut, ...]:
+        """The cuts before which the torch waits for metal to cool, in order."""
+        return tuple(planned for planned in self.cuts if planned.dwell_s > 0)
+
+    @property
+    def wait_s(self) -> float:
+        """How long it waits altogether, s."""
+        return sum(planned.dwell_s for planned in self.cuts)
+
+    def sequence(self, home: tuple[float, float] = (0.0, 0.0)) -> CutSequence:
+        """The bare cuts, those made before among them, as rules judge them."""
+        cuts = tuple(p.cut for p in (*self.already_cut, *self.cuts))
+        return CutSequence(cuts, self.start_side, home, made=self.resumed_after)
+
+    def to_json(self) -> str:
+        """The plan as kerfwise-plan/1 text: stable key order, one cut a line, a newline at the end."""
+        head: dict[str, Any] = {
+            "format": FORMAT,
+            "nest": dict(self.nest),
+            "profile": dict(self.profile),
+            "start_side": self.start_side,
+            "start_side_because": self.start_side_because,
+            **({} if self.origin == "drawing" else {"origin": self.origin, "zero": [round(v, 6) for v in self.zero]}),
+        }
+        if self.already:
+            head["resumed_after"] = self.resumed_after
+        tail: dict[str, Any] = {
+            "totals": {k: _round(getattr(self.totals, k)) for k in Totals.__slots__},
+            **({} if self.time is None else {"time": self.time.as_json()}),
+            "solve": {k: _round(getattr(self.solve, k)) for k in SolveReport.__slots__},
+            "rules": [
+                {
+                    "id": r.id,
+                    "strength": r.strength,
+                    "holds": r.holds,
+                    "exceptions": [{"contours": list(c), "why": w} for c, w in r.exceptions],
+                }
+                for r in self.rules
+            ],
+            "dropped": [{"rule": d.rule, "contours": list(d.contours), "why": d.why} for d in self.dropped],
+        }
+        if self.left_out:
+            tail["left_out"] = [{"contour": left.contour, "why": left.why} for left in self.left_out]
+        lines = [f' "{k}": {json.dumps(v, ensure_ascii=False)}' for k, v in head.items()]
+        if "resumed_after" in head:
+            lines.append(f' "already_cut": {_rows(self.already_cut, 1)}')
+        if self.broken_off is not None:
+            row = _cut_row(self.resumed_after + 1, self.broken_off)
+            lines.append(f' "broken_off": {json.dumps(row, ensure_ascii=False)}')
+        lines.append(f' "cuts": {_rows(self.cuts, self.resumed_after + 1)}')
+        lines += [f' "{k}": {json.dumps(v, ensure_ascii=False)}' for k, v in tail.items()]
+        return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def _rows(cuts: Sequence[PlannedCut], first: int) -> str:
+    """Cuts as a list, one a line, numbered from `first`."""
+    rows = ",\n  ".join(json.dumps(_cut_row(k, c), ensure_ascii=False) for k, c in enumerate(cuts, first))
+    return f"[\n  {rows}\n ]"
+
+
+def _round(value: object, digits: int = 6) -> object:
+    return round(value, digits) if isinstance(value, float) else value
+
+
+def _path(curve: Curve | None) -> list[list[float]]:
+    return [] if curve is None else [[round(v, 6) for v in row] for row in curve.as_rows()]
+
+
+def _cut_row(order: int, planned: PlannedCut) -> dict[str, Any]:
+    cut = planned.cut
+    row = {
+        "order": order,
+        "contour": cut.contour,
+        "part": planned.part,
+        "kind": planned.kind,
+        "zone": cut.zone,
+        "entry": [round(v, 6) for v in cut.entry],
+        "pierce": [round(v, 6) for v in cut.pierce],
+        "lead_in": _path(cut.lead_in),
+        "lead_out": _path(cut.lead_out),
+        "direction": cut.direction,
+        "length_mm": round(planned.length_mm, 3),
+        "start_s": round(cut.start_s, 3),
+        "end_s": round(cut.end_s, 3),
+        "because": list(planned.because),
+    }
+    if planned.dwell_s:
+        row["dwell_s"] = round(planned.dwell_s, 3)
+    return row | ({"excused": list(cut.excused)} if cut.excused else {})

@@ -1,0 +1,199 @@
+"""Reads kerfwise-plan/1 files; what does not fit the published schema is refused in place."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from importlib.resources import files
+from itertools import islice
+from operator import itemgetter
+from pathlib import Path
+from typing import Any
+
+from jsonschema import Draft202012Validator
+
+from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.json_words import said
+from kerfwise.encoder.readers.json_place import places
+from kerfwise.encoder.readers.limits import LIMIT_MM, checked_curve
+from kerfwise.models.physics.timing.report import TimeReport
+
+from .plan import FORMAT, Dropped, LeftOut, Plan, PlannedCut, RuleReport, SolveReport, Totals
+
+MOST_ERRORS = 20
+
+
+def read_plan(path: str | Path) -> Plan:
+    """Read a kerfwise-plan/1 file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is not JSON, or holds what the format does not allow, with line and column.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+        data = json.loads(text, parse_constant=str)  # NaN becomes a text, which the schema refuses in place
+    except OSError as error:
+        raise InputError(f"cannot read the plan: {error.strerror}", file=path) from None
+    except UnicodeDecodeError:
+        raise InputError("not a plan: the file is not UTF-8 text", file=path) from None
+    except json.JSONDecodeError as error:
+        message = f"not a plan: expected JSON as solve writes it with --plan ({error.msg})"
+        raise InputError(message, file=path, line=error.lineno, column=error.colno) from None
+    except (ValueError, RecursionError) as error:  # a number of thousands of digits; brackets thousands deep
+        raise InputError(f"not a plan: {error}", file=path) from None
+    if not isinstance(data, dict) or data.get("format") != FORMAT:
+        raise InputError(f'not a plan: expected "format": "{FORMAT}"', file=path)
+    _check_schema(data, text, path)
+    _check_order(data, path)
+    try:
+        return _plan_of(data)
+    except InputError as error:
+        raise InputError(f"the plan is damaged: {error.message}", file=path) from None
+
+
+def _check_order(data: dict[str, Any], path: str | Path) -> None:
+    """Cuts count from 1, those made before first."""
+    already = data.get("already_cut", [])
+    made = len(already)
+    if data.get("resumed_after", 0) != made:
+        says = f"it goes on after cut {data.get('resumed_after', 0)}, but lists {made} cuts as already cut"
+        raise InputError(f"the plan is damaged: {says}", file=path)
+    if sorted(cut["order"] for cut in already) != list(range(1, made + 1)):
+        raise InputError("the plan is damaged: the order of what is already cut does not count 1, 2, 3 …", file=path)
+    if sorted(cut["order"] for cut in data["cuts"]) != list(range(made + 1, made + len(data["cuts"]) + 1)):
+        counts = ", ".join(str(made + k) for k in (1, 2, 3))
+        raise InputError(f"the plan is damaged: the order of its cuts does not count {counts} …", file=path)
+
+
+@cache
+def validator() -> Draft202012Validator:
+    """The validator of the schema beside this file."""
+    return Draft202012Validator(json.loads((files(__package__) / "plan.schema.json").read_text(encoding="utf-8")))
+
+
+def _check_schema(data: dict[str, Any], text: str, path: str | Path) -> None:
+    """Hold a plan against the schema; cuts that plainly fit are not shown to it, which would take long over many."""
+    cuts = data.get("cuts")
+    shown, numbers = data, []
+    if isinstance(cuts, list):
+        numbers = [k for k, cut in enumerate(cuts) if not _plain(cut)]
+        shown = {**data, "cuts": [cuts[k] for k in numbers]}
+    found: list[tuple[list[str | int], str]] = []
+    for error in islice(validator().iter_errors(shown), MOST_ERRORS):
+        steps = list(error.absolute_path)
+        if len(steps) > 1 and steps[0] == "cuts":
+            steps[1] = numbers[int(steps[1])]
+        found.append((steps, said(error)))
+    if not found:
+        return
+    at = places(text, [steps for steps, _ in found])
+    first = min(range(len(found)), key=lambda k: (at[k][0] or 0, at[k][1] or 0))
+    more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
+    message = f"the plan is damaged: {_spoken(found[first][0])}: {found[first][1]}{more}"
+    raise InputError(message, file=path, line=at[first][0], column=at[first][1])
+
+
+def _spoken(steps: list[str | int]) -> str:
+    """A path as "cuts 3, lead_in 1": lists count from 1."""
+    words = "".join(f" {step + 1}" if isinstance(step, int) else f", {step}" for step in steps)
+    return words.removeprefix(", ") or "the file"
+
+
+def _plain(cut: object) -> bool:
+    """True for a cut that the schema has nothing to say about."""
+    if not isinstance(cut, dict) or len(_CUT_KINDS.keys() & cut.keys()) < len(_CUT_KINDS):
+        return False
+    if not all(type(cut[key]) in kinds for key, kinds in _CUT_KINDS.items()):
+        return False
+    texts = [*cut["because"], *(cut.get("excused", ()) if isinstance(cut.get("excused", ()), list | tuple) else (0,))]
+    return (
+        cut["kind"] in ("outer", "hole", "mark")
+        and cut["direction"] in ("cw", "ccw")
+        and 0 <= cut["zone"] <= LIMIT_MM
+        and all(len(cut[key]) == 2 and _plain_row(cut[key]) for key in ("entry", "pierce"))
+        and all(isinstance(row, list) and 2 <= len(row) <= 3 and _plain_row(row) for key in _PATHS for row in cut[key])
+        and all(abs(cut[key]) <= 1e12 for key in ("length_mm", "start_s", "end_s"))
+        and all(isinstance(text, str) for text in texts)
+        and "dwell_s" not in cut
+    )
+
+
+def _plain_row(row: list[object]) -> bool:
+    return all(type(x) in (int, float) and -LIMIT_MM <= x <= LIMIT_MM for x in row)  # type: ignore[operator]
+
+
+_PATHS = ("lead_in", "lead_out")
+_NUMBER, _TEXT, _WHOLE, _LIST = (int, float), (str,), (int,), (list,)
+_CUT_KINDS: dict[str, tuple[type, ...]] = {
+    "order": _WHOLE, "contour": _TEXT, "part": _TEXT, "kind": _TEXT, "zone": _WHOLE, "entry": _LIST, "pierce": _LIST,
+    "lead_in": _LIST, "lead_out": _LIST, "direction": _TEXT, "length_mm": _NUMBER, "start_s": _NUMBER,
+    "end_s": _NUMBER, "because": _LIST,
+}  # fmt: skip
+
+
+def _plan_of(data: dict[str, Any]) -> Plan:
+    return Plan(
+        nest=data["nest"],
+        profile=data["profile"],
+        start_side=data["start_side"],
+        start_side_because=data["start_side_because"],
+        cuts=_cuts(data["cuts"]),
+        totals=_record(Totals, data["totals"]),
+        solve=_record(SolveReport, data["solve"]),
+        rules=tuple(
+            RuleReport(
+                r["id"],
+                r["strength"],
+                r["holds"],
+                tuple((tuple(e["contours"]), e["why"]) for e in r["exceptions"]),
+            )
+            for r in data["rules"]
+        ),
+        dropped=tuple(Dropped(d["rule"], tuple(d["contours"]), d["why"]) for d in data["dropped"]),
+        time=_record(TimeReport, data["time"]) if "time" in data else None,
+        left_out=tuple(LeftOut(left["contour"], left["why"]) for left in data.get("left_out", ())),
+        origin=data.get("origin", "drawing"),
+        zero=(float(data["zero"][0]), float(data["zero"][1])) if "zero" in data else (0.0, 0.0),
+        already_cut=_cuts(data.get("already_cut", [])),
+        broken_off=_cut(data["broken_off"]) if "broken_off" in data else None,
+    )
+
+
+def _cuts(rows: list[dict[str, Any]]) -> tuple[PlannedCut, ...]:
+    return tuple(_cut(row) for row in sorted(rows, key=itemgetter("order")))
+
+
+def _cut(c: dict[str, Any]) -> PlannedCut:
+    return PlannedCut(
+        Cut(
+            c["contour"],
+            (float(c["entry"][0]), float(c["entry"][1])),
+            c["direction"],
+            (float(c["pierce"][0]), float(c["pierce"][1])),
+            _path(c, "lead_in"),
+            _path(c, "lead_out"),
+            c["zone"],
+            c["start_s"],
+            c["end_s"],
+            tuple(c.get("excused", ())),
+        ),
+        c["part"],
+        c["kind"],
+        c["length_mm"],
+        tuple(c["because"]),
+        c.get("dwell_s", 0.0),
+    )
+
+
+def _path(cut: dict[str, Any], key: str) -> Curve | None:
+    """A lead; one that goes nowhere is its one point."""
+    return checked_curve(cut[key], closed=False) if cut[key] else None
+
+
+def _record(kind: Any, data: dict[str, Any]) -> Any:
+    """The dataclass with the keys it knows; others are not this version's."""
+    return kind(**{name: data[name] for name in kind.__slots__ if name in data})

@@ -1,0 +1,62 @@
+"""The short form of why: the statements that hold a contour in its place, nearest first, and its entry."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.rules.by_kind import by_kind
+from kerfwise.rules.statements import Precede
+from kerfwise.rules.stating.state_rules import Stated
+
+SAME_MM = 1e-6
+
+
+def reasons(facts: Facts, stated: Stated, route: Sequence[int], home: Point) -> list[tuple[str, ...]]:
+    """For every cut of `route` (candidates in order): what kept it from coming earlier, what from coming later, and
+    the entry, where it is the shortest way on.
+
+    Of the orders that end (begin) at a contour only the nearest in the plan is told: the others hold by more.
+    """
+    order = [facts.candidates[c].contour for c in route]
+    place = {contour: k for k, contour in enumerate(order)}
+    after: dict[int, Precede] = {}
+    before: dict[int, Precede] = {}
+    for s in by_kind(stated.statements).precede:
+        if place[s.before] > place[s.after]:
+            continue
+        if s.after not in after or place[s.before] > place[after[s.after].before]:
+            after[s.after] = s
+        if s.before not in before or place[s.after] < place[before[s.before].after]:
+            before[s.before] = s
+    entered = _entered(facts, stated, route, home)
+    told = []
+    for contour, entry in zip(order, entered, strict=True):
+        held = [near[contour].about.sentence for near in (after, before) if contour in near]
+        name = facts.nest.contours[contour].id
+        told.append((*(held or [f"no order rule speaks of {name}: it is cut here for the shortest travel"]), *entry))
+    return told
+
+
+def _entered(facts: Facts, stated: Stated, route: Sequence[int], home: Point) -> list[tuple[str, ...]]:
+    """For every cut, that no candidate of its contour makes a shorter way between its neighbours, if that is so."""
+    forbidden = {s.candidate for s in by_kind(stated.statements).forbid if s.weight is None}
+    used = [facts.candidates[c] for c in route]
+    names = ["home", *(facts.nest.contours[c.contour].id for c in used), "home"]
+    told: list[tuple[str, ...]] = []
+    for k, candidate in enumerate(used):
+        leave = used[k - 1].end if k else home
+        reach = used[k + 1].pierce if k + 1 < len(used) else home
+        rivals = [c for c in facts.candidates_of(candidate.contour) if c not in forbidden]
+        ways = [_way_mm(leave, facts.candidates[c].pierce, facts.candidates[c].end, reach) for c in rivals]
+        shortest = _way_mm(leave, candidate.pierce, candidate.end, reach) <= min(ways) + SAME_MM
+        x, y = candidate.entry
+        sentence = f"entered at ({x:.1f}, {y:.1f}): the shortest lawful way from {names[k]} to {names[k + 2]}"
+        told.append((sentence,) if shortest and len(rivals) > 1 else ())
+    return told
+
+
+def _way_mm(leave: Point, pierce: Point, end: Point, reach: Point) -> float:
+    return math.dist(leave, pierce) + math.dist(end, reach)

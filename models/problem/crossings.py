@@ -1,0 +1,137 @@
+"""Idle moves over parts that may already be out (rule no-tip-travel), worked out for every move that can occur."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.rules.statements import Crossing
+
+from .crossed_areas import Going, Moves, Stopped, crossed_areas
+from .successors import Bools
+
+Ints = NDArray[np.int64]
+UM_PER_MM = 1000
+GRAZE_UM = 100.0
+"""A move that touches an area less deeply than this does not cross it."""
+FORBIDDEN = -1
+MOST_MOVES = 3_000_000
+"""Moves that can be looked at one by one in a minute or so."""
+
+
+def _none() -> Ints:
+    return np.zeros(0, dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Crossings:
+    """Row k: going from site `leave[k]` to site `reach[k]` once contour `over[k]` is cut costs `cost[k]` µm.
+
+    A site number of m, the number of sites, is the machine's home; a cost of `FORBIDDEN` makes the move unlawful.
+    `statement[k]` is the place of the statement among those given. What is out from the start is said of the contour
+    that the move leaves, which is cut by then: `over[k]` is that one.
+    """
+
+    leave: Ints = field(default_factory=_none)
+    reach: Ints = field(default_factory=_none)
+    over: Ints = field(default_factory=_none)
+    cost: Ints = field(default_factory=_none)
+    statement: Ints = field(default_factory=_none)
+
+    def __len__(self) -> int:
+        return len(self.leave)
+
+
+class TooManyMoves(InputError):
+    """The moves that can occur cannot all be looked at."""
+
+
+def find_crossings(
+    statements: Sequence[Crossing],
+    before: Bools,
+    lawful: Bools,
+    first: Ints,
+    ends_um: Ints,
+    pierces_um: Ints,
+    going: Going = lambda share: True,
+) -> Crossings:
+    """All crossings between contours that may follow each other, of areas that may be out by then.
+
+    `before` (n, n) is the closed order, `lawful` the matrix of `successors.lawful_successors` (n + 1, n + 1), `first`
+    the first site of every contour and of home; `ends_um`, `pierces_um` (m + 1, 2) include home as their last row.
+
+    `going` is asked now and then, with the share of the moves that has been looked at, whether to go on.
+
+    Raises
+    ------
+    TooManyMoves
+        If there are more than `MOST_MOVES` moves between sites, as on large nests without zones, or `going` says no.
+    """
+    if not statements:
+        return Crossings()
+    sites = np.diff(first)
+    if (
+        moves := sum(int(k) * int(sites[follows].sum()) for k, follows in zip(sites, lawful, strict=True))
+    ) > MOST_MOVES:
+        raise TooManyMoves(
+            f"idle travel over parts that are out asks about {moves:,} moves, more than the {MOST_MOVES:,} that can be "
+            f"looked at: switch {statements[0].about.rule} off or zone-order on in the profile"
+        )
+    n = len(before)
+    over = np.array([-1 if s.over is None else s.over for s in statements], dtype=np.int64)
+    from_start = over < 0
+    late = np.vstack([before[:, over] | (np.arange(n)[:, None] == over), np.zeros(len(over), dtype=np.bool_)])
+    late[:, from_start] = False
+    owner = np.repeat(np.arange(n + 1), sites)
+    ends, pierces = ends_um.astype(np.float64), pierces_um.astype(np.float64)
+    ahead = [np.flatnonzero(lawful[c][owner]) for c in range(n)]
+    left = [c for c in range(n) if len(ahead[c]) and sites[c]]
+    asked = [
+        Moves(
+            ends[first[c] : first[c + 1]],
+            pierces[ahead[c]],
+            owner[ahead[c]],
+            np.flatnonzero(~before[c, over] | from_start),
+        )
+        for c in left
+    ]
+    try:
+        found = crossed_areas(asked, _areas_um(statements), late, going)
+    except Stopped:
+        raise TooManyMoves(
+            f"idle travel over parts that are out asks about {moves:,} moves, for which the time limit is too short"
+        ) from None
+    rows = [(first[c] + leave, ahead[c][reach], area) for c, (leave, reach, area) in zip(left, found, strict=True)]
+    leave, reach, area = (np.concatenate(column) for column in zip((_none(),) * 3, *rows, strict=True))
+    price = [FORBIDDEN if s.weight is None else round(s.weight * UM_PER_MM) for s in statements]
+    out = np.where(from_start[area], owner[leave], over[area])
+    return Crossings(leave, reach, out, np.array(price, dtype=np.int64)[area], area)
+
+
+def from_home(statements: Sequence[Crossing], lawful: Bools, first: Ints, pierces_um: Ints) -> list[tuple[int, int]]:
+    """Site, and number of the statement, of every move from home that leads over what is out from the start.
+
+    The other arguments are those of `find_crossings`.
+    """
+    asked = [k for k, s in enumerate(statements) if s.over is None]
+    if not asked:
+        return []
+    sites = np.diff(first)
+    n = len(sites) - 1
+    owner = np.repeat(np.arange(n + 1), sites)
+    pierces = pierces_um.astype(np.float64)
+    ahead = np.flatnonzero(lawful[n][owner] & (owner < n))
+    moves = Moves(pierces[-1:], pierces[ahead], owner[ahead], np.arange(len(asked)))
+    never = np.zeros((n + 1, len(asked)), dtype=np.bool_)
+    ((_, reach, area),) = crossed_areas([moves], _areas_um([statements[k] for k in asked]), never)
+    return sorted((int(ahead[r]), asked[a]) for r, a in zip(reach.tolist(), area.tolist(), strict=True))
+
+
+def _areas_um(statements: Sequence[Crossing]) -> list[shapely.Geometry]:
+    """What must not be crossed, less what a move may graze."""
+    return list(shapely.buffer([shapely.transform(s.area, lambda xy: xy * UM_PER_MM) for s in statements], -GRAZE_UM))

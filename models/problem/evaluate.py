@@ -1,0 +1,139 @@
+"""What a route costs and which hard statements it breaks: the plain reference that every engine is held against."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from kerfwise.rules.statements import About, AtLeast, Before, Lag, Pick
+
+from .crossings import FORBIDDEN
+from .problem import Problem
+
+
+def route_cost(problem: Problem, route: Sequence[int]) -> int:
+    """Cost in whole µm of visiting the sites of `route` in order, from home and back, soft statements included."""
+    sites = np.asarray(route, dtype=np.int64)
+    legs = problem.legs(np.append(problem.m, sites), np.append(sites, problem.m))
+    order = [int(problem.site_contour[s]) for s in route]
+    total = int(legs.sum()) + int(problem.site_cost[sites].sum())
+    total += sum(cost for cost, _ in _broken_conditions(problem, route) if cost is not None)
+    total += sum(g.cost * (_pieces(order, g.contours) - 1) for g in problem.soft_groups)
+    position = {c: k for k, c in enumerate(order)}
+    times = times_ms(problem, route)
+    for lag in problem.lags:
+        if lag.weight is not None:
+            total += round(lag.weight * 1000) * _missing_cuts(lag, position)
+            total += round(lag.weight) * missing_ms(lag, times)
+    total += sum(cost for cost in _crossed(problem, route) if cost != FORBIDDEN)
+    picked = set(route)
+    total += sum(
+        round(s.weight * 1000)
+        for s in problem.general
+        if s.weight is not None and not general_holds(problem, s, position, picked)
+    )
+    return total
+
+
+def broken(problem: Problem, route: Sequence[int]) -> tuple[About, ...]:
+    """The hard statements that a route breaks; empty for a lawful one. Every contour must be there once."""
+    order = [int(problem.site_contour[s]) for s in route]
+    if sorted(order) != list(range(problem.n)):
+        return (About("coverage", (), "every contour is cut exactly once"),)
+    found: list[About] = []
+    position = {c: k for k, c in enumerate(order)}
+    at = np.array([position[c] for c in range(problem.n)])
+    rows, columns = np.nonzero(problem.before & (at[:, None] > at[None, :]))
+    for i, j in zip(rows.tolist(), columns.tolist(), strict=True):
+        names = (problem.ids[i], problem.ids[j])
+        found.append(About("order", names, f"{names[0]} must be cut before {names[1]}"))
+    along = problem.block[order]
+    begun = along[np.flatnonzero(np.diff(along, prepend=-1))]  # the block of every piece of the order
+    for block, pieces in zip(*np.unique(begun, return_counts=True), strict=True):
+        if pieces > 1:
+            together = tuple(problem.ids[k] for k in np.flatnonzero(problem.block == block))
+            found.append(About("contiguous", together, f"{', '.join(together)} must follow each other"))
+    found += [about for cost, about in _broken_conditions(problem, route) if cost is None]
+    times = times_ms(problem, route)
+    for lag in problem.lags:
+        if lag.weight is None and (_missing_cuts(lag, position) > 0 or missing_ms(lag, times) > 0):
+            found.append(lag.about)
+    if FORBIDDEN in _crossed(problem, route):
+        found.append(About("crossing", (), "an idle move crosses a part that is already out"))
+    picked = set(route)
+    found += [s.about for s in problem.general if s.weight is None and not general_holds(problem, s, position, picked)]
+    return tuple(found)
+
+
+def general_holds(problem: Problem, statement: AtLeast, position: dict[int, int], picked: set[int]) -> bool:
+    """Whether a statement over any literals holds; `picked` are sites."""
+    if statement.when is not None and int(problem.candidate_site[statement.when]) not in picked:
+        return True
+    total = 0
+    for literal, weight in zip(statement.literals, statement.weights, strict=True):
+        match literal:
+            case Before(i, j):
+                total += weight * (position[i] < position[j])
+            case Pick(c):
+                total += weight * (int(problem.candidate_site[c]) in picked)
+    return total >= statement.bound
+
+
+def _missing_cuts(lag: Lag, position: dict[int, int]) -> int:
+    return max(0, lag.cuts - (abs(position[lag.first] - position[lag.second]) - 1))
+
+
+def times_ms(problem: Problem, route: Sequence[int]) -> dict[int, tuple[int, int]]:
+    """Contour → when its cut begins and ends, ms from the program's start."""
+    if not len(problem.pace.cut_ms):
+        return {int(problem.site_contour[s]): (0, 0) for s in route}
+    now, at = 0, problem.home_um
+    times = {}
+    for site in route:
+        begin = now + int(problem.pace.move_ms(at, problem.pierce_um[site]))
+        now, at = begin + int(problem.pace.cut_ms[site]), problem.end_um[site]
+        times[int(problem.site_contour[site])] = (begin, now)
+    return times
+
+
+def missing_ms(lag: Lag, times: dict[int, tuple[int, int]]) -> int:
+    if not lag.seconds:
+        return 0
+    (_, end), (begin, _) = sorted((times[lag.first], times[lag.second]))
+    return max(0, round(lag.seconds * 1000) - (begin - end))
+
+
+def _crossed(problem: Problem, route: Sequence[int]) -> list[int]:
+    """What the moves of the route cost for the parts they cross, in the order of the rows of `Crossings`."""
+    rows, m = problem.crossings, problem.m
+    if not len(rows):
+        return []
+    stops = np.array([m, *route, m])
+    step, onward = np.full(m + 1, -1), np.full(m + 1, -1)
+    step[stops[:-1]], onward[stops[:-1]] = np.arange(len(stops) - 1), stops[1:]
+    place = np.zeros(problem.n, dtype=np.int64)
+    place[problem.site_contour[list(route)]] = np.arange(len(route))
+    taken = np.flatnonzero(onward[rows.leave] == rows.reach)
+    taken = taken[place[rows.over[taken]] < step[rows.leave[taken]]]
+    return [int(cost) for cost in rows.cost[taken]]
+
+
+def _pieces(order: Sequence[int], members: tuple[int, ...]) -> int:
+    wanted = set(members)
+    inside = [c in wanted for c in order]
+    return sum(now and not was for was, now in zip([False, *inside], inside, strict=False))
+
+
+def _broken_conditions(problem: Problem, route: Sequence[int]) -> Iterator[tuple[int | None, About]]:
+    already: set[int] = set()
+    of_contour: dict[int, list[int]] = {}
+    for k, condition in enumerate(problem.conditions):
+        of_contour.setdefault(condition.contour, []).append(k)
+    for site in route:
+        contour = int(problem.site_contour[site])
+        for k in of_contour.get(contour, ()):
+            condition = problem.conditions[k]
+            if condition.when in (None, site) and not condition.met(already):
+                yield condition.cost, condition.about
+        already.add(contour)

@@ -1,0 +1,174 @@
+"""The same problem, smaller: conditions that the hard orders decide, and sites that no plan needs.
+
+Rules about how a contour is cut (which way round, what the tail faces) come as many conditions, most of them decided
+by the orders alone. Once those are folded into what a site costs, sites with the same pierce and end often differ in
+nothing but that cost, and the dearer ones can go.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kerfwise.rules.statements import Pick
+
+from .conditions import Condition
+from .crossings import Crossings
+from .problem import Problem
+
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+
+def simplify(problem: Problem) -> Problem:
+    """A problem with the same optimum; every route of it is a route of the given one at the same cost."""
+    decided, unlawful = _decided(problem)
+    needed = ~_spare(decided, unlawful)
+    for i in range(problem.n):
+        sites = slice(problem.first[i], problem.first[i + 1])
+        if not needed[sites].any():  # every site is unlawful: an engine is to find that out
+            needed[sites] = True
+    return _with_sites(decided, needed)
+
+
+def _decided(problem: Problem) -> tuple[Problem, Bools]:
+    """The problem without conditions that are always met, or soft and never met; and the sites never lawful."""
+    cost = problem.site_cost.copy()
+    unlawful = np.zeros(problem.m, dtype=np.bool_)
+    left: list[Condition] = []
+    for condition in problem.conditions:
+        rest = _undecided(problem, condition)
+        if sum(min(w, 0) for w in rest.weights) >= rest.bound:
+            continue
+        sites = list(problem.sites(rest.contour)) if rest.when is None else [rest.when]
+        if sum(max(w, 0) for w in rest.weights) >= rest.bound:
+            left.append(rest)
+        elif rest.cost is None:
+            left.append(rest)
+            unlawful[sites] = True
+        else:
+            cost[sites] += rest.cost
+    return replace(problem, conditions=tuple(left), site_cost=cost), unlawful
+
+
+def _undecided(problem: Problem, condition: Condition) -> Condition:
+    """The condition on those members alone of which no hard order says whether they are out by then."""
+    i, bound = condition.contour, condition.bound
+    left: list[tuple[int, int]] = []
+    for k, weight in zip(condition.members, condition.weights, strict=True):
+        if problem.before[k, i]:
+            bound -= weight
+        elif k != i and not problem.before[i, k] and weight != 0:
+            left.append((k, weight))
+    return replace(condition, members=tuple(k for k, _ in left), weights=tuple(w for _, w in left), bound=bound)
+
+
+def _spare(problem: Problem, unlawful: Bools) -> Bools:
+    """Sites that are never lawful, or for which another with the same pierce and end is never worse."""
+    spare = unlawful.copy()
+    groups = _alike(problem)
+    compared = np.zeros(problem.m + 1, dtype=np.bool_)
+    compared[[s for sites in groups for s in sites]] = True
+    asked = _conditions_by_site(problem, compared)
+    crossed = _crossings_by_site(problem, compared)
+    for sites in groups:
+        for s in sites:
+            for t in sites:
+                if t == s or spare[t] or crossed[t] - crossed[s]:
+                    continue
+                more = asked[t] - asked[s]
+                costs = [cost for _, _, _, cost in more.elements()]
+                dearest = sum(cost for cost in costs if cost is not None) + int(problem.site_cost[t])
+                if None not in costs and dearest <= problem.site_cost[s]:
+                    spare[s] = True
+                    break
+    return spare
+
+
+def _alike(problem: Problem) -> list[list[int]]:
+    """Sites that can be compared, in groups of at least two."""
+    named = _named(problem)
+    timed = any(lag.seconds > 0 for lag in problem.lags) and len(problem.pace.cut_ms) > 0
+    groups: dict[object, list[int]] = defaultdict(list)
+    for s in range(problem.m):
+        if s not in named:
+            groups[_place(problem, s, timed)].append(s)
+    return [sites for sites in groups.values() if len(sites) > 1]
+
+
+def _place(problem: Problem, site: int, timed: bool) -> object:
+    """What two sites must share to be compared: contour, pierce and end, and the time of the cut where it counts."""
+    if problem.matrix is None:
+        reached, left = problem.pierce_um[site].tobytes(), problem.end_um[site].tobytes()
+    else:
+        reached, left = problem.matrix[:, site].tobytes(), problem.matrix[site].tobytes()
+    return (
+        int(problem.site_contour[site]),
+        reached,
+        left,
+        int(problem.pace.cut_ms[site]) if timed else 0,
+    )
+
+
+def _named(problem: Problem) -> set[int]:
+    """Sites that general statements speak of."""
+    candidates = {lit.c for s in problem.general for lit in s.literals if isinstance(lit, Pick)}
+    candidates |= {s.when for s in problem.general if s.when is not None}
+    return {int(problem.candidate_site[c]) for c in candidates} - {-1}
+
+
+def _conditions_by_site(
+    problem: Problem, compared: Bools
+) -> dict[int, Counter[tuple[object, object, int, int | None]]]:
+    asked: dict[int, Counter[tuple[object, object, int, int | None]]] = defaultdict(Counter)
+    for c in problem.conditions:
+        if c.when is not None and compared[c.when]:
+            asked[c.when][c.members, c.weights, c.bound, c.cost] += 1
+    return asked
+
+
+def _crossings_by_site(problem: Problem, compared: Bools) -> dict[int, Counter[tuple[str, int, int, int]]]:
+    crossed: dict[int, Counter[tuple[str, int, int, int]]] = defaultdict(Counter)
+    rows = problem.crossings
+    for way, here, there in (("to", rows.leave, rows.reach), ("from", rows.reach, rows.leave)):
+        of = compared[here]
+        columns = (here[of].tolist(), there[of].tolist(), rows.over[of].tolist(), rows.cost[of].tolist())
+        for site, other, over, cost in zip(*columns, strict=True):
+            crossed[site][way, other, over, cost] += 1
+    return crossed
+
+
+def _with_sites(problem: Problem, kept: Bools) -> Problem:
+    """The problem with these sites alone, numbered anew."""
+    number = np.append(np.where(kept, np.cumsum(kept) - 1, -1), kept.sum())  # the last is home
+    rows = problem.crossings
+    there = (number[rows.leave] >= 0) & (number[rows.reach] >= 0)
+    contours = problem.site_contour[kept]
+    timed = len(problem.pace.cut_ms) > 0
+    return replace(
+        problem,
+        first=np.searchsorted(contours, np.arange(problem.n + 1)).astype(np.int64),
+        site_contour=contours,
+        site_candidate=problem.site_candidate[kept],
+        candidate_site=np.where(problem.candidate_site >= 0, number[problem.candidate_site], -1),
+        pierce_um=problem.pierce_um[kept],
+        end_um=problem.end_um[kept],
+        site_cost=problem.site_cost[kept],
+        conditions=tuple(
+            c if c.when is None else replace(c, when=int(number[c.when]))
+            for c in problem.conditions
+            if c.when is None or kept[c.when]
+        ),
+        crossings=Crossings(
+            number[rows.leave[there]],
+            number[rows.reach[there]],
+            rows.over[there],
+            rows.cost[there],
+            rows.statement[there],
+        ),
+        pace=replace(problem.pace, cut_ms=problem.pace.cut_ms[kept]) if timed else problem.pace,
+        matrix=None if problem.matrix is None else problem.matrix[np.ix_(np.append(kept, True), np.append(kept, True))],
+    )

@@ -1,0 +1,47 @@
+"""What a program must say before it moves, lest it run in whatever state the control was left in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from kerfwise.postproc.check.program_rules import TOLERANCE_MM
+
+from .words import Block
+
+_ASKED: dict[str, frozenset[float]] = {
+    "its units (G21 or G20)": frozenset({20.0, 21.0}),
+    "how it counts (G90 or G91)": frozenset({90.0, 91.0}),
+    "the plane of arcs (G17)": frozenset({17.0}),
+    "how it counts their centres (G91.1 or G90.1)": frozenset({90.1, 91.1}),
+    "that the control leaves the kerf alone (G40)": frozenset({40.0}),
+    "what F means (G94)": frozenset({94.0}),
+    f"how near the control keeps to the path (G61, or G64 with a P of at most {TOLERANCE_MM:g} mm)": frozenset(
+        {61.0, 61.1, 64.0}
+    ),
+}
+
+
+@dataclass(slots=True)
+class Modes:
+    """What has not been said yet; a program is told of it once."""
+
+    left: dict[str, frozenset[float]] = field(default_factory=lambda: dict(_ASKED))
+
+    def said(self, block: Block, unit_mm: float) -> None:
+        """Take note of the G words of a block. G64 that lets the torch round corners off more than is allowed unsays.
+
+        `unit_mm` is the length that P is given in.
+        """
+        if not block.g:
+            return
+        words = set(block.g)
+        if 64.0 in words and not 0 < block.words.get("P", 0.0) * unit_mm <= TOLERANCE_MM * (1 + 1e-9):
+            words.discard(64.0)
+            self.left |= {name: codes for name, codes in _ASKED.items() if 64.0 in codes}
+        self.left = {name: codes for name, codes in self.left.items() if not codes & words}
+
+    def missing(self) -> str:
+        """What is missing, as a list for a sentence; empty from then on, until something is unsaid."""
+        text = ", ".join(self.left)
+        self.left = {}
+        return text

@@ -1,0 +1,82 @@
+"""A program read as the control of the profile's machine runs it, in the coordinates of the drawing."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.postproc.dialects import fitting_dialect, pierce_dwell_of
+from kerfwise.rules.profile.frame import Frame
+from kerfwise.rules.profile.machine_section import Origin
+from kerfwise.rules.profile.profile import Profile
+
+from .controls import CONTROLS
+from .program import NcProgram
+from .reader import read_nc
+
+_NUMBER = r"-?\d+(?:\.\d+)?"
+_ORIGIN = re.compile(
+    rf"ORIGIN (?P<origin>DRAWING|SHEET CORNER)(?:, AT X(?P<x>{_NUMBER}) Y(?P<y>{_NUMBER}) OF THE DRAWING)?",
+    re.IGNORECASE,
+)
+_ORIGINS: Mapping[str, Origin] = {"DRAWING": "drawing", "SHEET CORNER": "sheet-corner"}
+
+
+def read_on_machine(text: str, nest: Nest, profile: Profile, file: str = "") -> NcProgram:
+    """Read a program as the machine runs it; where the control holds the pierce delay itself, its clock has it too.
+
+    Where the machine's zero lies on the drawing the program's own comment says, else the profile.
+
+    Raises
+    ------
+    InputError
+        With the line, for what is malformed or not understood; for a dialect that does not fit the profile's process.
+    """
+    machine = profile.machine
+    dialect = fitting_dialect(profile)
+    held_s = (0.0, 0.0)
+    if pierce_dwell_of(profile, dialect) == "machine":
+        held_s = (machine.pierce_time_s, machine.mark_time_s)
+    program = read_nc(text, machine.travel_mm_s, file, machine.home, CONTROLS[dialect.control], held_s)
+    origin, zero = _said(program.comments)
+    if zero is None:
+        zero = profile.at_origin(origin or machine.origin).frame_on(nest).corner
+    return replace(_moved(program, Frame(zero)), origin=origin, zero=zero if origin else None)
+
+
+def on_its_origin(program: NcProgram, profile: Profile) -> Profile:
+    """The profile with the origin that the program says it has."""
+    return profile if program.origin is None else profile.at_origin(program.origin)
+
+
+def other_origin(program: NcProgram, profile: Profile) -> Iterator[str]:
+    """A warning where a program says another origin than the profile."""
+    if program.origin is not None and program.origin != profile.machine.origin:
+        asked = profile.machine.origin
+        yield f"the program's origin is {program.origin}, the profile says {asked}: the program's counts"
+
+
+def _said(comments: Iterable[str]) -> tuple[Origin | None, Point | None]:
+    """The origin that a program states, and the point of the drawing that is its zero."""
+    found = next(filter(None, map(_ORIGIN.fullmatch, comments)), None)
+    if found is None:
+        return None, None
+    origin = _ORIGINS[found["origin"].upper()]
+    if found["x"] is None:
+        return origin, (0.0, 0.0) if origin == "drawing" else None
+    return origin, (float(found["x"]), float(found["y"]))
+
+
+def _moved(program: NcProgram, frame: Frame) -> NcProgram:
+    """The program in the drawing's coordinates."""
+    if frame.corner == (0.0, 0.0):
+        return program
+    return replace(
+        program,
+        burns=tuple(replace(burn, path=burn.path.moved(*frame.corner)) for burn in program.burns),
+        rapids=tuple((line, frame.on_drawing(at)) for line, at in program.rapids),
+        end=frame.on_drawing(program.end),
+    )

@@ -1,0 +1,80 @@
+"""What a program does, as the check's reader found it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.rules.profile.machine_section import Origin
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Burn:
+    """One stretch with a tool on, rapids left out: torch $0, others mark.
+
+    `line` is where it begins, `comment` the last comment before it. Times in s from the program's start. `travels_mm`
+    are the moves with no tool on since the burn before, `wait_s` is how long it has stood still since, off. The tool
+    stands for `pierce_s` before it moves, by the program's own words, after the control has held it for `held_s` by
+    itself, and for `paused_s` later on; `feeds_mm_s` are the speeds it moves at.
+    """
+
+    tool: int
+    line: int
+    path: Curve
+    start_s: float
+    end_s: float
+    comment: str
+    travels_mm: tuple[float, ...] = ()
+    pierce_s: float = 0.0
+    paused_s: float = 0.0
+    feeds_mm_s: tuple[float, ...] = ()
+    wait_s: float = 0.0
+    held_s: float = 0.0
+
+    @property
+    def moving_s(self) -> float:
+        """How long the tool moves, at the program's own feeds, s."""
+        return self.end_s - self.start_s - self.held_s - self.pierce_s - self.paused_s
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """Moves that are not as they should be: rapids with a tool on, or travel at cutting feed."""
+
+    line: int
+    length_mm: float
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """What a program does wrong by itself, whatever it cuts: the line, the rule it breaks, and a sentence."""
+
+    line: int
+    rule: str
+    text: str
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class NcProgram:
+    """What a program does. `idle_mm` is all travel with no tool on, `slow_travel` the part of it at cutting feed.
+
+    `homing_mm` are the moves after the last burn, `end` is where they lead, `blocks` the lines that are more than
+    comments, and `moving_s` the time with a tool on at the program's own feeds, s. `rapids` are the lines and ends of
+    moves with no tool on. `origin` and `zero`, a point of the drawing, are where the program says that the machine's
+    zero is, None where it does not.
+    """
+
+    burns: tuple[Burn, ...]
+    hot_rapids: tuple[Stretch, ...]
+    slow_travel: tuple[Stretch, ...]
+    faults: tuple[Fault, ...]
+    comments: tuple[str, ...]
+    idle_mm: float
+    homing_mm: tuple[float, ...]
+    end: Point
+    blocks: int
+    moving_s: float
+    rapids: tuple[tuple[int, Point], ...] = ()
+    origin: Origin | None = None
+    zero: Point | None = None

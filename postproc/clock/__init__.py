@@ -1,0 +1,1 @@
+"""The clock: plans and programs over time, and the heat they leave."""

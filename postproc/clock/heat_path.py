@@ -1,0 +1,58 @@
+"""A plan or a program as the timed path of a torch that heats the sheet; marks heat nothing worth speaking of."""
+
+from __future__ import annotations
+
+import re
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.physics.heat import TimedPath
+from kerfwise.models.physics.heat.timed_path import in_order, torch_on
+from kerfwise.models.plan.plan import Plan
+from kerfwise.postproc.check.reader.program import NcProgram
+from kerfwise.postproc.nc.plan_paths import toolpaths
+from kerfwise.rules.profile.profile import Profile
+
+_CHORD_MM = 0.05
+_CUT = re.compile(r"CUT \d+ (?P<contour>\S+)")
+
+
+def path_of_plan(plan: Plan, nest: Nest, profile: Profile) -> TimedPath:
+    """Where the torch burns by the plan, at the times that the plan states.
+
+    Raises
+    ------
+    InputError
+        If the plan was made from another nest, or its times are missing or contradict each other.
+    """
+    if plan.cuts and not any(planned.cut.end_s for planned in plan.cuts):
+        raise InputError("the plan does not say when its contours are cut: start_s and end_s are needed for heat")
+    burns = [
+        torch_on(
+            made.planned.cut.contour,
+            made.path.flatten(_CHORD_MM),
+            made.planned.cut.start_s,
+            made.planned.cut.end_s,
+            profile.machine.edge_preheat_s if made.edge_start else profile.machine.pierce_time_s,
+        )
+        for made in toolpaths(plan, nest, profile)
+        if not made.marks
+    ]
+    return in_order(burns, plan.totals.time_s)
+
+
+def path_of_program(program: NcProgram) -> TimedPath:
+    """Where the torch burns by a program, at its own feeds and for its own waits.
+
+    Rapids are as profiled, and so are pierces where the dialect leaves them to the machine.
+    """
+    burns = []
+    for burn in program.burns:
+        if burn.tool != 0:
+            continue
+        named = _CUT.search(burn.comment)
+        name = named["contour"] if named else f"line {burn.line}"
+        burns.append(
+            torch_on(name, burn.path.flatten(_CHORD_MM), burn.start_s, burn.end_s, burn.held_s + burn.pierce_s)
+        )
+    return in_order(burns, burns[-1].at_s[-1] if burns else 0.0)

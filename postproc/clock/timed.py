@@ -1,0 +1,109 @@
+"""Plans and programs on the clock: what they do, in how many blocks, and how long that takes by the profile's model."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.physics.timing.choose import machine_feeds, motion_of
+from kerfwise.models.physics.timing.clock import Times, times_of
+from kerfwise.models.physics.timing.motion import Motion
+from kerfwise.models.physics.timing.report import TimeReport, report_times
+from kerfwise.models.physics.timing.run import Job, Run
+from kerfwise.models.plan.plan import Plan
+from kerfwise.postproc.check.reader.on_machine import read_on_machine
+from kerfwise.postproc.check.reader.program import NcProgram
+from kerfwise.postproc.nc.plan_paths import outside, toolpaths
+from kerfwise.postproc.nc.program import count_blocks
+from kerfwise.rules.profile.profile import Profile
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Timed:
+    """A job, the motion that it was timed with, and its times."""
+
+    job: Job
+    motion: Motion
+    times: Times
+
+    @property
+    def report(self) -> TimeReport:
+        """What a plan, and `kerfwise time`, say of it."""
+        return report_times(self.times, self.motion, self.job.nc_blocks)
+
+
+def time_job(job: Job, profile: Profile) -> Timed:
+    """The times of a job by the model of the profile."""
+    motion = motion_of(profile, job.nc_blocks)
+    return Timed(job, motion, times_of(job, motion, machine_feeds(profile)))
+
+
+def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
+    """What the program of a plan will do; its blocks are counted without writing it.
+
+    Raises
+    ------
+    InputError
+        If the plan was made from another nest.
+    """
+    paths = toolpaths(plan, nest, profile)
+    profile = profile.at_origin(plan.origin)
+    home = profile.home_on(nest)
+    runs, at = [], home
+    for made in paths:
+        travels_mm = (math.dist(at, _start(made.path)),)
+        waits_s, share = made.planned.dwell_s, made.feed_share
+        runs.append(Run(made.path, made.marks, not made.edge_start, travels_mm, waits_s, feed_share=share))
+        at = _end(made.path)
+    return Job(tuple(runs), (math.dist(at, home),), count_blocks(paths, nest, profile))
+
+
+def job_of_program(program: NcProgram, nest: Nest, own: Profile | None = None) -> Job:
+    """What a program does, as the check reads it; the nest tells which cuts come in from the sheet's edge.
+
+    With a profile every path takes as long as the program's own F words and G4 say, and piercing as long as that
+    profile's machine does it for, where its dialect leaves that to the machine.
+    """
+    edge_starts = outside(nest, [_start(burn.path) for burn in program.burns])
+    runs = []
+    for burn, edge_start in zip(program.burns, edge_starts, strict=True):
+        run = Run(burn.path, burn.tool != 0, not edge_start, burn.travels_mm, burn.wait_s)
+        if own is not None:
+            run = replace(run, moving_s=burn.moving_s, standing_s=burn.held_s + burn.pierce_s + burn.paused_s)
+        runs.append(run)
+    return Job(tuple(runs), program.homing_mm, program.blocks)
+
+
+def read_program(text: str, nest: Nest, profile: Profile, file: str = "") -> NcProgram:
+    """A program as the check reads it, on the profile's machine, in the coordinates of the nest's drawing.
+
+    Raises
+    ------
+    InputError
+        With the line, for what is malformed or not understood.
+    """
+    return read_on_machine(text, nest, profile, file)
+
+
+def with_times(plan: Plan, nest: Nest, profile: Profile) -> Plan:
+    """The plan with the times of its program by the model of the profile, which it then states."""
+    timed = time_job(job_of_plan(plan, nest, profile), profile)
+    cuts = tuple(
+        replace(planned, cut=replace(planned.cut, start_s=begin, end_s=end))
+        for planned, (begin, end) in zip(plan.cuts, timed.times.spans, strict=True)
+    )
+    totals = replace(plan.totals, time_s=timed.times.total_s)
+    return replace(plan, cuts=cuts, totals=totals, time=timed.report)
+
+
+def _start(path: Curve) -> Point:
+    x, y = path.vertices[0, :2].tolist()
+    return x, y
+
+
+def _end(path: Curve) -> Point:
+    x, y = path.vertices[-1, :2].tolist()
+    return x, y

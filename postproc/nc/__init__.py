@@ -1,0 +1,1 @@
+"""NC: a plan as the control's program."""

@@ -1,0 +1,81 @@
+"""The torch-on paths of a whole plan, in its order, as its program will follow them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+
+from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.plan.plan import Plan, PlannedCut
+from kerfwise.rules.profile.profile import Profile
+
+from .toolpath import torch_path
+
+SHA_DIGITS = 12
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Toolpath:
+    """One cut of the plan with its whole path; `edge_start` where it comes in from the edge and pierces nothing.
+
+    The torch follows it at `feed_share` of the cut feed.
+    """
+
+    planned: PlannedCut
+    path: Curve
+    marks: bool
+    edge_start: bool
+    feed_share: float = 1.0
+
+
+def toolpaths(plan: Plan, nest: Nest, profile: Profile) -> tuple[Toolpath, ...]:
+    """The paths of all cuts.
+
+    Raises
+    ------
+    InputError
+        If the plan was made from another nest.
+    """
+    nest = profile.as_cut(nest)
+    _same_nest(plan, nest)
+    edge_starts = outside(nest, [p.cut.pierce for p in plan.cuts])
+    made = []
+    for planned, edge_start in zip(plan.cuts, edge_starts, strict=True):
+        contour = nest.contour(planned.cut.contour)
+        path = torch_path(contour, _as_filed(planned.cut), profile.material.kerf_mm)
+        made.append(Toolpath(planned, path, contour.kind == "mark", edge_start, contour.feed_share))
+    return tuple(made)
+
+
+def outside(nest: Nest, points: list[Point]) -> list[bool]:
+    """Whether each point lies outside the sheet, where there is nothing to pierce."""
+    shapely.prepare(nest.sheet.polygon)
+    inside = shapely.contains_xy(nest.sheet.polygon, [x for x, _ in points], [y for _, y in points])
+    return [not bool(i) for i in inside]
+
+
+def _same_nest(plan: Plan, nest: Nest) -> None:
+    sha = plan.nest.get("sha256", "")
+    if sha and nest.sha256 and sha != nest.sha256:
+        raise InputError(
+            f"the plan was made from another nest: its sha256 begins {sha[:SHA_DIGITS]}, that of {nest.file} "
+            f"{nest.sha256[:SHA_DIGITS]}; solve again or give the nest it was made from"
+        )
+    if unknown := [p.cut.contour for p in plan.cuts if p.cut.contour not in nest.index]:
+        raise InputError(f"the plan cuts contours that {nest.file or 'the nest'} does not have", details=tuple(unknown))
+
+
+def _as_filed(cut: Cut) -> Cut:
+    """The cut as a plan file holds it: to 6 decimals."""
+
+    def rounded(lead: Curve | None) -> Curve | None:
+        return None if lead is None else Curve(np.round(lead.vertices, 6), lead.closed)
+
+    x, y = cut.pierce
+    return replace(cut, pierce=(round(x, 6), round(y, 6)), lead_in=rounded(cut.lead_in), lead_out=rounded(cut.lead_out))

@@ -1,0 +1,130 @@
+"""A plan as the control's program: header, then for each cut rapid, torch on, pierce dwell, path, torch off."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from pathlib import PurePath
+
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.plan.plan import Plan
+from kerfwise.postproc.dialects import Dialect, fitting_dialect, load_dialect, pierce_dwell_of
+from kerfwise.rules.profile.profile import Profile
+
+from .blocks import comment, is_comment, number, numbered, path_blocks, plain, rapid_block, seconds_text
+from .plan_paths import SHA_DIGITS, Toolpath, toolpaths
+from .resume_comments import out_comments, resume_comment
+
+
+def write_program(plan: Plan, nest: Nest, profile: Profile) -> str:
+    """The program of `plan` in the dialect of the profile's machine.
+
+    Kerf compensation is in the path (the program keeps G40); pierce points, order and directions are the plan's. The
+    same plan, nest and profile give the same bytes, and so does the plan once written to a file and read back.
+
+    Raises
+    ------
+    InputError
+        If the plan was made from another nest, or the dialect is unknown or cannot spell the program.
+    """
+    dialect = fitting_dialect(profile)
+    profile = profile.at_origin(plan.origin)
+    body = _body(toolpaths(plan, nest, profile), nest, profile, dialect, plan.resumed_after + 1)
+    return "\n".join([*numbered([*_header(plan, nest, profile, dialect), *body], dialect), ""])
+
+
+def count_blocks(paths: Iterable[Toolpath], nest: Nest, profile: Profile) -> int:
+    """How many blocks a program of these paths has, comments left out, without writing it."""
+    dialect = load_dialect(profile.machine.dialect)
+    return sum(not is_comment(block, dialect) for block in _body(paths, nest, profile, dialect))
+
+
+def _header(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect) -> Iterator[str]:
+    totals, material, nest = plan.totals, profile.material, profile.as_cut(nest)
+    yield comment(dialect, f"KERFWISE FOR {plain(dialect.title).upper()}")
+    yield comment(dialect, "NEST", PurePath(nest.file).name, f"SHA256 {nest.sha256[:SHA_DIGITS]}")
+    yield comment(dialect, "PROFILE", profile.name, f"SHA256 {profile.sha256[:SHA_DIGITS]}")
+    yield from resume_comment(plan, dialect)
+    thickness, kerf = number(material.thickness_mm, 3), number(material.kerf_mm, 3)
+    yield comment(dialect, "MATERIAL", material.name, f"{thickness} MM, KERF {kerf} MM")
+    yield _origin(nest, profile, dialect)
+    yield comment(dialect, f"CONTOURS {len(plan.cuts)}, PIERCES {totals.pierces}")
+    yield comment(dialect, f"CUT {number(totals.cut_mm, 1)} MM, IDLE {number(totals.idle_mm, 1)} MM")
+    yield comment(dialect, f"ESTIMATED TIME {seconds_text(totals.time_s)}")
+    if plan.time is not None:
+        yield comment(dialect, "TIME MODEL", plan.time.model.upper())
+    if plan.cuts:
+        yield from _assumed(plan, profile, dialect)
+    if plan.waits:
+        yield comment(dialect, f"WAITS FOR METAL TO COOL {len(plan.waits)}, {seconds_text(plan.wait_s)}")
+    if nest.spotted:
+        yield comment(dialect, f"SMALL HOLES MARKED AT THEIR MIDDLE {len(nest.spotted)}")
+    for k, left in enumerate(plan.left_out, 1):
+        yield comment(dialect, f"LEFT OUT {k}", left.contour)
+    yield comment(dialect, f"START SIDE {plan.start_side.upper()}")
+    for planned in plan.cuts:
+        for rule in planned.cut.excused:
+            yield comment(dialect, f"EXCUSED {plain(rule)}", planned.cut.contour)
+    yield from _relaxed(plan, dialect)
+    yield from out_comments(plan, dialect)
+
+
+def _origin(nest: Nest, profile: Profile, dialect: Dialect) -> str:
+    """Where the machine's zero lies on the drawing."""
+    if profile.machine.origin == "drawing":
+        return comment(dialect, "ORIGIN DRAWING")
+    x, y = (number(v, 4) for v in profile.frame_on(nest).corner)
+    return comment(dialect, f"ORIGIN SHEET CORNER, AT X{x} Y{y} OF THE DRAWING")
+
+
+def _assumed(plan: Plan, profile: Profile, dialect: Dialect) -> Iterator[str]:
+    """What the program takes for granted of the machine, and who waits at a pierce."""
+    machine = profile.machine
+    waits = pierce_dwell_of(profile, dialect)
+    yield comment(dialect, f"PIERCE DELAY {number(machine.pierce_time_s, 3)} S, HELD BY THE {waits.upper()}")
+    of = [machine.process, *(["marks"] if any(planned.kind == "mark" for planned in plan.cuts) else [])]
+    for told in (text for key in of for text in dialect.assumes.get(key, ())):
+        yield comment(dialect, "ASSUMES", told)
+
+
+def _relaxed(plan: Plan, dialect: Dialect) -> Iterator[str]:
+    """What a planner let go, a number each; contours that have no room go on in another comment of that number."""
+    for k, dropped in enumerate((d for d in plan.dropped if d.relaxed), 1):
+        head = f"RELAXED {k} {plain(dropped.rule)}"
+        room = dialect.max_line - len(dialect.comment.format(text=f"{head} "))
+        line = ""
+        for name in (plain(contour).replace(" ", "_") for contour in dropped.contours):
+            if line and len(line) + 1 + len(name) > room:
+                yield comment(dialect, head, line)
+                line = ""
+            line = f"{line} {name}".lstrip()
+        yield comment(dialect, head, line)
+
+
+def _body(paths: Iterable[Toolpath], nest: Nest, profile: Profile, dialect: Dialect, first: int = 1) -> Iterator[str]:
+    """All but the comments at the top, which make no blocks; `first` is the number of the first cut."""
+    yield from dialect.header
+    x, y = profile.frame_on(nest).corner
+    for order, made in enumerate(paths, first):
+        yield from _cut(order, replace(made, path=made.path.moved(-x, -y)), profile, dialect)
+    yield comment(dialect, "HOME")
+    yield rapid_block(profile.machine.home, dialect)
+    yield from dialect.footer
+
+
+def _cut(order: int, made: Toolpath, profile: Profile, dialect: Dialect) -> Iterator[str]:
+    cut, machine, mark = made.planned.cut, profile.machine, made.marks
+    yield comment(
+        dialect, f"{'MARK' if mark else 'CUT'} {order}", cut.contour, f"ZONE {cut.zone} {cut.direction.upper()}"
+    )
+    yield rapid_block(made.path.point_at(0.0), dialect)
+    if made.planned.dwell_s > 0:  # metal cools, the torch being off
+        yield dialect.dwell.format(seconds=number(made.planned.dwell_s, 3))
+    yield dialect.mark_on if mark else dialect.torch_on
+    start_s = machine.edge_preheat_s if made.edge_start else machine.pierce_time_s
+    dwell_s = machine.mark_time_s if mark else start_s
+    if pierce_dwell_of(profile, dialect) == "program" and dwell_s > 0:
+        yield dialect.dwell.format(seconds=number(dwell_s, 3))
+    feed_mm_s = machine.mark_feed_mm_s if mark else machine.cut_feed_mm_s * made.feed_share
+    yield from path_blocks(made.path, feed_mm_s, dialect)
+    yield dialect.mark_off if mark else dialect.torch_off

@@ -1,0 +1,71 @@
+"""The whole path of the torch's centre for one cut, from where it is switched on to where it goes off."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+
+from kerfwise.encoder.compensation import compensated
+from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Contour
+
+Row = tuple[float, float, float]
+
+_SPECK_MM = 3e-6
+"""Plans are written to 6 decimals: nothing shorter than this is a move."""
+
+
+def torch_path(contour: Contour, cut: Cut, kerf_mm: float) -> Curve:
+    """Lead-in, once round the kerf-compensated contour in the cut's direction, lead-out; arcs stay arcs.
+
+    Parameters
+    ----------
+    contour
+        The contour that `cut` is of.
+    cut
+        Its leads may be rounded to 6 decimals, as plans are written.
+    kerf_mm
+        Width of the kerf.
+
+    Returns
+    -------
+    Open curve without segments of no length. An open mark is followed along its line ("ccw") or against it ("cw"), a
+    closed one once round from its entry.
+
+    Raises
+    ------
+    InputError
+        If the kerf leaves nothing of the contour to cut.
+
+    Examples
+    --------
+    >>> hole = Contour("P.hole1", "P", "hole", Curve.of([(0, 0), (10, 0), (10, 10), (0, 10)]))
+    >>> lead_in = Curve.of([(5, 4), (5, 1)], closed=False)
+    >>> torch_path(hole, Cut("P.hole1", (5, 0), "ccw", (5, 4), lead_in), 2.0).as_rows()
+    [[5.0, 4.0], [5.0, 1.0], [9.0, 1.0], [9.0, 9.0], [1.0, 9.0], [1.0, 1.0], [5.0, 1.0]]
+    """
+    if not contour.curve.closed:
+        return contour.curve if cut.direction == "ccw" else contour.curve.reversed()
+    ring = compensated(contour, kerf_mm).towards(cut.direction)
+    once_round = ring.opened_at(ring.project(_join(cut))[0])
+    rows = [row for path in (cut.lead_in, once_round, cut.lead_out) if path is not None for row in _rows(path)]
+    kept = [a for a, b in pairwise(rows) if math.dist(a[:2], b[:2]) > _SPECK_MM]
+    return Curve.of([*kept, rows[-1]], closed=False)
+
+
+def _join(cut: Cut) -> Point:
+    """Where the torch joins the contour: the end of the lead-in, else where it is switched on."""
+    if cut.lead_in is None:
+        return cut.pierce
+    x, y = cut.lead_in.vertices[-1, :2].tolist()
+    return x, y
+
+
+def _rows(path: Curve) -> Iterator[Row]:
+    """The vertices; the last one starts a line to whatever follows."""
+    rows: list[Row] = [(x, y, bulge) for x, y, bulge in path.vertices.tolist()]
+    yield from rows[:-1]
+    yield (*rows[-1][:2], 0.0)

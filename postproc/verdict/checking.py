@@ -1,0 +1,104 @@
+"""The check of a plan and of its program: what they hold is handed to the check, and its verdicts back to the plan."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from kerfwise.encoder.cut import HotSpot
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.plan.plan import Plan, RuleReport
+from kerfwise.postproc.check import CheckResult, Claims, Heating, Relaxed, Thermometer, check_cuts
+from kerfwise.postproc.check import check_program as check_nc
+from kerfwise.rules.catalogue.t_max import TMaxOptions
+from kerfwise.rules.own import PREFIX as OWN
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.sections import RuleSetting
+from kerfwise.rules.registry import RULES
+
+__all__ = ["check_plan", "check_program", "judge", "report_of", "thermometer_of"]
+
+
+def check_plan(nest: Nest, plan: Plan, profile: Profile) -> CheckResult:
+    """Judge a plan by geometry and the profile alone, and what it states of itself.
+
+    A plan whose `rules` are empty claims nothing about them; see `report_of` to fill them in.
+    """
+    claims = Claims(
+        plan.totals.cut_mm,
+        plan.totals.idle_mm,
+        plan.totals.pierces,
+        plan.totals.time_s,
+        tuple(planned.length_mm for planned in plan.cuts),
+        {rule.id: rule.holds for rule in plan.rules},
+        plan.profile.get("sha256") == profile.sha256,
+    )
+    relaxed = tuple(Relaxed(dropped.rule, dropped.contours) for dropped in plan.dropped if dropped.relaxed)
+    thermometer = thermometer_of(nest, profile)
+    profile = profile.at_origin(plan.origin)
+    return check_cuts(nest, plan.sequence(profile.home_on(nest)), profile, claims, relaxed, thermometer)
+
+
+def check_program(nest: Nest, nc_text: str, profile: Profile, file: str = "") -> CheckResult:
+    """Judge an NC program by geometry, the profile and, where a rule asks for it, temperatures.
+
+    Raises
+    ------
+    InputError
+        With the line, for a program that is malformed or says something the reader does not understand.
+    """
+    return check_nc(nest, nc_text, profile, file, thermometer_of(nest, profile))
+
+
+def thermometer_of(nest: Nest, profile: Profile) -> Thermometer | None:
+    """What measures the temperatures of a sheet by simulation; None where no rule asks for any."""
+    setting = profile.settings().get("t-max")
+    if setting is None:
+        return None
+
+    def measure(stretches: Sequence[Heating]) -> tuple[HotSpot, ...] | None:
+        from kerfwise.models.physics.heat.timed_path import in_order, torch_on
+        from kerfwise.models.physics.heat.watch import hot_spots
+
+        try:
+            path = in_order([torch_on(s.name, s.points, s.begin_s, s.end_s, s.pierce_s) for s in stretches], 0.0)
+        except InputError:  # times that contradict each other are judged as such
+            return None
+        heat = replace(profile.heat, model="physical")
+        return hot_spots(nest, path, heat, profile.material.thickness_mm, limit_c(setting))
+
+    return measure
+
+
+def limit_c(setting: RuleSetting) -> float:
+    """The limit of the rule t-max, °C."""
+    assert isinstance(setting.options, TMaxOptions)
+    return setting.options.most_c
+
+
+def judge(nest: Nest, plan: Plan, program: str, profile: Profile) -> CheckResult:
+    """Judge a plan and the program written from it: a rule holds if it holds in both."""
+    planned, written = check_plan(nest, plan, profile), check_program(nest, program, profile)
+    of_program = {judgement.id: judgement for judgement in written.rules}
+    rules = []
+    for judgement in planned.rules:
+        other = of_program.pop(judgement.id, None)
+        more = () if other is None else other.violations
+        rules.append(replace(judgement, violations=judgement.violations or more))
+    warnings = tuple(dict.fromkeys(planned.warnings + written.warnings))
+    return CheckResult((*of_program.values(), *rules), warnings, written.measured)
+
+
+def report_of(result: CheckResult) -> tuple[RuleReport, ...]:
+    """The verdicts on the profile's rules as a plan states them."""
+    return tuple(
+        RuleReport(
+            judgement.id,
+            judgement.strength,
+            judgement.holds,
+            tuple((excused.violation.contours, excused.why) for excused in judgement.excused),
+        )
+        for judgement in result.rules
+        if (judgement.id in RULES or judgement.id.startswith(OWN)) and judgement.strength != "off"
+    )

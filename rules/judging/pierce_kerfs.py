@@ -1,0 +1,113 @@
+"""Pierces and leads over the kerfs of older cuts, by plain geometry: the judging half of rule pierce, too."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+
+from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Contour, Nest
+
+from .pierce_places import SLACK_MM, Finding, pairs_found, spot
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Burn:
+    """One line that an earlier cut has burnt along, or whose one side it has: its kerf reaches `reach_mm` from it."""
+
+    position: int
+    contour: Contour
+    what: str
+    line: Any
+    reach_mm: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Lead:
+    """A lead of a cut, without what lies beside its own contour."""
+
+    position: int
+    contour: Contour
+    name: str
+    line: Any
+
+
+def over_older_kerfs(nest: Nest, cuts: CutSequence, kerf_mm: float, splash_mm: float) -> Iterator[Finding]:
+    """Pierces nearer than half the kerf and the splash to the kerf of an earlier cut, and leads that cross one.
+
+    The kerf of a contour reaches from it one kerf into its waste, that of a lead half a kerf to both sides. A part's
+    own metal lies between its contours, so that they are not looked at against each other.
+    """
+    through = [(k, c, nest.contour(c.contour)) for k, c in enumerate(cuts, 1) if _burns(nest, c)]
+    if not through:
+        return
+    burns = list(_burns_of(through, kerf_mm))
+    tree = shapely.STRtree([burn.line for burn in burns])
+    pierced = [row for row in through if _pierces(nest, row[1])]
+    points = shapely.points(np.array([cut.pierce for _, cut, _ in pierced]).reshape(-1, 2))
+    least_mm = kerf_mm / 2 + splash_mm
+    reach_mm = np.array([burn.reach_mm for burn in burns])
+    for row, b in pairs_found(tree.query(points, "dwithin", distance=kerf_mm + least_mm - SLACK_MM)):
+        (k, cut, contour), burn = pierced[row], burns[b]
+        gap_mm = float(shapely.distance(points[row], burn.line)) - burn.reach_mm
+        if _older(burn, k, contour) and gap_mm < least_mm - SLACK_MM:
+            where = (
+                f"in the kerf of {burn.what}, where there is no metal"
+                if gap_mm < 0
+                else f"{gap_mm:.2f} mm from the kerf of {burn.what}, less than {least_mm:g} mm"
+            )
+            text = f"{contour.id} (cut {k}) is pierced {where}, at {spot(cut)}"
+            yield (burn.position, k), (contour.id, burn.contour.id), text
+    leads = [lead for row in through for lead in _leads_of(*row, kerf_mm)]
+    free = np.array([lead.line for lead in leads], dtype=object)
+    for row, b in pairs_found(tree.query(free, "dwithin", distance=kerf_mm - SLACK_MM)):
+        lead, burn = leads[row], burns[b]
+        if _older(burn, lead.position, lead.contour) and shapely.dwithin(
+            lead.line, burn.line, max(reach_mm[b] - SLACK_MM, 0.0)
+        ):
+            text = f"the {lead.name} of {lead.contour.id} (cut {lead.position}) crosses the kerf of {burn.what}"
+            yield (burn.position, lead.position), (lead.contour.id, burn.contour.id), text
+
+
+def _burns(nest: Nest, cut: Cut) -> bool:
+    return nest.contour(cut.contour).kind != "mark"
+
+
+def _pierces(nest: Nest, cut: Cut) -> bool:
+    """Whether the torch pierces metal; not where it comes in from the edge of the sheet."""
+    at, sheet = shapely.Point(cut.pierce), nest.sheet.polygon
+    return bool(shapely.intersects(sheet, at)) and float(shapely.distance(sheet.boundary, at)) > SLACK_MM
+
+
+def _older(burn: _Burn, position: int, contour: Contour) -> bool:
+    return burn.position < position and burn.contour.part != contour.part
+
+
+def _burns_of(through: list[tuple[int, Cut, Contour]], kerf_mm: float) -> Iterator[_Burn]:
+    for k, cut, contour in through:
+        yield _Burn(k, contour, f"{contour.id} (cut {k})", contour.line, kerf_mm)
+        for name, lead in _named_leads(cut):
+            yield _Burn(k, contour, f"the {name} of {contour.id} (cut {k})", lead.line(), kerf_mm / 2)
+
+
+def _leads_of(position: int, cut: Cut, contour: Contour, kerf_mm: float) -> Iterator[_Lead]:
+    """The leads of a cut, each without its half a kerf at the contour; a lead-out without its overcut."""
+    for name, lead in _named_leads(cut):
+        if name == "lead-in":
+            free_mm = lead.length_mm - kerf_mm / 2
+            free = lead.between(0.0, free_mm).line() if free_mm > SLACK_MM / 100 else None  # else none but rounding
+        else:
+            free = shapely.difference(lead.line(), shapely.buffer(contour.line, kerf_mm + SLACK_MM))
+        if free is not None and not free.is_empty:
+            yield _Lead(position, contour, name, free)
+
+
+def _named_leads(cut: Cut) -> Iterator[tuple[str, Curve]]:
+    for name, lead in (("lead-in", cut.lead_in), ("lead-out", cut.lead_out)):
+        if lead is not None and lead.length_mm > 0:
+            yield name, lead

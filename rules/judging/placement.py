@@ -1,0 +1,50 @@
+"""Where the parts of a nest lie, as the judging of rules sees it.
+
+Plain shapely on purpose, and nothing from the facts that models are built on: a wrong fact must not hide here too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from kerfwise.encoder.nest import Contour, Nest, Part
+
+Ints = NDArray[np.int64]
+
+
+@lru_cache(maxsize=2)
+def host_holes(nest: Nest) -> Mapping[str, Contour]:
+    """Part id → the hole of another part that it lies in, for every part that lies in one (the smallest, if nested).
+
+    A part may touch the hole it lies in: a point well inside the part decides. Remembered for the last nest.
+    """
+    holes = [hole for part in nest.parts for hole in part.holes]
+    if not holes:
+        return {}
+    areas = shapely.area([hole.polygon for hole in holes])
+    inner = [part.outer.polygon for part in nest.parts]
+    which, hole = shapely.STRtree([h.polygon for h in holes]).query(shapely.point_on_surface(inner), "intersects")
+    found: dict[str, int] = {}
+    for k, h in sorted(zip(which.tolist(), hole.tolist(), strict=True)):
+        part = nest.parts[k]
+        if areas[h] > inner[k].area and (part.id not in found or areas[h] < areas[found[part.id]]):
+            found[part.id] = h
+    return {part_id: holes[h] for part_id, h in found.items()}
+
+
+def places(nest: Nest, host: Mapping[str, Contour]) -> dict[str, str]:
+    """Part id → id of the hole it lies in, "" for a part straight on the sheet."""
+    return {part.id: host[part.id].id if part.id in host else "" for part in nest.parts}
+
+
+def same_place(nest: Nest, first: Ints, second: Ints) -> list[tuple[Part, Part]]:
+    """The pairs of different parts that lie in the same place, given and sorted by their numbers in the nest."""
+    at = places(nest, host_holes(nest))
+    pairs = sorted(zip(first.tolist(), second.tolist(), strict=True))
+    parts = nest.parts
+    return [(parts[a], parts[b]) for a, b in pairs if a != b and at[parts[a].id] == at[parts[b].id]]

@@ -1,0 +1,62 @@
+"""How much rigid metal the end of a cut faces, by plain geometry: the judging half of rule part-rigidity."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import shapely
+
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
+
+from .facing import EDGE, Spots, facing, spots_along
+
+STEP_MM, LEAST_SPOTS, MOST_SPOTS = 1.0, 100, 200
+"""The end of a cut is looked at a millimetre apart, in no less and no more spots than these."""
+ROUND = 400
+"""Spots on a whole contour."""
+
+
+def rigid_at_the_end(
+    nest: Nest, cuts: CutSequence, tail_share: float, web_mm: float, edge_band_mm: float
+) -> Iterator[tuple[int, float]]:
+    """Position of the cut of each outer contour, and the share of its end that faces solid metal or parts still in."""
+    number = {part.id: k for k, part in enumerate(nest.parts)}
+    cut_at = np.full(len(nest.parts), len(cuts) + 1)
+    judged: list[tuple[int, int]] = []
+    tails: list[Spots] = []
+    for k, cut in enumerate(cuts, 1):
+        contour = nest.contour(cut.contour)
+        if contour.kind != "outer":
+            continue
+        part = number[contour.part]
+        cut_at[part] = k
+        around_mm = contour.line.length
+        tail_mm = tail_share * around_mm
+        entry_mm = shapely.line_locate_point(contour.line, shapely.Point(cut.entry))
+        as_drawn = (cut.direction == "ccw") == bool(shapely.is_ccw(shapely.LinearRing(contour.line.coords)))
+        count = min(max(math.ceil(tail_mm / STEP_MM), LEAST_SPOTS), MOST_SPOTS)
+        tails.append(spots_along(part, contour.line, entry_mm, -tail_mm if as_drawn else tail_mm, count))
+        judged.append((k, count))
+    faced = facing(nest, web_mm, edge_band_mm).faced(Spots.joined(tails))
+    begin = 0
+    for k, count in judged:
+        met = faced[begin : begin + count]
+        begin += count
+        still_in = cut_at[np.maximum(met, 0)] > k
+        yield k, float(np.where(met >= 0, still_in, met != EDGE).mean())
+
+
+def rigid_at_best(
+    nest: Nest, contour: str, out: frozenset[str], tail_share: float, web_mm: float, edge_band_mm: float
+) -> float:
+    """The greatest share of rigid metal at the end of any way round from any entry, once the contours `out` are cut."""
+    found = nest.contour(contour)
+    part = next(k for k, p in enumerate(nest.parts) if p.id == found.part)
+    faced = facing(nest, web_mm, edge_band_mm).faced(spots_along(part, found.line, 0.0, found.line.length, ROUND))
+    free = [EDGE, *(k for k, p in enumerate(nest.parts) if p.outer.id in out)]
+    rigid = np.concatenate([[0], np.cumsum(np.tile(~np.isin(faced, free), 2))])
+    tail = max(1, round(tail_share * ROUND))
+    return float((rigid[tail:] - rigid[:-tail]).max() / tail)

@@ -1,0 +1,98 @@
+"""The pages of the rules, made from the rules themselves: `python -m kerfwise.rules.pages.pages > docs/rules.md`."""
+
+from __future__ import annotations
+
+import inspect
+import re
+import sys
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.rules.options.kinds import LENGTH
+from kerfwise.rules.options.option import options_of
+from kerfwise.rules.options.suggest import unknown
+from kerfwise.rules.registry import RULES
+from kerfwise.rules.rule import Rule, Strength
+
+if TYPE_CHECKING:
+    from kerfwise.rules.profile.profile import Profile
+
+INTRODUCTION = """\
+# Rules
+
+Made from the rules' own docstrings by `python -m kerfwise.rules.pages.pages > docs/rules.md`.
+
+A profile makes each rule `hard`, `soft` (breaking it once costs its weight, in idle travel) or `off`, and sets its
+options. Where hard order rules contradict each other or a lock, `hull-before` gives way first, then `level-ahead`;
+every order that is left out is listed in the plan with the cycle it closes, or with the locked position that leaves no
+room for it. All others must hold, or there is no plan.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class RuleRow:
+    """One rule as a profile has it."""
+
+    id: str
+    strength: Strength
+    weight: float | None
+    sentence: str
+    source: str
+
+
+def rule_table(profile: Profile) -> list[RuleRow]:
+    """Every rule, by id, with the strength that the profile gives it."""
+    return [
+        RuleRow(name, profile.rules[name].strength, profile.rules[name].weight, rule.sentence, rule.source)
+        for name, rule in RULES.items()
+    ]
+
+
+def rule_page(id: str) -> str:
+    """The page of one rule, in Markdown.
+
+    Raises
+    ------
+    InputError
+        If there is no rule of that id, with the nearest.
+
+    Examples
+    --------
+    >>> print(rule_page("hull-before").splitlines()[0])
+    # hull-before
+    """
+    if id not in RULES:
+        raise InputError(unknown("rule", id, RULES))
+    rule = RULES[id]
+    default = f"soft, {LENGTH.write(rule.default_weight)}" if rule.default == "soft" else rule.default
+    lines = [
+        f"# {rule.id}",
+        "",
+        inspect.getdoc(type(rule)) or rule.sentence,
+        "",
+        "## Settings",
+        "",
+        f"Strength: {' or '.join(rule.strengths)} (default {default}). Source: {rule.source}.",
+    ]
+    return "\n".join([*lines, *_options(rule)]) + "\n"
+
+
+def _options(rule: Rule[Any]) -> list[str]:
+    options = options_of(rule.Options)
+    if not options:
+        return []
+    rows = [f"| `{o.key}` | `{o.kind.write(o.default)}` | {o.help} | {o.kind.expected()} |" for o in options]
+    return ["", "| option | default | what | values |", "|---|---|---|---|", *rows]
+
+
+def all_pages() -> str:
+    """The whole catalogue as one Markdown document: a table, then every page."""
+    rows = [f"| [{name}](#{name}) | {rule.default} | {rule.sentence} |" for name, rule in RULES.items()]
+    table = "\n".join(["| rule | default | what it asks |", "|---|---|---|", *rows])
+    pages = [re.sub("^#", "##", rule_page(name), flags=re.MULTILINE) for name in RULES]
+    return "\n".join([INTRODUCTION, table, "", *pages])
+
+
+if __name__ == "__main__":
+    sys.stdout.write(all_pages())

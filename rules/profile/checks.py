@@ -1,0 +1,100 @@
+"""What only the values of a profile taken together can get wrong."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import yaml
+
+from kerfwise.rules.options.thickness_table import length_at
+from kerfwise.rules.options.yaml_positions import Problems, deepest
+
+from .heat_section import Heat
+from .sections import Leads, Machine, Material, RuleSetting
+from .small_holes_section import SmallHoles
+from .time_section import Time
+
+MACHINE_WAITS = (
+    "a control that holds the pierce delay itself probes for the sheet and waits at every start, also beside the "
+    "sheet: say false, or machine.pierce_dwell: program where the control does neither"
+)
+"""Why edge starts do not go with a pierce delay in the machine."""
+
+
+def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -> None:
+    """Note values that contradict each other, at the one that the file gives."""
+    leads: Leads = given["leads"]
+    machine: Machine = given["machine"]
+    material: Material = given["material"]
+    rules: dict[str, RuleSetting] = given["rules"]
+    time: Time = given["time"]
+    heat: Heat = given["heat"]
+    holes: SmallHoles = given["small_holes"]
+
+    lead_in_mm = length_at(leads.lead_in_mm, material.thickness_mm)
+    if leads.lead_in_min_mm > lead_in_mm:
+        problems.add(
+            deepest(root, "leads", "lead_in_min"),
+            f"leads.lead_in_min: {leads.lead_in_min_mm:g} mm is more than lead_in, {lead_in_mm:g} mm",
+        )
+    if leads.edge_start and machine.process == "oxyfuel" and machine.edge_preheat_s <= 0:
+        problems.add(
+            deepest(root, "leads", "edge_start"),
+            "leads.edge_start: a flame has to heat the sheet's edge before it cuts: give machine.edge_preheat, such as "
+            "7 s",
+        )
+    if leads.edge_start and machine.pierce_dwell == "machine":
+        problems.add(
+            deepest(root, "leads", "edge_start"),
+            f"leads.edge_start: {MACHINE_WAITS}",
+        )
+    for key, span, at_mm in zip("xy", (machine.travel_x_mm, machine.travel_y_mm), machine.home, strict=True):
+        if span is not None and not span[0] <= at_mm <= span[1]:
+            problems.add(
+                deepest(root, "machine", "home"),
+                f"machine.home: {at_mm:g} mm lies outside machine.travel_{key}, {span[0]:g} to {span[1]:g} mm",
+            )
+    least_mm, full_mm = (length.mm(material.thickness_mm) for length in (holes.min_hole, holes.full_feed_hole))
+    if holes.small_hole_feed < 1 and full_mm < least_mm:
+        problems.add(
+            deepest(root, "small_holes", "full_feed_hole"),
+            f"small_holes.full_feed_hole: {full_mm:g} mm is less than min_hole, {least_mm:g} mm",
+        )
+    if time.model == "blocks" and time.feed_by_blocks is None and not problems.found:
+        problems.add(
+            deepest(root, "time", "model"),
+            "time.model: blocks needs a feed law: give time.feed_by_blocks, a shipped law's name or points of your own",
+        )
+    if heat.limit_c <= heat.ambient_c:
+        problems.add(
+            deepest(root, "heat", "limit_c"),
+            f"heat.limit_c: {heat.limit_c:g} °C is not above ambient_c, {heat.ambient_c:g} °C: everything is too hot",
+        )
+    hottest_c = rules["t-max"].options.limit_c
+    if rules["t-max"].strength != "off" and hottest_c is not None and hottest_c <= heat.ambient_c:
+        problems.add(
+            deepest(root, "rules", "t-max", "limit"),
+            f"rules.t-max.limit: {hottest_c:g} °C is not above heat.ambient_c, {heat.ambient_c:g} °C: no metal is ever "
+            "so cool",
+        )
+    if heat.logical_conduction * 8 > 1:
+        problems.add(
+            deepest(root, "heat", "logical_conduction"),
+            f"heat.logical_conduction: {heat.logical_conduction:g} for each of 8 neighbours is more than a point has; "
+            "the scheme is stable up to 0.125",
+        )
+    clearance_mm = length_at(rules["pierce"].options.clearance_mm, material.thickness_mm)
+    if rules["pierce"].strength != "off" and clearance_mm <= material.kerf_mm / 2:
+        problems.add(
+            deepest(root, "rules", "pierce", "clearance"),
+            f"rules.pierce.clearance: {clearance_mm:g} mm is within the kerf; a pierce lies further from every contour "
+            f"than half the kerf, {material.kerf_mm / 2:g} mm (Petunin 2009)",
+        )
+    marks_first, contiguous = rules["marks-first"], rules["part-contiguous"]
+    on_the_sheet = marks_first.strength != "off" and marks_first.options.scope == "sheet"
+    if on_the_sheet and contiguous.strength != "off" and contiguous.options.marks == "together":
+        problems.add(
+            deepest(root, "rules", "part-contiguous", "marks"),
+            "rules.part-contiguous.marks: marks cannot stay with their part while marks-first puts all marks of the "
+            "sheet first; say marks: apart, or marks-first: {scope: part}",
+        )

@@ -1,0 +1,59 @@
+"""What a profile says of the machine: what it can do, how far it reaches, and the language its control speaks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.rules.options.kinds import DURATION, SPEED, Choice, Flag, PointXY, Span
+from kerfwise.rules.options.option import option
+
+from .dialect_kind import DialectName
+
+Process = Literal["plasma", "oxyfuel", "laser", "water-jet"]
+PROCESSES: tuple[Process, ...] = ("plasma", "oxyfuel", "laser", "water-jet")
+Origin = Literal["drawing", "sheet-corner"]
+ORIGINS: tuple[Origin, ...] = ("drawing", "sheet-corner")
+PierceDwell = Literal["machine", "program"]
+_SPAN = Span(none="unknown")
+
+
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """What the machine can do, and the language its control speaks."""
+
+    process: Process = field(default="plasma", metadata=option(Choice(PROCESSES), "what cuts"))
+    dialect: str = field(
+        default="linuxcnc-qtplasmac",
+        metadata=option(DialectName(("linuxcnc-qtplasmac", "linuxcnc")), "language of the NC program"),
+    )
+    accept_dialect: bool = field(
+        default=False, metadata=option(Flag(), "write in this dialect although it is for another process")
+    )
+    home: Point = field(
+        default=(0.0, 0.0), metadata=option(PointXY(), "where the torch starts and returns to, in machine coordinates")
+    )
+    origin: Origin = field(
+        default="drawing",
+        metadata=option(Choice(ORIGINS), "the machine's zero: that of the drawing, or the sheet's corner"),
+    )
+    travel_x_mm: Point | None = field(default=None, metadata=option(_SPAN, "least and most X that the torch can go to"))
+    travel_y_mm: Point | None = field(default=None, metadata=option(_SPAN, "least and most Y that the torch can go to"))
+    cut_feed_mm_s: float = field(default=2500 / 60, metadata=option(SPEED, "speed while cutting"))
+    mark_feed_mm_s: float = field(default=100.0, metadata=option(SPEED, "speed while marking"))
+    travel_mm_s: float = field(default=250.0, metadata=option(SPEED, "speed of idle travel"))
+    pierce_time_s: float = field(default=0.5, metadata=option(DURATION, "time to pierce"))
+    pierce_dwell: PierceDwell | None = field(
+        default=None,
+        metadata=option(
+            Choice(("dialect", "machine", "program"), none="dialect"), "who waits for the pierce (dialect: as it says)"
+        ),
+    )
+    edge_preheat_s: float = field(
+        default=0.0, metadata=option(DURATION, "time to preheat the sheet's edge before an edge start")
+    )
+    mark_time_s: float = field(default=0.2, metadata=option(DURATION, "time to start marking"))
+    head: str = field(
+        default="up", metadata=option(Choice(("up", "down")), "whether the head is lifted on idle travel")
+    )

@@ -1,0 +1,308 @@
+"""A plant's profile: its machine, its material, and what it asks of every plan. Frozen; speeds in mm/s, times in s."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from importlib import resources
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any, Literal, TypeVar, cast
+
+from kerfwise.encoder.candidates.candidate import LEAST_WASTE_MM, LeadOptions
+from kerfwise.encoder.cut import Direction
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.facts.facts import FactOptions
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Kind, Nest
+from kerfwise.encoder.readers.layers import Layers
+from kerfwise.encoder.readers.options import ReadOptions
+from kerfwise.encoder.small_holes import HoleLimits, as_cut
+from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
+from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
+from kerfwise.rules.catalogue.pierce import PierceOptions
+from kerfwise.rules.catalogue.start_side import StartSideOptions
+from kerfwise.rules.catalogue.zone_order import ZoneOrderOptions
+from kerfwise.rules.lock import Lock
+from kerfwise.rules.options.option import options_of
+from kerfwise.rules.options.suggest import unknown
+from kerfwise.rules.options.thickness_table import LengthOf, ThicknessTable, length_at
+from kerfwise.rules.own import Own, Thresholds, as_rule, own_pairs
+from kerfwise.rules.registry import RULES
+from kerfwise.rules.rule import Rule
+
+from .frame import Bounds, Frame, frame_of, reach_of
+from .heat_section import Heat
+from .machine_section import Origin
+from .reader import Given, read_given
+from .sections import Drawing, Leads, Machine, Material, Objective, RuleSetting, default_settings
+from .small_holes_section import SmallHoles
+from .time_section import Prices, Time
+
+DEFAULT = "plasma-carbon-steel"
+"""The shipped profile that is used where none is named."""
+
+T = TypeVar("T")
+OrderFact = Literal["contains", "level_ahead", "in_hull"]
+ORDER_FACTS: Mapping[str, OrderFact] = {
+    "inner-before-outer": "contains",
+    "level-ahead": "level_ahead",
+    "hull-before": "in_hull",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """Everything a plant fixes beforehand.
+
+    `sha256` is that of the profile's file; it and `file` do not make two profiles differ.
+
+    Examples
+    --------
+    >>> profile = load_profile("plasma-carbon-steel")
+    >>> profile.material.kerf_mm, profile.rules["level-ahead"].strength
+    (1.5, 'hard')
+    """
+
+    name: str
+    machine: Machine = field(default_factory=Machine)
+    material: Material = field(default_factory=Material)
+    leads: Leads = field(default_factory=Leads)
+    drawing: Drawing = field(default_factory=Drawing)
+    rules: Mapping[str, RuleSetting] = field(default_factory=default_settings)
+    objective: Objective = field(default_factory=Objective)
+    locks: tuple[Lock, ...] = ()
+    own_rules: tuple[Own, ...] = ()
+    time: Time = field(default_factory=Time)
+    prices: Prices = field(default_factory=Prices)
+    heat: Heat = field(default_factory=Heat)
+    small_holes: SmallHoles = field(default_factory=SmallHoles)
+    sha256: str = field(default="", compare=False)
+    file: str = field(default="", compare=False)
+
+    def settings(self) -> dict[str, RuleSetting]:
+        """The rules that are on, by id, with what their options take from the rest of the profile.
+
+        A machine that travels with its head down makes a soft no-tip-travel hard.
+        """
+        on = {name: setting for name, setting in self.rules.items() if setting.strength != "off"}
+        tips = on.get("no-tip-travel")
+        if tips is not None and self.machine.head == "down":
+            on["no-tip-travel"] = RuleSetting("hard", None, tips.options)
+        listed = {
+            name: dataclasses.replace(setting, options=self._filled_in(setting.options)) for name, setting in on.items()
+        }
+        own = (rule for rule in self.own_rules if rule.strength != "off")
+        return listed | {rule.id: RuleSetting(rule.strength, rule.weight, self._thresholds()) for rule in own}
+
+    def rulebook(self) -> dict[str, Rule[Any]]:
+        """Every rule by id: those of the catalogue, then the plant's own."""
+        return {**RULES, **{rule.id: as_rule(rule) for rule in self.own_rules}}
+
+    def _filled_in(self, options: Any) -> Any:
+        """The options with the fields that no key of their own sets, and lengths as they are for the material."""
+        shared = {
+            "locks": self.locks,
+            "web_mm": self._options("part-rigidity", PartRigidityOptions).web_mm,
+            "edge_band_mm": self._options("start-side", StartSideOptions).edge_band_mm,
+            "thickness_mm": self.material.thickness_mm,
+            "kerf_mm": self.material.kerf_mm,
+            "heat_limit_c": self.heat.limit_c,
+            "absorbed_power_w": self.heat.absorbed_power_w,
+        }
+        fields = dataclasses.fields(options)
+        tables = {f.name: v for f in fields if isinstance(v := getattr(options, f.name), ThicknessTable)}
+        lengths = {name: self.length_mm(table) for name, table in tables.items()}
+        return dataclasses.replace(
+            options, **lengths, **{f.name: shared[f.name] for f in fields if "kind" not in f.metadata}
+        )
+
+    def at_origin(self, origin: Origin) -> Profile:
+        """The profile with the machine's zero where a plan or program says that it has it."""
+        return (
+            self
+            if origin == self.machine.origin
+            else dataclasses.replace(self, machine=dataclasses.replace(self.machine, origin=origin))
+        )
+
+    def length_mm(self, length: LengthOf) -> float:
+        """A length that may go with the thickness, as it is for the profile's material."""
+        return length_at(length, self.material.thickness_mm)
+
+    def frame_on(self, nest: Nest) -> Frame:
+        """The machine's coordinates on the nest."""
+        return frame_of(nest, self.machine)
+
+    def home_on(self, nest: Nest) -> Point:
+        """The machine's home in the coordinates of the nest's drawing."""
+        return frame_of(nest, self.machine).on_drawing(self.machine.home)
+
+    def reach_on(self, nest: Nest) -> Bounds | None:
+        """What the torch can go to, in the coordinates of the nest's drawing; None where the profile says nothing."""
+        return reach_of(nest, self.machine)
+
+    def lead_options(self, nest: Nest | None = None) -> LeadOptions:
+        """How candidates are made: `leads`, the kerf, and what the rules pierce and cut-direction and the locks say.
+
+        Given a nest, they keep to what the machine reaches of it.
+        """
+        leads, directions = self.leads, self._options("cut-direction", CutDirectionOptions)
+        fixed = self.rules["cut-direction"].strength == "hard"
+        both: tuple[Direction, ...] = ("cw", "ccw")
+        kinds: tuple[Kind, ...] = ("outer", "hole", "mark")
+        return LeadOptions(
+            entries=leads.entries,
+            kerf_mm=self.material.kerf_mm,
+            lead=leads.lead,
+            lead_in_mm=self.length_mm(leads.lead_in_mm),
+            lead_in_min_mm=leads.lead_in_min_mm,
+            lead_out=leads.lead_out,
+            lead_out_mm=leads.lead_out_length_mm,
+            pierce_clearance_mm=self._clearance_mm(),
+            splash_mm=self._splash_mm(),
+            hole_overcut_mm=self.length_mm(leads.hole_overcut_mm),
+            edge_start=leads.edge_start,
+            reach=None if nest is None else self.reach_on(nest),
+            directions={kind: directions.allowed(kind) if fixed else both for kind in kinds},
+            entry_points={lock.contour: lock.entry for lock in self.locks if lock.contour and lock.entry},
+            holes=self.hole_limits(),
+        )
+
+    def hole_limits(self) -> HoleLimits:
+        """What is done with small holes, in mm on this sheet: `small_holes`, its thickness, and the pierce's room."""
+        asked_mm = self._clearance_mm() if self.leads.lead != "none" else 0.0  # without a lead it is on the path
+        clearance_mm = max(asked_mm, self.material.kerf_mm / 2 + LEAST_WASTE_MM)
+        return self.small_holes.limits(self.material.thickness_mm, clearance_mm)
+
+    def as_cut(self, nest: Nest) -> Nest:
+        """The nest as this plant cuts it: small holes are marks or gone, and others know their feed."""
+        return as_cut(nest, self.hole_limits())
+
+    def _clearance_mm(self) -> float:
+        asked = self._options("pierce", PierceOptions).clearance_mm
+        return self.length_mm(asked) if self._is_on("pierce") else 0.0
+
+    def fact_options(self, nest: Nest | None = None) -> FactOptions:
+        """The thresholds of the facts, as start-side, zone-order, part-rigidity, the order rules and the locks say.
+
+        Given a nest, zones keep to the orders of the plant's own hard rules too.
+        """
+        own = own_pairs(self.own_rules, nest, self._thresholds()) if nest is not None else ()
+        side = self._options("start-side", StartSideOptions)
+        zones = self._options("zone-order", ZoneOrderOptions)
+        rigidity = self._options("part-rigidity", PartRigidityOptions)
+        return FactOptions(
+            web_mm=rigidity.web_mm,
+            edge_band_mm=side.edge_band_mm,
+            long_ratio=side.long_ratio,
+            offcut_share=side.offcut_share,
+            start_side=side.side if self._is_on("start-side") else "auto",
+            zone_contours=zones.zone_contours,
+            square_ratio=zones.square_ratio,
+            zone_heat_kj=zones.zone_heat_kj,
+            zone_respects=tuple(fact for rule, fact in ORDER_FACTS.items() if self.rules[rule].strength == "hard"),
+            zone_pairs=(*((lock.contour, lock.before) for lock in self.locks if lock.contour and lock.before), *own),
+            zone_places=self._zone_places(nest),
+            zone_fixed=tuple((lock.part, lock.zone) for lock in self.locks if lock.part and lock.zone),
+            head_share=rigidity.head_share,
+            tail_share=rigidity.tail_share,
+            kerf_mm=self.material.kerf_mm,
+            splash_mm=self._splash_mm(),
+        )
+
+    def _zone_places(self, nest: Nest | None) -> tuple[tuple[str, int], ...]:
+        """Part → the position that a lock gives one of its contours: its zone must reach there."""
+        if nest is None or self.rules["zone-order"].strength != "hard":
+            return ()
+        found: dict[str, int] = {}
+        ends = {"first": 1, "last": len(nest.contours)}
+        for lock in self.locks:
+            if lock.contour in nest.index and lock.position is not None:
+                at = lock.position if isinstance(lock.position, int) else ends[lock.position]
+                found.setdefault(nest.contour(lock.contour).part, at)
+        return tuple(found.items())
+
+    def read_options(self) -> ReadOptions:
+        """How nest files are read."""
+        drawing = self.drawing
+        return ReadOptions(
+            units=drawing.units,
+            layers=Layers(**{o.name: getattr(drawing.layers, o.name) for o in options_of(drawing.layers)}),
+            frame=drawing.frame,
+            open_lines=drawing.open_lines,
+            margin_mm=drawing.margin_mm,
+            join_tolerance_mm=drawing.join_tolerance_mm,
+        )
+
+    def _thresholds(self) -> Thresholds:
+        return Thresholds(
+            self._options("start-side", StartSideOptions).long_ratio,
+            self._options("part-rigidity", PartRigidityOptions).web_mm,
+        )
+
+    def _splash_mm(self) -> float | None:
+        """What pierces keep from older kerfs; None where the rule pierce is off."""
+        return self.length_mm(self._options("pierce", PierceOptions).splash_mm) if self._is_on("pierce") else None
+
+    def _is_on(self, rule: str) -> bool:
+        return self.rules[rule].strength != "off"
+
+    def _options(self, rule: str, kind: type[T]) -> T:
+        return cast(T, self.rules[rule].options)
+
+
+def shipped_profiles() -> dict[str, Traversable]:
+    """Name → file of the profiles that come with kerfwise, sorted."""
+    folder = resources.files(__package__) / "profiles"
+    found = {f.name.removesuffix(".yaml"): f for f in folder.iterdir() if f.name.endswith(".yaml")}
+    return dict(sorted(found.items()))
+
+
+def load_profile(name_or_path: str | Path = DEFAULT) -> Profile:
+    """The shipped profile of that name, or the one in that file.
+
+    Raises
+    ------
+    InputError
+        If there is none, or it has a wrong key, type or value: with file, line, column, what was expected, and the
+        nearest valid name. All mistakes of a file are reported at once.
+    """
+    return _load(str(name_or_path), Path(), ())
+
+
+def _load(name: str, folder: Path, chain: tuple[str, ...]) -> Profile:
+    file, content = _content(name, folder)
+    if file in chain:
+        raise InputError(f"based_on goes in a circle: {' → '.join((*chain, file))}", file=file)
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"not a profile: the file is not UTF-8 text ({error.reason})", file=file) from None
+
+    def base(of: str) -> Given:
+        return _fields(_load(of, Path(file).parent, (*chain, file)))
+
+    given = read_given(text, file, _fields(Profile(Path(file).stem)), base)
+    return Profile(**given | {"sha256": hashlib.sha256(content).hexdigest(), "file": file})
+
+
+def _fields(profile: Profile) -> Given:
+    return {f.name: getattr(profile, f.name) for f in dataclasses.fields(profile)}
+
+
+def _content(name: str, folder: Path) -> tuple[str, bytes]:
+    """File name and bytes of a profile given by shipped name or path."""
+    shipped = shipped_profiles()
+    if name in shipped:
+        return f"kerfwise/rules/profiles/{name}.yaml", shipped[name].read_bytes()
+    path = folder / name
+    try:
+        return str(path), path.read_bytes()
+    except OSError as error:
+        if path.suffix or len(Path(name).parts) > 1:
+            raise InputError(f"cannot read the profile: {error.strerror}", file=path) from None
+        beside = path.with_name(f"{path.name}.yaml")
+        hint = f"; there is a file {beside.name}: give its ending too" if beside.exists() else ""
+        raise InputError(unknown("profile", name, shipped) + hint) from None

@@ -1,0 +1,142 @@
+"""The sections of a plant's profile: every key a profile can have, with its unit, default and one line of help."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, get_args
+
+from kerfwise.encoder.candidates.candidate import LeadKind
+from kerfwise.encoder.readers.layers import DEFAULT as LAYERS
+from kerfwise.encoder.readers.options import Frame, OpenLines
+from kerfwise.encoder.readers.units import MM_PER
+from kerfwise.rules.options.kinds import LENGTH, Choice, Flag, Number, Text, over_zero
+from kerfwise.rules.options.members import Members
+from kerfwise.rules.options.option import option
+from kerfwise.rules.options.thickness_table import LENGTH_OR_TABLE, LengthOf
+from kerfwise.rules.registry import RULES
+from kerfwise.rules.rule import Strength
+
+from .heat_section import Heat
+from .machine_section import Machine
+from .small_holes_section import SmallHoles
+from .time_section import Prices, Time
+
+_LEADS = Choice(("line", "arc", "none"))
+
+
+@dataclass(frozen=True, slots=True)
+class Material:
+    """What is cut."""
+
+    name: str = field(default="S235", metadata=option(Text(), "grade of the sheet"))
+    thickness_mm: float = field(default=6.0, metadata=option(over_zero(LENGTH), "thickness of the sheet"))
+    kerf_mm: float = field(default=1.5, metadata=option(LENGTH, "width that the cut burns away"))
+
+
+@dataclass(frozen=True, slots=True)
+class Leads:
+    """How the torch joins and leaves a contour."""
+
+    entries: int = field(default=8, metadata=option(Number(1, 1000, whole=True), "entries tried on each contour"))
+    lead: LeadKind = field(default="line", metadata=option(_LEADS, "shape of the lead-in"))
+    lead_in_mm: LengthOf = field(
+        default=6.0, metadata=option(LENGTH_OR_TABLE, "length of the lead-in where there is room")
+    )
+    lead_in_min_mm: float = field(default=1.0, metadata=option(LENGTH, "shortest lead-in where there is not"))
+    lead_out: LeadKind = field(default="none", metadata=option(_LEADS, "shape of the lead-out"))
+    lead_out_length_mm: float = field(default=2.0, metadata=option(LENGTH, "length of the lead-out"))
+    hole_overcut_mm: LengthOf = field(
+        default=1.0, metadata=option(LENGTH_OR_TABLE, "how far a hole is cut past its entry")
+    )
+    edge_start: bool = field(
+        default=False, metadata=option(Flag(), "whether to come in from the sheet edge, unpierced, where that is near")
+    )
+
+
+_LAYER = Text(pattern=True)
+
+
+@dataclass(frozen=True, slots=True)
+class LayerMap:
+    """What the layers of a drawing are for: regular expressions, searched without regard to case."""
+
+    cut: str = field(
+        default=LAYERS.cut, metadata=option(_LAYER, "layers that are cut; others are asked about, once given")
+    )
+    mark: str = field(default=LAYERS.mark, metadata=option(_LAYER, "layers that are marked, not cut through"))
+    ignore: str = field(default=LAYERS.ignore, metadata=option(_LAYER, "layers that are left out"))
+    sheet: str = field(default=LAYERS.sheet, metadata=option(_LAYER, "layers that hold the sheet"))
+    scrap: str = field(default=LAYERS.scrap, metadata=option(_LAYER, "layers of lines that cut up scrap; left out"))
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """How drawings of nests are read."""
+
+    units: str | None = field(
+        default=None,
+        metadata=option(
+            Choice(("auto", *MM_PER), none="auto"), "units of the drawing (auto: what the file says, else mm)"
+        ),
+    )
+    layers: LayerMap = field(
+        default=LayerMap(), metadata=option(Members(LayerMap), "what layers are for (regular expressions)")
+    )
+    frame: Frame | None = field(
+        default=None,
+        metadata=option(
+            Choice(("ask", *get_args(Frame)), none="ask"),
+            "what one rectangle around everything is, where no layer is the sheet's",
+        ),
+    )
+    open_lines: OpenLines = field(
+        default="mark",
+        metadata=option(Choice(get_args(OpenLines)), "what becomes of open lines on layers that layers.cut names"),
+    )
+    margin_mm: float = field(
+        default=10.0, metadata=option(LENGTH, "room around the parts where the drawing has no sheet")
+    )
+    join_tolerance_mm: float = field(default=0.1, metadata=option(over_zero(LENGTH), "loose ends this near are joined"))
+
+
+@dataclass(frozen=True, slots=True)
+class Objective:
+    """What a plan's cost is made of, in mm of idle travel."""
+
+    idle: float = field(default=1.0, metadata=option(Number(0), "cost of a millimetre of idle travel"))
+    heat: float = field(default=0.0, metadata=option(Number(0), "cost of a point overheated"))
+    time: float = field(default=0.0, metadata=option(Number(0), "cost of a second of idle travel, piercing or leads"))
+
+
+@dataclass(frozen=True, slots=True)
+class RuleSetting:
+    """What a profile makes of one rule; `weight` (mm of idle travel a breach) only where it is soft."""
+
+    strength: Strength
+    weight: float | None
+    options: Any
+
+
+def default_settings() -> dict[str, RuleSetting]:
+    """Every rule of the catalogue as it is where a profile says nothing of it."""
+    return {
+        name: RuleSetting(rule.default, rule.default_weight if rule.default == "soft" else None, rule.Options())
+        for name, rule in RULES.items()
+    }
+
+
+__all__ = ["SECTIONS", "Drawing", "Leads", "Machine", "Material", "Objective", "RuleSetting", "default_settings"]
+
+SECTIONS: Mapping[str, type] = {
+    "machine": Machine,
+    "material": Material,
+    "leads": Leads,
+    "small_holes": SmallHoles,
+    "drawing": Drawing,
+    "objective": Objective,
+    "time": Time,
+    "prices": Prices,
+    "heat": Heat,
+}
+"""Key in a profile → the dataclass of what stands under it."""

@@ -1,0 +1,64 @@
+"""A profile as YAML with nothing left implicit: every value, its unit, and a comment of one line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import yaml
+
+from kerfwise.rules.lock import Lock
+from kerfwise.rules.options.kinds import LENGTH, Text
+from kerfwise.rules.options.members import Members
+from kerfwise.rules.options.option import options_of
+from kerfwise.rules.registry import RULES
+
+from .profile import Profile
+from .sections import SECTIONS, RuleSetting
+
+COMMENT_COLUMN = 44
+
+
+def profile_yaml(profile: Profile) -> str:
+    """The whole profile; loading this text gives the same profile."""
+    lines = [_line(0, f"name: {Text().write(profile.name)}", "what plans and programs call this profile")]
+    for section in SECTIONS:
+        lines += ["", f"{section}:", *_options(getattr(profile, section), 2)]
+    lines += ["", "rules:"]
+    for name in sorted(profile.rules):
+        lines += _rule(name, profile.rules[name])
+    lines += ["", *_locks(profile.locks)]
+    own = [rule.plain() for rule in profile.own_rules]
+    lines += ["", yaml.safe_dump({"own_rules": own}, allow_unicode=True, sort_keys=False).rstrip()]
+    return "\n".join(lines) + "\n"
+
+
+def _rule(name: str, setting: RuleSetting) -> Iterator[str]:
+    rule = RULES[name]
+    yield f"  # {rule.sentence}"
+    yield f"  {name}:"
+    yield _line(4, f"strength: {setting.strength}", " | ".join(rule.strengths))
+    if setting.weight is not None:
+        yield _line(4, f"weight: {LENGTH.write(setting.weight)}", "cost of breaking it once, in idle travel")
+    yield from _options(setting.options, 4)
+
+
+def _options(owner: Any, indent: int) -> Iterator[str]:
+    for option in options_of(owner):
+        if isinstance(option.kind, Members):
+            yield _line(indent, f"{option.key}:", option.help)
+            yield from _options(getattr(owner, option.name), indent + 2)
+            continue
+        value = option.kind.write(getattr(owner, option.name))
+        yield _line(indent, f"{option.key}: {value}", option.help)
+
+
+def _locks(locks: tuple[Lock, ...]) -> Iterator[str]:
+    yield "locks:" if locks else "locks: []"
+    for lock in locks:
+        given = [(o.key, o.kind, getattr(lock, o.name)) for o in options_of(lock)]
+        yield f"  - {{{', '.join(f'{key}: {kind.write(value)}' for key, kind, value in given if value is not None)}}}"
+
+
+def _line(indent: int, text: str, comment: str) -> str:
+    return f"{' ' * indent + text:<{COMMENT_COLUMN}}  # {comment}"

@@ -1,0 +1,1 @@
+"""Stating: facts and a profile become the statements that must hold, contradictions among orders resolved."""

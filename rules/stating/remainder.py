@@ -1,0 +1,134 @@
+"""What statements about a whole nest still ask once some of its contours are cut.
+
+Of a contour that is out every order is known: it was cut before all that is left. What is decided by that drops, hold
+or not: cuts that are made are facts, and nobody can keep a rule for them any more. What is left speaks of contours that
+are left alone, by their numbers among these. Candidates have the same numbers in both: what is out has none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import assert_never
+
+from kerfwise.rules.statements import (
+    AtLeast,
+    Before,
+    Contiguous,
+    Crossing,
+    Forbid,
+    IdleTravel,
+    Lag,
+    Literal,
+    NoGood,
+    Pick,
+    Precede,
+    Statement,
+)
+
+OUT = -1
+
+
+@dataclass(frozen=True, slots=True)
+class Rest:
+    """`number[i]` is the number of contour i of the whole among those left, `OUT` where it is out.
+
+    `cut_at` tells when what is out was cut; what has dropped uncut is not in it.
+    """
+
+    number: Sequence[int]
+    cut_at: Mapping[int, int]
+
+    def left(self, *contours: int) -> bool:
+        """Whether all of these are left."""
+        return all(self.number[k] != OUT for k in contours)
+
+    def known(self, i: int, j: int) -> bool | None:
+        """Whether contour i is cut before contour j, None where that is still open."""
+        if self.left(i, j):
+            return None
+        if not self.left(i) and not self.left(j):
+            return self.cut_at.get(i, math.inf) < self.cut_at.get(j, math.inf)
+        return self.left(j)
+
+
+def of_what_is_left(statements: Iterable[Statement], rest: Rest) -> Iterator[Statement]:
+    """The statements about a whole nest, as they read for what is left of it.
+
+    - An order between what is out and what is left is kept, or too late.
+    - `AtLeast`: literals that are known leave the sum. Where those left can no longer reach the bound, the candidate
+      that it was asked of is forbidden; asked of no candidate, it is too late.
+    - What is left of a run that has begun is cut in one go.
+    - A lag between what is out and what is left is over: metal cools while the machine stands.
+    - A no-good is over once one of those that were to stay is out, and too late once all the others are.
+    - Travel over a part that is out never becomes lawful again: `Crossing.over` is None.
+
+    Examples
+    --------
+    >>> from kerfwise.rules.statements import About
+    >>> about = About("r", (), "")
+    >>> orders = [Precede(0, 1, about), Precede(1, 2, about)]
+    >>> [(s.before, s.after) for s in of_what_is_left(orders, Rest([-1, 0, 1], {0: 1}))]
+    [(0, 1)]
+    """
+    for statement in statements:
+        yield from _reduced(statement, rest)
+
+
+def _reduced(s: Statement, rest: Rest) -> Iterator[Statement]:
+    number = rest.number
+    match s:
+        case Precede():
+            if rest.left(s.before, s.after):
+                yield replace(s, before=number[s.before], after=number[s.after])
+        case Forbid() | IdleTravel():
+            yield s
+        case AtLeast():
+            yield from _at_least(s, rest)
+        case Contiguous():
+            left = tuple(number[k] for k in s.contours if rest.left(k))
+            if len(left) > 1:
+                yield replace(s, contours=left)
+        case Lag():
+            if rest.left(s.first, s.second):
+                yield replace(s, first=number[s.first], second=number[s.second])
+        case NoGood():
+            yield from no_good_left(s, rest)
+        case Crossing():
+            yield replace(s, over=None if s.over is None or not rest.left(s.over) else number[s.over])
+        case _:
+            assert_never(s)
+
+
+def no_good_left(s: NoGood, rest: Rest) -> Iterator[NoGood]:
+    """What a no-good about a whole nest still asks of what is left: itself, or nothing."""
+    out = frozenset(rest.number[k] for k in s.out if rest.left(k))
+    if out and rest.left(*s.left):
+        yield replace(s, out=out, left=frozenset(rest.number[k] for k in s.left))
+
+
+def _at_least(s: AtLeast, rest: Rest) -> Iterator[Statement]:
+    literals: list[Literal] = []
+    weights: list[int] = []
+    bound = s.bound
+    for literal, weight in zip(s.literals, s.weights, strict=True):
+        match literal:
+            case Pick():
+                literals.append(literal)
+                weights.append(weight)
+            case Before(i, j):
+                known = rest.known(i, j)
+                if known is None:
+                    literals.append(Before(rest.number[i], rest.number[j]))
+                    weights.append(weight)
+                elif known:
+                    bound -= weight
+            case _:
+                assert_never(literal)
+    if len(literals) < len(s.literals) and sum(min(w, 0) for w in weights) >= bound:
+        return
+    if len(literals) == len(s.literals) or sum(max(w, 0) for w in weights) >= bound:
+        yield replace(s, literals=tuple(literals), weights=tuple(weights), bound=bound)
+    elif s.when is not None:
+        yield Forbid(s.when, s.about, s.weight)

@@ -1,0 +1,291 @@
+"""From facts and a profile to statements: what must hold of a plan of this nest in this plant."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from kerfwise.encoder.errors import RulesConflict
+from kerfwise.rules.by_kind import by_kind
+from kerfwise.rules.options.yaml_positions import wrong_at
+from kerfwise.rules.own import OwnFile
+from kerfwise.rules.rule import Rule
+from kerfwise.rules.statements import EXEMPTION_MM, About, Contiguous, IdleTravel, Precede, Statement
+
+from .cycles import Link, components, contracted, path
+from .feedback import Unbreakable, lightest_cut
+from .places import in_the_way, positions
+from .remainder import Rest, of_what_is_left
+from .time_costs import slower_ways
+
+if TYPE_CHECKING:
+    from kerfwise.encoder.facts.facts import Facts
+    from kerfwise.rules.profile.profile import Profile
+
+
+HOPELESS = "these hard rules cannot hold in any order"
+
+LOOSE = "inner-before-outer"
+"""The rule that a contour breaks which is left in metal that has dropped."""
+
+
+@dataclass(frozen=True, slots=True)
+class DroppedStatement:
+    """A statement that was left out because hard ones contradict each other, and why: mostly an order on a cycle."""
+
+    statement: Statement
+    why: str
+
+    @property
+    def rule(self) -> str:
+        """Id of the rule that gave way."""
+        return self.statement.about.rule
+
+    @property
+    def contours(self) -> tuple[str, ...]:
+        """The ids of its contours; of an order, the first was to be cut before the second."""
+        return self.statement.about.contours
+
+
+@dataclass(frozen=True, slots=True)
+class Stated:
+    """What is asked of a plan, free of cycles, and what was dropped to make it so.
+
+    `exempt` names contours that a hard rule lets go in any order, because nothing can make them keep it.
+    """
+
+    statements: tuple[Statement, ...]
+    dropped: tuple[DroppedStatement, ...]
+    exempt: tuple[About, ...] = ()
+
+
+def state_rules(facts: Facts, profile: Profile, *, reads_files: bool = False) -> Stated:
+    """Ask every rule that is on for its statements, and resolve the cycles among the hard orders.
+
+    `reads_files` says that whoever asks takes the plant's own MiniZinc files into account beside the statements.
+
+    Raises
+    ------
+    InputError
+        If a lock names something that the nest does not have, or the profile asks for what nothing can state: an own
+        rule in a MiniZinc file where none is read.
+    RulesConflict
+        If orders that may not be dropped contradict each other, or no plan can meet a statement; the reasons are their
+        sentences.
+
+    Examples
+    --------
+    >>> from kerfwise.encoder.facts import compute_facts
+    >>> from kerfwise.rules.profile.profile import load_profile
+    >>> from kerfwise.encoder.by_hand import nest, part, rect
+    >>> profile = load_profile()
+    >>> plate = nest(400, 100, part("P1", rect(10, 10, 80, 80), [rect(30, 30, 20, 20)]))
+    >>> stated = state_rules(compute_facts(plate, profile.fact_options(), ()), profile)
+    >>> stated.statements[0].about.sentence
+    'P1.hole1 is cut before P1.outer: it lies inside it, and cutting P1.outer frees the metal it is in'
+    """
+    refuse_unknown(profile, reads_files)
+    statements, exempt = every_statement(facts, profile)
+    if alone := hopeless(statements):
+        raise RulesConflict(HOPELESS, tuple(about.sentence for about in alone))
+    resolved = resolve(statements, facts.n, {name: rule.gives_way for name, rule in profile.rulebook().items()})
+    return replace(resolved, exempt=exempt)
+
+
+def every_statement(facts: Facts, profile: Profile) -> tuple[list[Statement], tuple[About, ...]]:
+    """What the rules that are on state, cycles and all, and the contours they exempt."""
+    book = profile.rulebook()
+    statements: list[Statement] = []
+    exempt: list[About] = []
+    for name, setting in profile.settings().items():
+        stated = stated_by(book[name], facts, setting.options)
+        if setting.weight is None:
+            statements += (_excused(s) for s in stated) if book[name].excusable else stated
+            exempt += book[name].exempt(facts, setting.options)
+        else:
+            statements += (_softened(s, setting.weight) for s in stated)
+    statements += _objective(facts, profile)
+    return statements, tuple(exempt)
+
+
+def hopeless_anyway(facts: Facts, profile: Profile) -> tuple[About, ...]:
+    """As `hopeless`, of the rules that look at contours alone: for nests that have no candidates."""
+    book = profile.rulebook()
+    on = {name: setting for name, setting in profile.settings().items() if book[name].relaxable}
+    return hopeless([s for name, setting in on.items() for s in book[name].statements(facts, setting.options)])
+
+
+def hopeless(statements: Sequence[Statement]) -> tuple[About, ...]:
+    """Where the hard statements come from that no plan can meet, whatever the others ask."""
+    found = (s.about for s in by_kind(statements).at_least if s.weight is None and s.hopeless)
+    return tuple(dict.fromkeys(found))
+
+
+def loose_orders(facts: Facts) -> tuple[Precede, ...]:
+    """Orders that are broken for good: contours that cannot be cut any more, for what is around them is out.
+
+    Contours are numbered as in the whole nest.
+    """
+    if facts.past is None:
+        return ()
+    index = facts.whole_nest.index
+    return tuple(
+        Precede(index[inner], index[outer], About(LOOSE, (inner, outer), _loose_text(inner, outer)))
+        for inner, outer in facts.past.loose
+    )
+
+
+def _loose_text(inner: str, outer: str) -> str:
+    return f"{inner} cannot be cut any more: {outer}, which lies around it, is out, and the metal between is loose"
+
+
+def stated_by(rule: Rule[Any], facts: Facts, options: Any) -> Iterable[Statement]:
+    """What a rule states of the facts; one that looks at the whole nest states of that, and what is decided drops."""
+    if facts.past is None or not rule.of_whole_nest:
+        return rule.statements(facts, options)
+    return of_what_is_left(rule.statements(facts.past.whole, options), rest_of(facts))
+
+
+def rest_of(facts: Facts) -> Rest:
+    """What is left of the whole nest, for statements about that."""
+    if facts.past is None:
+        return Rest(range(facts.n), {})
+    index = facts.whole_nest.index
+    cut_at = {index[cut.contour]: k for k, cut in enumerate(facts.already_cut, 1)}
+    return Rest(facts.past.number.tolist(), cut_at)
+
+
+def _softened(statement: Statement, weight: float) -> Statement:
+    """A statement of a soft rule; what its author wants weighed by itself keeps its own weight."""
+    return replace(statement, weight=weight) if statement.weight is None else statement
+
+
+def _excused(statement: Statement) -> Statement:
+    """A statement of a hard rule that is broken where nothing else is left, at a price above all travel."""
+    return _softened(statement, EXEMPTION_MM)
+
+
+def refuse_unknown(profile: Profile, reads_files: bool) -> None:
+    """Say aloud what would otherwise be left out of the plan in silence."""
+    files = [rule for rule in profile.own_rules if isinstance(rule, OwnFile) and rule.strength != "off"]
+    if files and not reads_files:
+        message = f"own_rules: only the MiniZinc engine reads {files[0].file}: solve with --engine minizinc"
+        raise wrong_at(files[0].place, message)
+
+
+def unread_files(profile: Profile) -> Iterator[str]:
+    """A note for each of the plant's own rule files, for answers that come of statements alone."""
+    for rule in profile.own_rules:
+        if isinstance(rule, OwnFile) and rule.strength != "off":
+            yield f"what own rule file {rule.file} asks is not considered here: only the engine minizinc reads it"
+
+
+def _objective(facts: Facts, profile: Profile) -> list[Statement]:
+    """Idle travel at its price, by the millimetre and by the second that one takes, and slower ways to cut."""
+    price = profile.objective.idle + profile.objective.time / profile.machine.travel_mm_s
+    return [
+        IdleTravel(About("objective", (), f"a millimetre of idle travel costs {price:g}"), price),
+        *slower_ways(facts, profile),
+    ]
+
+
+def resolve(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int]) -> Stated:
+    """The statements without those that must be dropped to leave the hard orders over n contours free of cycles.
+
+    Where a contour has a firm position, orders that leave it no such position are dropped as well.
+
+    The weakest rules give way first (`gives_way`, the highest first; 0 never), and as few of their orders as can be.
+    """
+    kinds = by_kind(statements)
+    orders = [s for s in kinds.precede if s.weight is None]
+    runs = [s for s in kinds.contiguous if s.weight is None]
+    links = contracted(n, [(s.before, s.after) for s in orders], [s.contours for s in runs])
+    asking: dict[Link, list[Precede]] = {}
+    for component in components(links):
+        for k in component:
+            asking.setdefault(links[k], []).append(orders[k])
+    distinct = list(asking)
+    try:
+        out = lightest_cut(distinct, _weights(list(asking.values()), gives_way))
+    except Unbreakable as error:
+        raise _conflict([_firmest(asking[distinct[k]], gives_way) for k in error.cycle], runs) from None
+    kept = sorted(set(range(len(distinct))) - set(out))
+    dropped = []
+    for k in out:
+        against = path(distinct, kept, distinct[k][1], distinct[k][0]) or []
+        why = "cycle: " + ", ".join(_spoken(_firmest(asking[distinct[m]], gives_way)) for m in against)
+        dropped += [DroppedStatement(order, why) for order in asking[distinct[k]]]
+    late = _out_of_place(_without(statements, dropped), n, gives_way)
+    if late:  # what is out of place may have been all that an order on a cycle was dropped for
+        for d in sorted(dropped, key=lambda d: gives_way.get(d.rule, 0)):
+            others = [e for e in dropped if e is not d]
+            left = _without(statements, [*others, *late])
+            if not _closes_cycle(left, n) and not _out_of_place(left, n, gives_way):
+                dropped = others
+    return Stated(tuple(_without(statements, [*dropped, *late])), (*dropped, *late))
+
+
+def _without(statements: Sequence[Statement], dropped: Sequence[DroppedStatement]) -> list[Statement]:
+    gone = {id(d.statement) for d in dropped}
+    return [s for s in statements if id(s) not in gone]
+
+
+def _closes_cycle(statements: Sequence[Statement], n: int) -> bool:
+    kinds = by_kind(statements)
+    orders = [(s.before, s.after) for s in kinds.precede if s.weight is None]
+    runs = [s.contours for s in kinds.contiguous if s.weight is None]
+    return bool(components(contracted(n, orders, runs)))
+
+
+def _out_of_place(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int]) -> list[DroppedStatement]:
+    """The orders that must go so that contours can be cut at positions that are firm, such as those of locks."""
+    at = positions(statements, n)
+    if not at:
+        return []
+    kinds = by_kind(statements)
+    asking: dict[Link, list[Precede]] = {}
+    for s in kinds.precede:
+        if s.weight is None:
+            asking.setdefault((s.before, s.after), []).append(s)
+    runs = [s.contours for s in kinds.contiguous if s.weight is None]
+    links = list(asking)
+    out = in_the_way(n, links, _weights(list(asking.values()), gives_way), runs, at)
+    firm = [s.about for s in kinds.at_least if s.weight is None and len(s.literals) == n - 1]
+    why = "place: " + "; ".join(dict.fromkeys(about.sentence for about in firm))
+    return [DroppedStatement(order, why) for k in out for order in asking[links[k]]]
+
+
+def _weights(asking: Sequence[Sequence[Precede]], gives_way: Mapping[str, int]) -> list[int | None]:
+    """What each link weighs, by the orders that ask for it: one order more than all orders of weaker rules together.
+
+    None for a link that a rule asks for which never gives way.
+    """
+    ranks = [[gives_way.get(order.about.rule, 0) for order in orders] for orders in asking]
+    counts = Counter(rank for of_link in ranks for rank in of_link)
+    price, total = {}, 0
+    for rank in sorted(counts, reverse=True):
+        price[rank] = total + 1
+        total += counts[rank] * price[rank]
+    return [None if 0 in of_link else sum(price[rank] for rank in of_link) for of_link in ranks]
+
+
+def _firmest(orders: Sequence[Precede], gives_way: Mapping[str, int]) -> Precede:
+    """Of the orders that ask for one link, the one that gives way last."""
+    return min(orders, key=lambda order: gives_way.get(order.about.rule, 0))
+
+
+def _spoken(order: Precede) -> str:
+    first, then = order.about.contours
+    return f"{first} before {then} ({order.about.rule})"
+
+
+def _conflict(cycle: Sequence[Precede], runs: Sequence[Contiguous]) -> RulesConflict:
+    """The error for a cycle of orders that must all hold, a sentence each, with the runs that tie them together."""
+    sentences = []
+    for order, following in zip(cycle, [*cycle[1:], cycle[0]], strict=True):
+        sentences.append(order.about.sentence)
+        if order.after != following.before:
+            sentences += [r.about.sentence for r in runs if {order.after, following.before} <= set(r.contours)]
+    return RulesConflict("these hard rules contradict each other; one must give way", tuple(dict.fromkeys(sentences)))

@@ -1,0 +1,25 @@
+"""CP-SAT against every route tried one by one, on problems drawn at random."""
+
+from __future__ import annotations
+
+from hypothesis import given, settings
+
+from kerfwise.models.engines.cpsat import solve_cpsat
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.problem.problem import Problem
+from kerfwise.tests.models.brute import cheapest
+from kerfwise.tests.models.problems import problems
+
+ENOUGH = SolveOptions(work=20.0)
+
+
+@given(problems())
+@settings(max_examples=60, deadline=None)
+def test_same_optimum_as_by_trying_every_route(drawn: Problem) -> None:
+    best = cheapest(drawn)
+    outcome = solve_cpsat(drawn, ENOUGH, None)
+    assert outcome.infeasible == (best is None)
+    if best is not None:
+        assert outcome.incumbent is not None
+        assert outcome.incumbent.cost == outcome.bound == best.cost
+        assert outcome.proven_optimal

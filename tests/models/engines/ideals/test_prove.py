@@ -1,0 +1,157 @@
+"""The dynamic program over ideals against brute force, and on problems that fall apart into zones."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from hypothesis import assume, given, settings
+
+from kerfwise.models.engines.ideals import prove
+from kerfwise.models.engines.ideals.prove import applies
+from kerfwise.models.engines.ideals.series import series
+from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.models.problem.problem import Problem, SoftGroup
+from kerfwise.rules.statements import Lag
+from kerfwise.tests.models.brute import cheapest
+from kerfwise.tests.models.engines.ideals.chains import chains
+from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered
+
+
+@settings(max_examples=150, deadline=None)
+@given(problems())
+def test_same_optimum_as_brute_force(drawn: Problem) -> None:
+    tiny = replace(drawn, general=(), lags=tuple(lag for lag in drawn.lags if lag.cuts <= 1 and not lag.seconds))
+    best, proof = cheapest(tiny), prove(tiny, None, work=10)
+    assert proof is not None
+    if best is None:
+        assert proof.incumbent is None
+        return
+    assert proof.incumbent is not None
+    assert proof.incumbent.cost == best.cost
+    assert broken(tiny, proof.incumbent.route) == ()
+    assert route_cost(tiny, proof.incumbent.route) == best.cost
+
+
+@settings(max_examples=60, deadline=None)
+@given(problems())
+def test_an_incumbent_changes_nothing_but_the_work(drawn: Problem) -> None:
+    tiny = replace(drawn, general=(), lags=())
+    free = prove(tiny, None, work=10)
+    assert free is not None
+    assume(free.incumbent is not None)
+    assert free.incumbent is not None
+    assert prove(tiny, free.incumbent, work=10) == free
+    dearer = Incumbent(free.incumbent.route, free.incumbent.cost + 7)
+    assert prove(tiny, dearer, work=10) == free
+
+
+@settings(max_examples=60, deadline=None)
+@given(problems())
+def test_with_and_without_the_bound_by_walks_it_finds_the_same(drawn: Problem) -> None:
+    tiny = replace(drawn, general=(), lags=())
+    free = prove(tiny, None, work=10)
+    assume(free is not None and free.incumbent is not None)
+    assert free is not None
+    assert free.incumbent is not None
+    dearer = Incumbent(free.incumbent.route, free.incumbent.cost + 7)
+    assert prove(tiny, dearer, work=10, stages=()) == free
+    assert prove(tiny, dearer, work=10) == free
+
+
+def zones(count: int, size: int, sites: int) -> Problem:
+    """Zones of contours from left to right, each before the next."""
+    ranked = [(i, j) for i in range(count * size) for j in range(count * size) if i // size + 1 == j // size]
+    bare = scattered(5, count * size, sites)
+    where = [
+        [(x / 1000, y / 1000) for x, y in bare.pierce_um[list(bare.sites(i))].tolist()] for i in range(count * size)
+    ]
+    return problem(where, pairs=ranked)
+
+
+def test_zones_are_swept_one_after_the_other() -> None:
+    many = zones(10, 8, 8)
+    assert [len(group) for group in series(many)] == [8] * 10
+    proof = prove(many, None, work=10)
+    assert proof is not None
+    assert proof.incumbent is not None
+    assert broken(many, proof.incumbent.route) == ()
+    assert route_cost(many, proof.incumbent.route) == proof.incumbent.cost
+
+
+def test_a_soft_group_across_two_zones_joins_them() -> None:
+    two = replace(zones(2, 2, 1), soft_groups=(SoftGroup((1, 2), 1000, ABOUT),))
+    assert [len(group) for group in series(two)] == [1, 2, 1] or len(series(two)) < 3
+    proof, best = prove(two, None, work=10), cheapest(two)
+    assert proof is not None
+    assert proof.incumbent is not None
+    assert best is not None
+    assert proof.incumbent.cost == best.cost
+
+
+def test_says_so_when_it_does_not_fit() -> None:
+    assert prove(scattered(1, 20, 4), None, work=0.001) is None
+    assert prove(scattered(1, 70, 1), None, work=10) is None
+
+
+def test_does_not_claim_what_a_state_cannot_hold() -> None:
+    lagged = replace(scattered(1, 4, 1), lags=(Lag(0, 1, ABOUT, cuts=2),))
+    assert not applies(lagged)
+    assert prove(lagged, None, work=10) is None
+
+
+def test_no_contours_at_all_is_not_a_proof() -> None:
+    empty = problem([])
+    assert series(empty) == []
+    assert prove(empty, None, work=1) is None
+    assert np.size(empty.before) == 0
+
+
+def cheapest_of_chains(two: Problem) -> int:
+    """The least cost of two chains, contours 0, 2, 4 … and 1, 3, 5 …, by how far each is cut and the last site."""
+    half = two.n // 2
+    best = {(0, 0, two.m): 0}
+    for done in range(two.n):
+        grown: dict[tuple[int, int, int], int] = {}
+        for (a, b, last), cost in best.items():
+            for place, chain in ((a, 0), (b, 1)):
+                if place == half:
+                    continue
+                sites = list(two.sites(2 * place + chain))
+                for site, leg in zip(sites, two.legs([last] * len(sites), sites), strict=True):
+                    key = (a + 1 - chain, b + chain, site)
+                    grown[key] = min(grown.get(key, 1 << 60), cost + int(leg))
+        best = grown
+        assert all(a + b == done + 1 for a, b, _ in best)
+    return min(cost + int(two.legs([last], [two.m])[0]) for (_, _, last), cost in best.items())
+
+
+def test_more_contours_in_a_stretch_than_a_word_has_bits() -> None:
+    two = chains(2, 35)
+    proof = prove(two, None, work=10)
+    assert proof is not None
+    assert proof.incumbent is not None
+    assert broken(two, proof.incumbent.route) == ()
+    assert proof.incumbent.cost == route_cost(two, proof.incumbent.route) == cheapest_of_chains(two)
+    assert prove(two, Incumbent(proof.incumbent.route, proof.incumbent.cost + 1), work=10) == proof
+
+
+def test_costs_that_need_wide_integers() -> None:
+    far = problem([[(400_000.0 * (x % 3), 300_000.0 * (x % 2))] for x in range(6)], pairs=[(3, 0)])
+    proof, best = prove(far, None, work=10), cheapest(far)
+    assert proof is not None
+    assert proof.incumbent is not None
+    assert best is not None
+    assert proof.incumbent.cost == best.cost > 2**31
+
+
+def test_it_stops_when_it_is_told_to() -> None:
+    asked: list[str] = []
+
+    def stop(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+        asked.append(engine)
+        return len(asked) < 5
+
+    assert prove(scattered(1, 16, 2), None, 10, stop) is None
+    assert asked == ["ideals"] * 5

@@ -1,0 +1,149 @@
+"""Small random nests under random mixtures of rules, the same for the same seed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kerfwise.encoder.candidates import LeadOptions, build_candidates
+from kerfwise.encoder.facts import compute_facts
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.nest import Nest, Part
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.physics.timing.constant import Feeds
+from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
+from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
+from kerfwise.rules.catalogue.marks_first import MarksFirstOptions
+from kerfwise.rules.catalogue.no_islands import NoIslandsOptions
+from kerfwise.rules.catalogue.part_contiguous import PartContiguousOptions
+from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
+from kerfwise.rules.catalogue.pierce import PierceOptions
+from kerfwise.rules.catalogue.zone_order import ZoneOrderOptions
+from kerfwise.rules.lock import Lock
+from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.sections import RuleSetting
+from kerfwise.rules.registry import RULES
+from kerfwise.tests.nests import circle, nest, part, rect
+
+PITCH = 110
+SHAPES = ("plate", "marked", "ring", "disc", "host", "right", "up", "small")
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A nest under a profile, and what an engine is given of them."""
+
+    facts: Facts
+    profile: Profile
+    options: SolveOptions
+
+
+def case(seed: int, contours: int = 7) -> Case:
+    """A nest of 5 contours to about `contours`, a profile with every rule hard, soft or off as the seed has it."""
+    drawn, profile = _drawn(seed, contours)
+    candidates = build_candidates(drawn, lead_options(profile, seed))
+    facts = compute_facts(drawn, profile.fact_options(drawn), candidates)
+    feeds = Feeds(profile.machine.cut_feed_mm_s, profile.machine.mark_feed_mm_s, profile.machine.travel_mm_s, 0.5, 0.2)
+    return Case(facts, profile, SolveOptions(work=60, home_mm=profile.machine.home, feeds=feeds))
+
+
+def lead_options(profile: Profile, seed: int) -> LeadOptions:
+    """How candidates are made; for every third seed whatever older kerfs they meet, so that many do."""
+    options = profile.lead_options()
+    return replace(options, splash_mm=None) if seed % 3 == 0 else options
+
+
+def profile_of(seed: int, contours: int = 7) -> Profile:
+    """The profile of a case alone."""
+    return _drawn(seed, contours)[1]
+
+
+def _drawn(seed: int, contours: int) -> tuple[Nest, Profile]:
+    rng = np.random.default_rng(seed)
+    drawn = random_nest(rng, contours)
+    return drawn, random_profile(rng, drawn)
+
+
+def random_nest(rng: np.random.Generator, contours: int, least: int = 5) -> Nest:
+    """Plates, rings, hosts with a guest, channels with a guest and marked plates, row after row of three."""
+    parts: list[Part] = []
+    while sum(len(list(p)) for p in parts) < min(least, contours):
+        x, y = PITCH * (len(parts) % 3), PITCH * (len(parts) // 3)
+        made = _shape(str(rng.choice(SHAPES)), f"P{len(parts)}", x + int(rng.integers(3, 12)), y + 5, rng)
+        if sum(len(list(p)) for p in [*parts, *made]) <= contours:
+            parts += made
+    width, height = 3 * PITCH + int(rng.choice([0, 60, 300])), PITCH * (2 + (len(parts) > 6)) + int(rng.choice([0, 80]))
+    return nest(width, height, *parts)
+
+
+def _shape(shape: str, name: str, x: int, y: int, rng: np.random.Generator) -> list[Part]:
+    w, h = int(rng.integers(70, 99)), int(rng.integers(70, 99))
+    guest = part(f"{name}g", rect(x + 24, y + 24, 22, 22))
+    u = [(0, 0), (w, 0), (w, 10), (10, 10), (10, h - 10), (w, h - 10), (w, h), (0, h)]
+    match shape:
+        case "plate":
+            return [part(name, rect(x, y, w, h))]
+        case "marked":
+            return [part(name, rect(x, y, w, h), marks=[[(x + 9, y + 9), (x + 30, y + 9)]])]
+        case "ring":
+            return [part(name, rect(x, y, w, h), [rect(x + 12, y + 12, 20, 20), circle(x + 55, y + 50, 9)])]
+        case "disc":
+            return [part(name, circle(x + 40, y + 40, 38), [circle(x + 40, y + 40, 12)])]
+        case "host":
+            return [part(name, rect(x, y, w, h), [rect(x + 10, y + 10, 50, 50)]), guest]
+        case "right":
+            return [part(name, [(x + a, y + b) for a, b in u]), guest]
+        case "up":
+            return [part(name, [(x + b, y + a) for a, b in u][::-1]), guest]
+        case _:
+            return [part(name, rect(x, y, 30, 30)), part(f"{name}b", rect(x, y + 40, 30, 30))]
+
+
+SIMULATED = "t-max"
+"""The rule of which no engine knows more than what a simulation says afterwards: it is off."""
+LAST_DRAWN = "shared-metal"
+"""The rule whose strength is drawn after all else, so that seeds keep the nests and rules that they had before it."""
+
+
+def random_profile(rng: np.random.Generator, drawn: Nest) -> Profile:
+    """The default profile with other strengths, weights, options and locks."""
+    base = load_profile()
+    scope = str(rng.choice(["sheet", "part"]))
+    together = scope == "part" and rng.random() < 0.5
+    options = {
+        "marks-first": MarksFirstOptions(scope),  # type: ignore[arg-type]
+        "part-contiguous": PartContiguousOptions("together" if together else "apart"),
+        "zone-order": ZoneOrderOptions(zone_contours=int(rng.integers(1, 5))),
+        "cut-direction": CutDirectionOptions(*(str(way) for way in rng.choice(["free", "cw", "ccw"], 3))),  # type: ignore[arg-type]
+        "heat-lag": HeatLagOptions(float(rng.choice([15, 40])), int(rng.integers(0, 3)), float(rng.choice([0, 0, 8]))),
+        "pierce": PierceOptions(clearance_mm=1.5, splash_mm=float(rng.choice([0.5, 3, 6]))),
+        "no-islands": NoIslandsOptions(frame_share=float(rng.choice([0.1, 0.5, 1.0]))),
+        "part-rigidity": PartRigidityOptions(head_weight_mm=float(rng.choice([0, 25, 60]))),
+    }
+    rules = {SIMULATED: base.rules[SIMULATED]}
+    for name, rule in RULES.items():
+        if name in (SIMULATED, LAST_DRAWN):
+            continue
+        strength = str(rng.choice(rule.strengths))
+        weight = float(rng.choice([3.5, 40, 400])) if strength == "soft" else None
+        rules[name] = RuleSetting(strength, weight, options.get(name, base.rules[name].options))  # type: ignore[arg-type]
+    objective = replace(base.objective, time=float(rng.choice([0, 0, 100])))
+    leads = replace(base.leads, entries=int(rng.integers(1, 3)))
+    machine = replace(base.machine, home=(float(rng.choice([0, 200])), 0.0))
+    locks = _locks(rng, drawn)
+    rules[LAST_DRAWN] = replace(base.rules[LAST_DRAWN], strength=str(rng.choice(["hard", "off"])))  # type: ignore[arg-type]
+    return replace(base, rules=rules, objective=objective, leads=leads, machine=machine, locks=locks)
+
+
+def _locks(rng: np.random.Generator, drawn: Nest) -> tuple[Lock, ...]:
+    """Mostly none; else an order, a position or a direction of single contours."""
+    names = [c.id for c in drawn.contours]
+    one, other = (str(name) for name in rng.choice(names, 2, replace=False))
+    locks = [
+        Lock(contour=one, before=other),
+        Lock(contour=one, position=int(rng.integers(1, len(names) + 1))),
+        Lock(contour=one, position="last"),
+        Lock(contour=one, direction="cw"),
+    ]
+    return (locks[int(rng.integers(len(locks)))],) if rng.random() < 0.3 else ()

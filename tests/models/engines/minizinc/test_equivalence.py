@@ -1,0 +1,57 @@
+"""Every engine finds the same optimum, whichever way the rules are stated; the check has its say in tests/agreement."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kerfwise.models.engines.minizinc import solve_minizinc
+from kerfwise.models.engines.minizinc.data import travel_um
+from kerfwise.models.problem.problem import make_problem
+from kerfwise.rules.registry import RULES
+from kerfwise.rules.statements import About, IdleTravel
+from kerfwise.rules.stating.state_rules import state_rules
+from kerfwise.tests.agreement.orders import only
+from kerfwise.tests.models.engines.minizinc.agree import disagreements, optima
+from kerfwise.tests.models.engines.minizinc.cases import SIMULATED, case, profile_of
+
+pytestmark = pytest.mark.filterwarnings("ignore::minizinc.error.MiniZincWarning")
+SEEDS = range(36)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_engines_agree(seed: int) -> None:
+    _, differ = disagreements(case(seed))
+    assert differ == []
+
+
+def test_the_seeds_have_every_rule_in_every_strength() -> None:
+    profiles = [profile_of(seed) for seed in SEEDS]
+    seen = {(name, setting.strength) for p in profiles for name, setting in p.rules.items()}
+    stated = {(name, strength) for name, rule in RULES.items() for strength in rule.strengths if name != SIMULATED}
+    assert seen >= stated
+    assert any(p.locks for p in profiles)
+
+
+def test_a_rule_told_the_wrong_way_round_is_noticed() -> None:
+    drawn = case(0)
+    profile = only(drawn.profile, "level-ahead")
+    stated = state_rules(drawn.facts, profile)
+    wrong = replace(drawn.facts, level_ahead=drawn.facts.level_ahead[:, ::-1])
+    problem = make_problem(drawn.facts, stated.statements, drawn.options.home_mm)
+    found = solve_minizinc(wrong, profile, stated, drawn.options)
+    assert round(found.objective * 1000) not in optima(problem).values()
+
+
+def test_moves_cost_what_they_cost_elsewhere() -> None:
+    drawn = case(2)
+    profile = only(drawn.profile, "inner-before-outer")
+    statements = (*state_rules(drawn.facts, profile).statements, IdleTravel(About("test", (), ""), 0.37))
+    problem = make_problem(drawn.facts, statements, drawn.options.home_mm)
+    travel = travel_um(drawn.facts, problem.travel_weight, drawn.options.home_mm)
+    sites = problem.site_candidate + 1
+    assert (travel[np.ix_(sites, sites)] == problem.travel(range(problem.m), range(problem.m))).all()
+    assert (travel[0, sites] == problem.travel([problem.m], range(problem.m))[0]).all()
+    assert (travel[sites, 0] == problem.travel(range(problem.m), [problem.m])[:, 0]).all()

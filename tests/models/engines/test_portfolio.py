@@ -1,0 +1,139 @@
+"""The portfolio: every member alone, all together, and what it says of its choices."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import count
+
+import pytest
+
+from kerfwise.models.engines import portfolio
+from kerfwise.models.engines.known import Known
+from kerfwise.models.engines.names import Member
+from kerfwise.models.engines.portfolio import run_portfolio
+from kerfwise.models.engines.solution import Incumbent, SolveOptions
+from kerfwise.models.engines.watch import Watch
+from kerfwise.models.problem.problem import Problem
+from kerfwise.rules.statements import AtLeast, Lag, Pick
+from kerfwise.tests.models.brute import cheapest
+from kerfwise.tests.models.problems import ABOUT, problem, scattered
+
+
+def found(given: Problem, member: Member | None = None, work: float = 2.0) -> Known:
+    options = SolveOptions(work=work, member=member)
+    return run_portfolio(given, options, Watch(options))
+
+
+@pytest.mark.parametrize("member", [None, "search", "ideals", "beam", "cp-sat"])
+def test_every_member_finds_the_best_of_a_small_problem(member: Member | None) -> None:
+    six = scattered(2, contours=6, sites=2, pairs=3)
+    best = cheapest(six)
+    assert best is not None
+    known = found(six, member)
+    assert known.incumbent is not None
+    assert known.incumbent.cost == best.cost
+    assert known.proven == (member != "search")
+
+
+def test_a_forced_member_is_the_only_one_that_speaks() -> None:
+    six = scattered(2, contours=6, sites=2)
+    assert [note.split(":")[0] for note in found(six, "ideals").notes] == ["ideals"]
+    assert found(six, "search").notes == ["search: asked for"]
+    assert found(six, "search").proved_by == ""
+
+
+def test_it_says_how_many_sets_there_are_and_what_it_makes_of_that() -> None:
+    few = found(problem([[(float(x), 0.0)] for x in range(5)]))
+    assert few.notes == [
+        "ideals: swept at once, 31 sets, 80 states, 1 stretches one after the other, of 5 contours at most"
+    ]
+    many = found(scattered(1, contours=45, sites=1), work=0.5)
+    assert many.notes[1].startswith("ideals: left to the others, more than ")
+
+
+def test_what_the_ideals_cannot_hold_is_carried_by_cp_sat() -> None:
+    apart = problem([[(float(x), 0.0)] for x in range(5)], lags=[Lag(3, 4, ABOUT, cuts=3), Lag(0, 1, ABOUT, cuts=1)])
+    known = found(apart)
+    best = cheapest(apart)
+    assert best is not None
+    assert known.incumbent is not None
+    assert (known.incumbent.cost, known.bound_um, known.proved_by) == (best.cost, best.cost, "cp-sat")
+    assert any(note.startswith("ideals: left out") for note in known.notes)
+    assert any(note.startswith("cp-sat: ") for note in known.notes)
+
+
+def _not_together(one: int, other: int) -> AtLeast:
+    """Two sites are not both used."""
+    return AtLeast((Pick(other),), (-1,), 0, ABOUT, when=one)
+
+
+def test_what_sets_cannot_tell_is_left_out_of_the_sets_and_a_plan_that_keeps_it_is_proven_all_the_same() -> None:
+    six = scattered(2, contours=6, sites=2, pairs=3)
+    best = cheapest(six)
+    assert best is not None
+    unused = sorted(set(range(six.m)) - set(best.route))
+    known = found(replace(six, general=(_not_together(unused[0], unused[1]),)))
+    assert known.incumbent is not None
+    assert (known.incumbent.cost, known.bound_um, known.proved_by) == (best.cost, best.cost, "ideals")
+
+
+@pytest.mark.parametrize("pair", [(0, 1), (0, 5), (2, 3)])
+def test_where_the_best_plan_of_the_sets_breaks_the_rest_it_is_a_bound_only(pair: tuple[int, int]) -> None:
+    six = scattered(2, contours=6, sites=2, pairs=3)
+    free = cheapest(six)
+    assert free is not None
+    bound = replace(six, general=(_not_together(free.route[pair[0]], free.route[pair[1]]),))
+    best, known = cheapest(bound), found(bound)
+    assert best is not None
+    assert best.cost > free.cost
+    assert known.incumbent is not None
+    assert (known.incumbent.cost, known.bound_um, known.proved_by) == (best.cost, best.cost, "cp-sat")
+    assert "ideals: the best plan breaks what a set cannot tell, it is a bound only" in known.notes
+
+
+def test_no_lawful_route_is_proven() -> None:
+    known = found(problem([[(1.0, 0.0)], [(2.0, 0.0)]], lags=[Lag(0, 1, ABOUT, cuts=1)]))
+    assert known.infeasible
+    assert known.proven
+    assert known.incumbent is None
+
+
+def test_the_better_plan_and_the_better_bound_are_kept() -> None:
+    known = Known()
+    known.offer(Incumbent((1, 0), 9), "search")
+    known.offer(Incumbent((0, 1), 9), "ideals")
+    known.raise_bound(0, "cp-sat")
+    known.raise_bound(7, "ideals")
+    known.raise_bound(5, "cp-sat")
+    assert (known.found_by, known.bound_um, known.proved_by, known.proven) == ("search", 7, "ideals", False)
+    known.offer(Incumbent((0, 1), 7), "cp-sat")
+    assert (known.found_by, known.proven) == ("cp-sat", True)
+
+
+def test_a_flow_bounds_what_neither_state_nor_order_proves() -> None:
+    apart = problem([[(float(x), 0.0)] for x in range(5)], lags=[Lag(0, 1, ABOUT, cuts=2)])
+    known = found(apart)
+    assert (known.bound_um, known.proved_by, known.proven) == (8000, "flow", True)
+
+
+def test_an_earlier_plan_and_bound_are_gone_on_from() -> None:
+    six = scattered(2, contours=6, sites=2, pairs=3)
+    best = found(six)
+    assert best.incumbent is not None
+    options = SolveOptions(work=1e-6, member="search")
+    again = run_portfolio(six, options, Watch(options), best.incumbent.route, best)
+    assert again.incumbent == best.incumbent
+    assert again.proven
+    assert (again.bound_um, again.proved_by) == (best.bound_um, best.proved_by)
+    assert again.notes == []
+
+
+def test_no_member_sets_out_without_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each step takes a second by the clock; what is left is too little for the others' tables."""
+    given, seconds, set_out = scattered(1, contours=45, sites=1), count(), list[str]()
+    for module, name in ((portfolio.beam, "beam"), (portfolio, "flow_bound"), (portfolio, "solve_cpsat")):
+        monkeypatch.setattr(module, name, lambda *given, name=name: set_out.append(name))
+    limits = SolveOptions(time_s=5.0)
+    watch = Watch(replace(limits, time_s=1e9), clock=lambda: float(next(seconds)))
+    assert run_portfolio(given, limits, watch).incumbent is not None
+    assert set_out == []

@@ -1,0 +1,71 @@
+"""Rounds of a solve: geometry looks at each plan and may ask for another."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import pytest
+
+from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.models.engines import rounds
+from kerfwise.models.engines.solution import Solution, SolveOptions
+from kerfwise.models.engines.watch import Watch
+from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.statements import About, NoGood
+from kerfwise.tests.nests import nest, part, rect
+
+PRICE_MM = 5.0
+TWO: Nest = nest(300, 100, part("A", rect(10, 10, 60, 60)), part("B", rect(110, 10, 160, 60)))
+
+
+class Geometry:
+    """Finds something to say of every plan, and is all that takes time."""
+
+    def __init__(self, look_s: float = 0.0, finds: int = 100) -> None:
+        self.look_s, self.finds, self.looks = look_s, finds, 0
+
+    def clock(self) -> float:
+        return self.looks * self.look_s
+
+    def __call__(self, order: tuple[int, ...]) -> tuple[NoGood, ...]:
+        self.looks += 1
+        if self.looks > self.finds:
+            return ()
+        out, left = frozenset(order[:1]), frozenset(order[1:])
+        return (NoGood(out, left, About("test", (), f"look {self.looks}"), PRICE_MM),)
+
+
+@pytest.fixture
+def solved(monkeypatch: pytest.MonkeyPatch) -> Any:
+    profile = load_profile()
+    asked = ask(facts_of(TWO, profile), profile)
+
+    def run(geometry: Geometry, time_s: float | None = None) -> Solution:
+        monkeypatch.setattr(rounds, "Watch", partial(Watch, clock=geometry.clock))
+        return rounds.solve(asked.facts, asked.stated.statements, SolveOptions(time_s=time_s), None, geometry)
+
+    return run
+
+
+def test_there_are_rounds_until_geometry_finds_nothing(solved: Any) -> None:
+    geometry = Geometry(finds=3)
+    found = solved(geometry)
+    assert geometry.looks == 4
+    assert not [note for note in found.notes if note.startswith("rounds:")]
+
+
+@pytest.mark.parametrize(("look_s", "looks"), [(6.0, 1), (4.0, 2), (2.0, 4)])
+def test_no_round_is_begun_whose_look_would_end_after_the_time_limit(solved: Any, look_s: float, looks: int) -> None:
+    geometry = Geometry(look_s)
+    found = solved(geometry, time_s=10.0)
+    assert geometry.looks == looks
+    assert found.seconds == looks * look_s
+    assert found.notes[-1].endswith(f"the limit leaves no further round that ends with a look of {look_s:.1f} s")
+
+
+def test_what_is_found_last_is_priced(solved: Any) -> None:
+    free, priced = solved(Geometry(finds=0)), solved(Geometry(6.0), time_s=10.0)
+    assert free.route == priced.route
+    assert priced.objective == pytest.approx(free.objective + PRICE_MM)

@@ -1,0 +1,44 @@
+"""A route of candidates as a timed path is what the plan made of it would be."""
+
+from __future__ import annotations
+
+import pytest
+
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.produce import produce
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.physics.heat.route_path import RoutePaths
+from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.postproc.clock.heat_path import path_of_plan
+from kerfwise.rules.profile.profile import load_profile
+from kerfwise.tests.nests import circle, nest, part, rect
+
+
+def test_it_agrees_with_the_plan() -> None:
+    profile = load_profile()
+    plate = nest(
+        400,
+        200,
+        part("A", rect(20, 20, 160, 160), [circle(100, 100, 30)], [[(30, 30), (80, 30)]]),
+        part("B", rect(200, 20, 160, 160)),
+    )
+    facts, machine = facts_of(plate, profile), profile.machine
+    limits = SolveOptions(work=1.0, home_mm=machine.home, feeds=feeds_of(profile))
+    plan = produce(ask(facts, profile), profile, limits).plan
+    route = [
+        next(
+            k
+            for k, c in enumerate(facts.candidates)
+            if plate.contours[c.contour].id == p.cut.contour
+            and (c.pierce, c.direction, c.end) == (p.cut.pierce, p.cut.direction, p.cut.end)
+        )
+        for p in plan.cuts
+    ]
+    made = RoutePaths(facts, profile.material.kerf_mm, feeds_of(profile), machine.home).of(route)
+    told = path_of_plan(plan, plate, profile)
+    assert [b.contour for b in made.burns] == [b.contour for b in told.burns]
+    assert "A.mark1" not in [b.contour for b in made.burns]
+    for a, b in zip(made.burns, told.burns, strict=True):
+        assert (a.at_s[0], a.at_s[-1]) == pytest.approx((b.at_s[0], b.at_s[-1]), abs=0.05)
+        assert a.xy[0] == pytest.approx(b.xy[0])
+        assert a.xy[-1] == pytest.approx(b.xy[-1], abs=1e-3)

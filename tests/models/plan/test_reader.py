@@ -1,0 +1,91 @@
+"""Plans are read back to the byte; a damaged one is refused with the place, and nothing else comes out."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.models.plan.reader import read_plan, validator
+from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
+
+PLATE = plate()
+TEXT = plan_of(PLATE, good_cuts(PLATE), profile()).to_json()
+
+
+def damaged(folder: Path, change: Callable[[dict[str, Any]], object]) -> str:
+    data = json.loads(TEXT)
+    change(data)
+    path = folder / "plan.json"
+    path.write_text(json.dumps(data, indent=1))
+    with pytest.raises(InputError) as error:
+        read_plan(path)
+    return str(error.value).removeprefix(str(path))
+
+
+def test_there_and_back(tmp_path: Path) -> None:
+    (tmp_path / "plan.json").write_text("\ufeff" + TEXT)
+    assert read_plan(tmp_path / "plan.json").to_json() == TEXT
+    assert list(validator().iter_errors(json.loads(TEXT))) == []
+    validator().check_schema(validator().schema)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda d: d["cuts"][2].update(entry=[1]), "cuts 3, entry: 1 given, expected at least 2"),
+        (lambda d: d["cuts"][2].update(entry=[1, float("nan")]), 'cuts 3, entry 2: "NaN" given, expected a number'),
+        (lambda d: d["cuts"][0].update(pierce=[1e9, 0]), "cuts 1, pierce 1: 1000000000.0 given, expected at most"),
+        (lambda d: d["cuts"][0].update(contour=["A"]), 'cuts 1, contour: ["A"] given, expected a text'),
+        (lambda d: d["cuts"][0].update(zone=None), "cuts 1, zone: null given, expected a whole number"),
+        (lambda d: d["cuts"][0].update(start_s="soon"), 'cuts 1, start_s: "soon" given, expected a number'),
+        (lambda d: d["cuts"][0].update(direction="left"), 'cuts 1, direction: "left" given, expected one of cw, ccw'),
+        (lambda d: d["cuts"][1].pop("lead_in"), "cuts 2: 'lead_in' missing"),
+        (lambda d: d["cuts"][1].update(lead_in=[[0, 0], []]), "cuts 2, lead_in 2: nothing in it"),
+        (lambda d: d["cuts"][1].update(excused=[1]), "cuts 2, excused 1: 1 given, expected a text"),
+        (lambda d: d["cuts"][1].update(order=1), "the order of its cuts does not count 1, 2, 3"),
+        (lambda d: d.update(cuts={}), "cuts: an object given, expected a list"),
+        (lambda d: d.update(nest=[]), "nest: [] given, expected an object"),
+        (lambda d: d["totals"].update(cut_mm=None), "totals, cut_mm: null given, expected a number"),
+        (lambda d: d["solve"].update(status="good"), 'solve, status: "good" given, expected one of optimal, feasible'),
+        (lambda d: d["solve"].update(bound="low"), 'solve, bound: "low" given, expected a number or null'),
+        (lambda d: d.update(start_side="up"), 'start_side: "up" given, expected one of left, right, bottom, top'),
+    ],
+)
+def test_what_does_not_fit_is_named_with_its_place(
+    change: Callable[[dict[str, Any]], object], said: str, tmp_path: Path
+) -> None:
+    message = damaged(tmp_path, change)
+    assert said in message
+    assert "the plan is damaged: " in message
+
+
+def test_the_line_is_told(tmp_path: Path) -> None:
+    assert damaged(tmp_path, lambda d: d.update(start_side="up")).startswith(":11:16: the plan is damaged: start_side")
+
+
+VALUES = st.sampled_from([None, True, -1, 0.5, 1e308, float("nan"), "", "x", [], {}, [1], [[0, 0]], {"a": 1}, 10**30])
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.data())
+def test_any_value_in_any_place(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
+    plan = json.loads(TEXT)
+    at: Any = plan
+    while isinstance(at, dict | list) and at:
+        key = data.draw(st.sampled_from(list(at) if isinstance(at, dict) else list(range(len(at)))))
+        if not isinstance(at[key], dict | list) or data.draw(st.integers(0, 4)) == 0:
+            at[key] = data.draw(VALUES)
+            break
+        at = at[key]
+    path = tmp_path_factory.getbasetemp() / "any.plan.json"
+    path.write_text(json.dumps(plan))
+    with contextlib.suppress(InputError):
+        read_plan(path).to_json()

@@ -1,0 +1,115 @@
+"""Moves over parts that are out: found one by one, or left out and said so where there are too many."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from itertools import count
+
+import pytest
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.models.engines import rounds
+from kerfwise.models.engines.rounds import solve
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.engines.watch import Watch
+from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.plan.make import make_plan
+from kerfwise.models.problem import crossed_areas, crossings
+from kerfwise.models.problem.problem import make_problem
+from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.statements import About, Precede
+from kerfwise.tests.nests import nest, part, rect
+
+ROW = nest(500, 300, *(part(f"P{k}", rect(50 + 120 * k, 50, 100, 100)) for k in range(3)))
+
+
+def with_tips(strength: str) -> Profile:
+    profile = load_profile("plasma-carbon-steel")
+    tips = replace(profile.rules["no-tip-travel"], strength=strength, weight=50.0 if strength == "soft" else None)
+    return replace(profile, rules={**profile.rules, "no-tip-travel": tips})
+
+
+def test_moves_over_the_part_between_are_found() -> None:
+    profile = with_tips("soft")
+    asked = ask(facts_of(ROW, profile), profile)
+    problem = make_problem(asked.facts, asked.stated.statements, (0.0, 0.0))
+    rows = problem.crossings
+    ends = problem.ends()[rows.leave][:, 0] / 1000
+    starts = problem.pierces()[rows.reach][:, 0] / 1000
+    middle = rows.over == ROW.index["P1.outer"]
+    assert middle.any()
+    assert ((ends < 270) & (starts > 170) | (ends > 170) & (starts < 270))[middle].all()
+    assert problem.left_out == ()
+
+
+def test_too_many_moves_leave_a_soft_rule_unpriced_and_the_plan_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(crossings, "MOST_MOVES", 10)
+    profile = with_tips("soft")
+    asked = ask(facts_of(ROW, profile), profile)
+    solution = solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0, feeds=feeds_of(profile)))
+    plan = make_plan(asked.facts, profile, asked.stated, solution, "cp-sat", 1)
+    (dropped,) = [d for d in plan.dropped if d.rule == "no-tip-travel"]
+    assert dropped.why.startswith("not priced: idle travel over parts that are out asks about")
+    assert not dropped.relaxed
+
+
+def test_too_many_moves_are_refused_where_the_rule_is_hard(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(crossings, "MOST_MOVES", 10)
+    profile = with_tips("hard")
+    asked = ask(facts_of(ROW, profile), profile)
+    with pytest.raises(InputError, match="more than the 10 that can be looked at: switch no-tip-travel off"):
+        make_problem(asked.facts, asked.stated.statements, (0.0, 0.0))
+
+
+def test_moves_looked_at_once_are_not_looked_at_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    profile = with_tips("soft")
+    asked = ask(facts_of(ROW, profile), profile)
+    statements = tuple(s for s in asked.stated.statements if not isinstance(s, Precede))
+    first = make_problem(asked.facts, statements, (0.0, 0.0))
+    about = About("test", (), "P1 comes before P2")
+    more = (*statements, Precede(ROW.index["P1.outer"], ROW.index["P2.outer"], about))
+    anew = make_problem(asked.facts, more, (0.0, 0.0))
+    assert len(anew.crossings) < len(first.crossings), "another order, other moves"
+    assert len(make_problem(asked.facts, more, (0.0, 0.0), earlier=first).crossings) == len(anew.crossings)
+    monkeypatch.setattr(crossings, "MOST_MOVES", 0)
+    assert make_problem(asked.facts, statements, (0.0, 0.0), earlier=first).crossings is first.crossings
+
+
+def test_moves_for_which_the_time_is_too_short_leave_a_soft_rule_unpriced() -> None:
+    asked_shares: list[float] = []
+
+    def half_the_pace(share: float) -> bool:
+        asked_shares.append(share)
+        return False
+
+    profile = with_tips("soft")
+    asked = ask(facts_of(ROW, profile), profile)
+    problem = make_problem(asked.facts, asked.stated.statements, (0.0, 0.0), going=half_the_pace)
+    assert asked_shares == [0.0]
+    ((rule, why),) = problem.left_out
+    assert (rule, len(problem.crossings)) == ("no-tip-travel", 0)
+    assert why.endswith("moves, for which the time limit is too short")
+    again = make_problem(asked.facts, asked.stated.statements, (0.0, 0.0), None, problem, half_the_pace)
+    assert (asked_shares, again.left_out) == ([0.0], problem.left_out)
+
+
+def test_all_moves_are_looked_at_where_the_rule_is_hard() -> None:
+    profile = with_tips("hard")
+    asked = ask(facts_of(ROW, profile), profile)
+    problem = make_problem(asked.facts, asked.stated.statements, (0.0, 0.0), going=lambda share: False)
+    assert len(problem.crossings)
+
+
+@pytest.mark.parametrize(("time_s", "left_out"), [(1.0, 1), (None, 0)])
+def test_the_clock_counts_under_a_limit_in_seconds_alone(
+    monkeypatch: pytest.MonkeyPatch, time_s: float | None, left_out: int
+) -> None:
+    ticks = count()
+    monkeypatch.setattr(crossed_areas, "GROUPS_AT_ONCE", 1)
+    monkeypatch.setattr(rounds, "Watch", partial(Watch, clock=lambda: float(next(ticks))))
+    profile = with_tips("soft")
+    asked = ask(facts_of(ROW, profile), profile)
+    options = SolveOptions(work=1.0, time_s=time_s, feeds=feeds_of(profile))
+    assert len(solve(asked.facts, asked.stated.statements, options).left_out) == left_out

@@ -1,0 +1,65 @@
+"""Texts fit where they are put."""
+
+from __future__ import annotations
+
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kerfwise.postproc.report.text_room import find_room
+
+
+def test_a_text_with_room_has_the_wanted_size_and_stands_near_its_target() -> None:
+    place = find_room(shapely.box(0, 0, 100, 100), "12", 5.0, near=shapely.Point(0, 50))
+    assert place is not None
+    assert place.size_mm == 5.0
+    assert place.x < 6
+    assert abs(place.y - 50) < 0.01
+
+
+def test_without_a_target_it_stands_in_the_middle() -> None:
+    place = find_room(shapely.box(0, 0, 100, 40), "12", 5.0)
+    assert place is not None
+    assert (place.x, place.y) == (pytest.approx(50, abs=1), pytest.approx(20, abs=1))
+
+
+def test_too_narrow_for_the_wanted_size_it_fills_the_width() -> None:
+    place = find_room(shapely.box(0, 0, 10, 10), "8", 100.0)
+    assert place is not None
+    x0, y0, x1, y1 = place.box().bounds
+    assert not place.turned
+    assert y1 - y0 > 7.5 or x1 - x0 > 7.5
+
+
+def test_in_an_upright_strip_it_is_turned() -> None:
+    place = find_room(shapely.box(0, 0, 10, 200), "115", 20.0, bold=True)
+    assert place is not None
+    assert place.turned
+    x0, y0, x1, y1 = place.box().bounds
+    assert y1 - y0 > x1 - x0
+
+
+def test_no_area_no_place() -> None:
+    assert find_room(shapely.Polygon(), "1", 5.0) is None
+    assert find_room(shapely.GeometryCollection([shapely.Point(1, 1)]), "1", 5.0) is None
+
+
+@settings(deadline=None)
+@given(
+    points=st.lists(
+        st.tuples(st.floats(0, 100, width=32), st.floats(0, 100, width=32)), min_size=3, max_size=9, unique=True
+    ),
+    number=st.integers(1, 9999),
+    wanted_mm=st.floats(0.5, 50),
+    near=st.none() | st.builds(shapely.Point, st.floats(-50, 150), st.floats(-50, 150)),
+    bold=st.booleans(),
+)
+def test_the_box_lies_in_the_area(
+    points: list[tuple[float, float]], number: int, wanted_mm: float, near: shapely.Point | None, bold: bool
+) -> None:
+    area = shapely.MultiPoint(points).buffer(6).difference(shapely.Point(points[0]).buffer(3))
+    place = find_room(area, str(number), wanted_mm, near, bold)
+    assert place is not None
+    assert 0 < place.size_mm <= wanted_mm
+    assert area.covers(place.box())

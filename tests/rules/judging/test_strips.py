@@ -1,0 +1,110 @@
+"""Narrow strips and islands: what is found wrong with one order is wrong in every order that has it, and only there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import permutations
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStrips, NoNarrowStripsOptions
+from kerfwise.rules.judging import strips
+from kerfwise.tests.nests import nest, part, rect
+from kerfwise.tests.rules.test_statements_agree import sheets
+
+RULE = NoNarrowStrips()
+CHANNEL = [(0, 0), (84, 0), (84, 10), (10, 10), (10, 76), (84, 76), (84, 86), (0, 86)]
+CHANNELS = nest(
+    390, 220,
+    part("L", [(x + 5, y + 5) for x, y in CHANNEL]), part("R", [(x + 230, y + 5) for x, y in CHANNEL]),
+    part("S", rect(117, 115, 30, 30)), part("T", rect(117, 155, 30, 30)),
+)  # fmt: skip
+FAR = nest(
+    2000, 100,
+    part("X", rect(400, 5, 80, 90)), part("A", rect(1500, 10, 80, 80)),
+    part("B", rect(10, 10, 80, 80)), part("C", rect(200, 10, 80, 80)),
+)  # fmt: skip
+APART = nest(
+    400, 300,
+    part("A", rect(20, 20, 90, 60)), part("B", rect(20, 100, 90, 60)), part("C", rect(180, 130, 30, 30)),
+    part("D", rect(125, 20, 30, 30)), part("E", rect(125, 180, 100, 60)),
+)  # fmt: skip
+
+
+def told_alike(sheet: Nest, options: NoNarrowStripsOptions) -> int:
+    """How many orders are lawful, once every order is seen to break no-goods exactly where it is unlawful itself."""
+    outers = [p.outer.id for p in sheet.parts]
+    found = {order: RULE.no_goods(sheet, order, options) for order in permutations(outers)}
+    no_goods = {(wrong.out, wrong.left): wrong.sentence for of in found.values() for wrong in of}
+    for order, wrong in found.items():
+        at = {name: k for k, name in enumerate(order)}
+        broken = [s for (out, left), s in no_goods.items() if max(at[x] for x in out) < min(at[x] for x in left)]
+        assert bool(broken) == bool(wrong), (order, broken)
+    return sum(not wrong for wrong in found.values())
+
+
+@pytest.mark.parametrize(("sheet", "strip_mm"), [(CHANNELS, 140.0), (FAR, 60.0), (APART, 160.0)])
+def test_a_no_good_holds_in_every_order(sheet: Nest, strip_mm: float) -> None:
+    assert 0 < told_alike(sheet, NoNarrowStripsOptions(strip_mm=strip_mm)) < 120
+
+
+def test_the_side_with_fewer_parts_is_left_behind() -> None:
+    """Cutting X closes off B and C, and leaves A alone."""
+    (wrong,) = RULE.no_goods(FAR, ["X.outer", "A.outer", "B.outer", "C.outer"], NoNarrowStripsOptions())
+    assert (wrong.out, wrong.left) == (("X.outer",), ("A.outer", "C.outer"))
+
+
+@settings(deadline=None, max_examples=20)
+@given(sheets(), st.sampled_from([60.0, 110.0, 160.0]))
+def test_a_no_good_holds_in_every_order_of_any_sheet(sheet: Nest, strip_mm: float) -> None:
+    assume(len(sheet.parts) <= 4)
+    told_alike(sheet, NoNarrowStripsOptions(strip_mm=strip_mm))
+
+
+def test_a_part_that_was_told_is_not_looked_at_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a row of twelve every other part goes first: those between lie in strips, and each is told once."""
+    row = nest(800, 100, *(part(f"P{k}", rect(10 + 60 * k, 10, 50, 80)) for k in range(12)))
+    looked: list[tuple[int, bool]] = []
+    vanishes = strips.Metal._vanishes
+
+    def noted(metal: strips.Metal, q: int, around: Sequence[int]) -> bool:
+        found = vanishes(metal, q, around)
+        looked.append((q, bool(metal.told[q])))
+        return found
+
+    monkeypatch.setattr(strips.Metal, "_vanishes", noted)
+    order = [f"P{k}.outer" for k in (*range(0, 12, 2), *range(1, 12, 2))]
+    assert RULE.no_goods(row, order, NoNarrowStripsOptions())
+    assert looked
+    assert not any(told for _, told in looked)
+
+
+def test_few_looks_tell_which_of_many_parts_make_a_strip(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Small parts in nine rows, the middle one last: of some dozens that are out around it few make the strip."""
+    side, step = 15, 21
+    field = nest(
+        20 + 9 * step, 20 + 9 * step,
+        *(part(f"P{k}", rect(10 + step * (k % 9), 10 + step * (k // 9), side, side)) for k in range(81)),
+    )  # fmt: skip
+    middle, looks = 40, list[int]()
+    vanishes = strips.Metal._vanishes
+
+    def noted(metal: strips.Metal, q: int, around: Sequence[int]) -> bool:
+        looks.append(q)
+        return vanishes(metal, q, around)
+
+    metal = next(iter(strips._grounds(field, 60.0, 25.0)[0].values()))
+    metal.out[:] = True
+    metal.out[middle] = False
+    around = metal._around(middle)
+    assert len(around) > 40
+    monkeypatch.setattr(strips.Metal, "_vanishes", noted)
+    needed = metal._fewest(middle, around)
+    assert len(looks) < len(around) / 2
+    assert vanishes(metal, middle, needed)
+    for k in needed:
+        without = [m for m in needed if m != k]
+        assert not (metal._on_both_sides(middle, without) and vanishes(metal, middle, without))

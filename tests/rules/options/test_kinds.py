@@ -1,0 +1,134 @@
+"""Each kind of value: what it reads, what it refuses and in which words, and that what it writes reads back."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kerfwise.rules.lock import Position
+from kerfwise.rules.options.kinds import (
+    ACCELERATION,
+    DURATION,
+    LENGTH,
+    SPEED,
+    Choice,
+    Flag,
+    Kind,
+    Number,
+    PointXY,
+    Text,
+    Unfit,
+    over_zero,
+)
+
+
+def read(kind: Kind, text: str) -> Any:
+    return kind.read(yaml.compose(text, Loader=yaml.SafeLoader))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "value"),
+    [
+        (LENGTH, "1.5", 1.5),
+        (LENGTH, "1.5 mm", 1.5),
+        (LENGTH, "'1.5mm'", 1.5),
+        (LENGTH, "2 cm", 20.0),
+        (LENGTH, "0.25 in", 6.35),
+        (LENGTH, ".5", 0.5),
+        (LENGTH, "1e-1", 0.1),
+        (SPEED, "2500", 2500 / 60),
+        (SPEED, "2500 mm/min", 2500 / 60),
+        (SPEED, "40 mm/s", 40.0),
+        (SPEED, "2.4 m/min", 40.0),
+        (SPEED, "0.1 m/s", 100.0),
+        (SPEED, "100 in/min", 2540 / 60),
+        (ACCELERATION, "2", 2000.0),
+        (ACCELERATION, "1500 mm/s2", 1500.0),
+        (ACCELERATION, "0.5 g", 4903.325),
+        (DURATION, "0.5", 0.5),
+        (DURATION, "500 ms", 0.5),
+        (DURATION, "2 min", 120.0),
+        (Number(), "-3", -3.0),
+        (Number(1, 9, whole=True), "9", 9),
+        (Flag(), "yes", True),
+        (Flag(), "off", False),
+        (Choice(("hard", "soft", "off")), "off", "off"),
+        (Choice(("auto", "mm"), none="auto"), "auto", None),
+        (Text(), "P1.outer", "P1.outer"),
+        (PointXY(), "[1, -2.5 mm]", (1.0, -2.5)),
+        (Position(), "first", "first"),
+        (Position(), "12", 12),
+    ],
+)
+def test_reads(kind: Kind, text: str, value: object) -> None:
+    assert read(kind, text) == value
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "message"),
+    [
+        (LENGTH, "wide", "expected a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in), got 'wide'"),
+        (LENGTH, "-1", "expected a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in), got '-1'"),
+        (LENGTH, "1,5", "expected a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in), got '1,5': "
+         "write decimals with a point, 1.5"),
+        (LENGTH, "1.5 bar", "unknown unit 'bar' in '1.5 bar': expected a length of at least 0 such as 1.5 or "
+         "'1.5 mm' (also cm, m, in)"),
+        (LENGTH, "[1, 2]", "expected a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in), got a list of 2"),
+        (LENGTH, "", "expected a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in), got nothing"),
+        (LENGTH, ".inf", "expected a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in), got '.inf'"),
+        (over_zero(LENGTH), "0", "expected a length over 0 such as 1.5 or '1.5 mm' (also cm, m, in), got '0'"),
+        (SPEED, "0", "expected a speed over 0 such as 2500 or '2500 mm/min' (also mm/s, m/min, m/s, in/min), got '0'"),
+        (Number(1, 9, whole=True), "9.5", "expected a whole number from 1 to 9, got '9.5'"),
+        (Number(1, 9, whole=True), "10", "expected a whole number from 1 to 9, got '10'"),
+        (Number(0), "-0.1", "expected a number of at least 0, got '-0.1'"),
+        (Number(), "many", "expected a number, got 'many'"),
+        (Flag(), "maybe", "expected true or false, got 'maybe'"),
+        (Choice(("hard", "soft")), "sofd", "expected one of hard, soft, got 'sofd': did you mean 'soft'?"),
+        (Choice(("hard", "soft")), "zzz", "expected one of hard, soft, got 'zzz'"),
+        (Text(), "''", "expected a text, got ''"),
+        (Text(pattern=True), "'(a'", "expected a regular expression such as 'mark|scribe', got '(a': missing ), "
+         "unterminated subpattern at position 0"),
+        (PointXY(), "[1]", "expected a point [x, y] in mm, got a list of 1"),
+        (Position(), "0", "expected first, last or a position counted from 1, got '0'"),
+    ],
+)  # fmt: skip
+def test_refuses(kind: Kind, text: str, message: str) -> None:
+    node = yaml.compose(text or "~", Loader=yaml.SafeLoader)
+    with pytest.raises(Unfit) as caught:
+        kind.read(node)  # type: ignore[arg-type]
+    assert str(caught.value) == message
+
+
+numbers = st.floats(-1e6, 1e6).filter(lambda x: x == 0 or abs(x) > 1e-9)
+
+
+@given(numbers.map(abs), st.sampled_from([LENGTH, DURATION]))
+def test_quantity_reads_back(value: float, kind: Kind) -> None:
+    assert read(kind, kind.write(value)) == value
+
+
+@given(st.floats(1e-6, 1e6))
+def test_speed_reads_back(value: float) -> None:
+    assert read(SPEED, SPEED.write(value)) == value
+
+
+@given(numbers, numbers)
+def test_point_and_number_read_back(x: float, y: float) -> None:
+    assert read(PointXY(), PointXY().write((x, y))) == (x, y)
+    assert read(Number(), Number().write(x)) == x
+
+
+@given(st.text(min_size=1).filter(lambda t: t.strip() and t.isprintable()))
+def test_text_reads_back_even_inside_a_flow_mapping(text: str) -> None:
+    written = Text().write(text)
+    assert read(Text(), written) == text
+    inside = yaml.compose(f"{{key: {written}}}  # comment", Loader=yaml.SafeLoader)
+    assert Text().read(inside.value[0][1]) == text  # type: ignore[union-attr]
+
+
+def test_text_with_a_line_break_stays_on_one_line() -> None:
+    assert Text().write("one\ntwo") == '"one\\ntwo"'
