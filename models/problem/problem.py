@@ -282,7 +282,7 @@ def _blocks(n: int, groups: list[Contiguous]) -> Ints:
 
 
 def _contradiction(before: Bools, hard: list[Precede]) -> RulesConflict:
-    """Names the orders between contours that stand on a cycle (rules/stating/cycles names the shortest one beforehand)."""
+    """Names the orders between contours that stand on a cycle (`rules.stating.cycles` names the shortest first)."""
     stuck = before.diagonal()
     said = [p.about.sentence for p in hard if stuck[p.before] and stuck[p.after]]
     return RulesConflict("the order rules contradict each other", tuple(dict.fromkeys(said)))

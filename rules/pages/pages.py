@@ -1,10 +1,9 @@
-"""The pages of the rules, made from the rules themselves: `python -m kerfwise.rules.pages.pages > docs/rules.md`."""
+"""The pages of the rules, made from the rules themselves: `python -m kerfwise.rules.pages > docs/rules.md`."""
 
 from __future__ import annotations
 
 import inspect
 import re
-import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
 INTRODUCTION = """\
 # Rules
 
-Made from the rules' own docstrings by `python -m kerfwise.rules.pages.pages > docs/rules.md`.
+Made from the rules' own docstrings by `python -m kerfwise.rules.pages > docs/rules.md`.
 
 A profile makes each rule `hard`, `soft` (breaking it once costs its weight, in idle travel) or `off`, and sets its
 options. Where hard order rules contradict each other or a lock, `hull-before` gives way first, then `level-ahead`;
@@ -92,7 +91,3 @@ def all_pages() -> str:
     table = "\n".join(["| rule | default | what it asks |", "|---|---|---|", *rows])
     pages = [re.sub("^#", "##", rule_page(name), flags=re.MULTILINE) for name in RULES]
     return "\n".join([INTRODUCTION, table, "", *pages])
-
-
-if __name__ == "__main__":
-    sys.stdout.write(all_pages())

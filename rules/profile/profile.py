@@ -255,7 +255,7 @@ class Profile:
 
 def shipped_profiles() -> dict[str, Traversable]:
     """Name → file of the profiles that come with kerfwise, sorted."""
-    folder = resources.files(__package__) / "profiles"
+    folder = resources.files(__package__) / "shipped"
     found = {f.name.removesuffix(".yaml"): f for f in folder.iterdir() if f.name.endswith(".yaml")}
     return dict(sorted(found.items()))
 
@@ -296,7 +296,7 @@ def _content(name: str, folder: Path) -> tuple[str, bytes]:
     """File name and bytes of a profile given by shipped name or path."""
     shipped = shipped_profiles()
     if name in shipped:
-        return f"kerfwise/rules/profiles/{name}.yaml", shipped[name].read_bytes()
+        return f"kerfwise/rules/profile/shipped/{name}.yaml", shipped[name].read_bytes()
     path = folder / name
     try:
         return str(path), path.read_bytes()

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from kerfwise.models import minizinc
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
@@ -19,7 +20,8 @@ from kerfwise.rules.stating.state_rules import Stated
 
 from .statement_text import conditions, lag_ms, missing_ms
 
-MODELS = Path(__file__).parent
+MODELS = Path(minizinc.__path__[0])
+"""The model files."""
 FILTERED = {"level-ahead", "hull-before"}
 """Rules whose dropped orders are taken out of the facts they are stated over."""
 
