@@ -29,7 +29,8 @@ from kerfwise.models.engines.bounds import complete, flow_bound
 from kerfwise.models.engines.search import Searcher
 from kerfwise.models.engines.solution import Progress
 from kerfwise.models.physics.timing.choose import feeds_of
-from kerfwise.models.problem.problem import Problem, make_problem
+from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.problem.problem import Problem
 from kerfwise.models.problem.simplify import simplify
 from kerfwise.rules.profile.profile import load_profile
 

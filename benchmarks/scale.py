@@ -28,7 +28,7 @@ from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.engines.watch import Watch
 from kerfwise.models.physics.timing.choose import feeds_of
-from kerfwise.models.problem.problem import make_problem
+from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.simplify import simplify
 from kerfwise.rules.profile.profile import load_profile
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-from kerfwise.models.problem.problem import UM_PER_MM
+from kerfwise.models.problem.microns import UM_PER_MM
 
 
 class Ear:

@@ -16,7 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from kerfwise.encoder.geometry.curve import Curve, FloatArray
+from kerfwise.arrays import Floats
+from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 
 from .nest import Contour
@@ -143,7 +144,7 @@ def _lost(
     return Lost(((ax + bx) / 2, (ay + by) / 2), width_mm, depth_mm, left_mm)
 
 
-def _size(wall: FloatArray) -> tuple[float, float]:
+def _size(wall: Floats) -> tuple[float, float]:
     """How wide a feature is at its mouth, from either end of its wall to the wall across, and how deep behind that."""
     mouth = wall[-1] - wall[0]
     length_mm = float(np.hypot(*mouth))
@@ -159,7 +160,7 @@ def _size(wall: FloatArray) -> tuple[float, float]:
     return width_mm, deepest_mm
 
 
-def _angles(points: FloatArray, right: bool) -> tuple[float, float]:
+def _angles(points: Floats, right: bool) -> tuple[float, float]:
     """How far the walls at the two ends of a stretch open, and the angle of its sharpest corner, rad; π is straight.
 
     `right` says that the waste lies to the right of the stretch as it runs.

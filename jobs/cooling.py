@@ -26,8 +26,9 @@ from kerfwise.models.physics.heat.timed_path import TimedPath
 from kerfwise.models.physics.heat.watch import hot_spots
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.plan.plan import WAITS, Plan
+from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import route_cost
-from kerfwise.models.problem.problem import UM_PER_MM, make_problem
+from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.postproc.clock.heat_path import path_of_plan, path_of_program
 from kerfwise.postproc.clock.timed import read_program, with_times
 from kerfwise.postproc.nc.program import write_program

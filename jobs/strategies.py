@@ -12,8 +12,9 @@ from kerfwise.models.engines.rounds import solve
 from kerfwise.models.engines.solution import Progress, Solution, SolveOptions
 from kerfwise.models.physics.heat.route_path import RoutePaths
 from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import route_cost
-from kerfwise.models.problem.problem import UM_PER_MM, make_problem
+from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import EXEMPTION_MM, Statement

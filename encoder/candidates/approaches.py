@@ -7,13 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.cut import Direction
-from kerfwise.encoder.geometry.curve import FloatArray
 from kerfwise.encoder.nest import Kind
 
-from .joints import Ints, Joints, Outline
+from .joints import Joints, Outline
 from .lead_shapes import Leads
-from .surroundings import Bools
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -22,7 +21,7 @@ class Ways:
 
     joints: Joints
     ccw: Bools
-    along: FloatArray
+    along: Floats
 
     def __len__(self) -> int:
         return len(self.ccw)

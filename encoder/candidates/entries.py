@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.encoder.geometry.curve import FloatArray
+from kerfwise.arrays import Floats
 
 from .joints import Outline
 
@@ -20,7 +20,7 @@ CORNER, MIDDLE, ANYWHERE = 0, 1, 2
 Ranks = NDArray[np.int64]
 
 
-def places(outline: Outline, count: int) -> tuple[FloatArray, Ranks]:
+def places(outline: Outline, count: int) -> tuple[Floats, Ranks]:
     """Path lengths along the contour that could be entries, and the rank of each.
 
     Corners that stick out into the waste, where a scar matters least, rank before the middles of straight edges, and
@@ -39,7 +39,7 @@ def places(outline: Outline, count: int) -> tuple[FloatArray, Ranks]:
     return np.concatenate(groups), np.repeat([CORNER, MIDDLE, ANYWHERE], [len(g) for g in groups])
 
 
-def choose(at_mm: FloatArray, ranks: Ranks, around_mm: float, count: int, taken_mm: FloatArray) -> list[int]:
+def choose(at_mm: Floats, ranks: Ranks, around_mm: float, count: int, taken_mm: Floats) -> list[int]:
     """Up to `count` of the places, best rank first and each as far as can be from those before it and those taken.
 
     Places no farther than a quarter of an even share of the way round from another are passed over; of places that are
@@ -66,7 +66,7 @@ def choose(at_mm: FloatArray, ranks: Ranks, around_mm: float, count: int, taken_
     return chosen
 
 
-def _distance_mm(at_mm: FloatArray, place_mm: float, around_mm: float) -> FloatArray:
+def _distance_mm(at_mm: Floats, place_mm: float, around_mm: float) -> Floats:
     """Shorter way round from a place to others."""
     ahead_mm = np.abs(at_mm - place_mm) % around_mm
     return np.minimum(ahead_mm, around_mm - ahead_mm)

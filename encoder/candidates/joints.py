@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.encoder.geometry.curve import Curve, FloatArray
+from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment_arrays import SegmentArrays
 from kerfwise.encoder.nest import Contour
-
-Ints = NDArray[np.int64]
 
 OFF_MM = 0.01
 """A joining point this far from where an entry asks for it is that of another entry."""
@@ -41,7 +40,7 @@ class Outline:
         drawn = SegmentArrays.of(contour.curve)
         return Outline(index, contour, path, path.reversed(), drawn, SegmentArrays.of(path), right, half_kerf_mm)
 
-    def joints(self, at_mm: FloatArray) -> tuple[Joints, NDArray[np.bool_]]:
+    def joints(self, at_mm: Floats) -> tuple[Joints, NDArray[np.bool_]]:
         """Entries at path lengths along the contour with where the torch joins, and which of them it really comes to.
 
         The others lie in hollow corners, where the torch cannot come as close to the contour as elsewhere; they are
@@ -73,11 +72,11 @@ class Joints:
     """
 
     contour: Ints
-    entry_mm: FloatArray
-    entry: FloatArray
-    join_mm: FloatArray
-    join: FloatArray
-    out: FloatArray
+    entry_mm: Floats
+    entry: Floats
+    join_mm: Floats
+    join: Floats
+    out: Floats
 
     def __len__(self) -> int:
         return len(self.contour)
@@ -110,5 +109,5 @@ class Joints:
         )
 
 
-def _left(v: FloatArray) -> FloatArray:
+def _left(v: Floats) -> Floats:
     return np.column_stack([-v[:, 1], v[:, 0]])

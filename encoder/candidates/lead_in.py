@@ -8,13 +8,12 @@ from itertools import product
 
 import numpy as np
 
-from kerfwise.encoder.geometry.curve import FloatArray
+from kerfwise.arrays import Bools, Floats, Ints
 
 from .approaches import Approaches, Ways
 from .candidate import LEAST_WASTE_MM, LeadOptions
-from .joints import Ints
 from .lead_shapes import Leads, Shape, shaped
-from .surroundings import CHORD_MM, Bools, Surroundings
+from .surroundings import CHORD_MM, Surroundings
 
 EDGE_ANGLE_RAD = math.radians(60)
 """An edge start runs straight to the edge of the sheet if that is no further than this from straight off the cut."""
@@ -40,7 +39,7 @@ def shapes(options: LeadOptions, patient: bool = False) -> list[Shape]:
 
 
 def lead_ins(
-    ways: Ways, longest_mm: FloatArray, around: Surroundings, options: LeadOptions, patient: bool = False
+    ways: Ways, longest_mm: Floats, around: Surroundings, options: LeadOptions, patient: bool = False
 ) -> Approaches:
     """Those of the ways that have a lawful lead-in, with the first of its shapes that is one.
 

@@ -8,18 +8,19 @@ from typing import Literal
 
 import numpy as np
 
-from kerfwise.encoder.geometry.curve import Curve, FloatArray
+from kerfwise.arrays import Bools, Floats
+from kerfwise.encoder.geometry.curve import Curve
 
 from .approaches import Approaches, Ways
 from .candidate import LeadOptions
 from .joints import Joints, Outline
 from .lead_shapes import Leads, Shape, shaped
-from .surroundings import Bools, Surroundings
+from .surroundings import Surroundings
 
 
 def lead_outs(
     approaches: Approaches, outlines: Mapping[int, Outline], around: Surroundings, options: LeadOptions
-) -> tuple[list[Curve], FloatArray, Bools]:
+) -> tuple[list[Curve], Floats, Bools]:
     """For every approach the open curve from its joint to where the torch goes off, its length, mm, and whether it
     ends with a lead into the waste.
 

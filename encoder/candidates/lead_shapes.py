@@ -10,9 +10,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.encoder.geometry.curve import FloatArray
+from kerfwise.arrays import Floats, Ints
 
-from .joints import Ints, Joints
+from .joints import Joints
 
 _POINTS = 17
 """Points that an arc is judged by: a quarter of a circle of 4 mm radius in chords within 0.005 mm."""
@@ -35,10 +35,10 @@ class Shape:
 class Leads:
     """Parallel arrays: `pierce` and `join` (m, 2), the bulge from one to the other and the length, mm."""
 
-    pierce: FloatArray
-    join: FloatArray
-    bulge: FloatArray
-    length_mm: FloatArray
+    pierce: Floats
+    join: Floats
+    bulge: Floats
+    length_mm: Floats
 
     def take(self, rows: NDArray[np.bool_] | Ints) -> Leads:
         """Some of the rows."""
@@ -54,7 +54,7 @@ class Leads:
             np.concatenate([a.length_mm for a in several]),
         )
 
-    def points(self, left_out_mm: float = 0.0, most: float = 0.5) -> FloatArray:
+    def points(self, left_out_mm: float = 0.0, most: float = 0.5) -> Floats:
         """Array (m, q, 2) of points along the leads, without the last `left_out_mm` before joining.
 
         No more than a share of `most` is left out of any lead.
@@ -76,7 +76,7 @@ class Leads:
         return np.stack([x, y], axis=2)
 
 
-def shaped(shape: Shape, joints: Joints, along: FloatArray, longest_mm: FloatArray, shortest_mm: float) -> Leads:
+def shaped(shape: Shape, joints: Joints, along: Floats, longest_mm: Floats, shortest_mm: float) -> Leads:
     """Leads of one shape to all joints, where the torch then goes `along` (m, 2).
 
     Examples

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kerfwise.encoder.geometry.curve import FloatArray
+from kerfwise.arrays import Floats
 
 from .approaches import ways
 from .candidate import IN_PROFILE, LeadOptions
@@ -112,9 +112,9 @@ def _why(
 
 def _best_pierces(
     joints: Joints, outlines: Mapping[int, Outline], around: Surroundings, options: LeadOptions
-) -> dict[int, FloatArray]:
+) -> dict[int, Floats]:
     """Of the leads that are otherwise lawful, the pierce furthest from everything, by contour."""
-    best: dict[int, tuple[float, FloatArray]] = {}
+    best: dict[int, tuple[float, Floats]] = {}
     to_try = ways(joints, outlines, options.directions)
     longest_mm = np.array([longest_lead_mm(outlines[k], options) for k in to_try.joints.contour.tolist()])
     for shape in shapes(replace(options, lead="line"), patient=True):

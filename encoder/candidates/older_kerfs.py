@@ -13,10 +13,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Ints
 from kerfwise.encoder.nest import Nest
 
 from .candidate import Candidate
-from .joints import Ints
 from .lead_shapes import Leads
 
 EXACT_MM = 1e-6

@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from kerfwise.encoder.geometry.curve import FloatArray
+from kerfwise.arrays import Bools, Floats
 
 from .approaches import Approaches, ways
 from .candidate import LeadOptions
 from .entries import ANYWHERE, Ranks, choose, places
 from .joints import Joints, Outline
 from .lead_in import edge_starts, lead_ins
-from .surroundings import Bools, Surroundings
+from .surroundings import Surroundings
 
 ROUNDS = 3
 """How often entries without room are replaced by others."""
@@ -34,7 +34,7 @@ class _Pool:
     taken_mm: list[float] = field(default_factory=list)
 
     @staticmethod
-    def of(outline: Outline, at_mm: FloatArray, ranks: Ranks) -> _Pool:
+    def of(outline: Outline, at_mm: Floats, ranks: Ranks) -> _Pool:
         joints, reached = outline.joints(at_mm)
         return _Pool(outline, joints, ranks, reached)
 

@@ -8,10 +8,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from kerfwise.encoder.geometry.curve import FloatArray
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.nest import Contour, Nest
 
-from .joints import Ints
 from .lead_shapes import Leads
 from .void import Void
 
@@ -23,7 +22,6 @@ NEAR_JOIN_MM = 0.5
 
 _EXACT_MM = 1e-6
 
-Bools = NDArray[np.bool_]
 Lines = NDArray[np.object_]
 
 
@@ -87,7 +85,7 @@ class Surroundings:
             clear &= self.void.clear_leads(shapely.linestrings(leads.points(half_kerf_mm)), contour)
         return clear
 
-    def clear_pierces(self, points: FloatArray, clearance_mm: float, not_own: Ints | None = None) -> Bools:
+    def clear_pierces(self, points: Floats, clearance_mm: float, not_own: Ints | None = None) -> Bools:
         """Points of the sheet that keep clear of every contour and edge.
 
         With `not_own` (m,) each point may be near that contour.
@@ -124,7 +122,7 @@ class Surroundings:
         near[free] |= self._near_others(lines, contour[free], kerf_mm)
         return ~near
 
-    def _near_others(self, shapes: Lines, contour: Ints, distance_mm: FloatArray | float) -> Bools:
+    def _near_others(self, shapes: Lines, contour: Ints, distance_mm: Floats | float) -> Bools:
         """Which shapes come nearer than a distance to a contour of another part that is cut through."""
         row, chord = self.chords.query(shapes, predicate="dwithin", distance=np.maximum(distance_mm - _EXACT_MM, 0.0))
         met, own = self.contour[chord], contour[row]
@@ -132,21 +130,21 @@ class Surroundings:
         near[row[(self.part[met] != self.part[own]) & self.through[met]]] = True
         return near
 
-    def in_sheet(self, points: FloatArray) -> Bools:
+    def in_sheet(self, points: Floats) -> Bools:
         """Points on the metal of the sheet."""
         return np.asarray(shapely.contains_xy(self.sheet, points[:, 0], points[:, 1]))
 
-    def in_waste(self, points: FloatArray) -> Bools:
+    def in_waste(self, points: Floats) -> Bools:
         """Points that lie on no part."""
         waste = np.full(len(points), True)
         waste[self.metal.query(shapely.points(points), predicate="intersects")[0]] = False
         return waste
 
-    def off_sheet(self, points: FloatArray, by_mm: float) -> Bools:
+    def off_sheet(self, points: Floats, by_mm: float) -> Bools:
         """Points beyond the edge of the sheet, and `by_mm` or more from it."""
         return np.asarray(~self.in_sheet(points) & ~shapely.dwithin(self.edges, shapely.points(points), by_mm))
 
-    def nearest_on_edge(self, points: FloatArray) -> FloatArray:
+    def nearest_on_edge(self, points: Floats) -> Floats:
         """The points of the sheet's edges nearest to `points` (m, 2)."""
         return np.asarray(shapely.get_coordinates(shapely.shortest_line(shapely.points(points), self.edges))[1::2])
 
@@ -154,14 +152,14 @@ class Surroundings:
         """Leads that do not cross an edge of the sheet."""
         return np.asarray(~shapely.intersects(self.edges, shapely.linestrings(leads.points())))
 
-    def gaps_mm(self, points: FloatArray) -> FloatArray:
+    def gaps_mm(self, points: Floats) -> Floats:
         """Distance of points from the nearest chord or edge; 0 for those not in the waste of the sheet."""
         at = shapely.points(points)
         gap_mm = shapely.distance(at, self.chords.geometries[self.chords.nearest(at)])
         gap_mm = np.minimum(gap_mm, shapely.distance(self.edges, at))
         return np.where(self.in_sheet(points) & self.in_waste(points), gap_mm, 0.0)
 
-    def nearest(self, point: FloatArray) -> tuple[float, str]:
+    def nearest(self, point: Floats) -> tuple[float, str]:
         """How far a point is from what is nearest to it, and what that is."""
         at = shapely.Point(point)
         edge_mm = float(shapely.distance(self.edges, at))

@@ -11,19 +11,17 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.geometry.curve import Curve, FloatArray
+from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 
 CHORD_MM = 0.01
 NOBODY = -1
 _EXACT_MM = 1e-6
-
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -54,7 +52,7 @@ class Void:
                     round_of.append(joined)
         return Void(shapely.STRtree(lines), np.array(round_of, dtype=np.int64), kerf_mm, splash_mm) if lines else None
 
-    def clear_pierces(self, points: FloatArray) -> Bools:
+    def clear_pierces(self, points: Floats) -> Bools:
         """Points (m, 2) where a pierce, as wide as the kerf, has metal all around it, and so much to the next kerf.
 
         Examples

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .facts import Floats, Ints
+from kerfwise.arrays import Floats, Ints
+
 from .outlines import ROUNDING_MM, Outlines
 from .ranges import laid_out
 from .sums import summed_by

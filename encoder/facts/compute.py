@@ -6,13 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs, older_kerfs
 from kerfwise.encoder.nest import Nest
 
 from .cells import cells_of
 from .containment import closure_of, parents_of
-from .facts import FactOptions, Facts, Floats, Ints
+from .facts import FactOptions, Facts
 from .heat import heat
 from .hulls import in_hull
 from .long_parts import long_parts

@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from .facts import Ints
+from kerfwise.arrays import Ints
+
 from .outlines import Outlines
 
 

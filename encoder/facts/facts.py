@@ -6,17 +6,14 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
 from kerfwise.encoder.cut import Cut, Side
 from kerfwise.encoder.nest import Nest
 
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 SIDES: tuple[Side, ...] = ("left", "right", "bottom", "top")
 Because = Literal["profile", "narrow-side", "long-parts", "offcut", "heat"]
 

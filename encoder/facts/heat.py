@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from .facts import SIDES, Floats, Ints
+from kerfwise.arrays import Floats, Ints
+
+from .facts import SIDES
 from .outlines import ROUNDING_MM, SAME_SHARE, Outlines
 from .sides import AWAY, AXIS, Bounds
 

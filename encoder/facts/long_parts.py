@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from .facts import Bools
+from kerfwise.arrays import Bools
+
 from .outlines import SAME_SHARE, Outlines
 
 

@@ -15,10 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.nest import Sheet
 
 from .cells import Cells
-from .facts import SIDES, Facing, FactOptions, Floats, Ints
+from .facts import SIDES, Facing, FactOptions
 from .outlines import ROUNDING_MM, Outlines
 from .rays import NOTHING, Obstacles, first_hits
 from .sums import summed_by, summed_by_pair

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from .facts import SIDES, Bools, Floats
+from kerfwise.arrays import Bools, Floats
+
+from .facts import SIDES
 from .outlines import SAME_SHARE, Outlines
 from .sides import AXIS, Bounds
 

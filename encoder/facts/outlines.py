@@ -9,9 +9,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.nest import Nest
 
-from .facts import Bools, Floats, Ints
 from .sums import summed_by
 
 Geometries = NDArray[Any]

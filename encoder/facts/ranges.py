@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .facts import Ints
+from kerfwise.arrays import Ints
 
 
 def laid_out(first: Ints, count: Ints) -> Ints:

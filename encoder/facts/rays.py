@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from kerfwise.arrays import Bools, Floats, Ints
+
 from .cells import Cells
-from .facts import Bools, Floats, Ints
 from .ranges import laid_out
 
 CONTACT_MM = 0.05

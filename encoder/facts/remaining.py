@@ -10,12 +10,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from kerfwise.arrays import Ints
 from kerfwise.encoder.already_cut import AlreadyCut, loose_contours, rest_of
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
 from kerfwise.encoder.nest import Nest
 
 from .containment import parents_of
-from .facts import Facing, Facts, Ints, Past, Stretch
+from .facts import Facing, Facts, Past, Stretch
 from .outlines import outlines_of
 
 

@@ -12,9 +12,9 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from kerfwise.arrays import Ints
 from kerfwise.encoder.cut import Side
 
-from .facts import Ints
 from .outlines import ROUNDING_MM, Outlines, well_inside
 from .sides import AWAY, AXIS
 

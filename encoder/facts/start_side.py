@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.cut import Side
 
-from .facts import SIDES, Because, Bools, FactOptions, Floats, Ints
+from .facts import SIDES, Because, FactOptions
 from .outlines import ROUNDING_MM, SAME_SHARE
 from .sides import OPPOSITE, Bounds, narrow_sides
 

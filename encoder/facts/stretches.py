@@ -12,9 +12,10 @@ from typing import Literal
 
 import numpy as np
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.candidates.candidate import Candidate
 
-from .facts import Facing, Floats, Ints, Stretch
+from .facts import Facing, Stretch
 from .neighbours import Outlook
 from .outlines import Outlines
 from .ranges import laid_out

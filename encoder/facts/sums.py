@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .facts import Floats, Ints
+from kerfwise.arrays import Floats, Ints
 
 
 def summed_by(owner: Ints, length_mm: Floats, count: int) -> Floats:

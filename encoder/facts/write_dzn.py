@@ -11,9 +11,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.errors import InputError
 
-from .facts import SIDES, Facing, Facts, Floats, Ints, Stretch
+from .facts import SIDES, Facing, Facts, Stretch
 
 CONTOURS_MAX = 2000
 KINDS = ("outer", "hole", "mark")

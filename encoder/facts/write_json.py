@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.candidates.candidate import Candidate
 
-from .facts import SIDES, Facing, Facts, Floats, Ints, Stretch
+from .facts import SIDES, Facing, Facts, Stretch
 
 FORMAT = "kerfwise-facts/1"
 

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 
 from .containment import outermost_of
-from .facts import FactOptions, Floats, Ints
+from .facts import FactOptions
 from .outlines import Outlines
 
 

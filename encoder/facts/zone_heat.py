@@ -12,7 +12,8 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from .facts import Floats, Ints
+from kerfwise.arrays import Floats, Ints
+
 from .zone_blocks import Blocks
 
 _ROUNDING = 1e-9

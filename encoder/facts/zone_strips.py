@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.cut import Side
 
-from .facts import FactOptions, Floats, Ints
+from .facts import FactOptions
 from .outlines import ROUNDING_MM, SAME_SHARE
 from .ranges import laid_out
 from .sides import AWAY, AXIS

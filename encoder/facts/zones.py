@@ -13,11 +13,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.cut import Side
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 
-from .facts import FactOptions, Floats, Ints
+from .facts import FactOptions
 from .outlines import Outlines
 from .zone_blocks import blocks_of
 from .zone_heat import divided

@@ -13,11 +13,10 @@ from functools import cached_property
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
+
+from kerfwise.arrays import Floats
 
 from .segment import Point, Segment
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +38,7 @@ class Curve:
     (62.832, True)
     """
 
-    vertices: FloatArray
+    vertices: Floats
     closed: bool = True
 
     @staticmethod
@@ -61,7 +60,7 @@ class Curve:
         return tuple(s for s in made if s.length_mm > 1e-9)
 
     @cached_property
-    def starts_mm(self) -> FloatArray:
+    def starts_mm(self) -> Floats:
         """Array (segments + 1,): path length from the start to the start of each segment, then the total."""
         return np.concatenate([[0.0], np.cumsum([s.length_mm for s in self.segments])])
 
@@ -144,7 +143,7 @@ class Curve:
         """The closed curve as an open path that starts and ends at path length `s_mm`."""
         return self.between(s_mm, self.length_mm)
 
-    def flatten(self, tolerance_mm: float = 0.01) -> FloatArray:
+    def flatten(self, tolerance_mm: float = 0.01) -> Floats:
         """Array (m, 2) of points whose chords stay within `tolerance_mm`; a closed curve does not repeat its first."""
         if not self.segments:
             return np.asarray(self.vertices[:1, :2])

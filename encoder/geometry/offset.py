@@ -8,8 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from kerfwise.arrays import Floats
+
 from .crossing import Circle, Line, Track, crossings
-from .curve import Curve, FloatArray
+from .curve import Curve
 from .offset_nearest import NOTHING, Nearest
 from .offset_region import SLIVER_MM, offset_ring
 from .offset_sources import Sources
@@ -90,7 +92,7 @@ class _Stretch:
     last: float = 0.0
 
 
-def _stretches(nearest: Nearest, ring: FloatArray) -> list[_Stretch]:
+def _stretches(nearest: Nearest, ring: Floats) -> list[_Stretch]:
     """The runs of the ring in order."""
     labels = nearest.label((ring + np.roll(ring, -1, axis=0)) / 2)
     runs: list[_Stretch] = []
@@ -105,7 +107,7 @@ def _stretches(nearest: Nearest, ring: FloatArray) -> list[_Stretch]:
     return runs[begin:] + runs[:begin]
 
 
-def _joined(sources: Sources, runs: list[_Stretch], ring: FloatArray | None = None) -> list[Segment]:
+def _joined(sources: Sources, runs: list[_Stretch], ring: Floats | None = None) -> list[Segment]:
     """The stretches as exact lines and arcs between the points where they meet; empty if they do not.
 
     With a ring, stretches that would run backwards are left out.
@@ -136,9 +138,7 @@ def _closed(pieces: list[Segment]) -> Curve | None:
     return Curve.of(rows) if len(rows) > 1 else None
 
 
-def _meet(
-    sources: Sources, tracks: dict[int, Track], a: _Stretch, b: _Stretch, ring: FloatArray | None
-) -> Point | None:
+def _meet(sources: Sources, tracks: dict[int, Track], a: _Stretch, b: _Stretch, ring: Floats | None) -> Point | None:
     """Where stretch b follows on stretch a."""
     step = (b.source - a.source) % (2 * len(sources))
     k = a.source // 2
@@ -157,7 +157,7 @@ def _meet(
     return near
 
 
-def _ring_point(ring: FloatArray, after: float, before: float, mitre: Point | None) -> Point:
+def _ring_point(ring: Floats, after: float, before: float, mitre: Point | None) -> Point:
     """The ring vertex half-way between two places; where no vertex lies between, the mitre, else the nearest vertex."""
     if before < after:
         before += len(ring)
@@ -186,7 +186,7 @@ def _sweep_rad(track: Circle, start: Point, end: Point) -> float:
     return (track.turn * turn) % math.tau
 
 
-def _agrees(curve: Curve, nearest: Nearest, ring: FloatArray) -> bool:
+def _agrees(curve: Curve, nearest: Nearest, ring: Floats) -> bool:
     """Whether every point of the curve is as far from the source as it should be, and it encloses the ring's area."""
     points = np.array([s.point_at(fraction) for s in curve.segments for fraction in (0.0, 0.25, 0.5, 0.75)])
     error = np.abs(nearest.distances_mm(points) - abs(nearest.sources.right_mm))

@@ -8,7 +8,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from .curve import Curve, FloatArray
+from kerfwise.arrays import Floats
+
+from .curve import Curve
 from .offset_region import CHORD_MM
 from .offset_sources import Sources
 
@@ -20,7 +22,7 @@ class Nearest:
     """Finds the source that points are offset from."""
 
     sources: Sources
-    outline: FloatArray
+    outline: Floats
     """The drawn curve in chords, array (chords, 2): where each begins."""
     tree: shapely.STRtree
     """Of the chords."""
@@ -41,12 +43,12 @@ class Nearest:
         tree = shapely.STRtree(shapely.linestrings(chord))
         return Nearest(sources, outline, tree, segment, first, np.roll(first, -1), sources.rounded)
 
-    def distances_mm(self, points: FloatArray) -> FloatArray:
+    def distances_mm(self, points: Floats) -> Floats:
         """Distance of each point from the drawn curve, mm."""
         found = shapely.points(points)
         return np.asarray(shapely.distance(found, self.tree.geometries[self.tree.nearest(found)]))
 
-    def label(self, points: FloatArray) -> NDArray[np.int64]:
+    def label(self, points: Floats) -> NDArray[np.int64]:
         """The number of the source of each point; NOTHING at corners that the offset does not go around."""
         found = shapely.points(points)
         at, side, fraction = self._foot(points, self.tree.nearest(found))
@@ -69,7 +71,7 @@ class Nearest:
         labels[gone] = NOTHING
         return labels
 
-    def _foot(self, points: FloatArray, at: NDArray[np.int64]) -> tuple[NDArray[np.int64], FloatArray, FloatArray]:
+    def _foot(self, points: Floats, at: NDArray[np.int64]) -> tuple[NDArray[np.int64], Floats, Floats]:
         """Chord numbers, positive where the point lies right of its chord, and the fraction along it (unclamped)."""
         start = self.outline[at]
         along = self.outline[(at + 1) % len(self.outline)] - start

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import shapely
 
-from .curve import FloatArray
+from kerfwise.arrays import Floats
 
 CHORD_MM = 0.001
 """How far the ring's own rounding may lie from the true offset."""
@@ -15,7 +15,7 @@ SLIVER_MM = 0.02
 """A separate piece nowhere wider than this is an artefact of tolerances and is left out."""
 
 
-def offset_ring(outline: FloatArray, distance_mm: float, patient: bool = False) -> FloatArray:
+def offset_ring(outline: Floats, distance_mm: float, patient: bool = False) -> Floats:
     """Boundary of the area inside `outline` grown (distance > 0) or shrunk (distance < 0).
 
     Taken from the band of points within `distance_mm` of the outline rather than from the area, so that outlines
@@ -70,7 +70,7 @@ def offset_ring(outline: FloatArray, distance_mm: float, patient: bool = False) 
                 f"{_place(apart[0])}): between them it is narrower than {2 * reach_mm:g} mm"
             )
         ring = pieces[0].exterior
-    points: FloatArray = shapely.get_coordinates(ring)[:-1]
+    points: Floats = shapely.get_coordinates(ring)[:-1]
     return points if _is_ccw(points) == _is_ccw(outline) else points[::-1]
 
 
@@ -78,7 +78,7 @@ def _is_sliver(piece: shapely.Polygon) -> bool:
     return bool(shapely.buffer(piece, -SLIVER_MM / 2).is_empty)
 
 
-def _is_ccw(points: FloatArray) -> bool:
+def _is_ccw(points: Floats) -> bool:
     (x, y), (nx, ny) = (points - points[0]).T, (np.roll(points, -1, axis=0) - points[0]).T
     return bool(np.dot(x, ny) > np.dot(nx, y))
 

@@ -8,8 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Floats
+
 from .crossing import Circle, Line, Track
-from .curve import Curve, FloatArray
+from .curve import Curve
 from .segment import Point
 from .segment_arrays import SegmentArrays
 
@@ -27,7 +29,7 @@ class Sources:
 
     drawn: SegmentArrays
     right_mm: float
-    radius_mm: FloatArray
+    radius_mm: Floats
 
     @staticmethod
     def of(curve: Curve, distance_mm: float) -> Sources:
@@ -94,6 +96,6 @@ class Sources:
         return bool(abs(self.drawn.turn_rad[k]) < 1e-4)
 
 
-def _point(row: FloatArray) -> Point:
+def _point(row: Floats) -> Point:
     x, y = row.tolist()
     return x, y

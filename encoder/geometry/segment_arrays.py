@@ -7,7 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
-from .curve import Curve, FloatArray
+from kerfwise.arrays import Floats
+
+from .curve import Curve
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,14 +20,14 @@ class SegmentArrays:
     `radius_mm` (n,) those of arcs, meaningless for lines; `starts_mm` (n + 1,) path lengths as in `Curve`.
     """
 
-    start: FloatArray
-    end: FloatArray
-    bulge: FloatArray
-    tangent_in: FloatArray
-    tangent_out: FloatArray
-    centre: FloatArray
-    radius_mm: FloatArray
-    starts_mm: FloatArray
+    start: Floats
+    end: Floats
+    bulge: Floats
+    tangent_in: Floats
+    tangent_out: Floats
+    centre: Floats
+    radius_mm: Floats
+    starts_mm: Floats
 
     @staticmethod
     def of(curve: Curve) -> SegmentArrays:
@@ -48,12 +50,12 @@ class SegmentArrays:
         return len(self.start)
 
     @cached_property
-    def turn_rad(self) -> FloatArray:
+    def turn_rad(self) -> Floats:
         """Array (n,): the angle that a closed curve turns through at the end of each segment, positive to the left."""
         after = np.roll(self.tangent_in, -1, axis=0)
         return np.asarray(np.arctan2(_cross(self.tangent_out, after), (self.tangent_out * after).sum(axis=1)))
 
-    def frames(self, at_mm: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def frames(self, at_mm: Floats) -> tuple[Floats, Floats, Floats]:
         """Points of a closed curve at path lengths (m,), and the unit tangents before and after them; arrays (m, 2).
 
         The tangents differ at corners only.
@@ -79,7 +81,7 @@ class SegmentArrays:
         at_start = at_mm - self.starts_mm[k] < 1e-9
         return points, np.where(at_start[:, None], self.tangent_out[k - 1], tangents), tangents
 
-    def project(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def project(self, points: Floats) -> tuple[Floats, Floats]:
         """Path lengths of the nearest points of the curve to `points` (m, 2), and the distances to them, mm.
 
         Examples
@@ -111,10 +113,10 @@ class SegmentArrays:
         return self.starts_mm[k] + fraction[rows, k] * length_mm, np.sqrt(squares[rows, k])
 
 
-def _left(v: FloatArray) -> FloatArray:
+def _left(v: Floats) -> Floats:
     """Vectors turned a quarter to the left."""
     return np.stack([-v[..., 1], v[..., 0]], axis=-1)
 
 
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+def _cross(a: Floats, b: Floats) -> Floats:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])

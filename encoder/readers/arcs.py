@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from kerfwise.encoder.geometry.curve import Curve, FloatArray
+from kerfwise.arrays import Floats
+from kerfwise.encoder.geometry.curve import Curve
 
 from .limits import checked_curve
 
@@ -17,7 +18,7 @@ FIT_MM = 0.007
 """How far a fitted line or arc may lie off those points; with `FLATTEN_MM`, within 0.01 mm of the drawing."""
 
 
-def fitted(points: FloatArray) -> Curve | None:
+def fitted(points: Floats) -> Curve | None:
     """Lines and arcs through dense points in mm, closed where they end as they began; None for fewer than two."""
     if len(points) < 2:
         return None
@@ -27,7 +28,7 @@ def fitted(points: FloatArray) -> Curve | None:
     return checked_curve(rows[:-1] if closed and len(rows) > 2 else rows, closed and len(rows) > 2)
 
 
-def fit_arcs(points: FloatArray, tolerance_mm: float = FIT_MM) -> FloatArray:
+def fit_arcs(points: Floats, tolerance_mm: float = FIT_MM) -> Floats:
     """The vertices of an open curve of lines and arcs that stays within `tolerance_mm` of a polyline.
 
     Parameters
@@ -57,7 +58,7 @@ def fit_arcs(points: FloatArray, tolerance_mm: float = FIT_MM) -> FloatArray:
     return np.array(rows)
 
 
-def _longest(points: FloatArray, first: int, tolerance_mm: float) -> tuple[int, float]:
+def _longest(points: Floats, first: int, tolerance_mm: float) -> tuple[int, float]:
     """The last point, and the bulge, of the longest line or arc from `first`: doubled, then halved back."""
     good, bulge, reach = first + 1, 0.0, 2
     while first + reach < len(points):
@@ -77,7 +78,7 @@ def _longest(points: FloatArray, first: int, tolerance_mm: float) -> tuple[int, 
     return good, bulge
 
 
-def _bulge(points: FloatArray, tolerance_mm: float) -> float | None:
+def _bulge(points: Floats, tolerance_mm: float) -> float | None:
     """The bulge of the one line or arc that fits all the points, or None."""
     start, end, middle = points[0], points[-1], points[len(points) // 2]
     chord = end - start

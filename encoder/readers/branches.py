@@ -9,13 +9,13 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
+from kerfwise.arrays import Ints
 from kerfwise.encoder.geometry.curve import Curve
 
-from .nodes import IntArray
 from .trace import Step, Trail
 
 
-def twins(group: Sequence[int], curves: Sequence[Curve], nodes: IntArray, tolerance_mm: float) -> dict[int, int]:
+def twins(group: Sequence[int], curves: Sequence[Curve], nodes: Ints, tolerance_mm: float) -> dict[int, int]:
     """Piece → the first piece of the group that runs along the same line, itself if there is none."""
     seen: dict[tuple[int, int], list[int]] = defaultdict(list)
     twin = {}
@@ -35,7 +35,7 @@ def _same_line(one: Curve, other: Curve, tolerance_mm: float) -> bool:
     return bool(shapely.hausdorff_distance(one.line(), other.line(), densify=0.2) <= tolerance_mm)
 
 
-def faces(group: Sequence[int], curves: Sequence[Curve], nodes: IntArray) -> list[Trail]:
+def faces(group: Sequence[int], curves: Sequence[Curve], nodes: Ints) -> list[Trail]:
     """A ring around every face between the lines; lines beside no face are chains of their own.
 
     `group` holds no two pieces along the same line. A line between two faces is in both rings.

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from .nodes import IntArray
+from kerfwise.arrays import Ints
 
 
-def surrounding(areas: Sequence[shapely.Geometry]) -> tuple[IntArray, IntArray]:
+def surrounding(areas: Sequence[shapely.Geometry]) -> tuple[Ints, Ints]:
     """The depth of every area, and the number of the smallest one around it (-1 for none).
 
     The areas may touch but not cross: one that has an inner point in a larger one lies in it.

@@ -10,13 +10,14 @@ import shapely
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from kerfwise.encoder.geometry.curve import Curve, FloatArray
+from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 
 from .branches import faces, twins
 from .drawing import Piece
 from .limits import SNAP_MM
-from .nodes import IntArray, meeting_points
+from .nodes import meeting_points
 from .overdrawn import trimmed
 from .trace import Trail, trace
 
@@ -94,7 +95,7 @@ def _in_order(pieces: Iterable[Piece]) -> tuple[Piece, ...]:
     return tuple(sorted(pieces, key=lambda p: p.order))
 
 
-def _groups(nodes: IntArray) -> list[list[int]]:
+def _groups(nodes: Ints) -> list[list[int]]:
     """The pieces that hang together, group by group in the order of the file."""
     size = int(nodes.max()) + 1
     graph = coo_matrix((np.ones(len(nodes)), (nodes[:, 0], nodes[:, 1])), shape=(size, size))
@@ -105,7 +106,7 @@ def _groups(nodes: IntArray) -> list[list[int]]:
 
 
 def _trails(
-    group: list[int], branching: bool, curves: Sequence[Curve], nodes: IntArray, tolerance_mm: float
+    group: list[int], branching: bool, curves: Sequence[Curve], nodes: Ints, tolerance_mm: float
 ) -> list[Trail]:
     """The rings and chains of one group, by the order of the file or, if that leaves lines over, by its faces."""
     if not branching and len(group) != 2:  # two pieces may be one line drawn twice
@@ -144,7 +145,7 @@ def _linked(trail: Trail, loose: Sequence[Piece], tolerance_mm: float) -> tuple[
     return replace(first, curve=Curve(np.concatenate(kept), trail.closed)), gaps
 
 
-def _halved(vertices: FloatArray) -> FloatArray:
+def _halved(vertices: Floats) -> Floats:
     """A copy in which no arc exceeds a half-circle: moving an end of a longer one a little would bloat it."""
     if (np.abs(vertices[:-1, 2]) <= 1).all():
         return np.concatenate([vertices[:-1], vertices[-1:] * [1.0, 1.0, 0.0]])

@@ -6,8 +6,9 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from kerfwise.arrays import Floats
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.geometry.curve import Curve, FloatArray
+from kerfwise.encoder.geometry.curve import Curve
 
 LIMIT_MM = 1e6
 """No coordinate and no arc reaches further than a kilometre from the origin."""
@@ -19,7 +20,7 @@ FLAT_MM = 1e-4
 """An arc that leaves its chord by less is a line: its centre would lie further off than numbers reach."""
 
 
-def checked_curve(rows: Iterable[Sequence[float]] | FloatArray, closed: bool, scale: float = 1.0) -> Curve:
+def checked_curve(rows: Iterable[Sequence[float]] | Floats, closed: bool, scale: float = 1.0) -> Curve:
     """A curve of x, y (times `scale`) and bulge, without repeated vertices and arcs as flat as a line.
 
     Raises
@@ -56,7 +57,7 @@ def checked_curve(rows: Iterable[Sequence[float]] | FloatArray, closed: bool, sc
     return Curve(np.column_stack([points, np.where(arc, drawn[:, 2], 0.0)])[keep], closed)
 
 
-def _without_lost_bulges(drawn: FloatArray, scale: float) -> FloatArray:
+def _without_lost_bulges(drawn: Floats, scale: float) -> Floats:
     """The rows with a bulge of 0 where it is no number between points that are one: CAD divides by their distance."""
     with np.errstate(over="ignore", invalid="ignore"):
         steps = np.diff(drawn[:, :2], axis=0, append=drawn[:1, :2])

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from kerfwise.encoder.geometry.curve import FloatArray
+from kerfwise.arrays import Floats, Ints
 
 from .limits import SNAP_MM
 
-IntArray = NDArray[np.int64]
 
-
-def meeting_points(ends: FloatArray, lengths_mm: FloatArray, tolerance_mm: float) -> IntArray:
+def meeting_points(ends: Floats, lengths_mm: Floats, tolerance_mm: float) -> Ints:
     """The number of the meeting point of every end.
 
     Ends within `SNAP_MM` meet, however many. An end still alone then meets the nearest other lone end within
@@ -53,9 +50,9 @@ def meeting_points(ends: FloatArray, lengths_mm: FloatArray, tolerance_mm: float
     return np.unique(points, return_inverse=True)[1].astype(np.int64)
 
 
-def _clusters(ends: FloatArray, within_mm: float) -> IntArray:
+def _clusters(ends: Floats, within_mm: float) -> Ints:
     distinct, index = np.unique(ends, axis=0, return_inverse=True)
     pairs = cKDTree(distinct).query_pairs(within_mm, output_type="ndarray").reshape(-1, 2)
     graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(distinct),) * 2)
-    labels: IntArray = connected_components(graph, directed=False)[1][index.ravel()].astype(np.int64)
+    labels: Ints = connected_components(graph, directed=False)[1][index.ravel()].astype(np.int64)
     return labels

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import cKDTree
 
-from kerfwise.encoder.geometry.curve import FloatArray
+from kerfwise.arrays import Floats
 
 from .drawing import Piece
 from .options import ReadOptions
@@ -24,10 +24,10 @@ def ends(chain: Piece) -> str:
     )
 
 
-def nearest_ends(chains: Sequence[Piece]) -> FloatArray:
+def nearest_ends(chains: Sequence[Piece]) -> Floats:
     """Array (n, 2): how far the start and the end of each chain are from the nearest other end, its own too, mm."""
     points = np.concatenate([c.curve.vertices[[0, -1], :2] for c in chains])
-    distances: FloatArray = cKDTree(points).query(points, k=2)[0][:, 1].reshape(-1, 2)
+    distances: Floats = cKDTree(points).query(points, k=2)[0][:, 1].reshape(-1, 2)
     return distances
 
 

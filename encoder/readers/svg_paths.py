@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import svgelements
 
+from kerfwise.arrays import Floats
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.geometry.curve import Curve, FloatArray
+from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 
 from .arcs import FLATTEN_MM, fit_arcs
@@ -31,7 +32,7 @@ def curves(shape: Any, to_mm: Any) -> list[Curve]:
     """
     found = []
     for subpath in abs(svgelements.Path(shape) * to_mm).as_subpaths():
-        rows: list[FloatArray] = []
+        rows: list[Floats] = []
         end, shut = None, False
         for segment in svgelements.Path(subpath):
             if isinstance(segment, svgelements.Move):
@@ -48,7 +49,7 @@ def curves(shape: Any, to_mm: Any) -> list[Curve]:
     return found
 
 
-def _vertices(segment: Any) -> FloatArray:
+def _vertices(segment: Any) -> Floats:
     """The vertices of one segment, the last with bulge 0."""
     match segment:
         case svgelements.Arc():
@@ -58,7 +59,7 @@ def _vertices(segment: Any) -> FloatArray:
     return np.array([(*segment.start, 0.0), (*segment.end, 0.0)])
 
 
-def _arc(arc: Any) -> FloatArray:
+def _arc(arc: Any) -> Floats:
     if abs(arc.rx - arc.ry) < ROUND * max(arc.rx, arc.ry):
         start, middle, end = _at(arc, 0), _at(arc, 0.5), _at(arc, 1)
         halves = [(start, _at(arc, 0.25), middle), (middle, _at(arc, 0.75), end)]
@@ -70,7 +71,7 @@ def _arc(arc: Any) -> FloatArray:
     return _sampled(arc, max(8, math.ceil(abs(arc.sweep) / step)))
 
 
-def _bezier(curve: Any) -> FloatArray:
+def _bezier(curve: Any) -> Floats:
     """Points at equal steps of the parameter, as many as Wang's formula asks for.
 
     The chords of a Bézier curve of degree d, cut in n, stay within d (d - 1) L / (8 n²) of it, L the largest second
@@ -83,7 +84,7 @@ def _bezier(curve: Any) -> FloatArray:
     return _sampled(curve, max(2, math.ceil(math.sqrt(degree * (degree - 1) * bend / (8 * FLATTEN_MM)))))
 
 
-def _sampled(segment: Any, pieces: int) -> FloatArray:
+def _sampled(segment: Any, pieces: int) -> Floats:
     points = np.array([_at(segment, k / pieces) for k in range(pieces + 1)])
     keep = np.append(np.hypot(*np.diff(points, axis=0).T) > 1e-9, True)
     return fit_arcs(points[keep])

@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from .nodes import IntArray
+from kerfwise.arrays import Ints
 
 Step = tuple[int, bool]
 """A piece's number and whether it is followed as drawn."""
@@ -20,7 +20,7 @@ class Trail:
     closed: bool
 
 
-def trace(group: Sequence[int], nodes: IntArray, twin: Mapping[int, int]) -> list[Trail]:
+def trace(group: Sequence[int], nodes: Ints, twin: Mapping[int, int]) -> list[Trail]:
     """Every piece of the group in one ring or chain.
 
     Parameters
@@ -54,7 +54,7 @@ def trace(group: Sequence[int], nodes: IntArray, twin: Mapping[int, int]) -> lis
 
 
 def _walk(
-    seed: int, at: Mapping[int, Sequence[int]], free: dict[int, None], nodes: IntArray, twin: Mapping[int, int]
+    seed: int, at: Mapping[int, Sequence[int]], free: dict[int, None], nodes: Ints, twin: Mapping[int, int]
 ) -> tuple[list[tuple[Step, ...]], tuple[Step, ...]]:
     """The rings that the way from `seed` closes, and what is left of the way when it ends.
 

@@ -8,7 +8,8 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Kind, Nest, Part, Sheet
 from kerfwise.models.engines.ideals.windows import polish
-from kerfwise.models.problem.problem import Problem, make_problem
+from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.profile import load_profile
 from kerfwise.rules.stating.state_rules import state_rules
 

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from itertools import islice
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Ints
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.engines.baselines.random_order import random_order
@@ -27,7 +27,8 @@ from kerfwise.models.physics.heat.route_path import RoutePaths
 from kerfwise.models.physics.heat.simulate import simulate
 from kerfwise.models.physics.heat.timed_path import TimedPath
 from kerfwise.models.problem.evaluate import route_cost
-from kerfwise.models.problem.problem import UM_PER_MM, Problem
+from kerfwise.models.problem.microns import UM_PER_MM
+from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.heat_section import Heat
 from kerfwise.rules.statements import Statement
 
@@ -36,7 +37,6 @@ from .priced_statements import priced_statements
 from .prices import HeatPrices, fit_prices
 from .terms import Terms
 
-Ints = NDArray[np.int64]
 Route = tuple[int, ...]
 
 ORDERS = 240

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Ints
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.physics.heat.regions import hot_contours
 from kerfwise.rules.profile.heat_section import Heat
-
-Ints = NDArray[np.int64]
 
 NEAR_BANDS = 6.0
 """Contours nearer than so many bands of the kerf heat each other."""

@@ -6,15 +6,14 @@ import random
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Floats
 from kerfwise.models.engines.baselines.walk import Walk
 from kerfwise.models.problem.evaluate import broken
-from kerfwise.models.problem.problem import UM_PER_MM, Problem
+from kerfwise.models.problem.microns import UM_PER_MM
+from kerfwise.models.problem.problem import Problem
 
 from .prices import HeatPrices
-
-Floats = NDArray[np.float64]
 
 ATTEMPTS = 20
 MOST_MOVES = 3

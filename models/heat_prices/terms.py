@@ -10,14 +10,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.heat_section import Heat
 
 from .near_pairs import near_pairs
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 MOST_NEAR = 6
 """So many near contours, the nearest, are looked at two by two, and with entries."""

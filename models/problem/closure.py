@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from .bits import Masks
+from kerfwise.arrays import Bools, Ints
 
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int64]
+from .bits import Masks
 
 
 def close(n: int, pairs: list[tuple[int, int]], block: Ints) -> Bools:

@@ -11,11 +11,8 @@ import numba
 import numpy as np
 import shapely
 from numba import njit
-from numpy.typing import NDArray
 
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
+from kerfwise.arrays import Bools, Floats, Ints
 
 _CONFIG: Any = numba.config
 THREADS = int(_CONFIG.NUMBA_NUM_THREADS)

@@ -7,15 +7,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.statements import Crossing
 
 from .crossed_areas import Going, Moves, Stopped, crossed_areas
-from .successors import Bools
 
-Ints = NDArray[np.int64]
 UM_PER_MM = 1000
 GRAZE_UM = 100.0
 """A move that touches an area less deeply than this does not cross it."""

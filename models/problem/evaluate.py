@@ -9,6 +9,7 @@ import numpy as np
 from kerfwise.rules.statements import About, AtLeast, Before, Lag, Pick
 
 from .crossings import FORBIDDEN
+from .microns import cost_um
 from .problem import Problem
 
 
@@ -24,12 +25,12 @@ def route_cost(problem: Problem, route: Sequence[int]) -> int:
     times = times_ms(problem, route)
     for lag in problem.lags:
         if lag.weight is not None:
-            total += round(lag.weight * 1000) * _missing_cuts(lag, position)
+            total += cost_um(lag.weight) * _missing_cuts(lag, position)
             total += round(lag.weight) * missing_ms(lag, times)
     total += sum(cost for cost in _crossed(problem, route) if cost != FORBIDDEN)
     picked = set(route)
     total += sum(
-        round(s.weight * 1000)
+        cost_um(s.weight)
         for s in problem.general
         if s.weight is not None and not general_holds(problem, s, position, picked)
     )

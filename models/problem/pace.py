@@ -6,12 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Ints
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.physics.timing.constant import Feeds
-
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

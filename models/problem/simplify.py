@@ -11,16 +11,13 @@ from collections import Counter, defaultdict
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Bools
 from kerfwise.rules.statements import Pick
 
 from .conditions import Condition
 from .crossings import Crossings
 from .problem import Problem
-
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 
 def simplify(problem: Problem) -> Problem:

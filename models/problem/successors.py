@@ -6,12 +6,10 @@ from collections.abc import Iterable
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
+
+from kerfwise.arrays import Bools, Ints
 
 from .closure import immediate
-
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 
 def lawful_successors(before: Bools, block: Ints, apart: Iterable[tuple[int, int]] = ()) -> Bools:

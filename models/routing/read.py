@@ -8,13 +8,12 @@ from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Ints
 from kerfwise.encoder.errors import InputError
 
 from .instance import Instance
 
-Ints = NDArray[np.int64]
 KINDS = (".pcglns", ".sop")
 HEADS = ("EDGE_WEIGHT_SECTION", "GTSP_SET_SECTION", "GTSP_SET_ORDERING", "START_GROUP_SECTION", "EOF")
 

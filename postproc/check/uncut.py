@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from kerfwise.encoder.geometry.curve import FloatArray
+from kerfwise.arrays import Floats
 from kerfwise.rules.rule import Violation
 
 from .program_rules import tolerance_mm
@@ -74,6 +74,6 @@ def _by_nature_mm(stretch: shapely.LineString, half_mm: float) -> float:
     return max([half_mm * math.sqrt(2) - half_mm, *natural])
 
 
-def _between(one: FloatArray, other: FloatArray) -> float:
+def _between(one: Floats, other: Floats) -> float:
     """The angle between two directions, rad."""
     return abs(math.atan2(one[0] * other[1] - one[1] * other[0], float(one @ other)))

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Bools
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.physics.heat import HeatResult
-from kerfwise.models.physics.heat.grid import SCRAP, Bools, Grid
+from kerfwise.models.physics.heat.grid import SCRAP, Grid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

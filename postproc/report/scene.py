@@ -9,10 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
+from kerfwise.arrays import Floats
 
-FloatArray = NDArray[np.float64]
 Anchor = Literal["start", "middle", "end"]
 
 CAP_HEIGHT = 0.74
@@ -40,7 +38,7 @@ class Shape:
     by viewers that have tooltips.
     """
 
-    lines: tuple[FloatArray, ...]
+    lines: tuple[Floats, ...]
     style: Style
     closed: bool = True
     cut: int = 0

@@ -6,7 +6,9 @@ from collections.abc import Iterator
 from itertools import groupby
 from xml.sax.saxutils import escape
 
-from .scene import CAP_HEIGHT, HALO, Dot, FloatArray, Item, Scene, Shape, Style, Text
+from kerfwise.arrays import Floats
+
+from .scene import CAP_HEIGHT, HALO, Dot, Item, Scene, Shape, Style, Text
 
 FONT = "DejaVu Sans, Verdana, Arial, sans-serif"
 
@@ -82,6 +84,6 @@ def _title(text: str) -> str:
     return f"<title>{_clean(text)}</title>"
 
 
-def _path(line: FloatArray, closed: bool) -> str:
+def _path(line: Floats, closed: bool) -> str:
     points = " ".join(f"{_number(x)},{_number(y)}" for x, y in line.tolist())
     return f"M{points}{'Z' if closed else ''}"

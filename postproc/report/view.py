@@ -10,10 +10,9 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
+from kerfwise.arrays import Floats
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
-
-from .scene import FloatArray
 
 Window = tuple[float, float, float, float]
 
@@ -47,7 +46,7 @@ class View:
         pitch = scale * math.sqrt(used_mm2 / max(contours, 1))
         return View(window, scale, (width - wide * scale) / 2, width, high * scale + HEADER + FOOTER, pitch)
 
-    def xy(self, points: ArrayLike) -> FloatArray:
+    def xy(self, points: ArrayLike) -> Floats:
         """Points (n, 2) in mm as page points."""
         p = np.asarray(points, dtype=np.float64).reshape(-1, 2)
         x0, _, _, y1 = self.window
@@ -58,7 +57,7 @@ class View:
         x, y = self.xy(point[:2])[0].tolist()
         return x, y
 
-    def path(self, curve: Curve) -> FloatArray:
+    def path(self, curve: Curve) -> Floats:
         """A curve as page points, no more than the eye can tell; a closed one does not repeat its first."""
         tolerance_mm = _CHORD / self.scale
         points = curve.flatten(tolerance_mm)

@@ -11,14 +11,11 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.nest import Nest
 
 from .placement import host_holes
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 SOLID, EDGE = -1, -2
 """Faced by a boundary that looks at wide uncut metal, or at the end of the sheet."""

@@ -8,13 +8,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import lru_cache
 
-import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Ints
 from kerfwise.encoder.nest import Contour, Nest, Part
-
-Ints = NDArray[np.int64]
 
 
 @lru_cache(maxsize=2)

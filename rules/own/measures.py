@@ -11,15 +11,13 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Floats
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.placement import host_holes, places
 
 from .criterion import ROUNDING_MM
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -11,12 +11,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from kerfwise.arrays import Ints
+
 Link = tuple[int, int]
-Ints = NDArray[np.int64]
 
 
 def contracted(n: int, pairs: Sequence[Link], together: Iterable[Sequence[int]]) -> list[Link]:

@@ -20,8 +20,8 @@ from kerfwise.models.engines.minizinc.data import data_text
 from kerfwise.models.engines.minizinc.installation import driver, solver_named
 from kerfwise.models.engines.minizinc.model_text import model_text
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken
-from kerfwise.models.problem.problem import make_problem
 from kerfwise.rules.catalogue.no_islands import ALLOWANCE
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting

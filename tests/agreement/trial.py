@@ -9,8 +9,8 @@ from itertools import combinations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Floats
 from kerfwise.encoder.cut import Cut, CutSequence, Side
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.physics.timing.constant import Leg, schedule
@@ -21,7 +21,6 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 from kerfwise.tests.models.engines.minizinc.cases import Case
 
-Floats = NDArray[np.float64]
 LEAST_S = 1e-3
 """Less than this a way to cut is not said to be slower."""
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Floats
 from kerfwise.tests.metal.tolerances import CHORD_MM
 
-Floats = NDArray[np.float64]
 Point = tuple[float, float]
 
 

@@ -12,7 +12,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from kerfwise.tests.metal.arcs import Floats, Point, chords
+from kerfwise.arrays import Floats
+from kerfwise.tests.metal.arcs import Point, chords
 
 _COMMENT = re.compile(r"\(([^()]*)\)")
 _WORD = re.compile(r"([A-Z$])\s*([-+]?(?:\d+\.?\d*|\.\d+))")

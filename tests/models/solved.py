@@ -9,7 +9,8 @@ from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.solution import Solution
 from kerfwise.models.plan.make import make_plan
 from kerfwise.models.plan.plan import Plan
-from kerfwise.models.problem.problem import UM_PER_MM, make_problem
+from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.rules.options.option import NoOptions
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import RuleSetting

@@ -24,8 +24,9 @@ from kerfwise.models.plan.explain.entry import explain_entry
 from kerfwise.models.plan.explain.lawful import try_order
 from kerfwise.models.plan.explain.setting import Setting, make_setting
 from kerfwise.models.plan.make import make_plan
+from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken, route_cost
-from kerfwise.models.problem.problem import UM_PER_MM, make_problem
+from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.rules.statements import About, Crossing, Forbid, Precede, Statement
 from kerfwise.rules.stating.state_rules import Stated
 from kerfwise.tests.models.brute import cheapest

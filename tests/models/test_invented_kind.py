@@ -33,7 +33,7 @@ from kerfwise.models.plan.explain.setting import Setting, make_setting
 from kerfwise.models.plan.make import make_plan
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.reasons import reasons
-from kerfwise.models.problem.problem import make_problem
+from kerfwise.models.problem.compile import make_problem
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.catalogue.locks import LocksOptions
 from kerfwise.rules.profile.sections import RuleSetting
@@ -106,7 +106,7 @@ REFUSES: dict[str, list[Refuses]] = {
     "rules/stating/remainder.py": [lambda _: list(of_what_is_left([INVENTED], Rest(range(PARTS), {})))],
     "rules/stating/state_rules.py": [lambda _: hopeless([INVENTED]), lambda _: resolve([INVENTED], PARTS, {})],
     "models/plan/excused.py": [lambda _: excused(FACTS, at_weight(EXEMPTION_MM), planned()[0])],
-    "models/problem/problem.py": [lambda _: make_problem(FACTS, (INVENTED,), HOME)],
+    "models/problem/compile.py": [lambda _: make_problem(FACTS, (INVENTED,), HOME)],
     "models/plan/reasons.py": [lambda _: reasons(FACTS, STATED, planned()[0], HOME)],
     "models/plan/conflict/conflict.py": [find_conflict],
     "models/plan/conflict/group.py": [
@@ -211,7 +211,7 @@ def listed_under(heading: str) -> Iterator[str]:
 @cache
 def sources() -> tuple[tuple[str, ast.Module], ...]:
     """Every file of the program, by its path, with what is in it."""
-    floors = ("rules", "models", "postproc", "commands", "encoder", "benchmarks")
+    floors = ("rules", "models", "postproc", "jobs", "commands", "encoder", "benchmarks")
     files = (file for floor in floors for file in sorted((ROOT / floor).rglob("*.py")))
     return tuple((file.relative_to(ROOT).as_posix(), ast.parse(file.read_text(encoding="utf-8"))) for file in files)
 

@@ -7,7 +7,8 @@ from collections import defaultdict
 import numpy as np
 
 from kerfwise.models.problem.conditions import Condition
-from kerfwise.models.problem.problem import UM_PER_MM, Problem
+from kerfwise.models.problem.microns import UM_PER_MM
+from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import EXEMPTION_MM
 
 _EXCUSE_UM = round(EXEMPTION_MM * UM_PER_MM)

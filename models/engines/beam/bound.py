@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.models.problem.problem import Problem
 
-from .tables import Floats, Ints, way_home
+from .tables import way_home
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.models.problem.bits import LOW, ONE, Masks, has, missing, place
 
-from .tables import HARD, NEVER, Floats, Ints, Shorts, Tables
+from .tables import HARD, NEVER, Shorts, Tables
 
 
 @njit(cache=True, nogil=True)

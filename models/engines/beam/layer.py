@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.models.problem.bits import Masks, words
 
 from .bound import Bound
-from .tables import Floats, Ints, Shorts, Tables
+from .tables import Shorts, Tables
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -7,13 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.models.problem.bits import Masks, masks_of
 from kerfwise.models.problem.crossings import FORBIDDEN
+from kerfwise.models.problem.microns import cost_um
 from kerfwise.models.problem.problem import Problem
 
-Ints = NDArray[np.int64]
 Shorts = NDArray[np.int32]
-Floats = NDArray[np.float64]
 
 NEVER = int(np.iinfo(np.int32).max)
 """The cost of a move that is not lawful; others cost less."""
@@ -104,7 +104,7 @@ def travel_table(problem: Problem) -> Ints:
     owner = np.append(problem.site_contour, problem.n)
     for lag in problem.lags:
         if lag.weight is not None and lag.cuts == 1:
-            cost = round(lag.weight * 1000)
+            cost = cost_um(lag.weight)
             for i, j in ((lag.first, lag.second), (lag.second, lag.first)):
                 travel[np.ix_(owner == i, owner == j)] += cost
     travel[~problem.successors()[np.ix_(owner, owner)]] = NEVER

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from kerfwise.models.problem.microns import cost_um
 from kerfwise.models.problem.problem import Problem
 
 from .tables import NEVER
@@ -23,7 +24,7 @@ def applies(problem: Problem) -> bool:
 
 def _dearest(problem: Problem) -> float:
     """What no move costs more than, but for what it crosses."""
-    lags = sum(round(lag.weight * 1000) for lag in problem.lags if lag.weight is not None)
+    lags = sum(cost_um(lag.weight) for lag in problem.lags if lag.weight is not None)
     if problem.matrix is not None:
         return float(problem.matrix.max()) + lags
     points = np.vstack([problem.ends(), problem.pierces()]).astype(np.float64)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from .tables import Floats, Ints
+from kerfwise.arrays import Floats, Ints
 
 
 @njit(cache=True, nogil=True)

@@ -12,10 +12,11 @@ from collections.abc import Callable
 
 import numpy as np
 
+from kerfwise.arrays import Ints
 from kerfwise.models.problem.problem import Problem
 
 from .bound import Bound
-from .tables import NEVER, Ints, way_home
+from .tables import NEVER, way_home
 from .walk_kernels import count_visits, look_ahead
 
 GRAIN = 64.0

@@ -16,10 +16,11 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.models.problem.closure import immediate
 from kerfwise.models.problem.problem import Problem
 
-from .cuts import ANY, Bools, Cuts, Floats, Ints
+from .cuts import ANY, Cuts
 
 UNIT = 1_000_000
 """Flows are whole millionths."""

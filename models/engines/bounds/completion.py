@@ -17,15 +17,13 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.models.engines.solution import Progress
 from kerfwise.models.problem.problem import Problem
 
 from .kernels import look_back, walk_on
 from .memory import Memory, remember
 from .moves import least_moves
-
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
 
 ADDITIONS_PER_S = 6e8
 THREADS: int = cast(Any, numba.config).NUMBA_NUM_THREADS

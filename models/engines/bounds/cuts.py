@@ -5,14 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.models.problem.problem import Problem
-
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 ANY = -1
 """Stands for a site where a cut holds for every plan."""

@@ -11,9 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, vstack
 
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.models.engines.solution import Incumbent, Progress
 from kerfwise.models.problem.problem import Problem
 
@@ -22,10 +22,6 @@ from .cuts import Cuts, block_cuts
 from .growing import Growing
 from .merged import merged
 from .moves import least_moves
-
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 NEAREST = 5
 """Moves from and to every site that are looked at from the start."""

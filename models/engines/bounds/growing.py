@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.sparse import csr_matrix, hstack, vstack
 
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
+from kerfwise.arrays import Floats, Ints
 
 
 @dataclass(frozen=True, eq=False, slots=True)

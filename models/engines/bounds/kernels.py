@@ -6,9 +6,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-Ints = NDArray[np.int64]
+from kerfwise.arrays import Floats, Ints
+
 Shorts = NDArray[np.int16]
-Floats = NDArray[np.float64]
 
 
 @njit(cache=True, nogil=True)

@@ -11,10 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.models.problem.problem import Problem
 
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
 Shorts = NDArray[np.int16]
 
 

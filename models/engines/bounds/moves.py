@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.models.problem.crossings import FORBIDDEN
-from kerfwise.models.problem.problem import UM_PER_MM, Problem
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int64]
+from kerfwise.models.problem.microns import UM_PER_MM
+from kerfwise.models.problem.problem import Problem
 
 
 def least_moves(problem: Problem) -> Floats:

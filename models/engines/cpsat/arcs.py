@@ -6,15 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Bools, Ints
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.problem import Problem
-from kerfwise.models.problem.successors import Bools
 
 from .moves import Out, arc_of_move, out_by_then
-
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -5,11 +5,9 @@ from __future__ import annotations
 from enum import IntEnum
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Ints
 from kerfwise.models.problem.problem import Problem
-
-Ints = NDArray[np.int64]
 
 
 class Out(IntEnum):

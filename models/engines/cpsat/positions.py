@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Ints
 from kerfwise.models.problem.problem import Problem
-
-Ints = NDArray[np.int64]
 
 
 def windows(problem: Problem) -> tuple[Ints, Ints]:

@@ -11,15 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+from kerfwise.arrays import Ints
 from kerfwise.models.problem.problem import Problem
 
 from .arcs import Arcs
 
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
 ROUNDS = 200
 EFFORT = 100_000_000
 """Numbers to look at in all rounds together: large nests get fewer rounds."""

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Ints
 from kerfwise.models.problem.problem import Problem
 
 from .arcs import Arcs
-
-Ints = NDArray[np.int64]
 
 
 def counts_seconds(problem: Problem) -> bool:

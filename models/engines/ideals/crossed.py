@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Ints
 from kerfwise.models.problem.bits import Masks, words
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.problem import Problem
 
-from .local import Ints, Local
+from .local import Local
 
 HOME = -1
 UNLAWFUL = 1 << 48

@@ -13,9 +13,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.models.problem.bits import Masks, has, missing
 
-from .local import HARD, Floats, Ints, Terms
+from .local import HARD, Terms
 from .sets import Shorts, Tinies
 
 Costs = NDArray[Any]  # int32 or int64

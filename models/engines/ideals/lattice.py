@@ -11,11 +11,12 @@ from typing import Any
 import numba
 import numpy as np
 
+from kerfwise.arrays import Ints
 from kerfwise.models.problem.bits import masks_of
 
 from .budget import Budget
 from .kernels import Costs, Moves, Rest, arrange, crossing, leaving, sweep
-from .local import Ints, Local
+from .local import Local
 from .sets import Sets, Shorts, Tinies, grow, growth
 
 _CONFIG: Any = numba.config

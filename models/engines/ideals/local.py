@@ -8,12 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Ints
 from kerfwise.models.problem.bits import Masks, masks_of
 from kerfwise.models.problem.closure import immediate
 from kerfwise.models.problem.problem import Problem
-
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
 
 
 class Orders(NamedTuple):

@@ -8,9 +8,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Ints
 from kerfwise.models.problem.bits import LOW, ONE, Masks, missing, place, words
 
-from .local import Ints, Orders
+from .local import Orders
 
 Shorts = NDArray[np.int32]
 Tinies = NDArray[np.int16]

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from kerfwise.arrays import Ints
+from kerfwise.models.problem.microns import cost_um
 from kerfwise.models.problem.problem import Problem
 
 from .crossed import HOME, UNLAWFUL, add_settled, cross, price
 from .kernels import Costs, Moves
-from .local import Ints, Local
+from .local import Local
 
 NARROW = 1 << 29
 """Twice as much fits in 32 bits."""
@@ -62,7 +64,7 @@ def travel_between(problem: Problem, rows: Ints, columns: Ints) -> Ints:
     left, right = _contours(problem, rows), _contours(problem, columns)
     here, there = set(left.tolist()), set(right.tolist())
     for lag in problem.lags:
-        cost = UNLAWFUL if lag.weight is None else round(lag.weight * 1000)
+        cost = UNLAWFUL if lag.weight is None else cost_um(lag.weight)
         for i, j in ((lag.first, lag.second), (lag.second, lag.first)):
             if lag.cuts == 1 and i in here and j in there:
                 travel[np.ix_(left == i, right == j)] += cost

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from kerfwise.arrays import Ints
 from kerfwise.models.engines.solution import Incumbent, Progress
 from kerfwise.models.problem.bits import masks_of
 from kerfwise.models.problem.evaluate import broken, route_cost
@@ -20,7 +21,7 @@ from .budget import Budget, TooLarge
 from .count import ADDITIONS_PER_S
 from .crossed import HOME, add_settled
 from .lattice import Layer, Stretch, sweep_layers, walk_back
-from .local import Ints, Local, Orders, localise
+from .local import Local, Orders, localise
 from .parts import Parts
 from .prove import applies
 from .prune import least_in, least_rest

@@ -6,13 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import facts_dzn
-from kerfwise.encoder.facts.facts import Facts, Floats, Ints
+from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.problem.microns import points_um
 from kerfwise.models.problem.pace import Pace
-from kerfwise.models.problem.problem import points_um
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import Stated

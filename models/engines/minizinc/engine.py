@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.engines.solution import Progress, Solution, SolveOptions
-from kerfwise.models.problem.problem import UM_PER_MM
+from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import EXEMPTION_MM, Statement
 from kerfwise.rules.stating.state_rules import Stated

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from kerfwise.models.problem.problem import UM_PER_MM
+from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.rules.statements import EXEMPTION_MM
 
 from .asked import MODELS, Asked, include

@@ -9,7 +9,7 @@ from typing import Any
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.tolerance import tolerance_mm
-from kerfwise.models.problem.problem import UM_PER_MM
+from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions

@@ -9,11 +9,12 @@ import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.candidates.candidate import Candidate
-from kerfwise.encoder.facts.facts import Bools, Facts, Floats, Ints, Stretch
+from kerfwise.encoder.facts.facts import Facts, Stretch
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.models.problem.crossings import GRAZE_UM
-from kerfwise.models.problem.problem import UM_PER_MM, points_um
+from kerfwise.models.problem.microns import UM_PER_MM, points_um
 
 FINE_MM = 0.002
 """Chords lie this close to contours whose gaps are measured."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .chance import below, share
 from .compiled import compiled, entry
@@ -17,8 +16,6 @@ from .ruin import ruin
 from .sites import choose_sites, refresh_sites
 from .state import BEST, BROKEN, CLIMBS, COST, LAWLESS, LENGTH, PRICE, START, TAKEN, TRIES, WORK, State
 from .tables import Tables
-
-Ints = NDArray[np.int64]
 
 DEAREST = 1 << 40  # the most that a broken statement counts, µm
 EXCHANGES = 4  # work on exchanges for one of ruins, where they are quick

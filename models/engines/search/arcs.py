@@ -7,14 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Bools, Ints
 from kerfwise.models.problem.problem import Problem
 
 from .compiled import compiled
 from .legs import Legs
 
-Ints = NDArray[np.int64]
 SmallInts = NDArray[np.int32]
-Bools = NDArray[np.bool_]
 
 NEAREST = 16  # ends of arcs that an exchange tries to make, the nearer the oftener
 DEAREST = 1 << 29  # the most that an arc may cost, so that sums of a few stay small numbers

@@ -5,15 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Bools, Ints
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.problem import Problem
 
 from .compiled import compiled
-
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 SPREAD = 0x9E3779B97F4A7C15  # 2^64 over the golden ratio: its multiples spread evenly (Knuth, vol. 3, 6.4)
 

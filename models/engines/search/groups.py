@@ -5,15 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Bools, Ints
 from kerfwise.models.problem.problem import Problem
 
 from .compiled import compiled
 from .lists import flatten, ints
-
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 
 class Groups(NamedTuple):

@@ -5,18 +5,16 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kerfwise.models.problem.problem import UM_PER_MM, Problem
+from kerfwise.arrays import Floats, Ints
+from kerfwise.models.problem.microns import UM_PER_MM
+from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Lag
 
 from .compiled import compiled
 from .demands import HARD
 from .legs import Legs
 from .lists import flatten, ints
-
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
 
 
 class Lags(NamedTuple):

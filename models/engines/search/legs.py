@@ -5,15 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.models.problem.problem import Problem
 
 from .compiled import compiled
 from .crossed import always_crossed
-
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
 
 MATRIX_SITES = 3000  # a travel matrix is kept up to this many sites
 

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from itertools import accumulate
 
 import numpy as np
-from numpy.typing import NDArray
 
-Ints = NDArray[np.int64]
+from kerfwise.arrays import Ints
 
 
 def ints(values: Sequence[int]) -> Ints:

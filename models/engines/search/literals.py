@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-from kerfwise.models.problem.problem import UM_PER_MM, Problem
+from kerfwise.arrays import Ints
+from kerfwise.models.problem.microns import UM_PER_MM
+from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Literal, Pick
 
 from .compiled import compiled
 from .demands import HARD
 from .lists import flatten, ints
-
-Ints = NDArray[np.int64]
 
 NO_SITE = -2  # stands for a candidate that no site stands for: it is never picked
 

@@ -9,14 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Ints
 from kerfwise.models.problem.closure import transitive
 from kerfwise.models.problem.problem import Problem
 
 from .legs import MATRIX_SITES
-
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -5,16 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from kerfwise.arrays import Bools, Ints
 from kerfwise.models.problem.closure import immediate
 from kerfwise.models.problem.problem import Problem
 
 from .legs import Legs
-
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 NEAR = 16  # neighbours of a contour that moves look at
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from kerfwise.arrays import Ints
 
 from .compiled import compiled
 from .crossed import cell_of, crossing
@@ -13,8 +12,6 @@ from .lags import too_close_within, too_soon
 from .legs import leg
 from .literals import literals_unmet
 from .tables import Tables
-
-Ints = NDArray[np.int64]
 
 
 @compiled

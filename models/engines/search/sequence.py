@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from .compiled import compiled
 from .orders import Orders
 from .state import LENGTH, STAMP, START, State
-
-Ints = NDArray[np.int64]
 
 
 @compiled

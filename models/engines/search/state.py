@@ -7,9 +7,10 @@ from typing import NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Ints
+
 from .tables import Tables
 
-Ints = NDArray[np.int64]
 SmallInts = NDArray[np.int32]
 
 # Typed, because numba compiles a function anew for each literal that it is called with.

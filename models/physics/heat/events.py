@@ -7,12 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Floats, Ints
+
 from .compiled import compiled, entry
 from .grid import Grid
 from .timed_path import TimedPath
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 SIDE = 0.7072
 """How far beside the kerf its heat goes in, grid steps: just over half a diagonal, so that it stays on its side."""

@@ -10,10 +10,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Bools
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 
-Bools = NDArray[np.bool_]
 Ints = NDArray[np.int32]
 
 MOST_POINTS = 30_000_000

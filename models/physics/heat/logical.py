@@ -13,12 +13,13 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Bools
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.profile.heat_section import Heat
 from kerfwise.rules.profile.materials import MATERIALS
 
 from .compiled import entry
-from .grid import Bools, Grid
+from .grid import Grid
 from .physical import Look
 from .result import Run
 from .stepping import Field

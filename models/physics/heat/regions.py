@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Ints
 from kerfwise.encoder.nest import Nest
 
 from .grid import Grid
 from .result import HeatResult
-
-Ints = NDArray[np.int64]
 
 
 def hot_contours(nest: Nest) -> Ints:

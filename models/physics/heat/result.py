@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Bools
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.heat_section import Heat, HeatModel
 
-from .grid import Bools, Grid
+from .grid import Grid
 
 Field = NDArray[np.float32]
 

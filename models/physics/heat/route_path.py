@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Floats
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.facts.facts import Facts
@@ -17,7 +17,6 @@ from kerfwise.models.physics.timing.constant import Feeds
 from .timed_path import TimedPath, TorchOn, in_order, torch_on
 
 CHORD_MM = 0.2
-Floats = NDArray[np.float64]
 
 
 class RoutePaths:

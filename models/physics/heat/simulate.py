@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import shapely
 
+from kerfwise.arrays import Bools
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.heat_section import Heat
 
-from .grid import SCRAP, Bools, Grid, make_grid
+from .grid import SCRAP, Grid, make_grid
 from .logical import run_logical
 from .physical import Look, run_physical
 from .result import HeatResult, made_result

@@ -7,9 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Bools
+
 from .compiled import compiled, entry
 from .events import Events
-from .grid import Bools
 
 Field = NDArray[np.float32]
 

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kerfwise.arrays import Bools
 from kerfwise.encoder.cut import HotSpot
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.heat_section import Heat
 
 from .events import Events, events_of
-from .grid import Bools, Grid, make_grid
+from .grid import Grid, make_grid
 from .physical import Simulation, settling_s
 from .simulate import counted_points
 from .timed_path import TimedPath, TorchOn

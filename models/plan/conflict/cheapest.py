@@ -14,7 +14,7 @@ from kerfwise.encoder.errors import RulesConflict
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.engines.watch import Watch
-from kerfwise.models.problem.problem import make_problem
+from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.simplify import simplify
 from kerfwise.rules.statements import About, Statement
 from kerfwise.rules.stating.state_rules import resolve

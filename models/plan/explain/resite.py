@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kerfwise.arrays import Floats
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.evaluate import route_cost
@@ -16,8 +17,6 @@ from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import About
 
 from .setting import Setting
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

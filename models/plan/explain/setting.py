@@ -14,9 +14,10 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.plan.plan import Plan
+from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import route_cost
-from kerfwise.models.problem.problem import Problem, make_problem
+from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import Precede

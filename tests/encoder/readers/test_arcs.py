@@ -6,11 +6,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely import LineString, hausdorff_distance
 
-from kerfwise.encoder.geometry.curve import Curve, FloatArray
+from kerfwise.arrays import Floats
+from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.readers.arcs import FIT_MM, fit_arcs, fitted
 
 
-def arc(radius: float, start: float, end: float, n: int = 200) -> FloatArray:
+def arc(radius: float, start: float, end: float, n: int = 200) -> Floats:
     a = np.linspace(start, end, n)
     return np.column_stack([radius * np.cos(a), radius * np.sin(a)])
 

@@ -8,7 +8,8 @@ from functools import cache
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.jobs.ask import facts_of
 from kerfwise.models.physics.timing.choose import feeds_of
-from kerfwise.models.problem.problem import Problem, make_problem
+from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.stating.state_rules import Stated, state_rules

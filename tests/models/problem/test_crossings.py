@@ -17,7 +17,7 @@ from kerfwise.models.engines.watch import Watch
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.plan.make import make_plan
 from kerfwise.models.problem import crossed_areas, crossings
-from kerfwise.models.problem.problem import make_problem
+from kerfwise.models.problem.compile import make_problem
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.statements import About, Precede
 from kerfwise.tests.nests import nest, part, rect

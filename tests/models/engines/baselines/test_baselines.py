@@ -13,8 +13,9 @@ from kerfwise.models.engines.baselines.realtime import realtime_order
 from kerfwise.models.engines.baselines.walk import Walk
 from kerfwise.models.physics.heat.route_path import RoutePaths
 from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken
-from kerfwise.models.problem.problem import Problem, make_problem
+from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.stating.state_rules import state_rules

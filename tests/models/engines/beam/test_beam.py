@@ -9,6 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from kerfwise.arrays import Ints
 from kerfwise.models.engines.beam import applies, beam, grower, history, widening
 from kerfwise.models.engines.beam.bound import least_moves
 from kerfwise.models.engines.beam.tables import Tables, make_tables, travel_table
@@ -18,7 +19,7 @@ from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.crossings import Crossings
 from kerfwise.models.problem.evaluate import broken, route_cost
-from kerfwise.models.problem.problem import Ints, Problem
+from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.brute import cheapest, lawful
 from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered

@@ -10,8 +10,10 @@ from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.ideals.prove import applies
 from kerfwise.models.engines.minizinc import solve_minizinc
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken, route_cost
-from kerfwise.models.problem.problem import UM_PER_MM, Problem, make_problem
+from kerfwise.models.problem.microns import UM_PER_MM
+from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.engines.minizinc.cases import Case

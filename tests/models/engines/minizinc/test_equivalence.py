@@ -9,7 +9,7 @@ import pytest
 
 from kerfwise.models.engines.minizinc import solve_minizinc
 from kerfwise.models.engines.minizinc.data import travel_um
-from kerfwise.models.problem.problem import make_problem
+from kerfwise.models.problem.compile import make_problem
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import About, IdleTravel
 from kerfwise.rules.stating.state_rules import state_rules

@@ -13,7 +13,7 @@ from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import FactOptions, Facts
 from kerfwise.models.plan.conflict.group import Asked
-from kerfwise.models.problem.problem import make_problem
+from kerfwise.models.problem.compile import make_problem
 from kerfwise.rules.statements import About, AtLeast, Before, Contiguous, Forbid, Lag, NoGood, Pick, Precede
 from kerfwise.tests.models.brute import lawful
 from kerfwise.tests.nests import nest, part, rect

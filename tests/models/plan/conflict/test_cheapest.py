@@ -18,7 +18,7 @@ from kerfwise.models.plan.conflict import state_relaxed
 from kerfwise.models.plan.conflict.group import hard_groups
 from kerfwise.models.plan.conflict.relax import LAST, may_give_way, soften
 from kerfwise.models.plan.plan import RELAXED
-from kerfwise.models.problem.problem import make_problem
+from kerfwise.models.problem.compile import make_problem
 from kerfwise.postproc.check import report
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile

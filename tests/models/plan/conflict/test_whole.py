@@ -16,7 +16,7 @@ from kerfwise.models.plan.conflict import Conflict, find_conflict, state_relaxed
 from kerfwise.models.plan.conflict.group import Group, hard_groups
 from kerfwise.models.plan.conflict.purse import NotAnswered
 from kerfwise.models.plan.conflict.whole import Engines, find_whole_core
-from kerfwise.models.problem.problem import make_problem
+from kerfwise.models.problem.compile import make_problem
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.stating.state_rules import every_statement
 from kerfwise.tests.models.brute import lawful

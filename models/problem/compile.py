@@ -1,0 +1,242 @@
+"""Facts and statements compiled to a problem: candidates become sites, statements conditions on what is out."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import assert_never
+
+import numpy as np
+
+from kerfwise.arrays import Bools, Ints
+from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.models.physics.timing.constant import Feeds
+from kerfwise.rules.by_kind import by_kind
+from kerfwise.rules.statements import (
+    AtLeast,
+    Contiguous,
+    Crossing,
+    Forbid,
+    IdleTravel,
+    Lag,
+    NoGood,
+    Pick,
+    Precede,
+    Statement,
+)
+
+from .closure import close
+from .conditions import Condition, of_at_least, of_no_good, of_soft_precede
+from .crossed_areas import Going
+from .crossings import TooManyMoves, find_crossings, from_home
+from .microns import cost_um, points_um
+from .pace import Pace
+from .problem import Problem, SoftGroup
+
+
+def make_problem(
+    facts: Facts,
+    statements: tuple[Statement, ...],
+    home_mm: tuple[float, float],
+    feeds: Feeds | None = None,
+    earlier: Problem | None = None,
+    going: Going = lambda share: True,
+) -> Problem:
+    """Compile facts and statements; `feeds` are needed for statements that count seconds.
+
+    `earlier` is a problem made of the same facts and some of these statements: the moves that were looked at for it
+    need not be looked at again where they are the same, and are not where it left them out. `going` is asked now and
+    then, with the share of the moves that has been looked at; where it says no a soft rule about moves is left out.
+
+    Raises
+    ------
+    RulesConflict
+        If the hard orders form a cycle, or a contour has no candidate left.
+    """
+    contour_of = [c.contour for c in facts.candidates]
+    kinds = by_kind(statements)
+    hard = [s for s in kinds.precede if s.weight is None]
+    blocks = _blocks(facts.n, [g for g in kinds.contiguous if g.weight is None])
+    before = close(facts.n, [(p.before, p.after) for p in hard], blocks)
+    if before.diagonal().any():
+        raise _contradiction(before, hard)
+    conditions, general = _conditions(statements, contour_of)
+    allowed, costs = _candidate_costs(facts, kinds.forbid)
+    site_of, representatives = _sites(facts, allowed, costs, conditions, general)
+    chosen = np.array(representatives, dtype=np.int64)
+    kept = set(representatives)  # candidates of one site are asked alike: what is asked of one counts once
+    contours = np.array([contour_of[c] for c in representatives], dtype=np.int64)
+    candidate_site = np.full(len(facts.candidates), -1, dtype=np.int64)
+    candidate_site[list(site_of)] = list(site_of.values())
+    first = np.searchsorted(contours, np.arange(facts.n + 1)).astype(np.int64)
+    problem = Problem(
+        n=facts.n,
+        first=first,
+        site_contour=contours,
+        site_candidate=chosen,
+        candidate_site=candidate_site,
+        pierce_um=points_um([facts.candidates[c].pierce for c in representatives], home_mm),
+        end_um=points_um([facts.candidates[c].end for c in representatives], home_mm),
+        site_cost=costs[chosen] if len(chosen) else np.zeros(0, dtype=np.int64),
+        home_um=points_um([home_mm], home_mm)[0],
+        travel_weight=sum(s.weight for s in kinds.idle_travel),
+        before=before,
+        block=blocks,
+        conditions=tuple(dict.fromkeys(_on_site(c, site_of) for c in conditions if c.when is None or c.when in kept)),
+        soft_groups=tuple(
+            SoftGroup(g.contours, cost_um(g.weight), g.about) for g in kinds.contiguous if g.weight is not None
+        ),
+        lags=kinds.lag,
+        general=tuple(general),
+        ids=tuple(c.id for c in facts.nest.contours),
+        pace=Pace() if feeds is None else Pace.of(facts, representatives, feeds),
+    )
+    return _with_crossings(problem, kinds.crossing, earlier, going)
+
+
+def _with_crossings(problem: Problem, statements: Sequence[Crossing], earlier: Problem | None, going: Going) -> Problem:
+    if not statements:
+        return problem
+    sites = np.append(problem.first, problem.m + 1)
+    if any(s.over is None for s in statements):
+        lawful, pierces = problem.successors(), problem.pierces()
+        begun = [_not_first(problem, site, statements[k]) for site, k in from_home(statements, lawful, sites, pierces)]
+        problem = replace(problem, conditions=(*problem.conditions, *begun))
+    if earlier is not None and (earlier.left_out or _same_moves(problem, earlier)):
+        return replace(problem, crossings=earlier.crossings, left_out=earlier.left_out)
+    hard = any(s.weight is None for s in statements)
+    lawful, ends, pierces = problem.successors(), problem.ends(), problem.pierces()
+    try:
+        asked = (statements, problem.before, lawful, sites, ends, pierces)
+        found = find_crossings(*asked) if hard else find_crossings(*asked, going)
+    except TooManyMoves as error:
+        if hard:
+            raise
+        return replace(problem, left_out=((statements[0].about.rule, error.message),))
+    return replace(problem, crossings=found)
+
+
+def _not_first(problem: Problem, site: int, statement: Crossing) -> Condition:
+    """The torch does not come to a site from home: some contour is cut before."""
+    contour = int(problem.site_contour[site])
+    others = tuple(k for k in range(problem.n) if k != contour)
+    cost = None if statement.weight is None else cost_um(statement.weight)
+    return Condition(contour, others, (1,) * len(others), 1, statement.about, when=site, cost=cost)
+
+
+def _same_moves(one: Problem, other: Problem) -> bool:
+    """Whether the same sites may follow each other in both."""
+    return (
+        np.array_equal(one.site_candidate, other.site_candidate)
+        and np.array_equal(one.before, other.before)
+        and np.array_equal(one.block, other.block)
+        and one.apart() == other.apart()
+    )
+
+
+def _blocks(n: int, groups: list[Contiguous]) -> Ints:
+    """Number of the contiguous block of every contour: groups that share a contour must be one block."""
+    block = np.arange(n, dtype=np.int64)
+    owner: dict[int, Contiguous] = {}
+    for group in groups:
+        for contour in group.contours:
+            if contour in owner:
+                other = owner[contour]
+                raise RulesConflict(
+                    "contours can be kept together in one group only",
+                    (other.about.sentence, group.about.sentence),
+                )
+            owner[contour] = group
+            block[contour] = group.contours[0]
+    return block
+
+
+def _contradiction(before: Bools, hard: list[Precede]) -> RulesConflict:
+    """Names the orders between contours that stand on a cycle (`rules.stating.cycles` names the shortest first)."""
+    stuck = before.diagonal()
+    said = [p.about.sentence for p in hard if stuck[p.before] and stuck[p.after]]
+    return RulesConflict("the order rules contradict each other", tuple(dict.fromkeys(said)))
+
+
+def _conditions(statements: tuple[Statement, ...], contour_of: list[int]) -> tuple[list[Condition], list[AtLeast]]:
+    """What becomes conditions on sites, and what no condition can say; other kinds are fields of their own."""
+    conditions: list[Condition] = []
+    general: list[AtLeast] = []
+    for s in statements:
+        match s:
+            case Precede():
+                if s.weight is not None:
+                    conditions.append(of_soft_precede(s, cost_um(s.weight)))
+            case NoGood():
+                conditions.extend(of_no_good(s, None if s.weight is None else cost_um(s.weight)))
+            case AtLeast():
+                made = of_at_least(s, contour_of, None if s.weight is None else cost_um(s.weight))
+                if made is None:
+                    general.append(s)
+                else:
+                    conditions.append(made)
+            case Forbid() | Contiguous() | Lag() | Crossing() | IdleTravel():
+                pass  # `make_problem` reads them
+            case _:
+                assert_never(s)
+    return conditions, general
+
+
+def _candidate_costs(facts: Facts, forbidden: Sequence[Forbid]) -> tuple[Bools, Ints]:
+    allowed = np.ones(len(facts.candidates), dtype=np.bool_)
+    costs = np.zeros(len(facts.candidates), dtype=np.int64)
+    reasons: dict[int, list[str]] = defaultdict(list)
+    for s in forbidden:
+        if s.weight is None:
+            allowed[s.candidate] = False
+            reasons[facts.candidates[s.candidate].contour].append(s.about.sentence)
+        else:
+            costs[s.candidate] += cost_um(s.weight)
+    for contour in range(facts.n):
+        span = facts.candidates_of(contour)
+        if not allowed[span.start : span.stop].any():
+            name = facts.nest.contours[contour].id
+            raise RulesConflict(f"{name} has no lawful entry left", tuple(dict.fromkeys(reasons[contour])))
+    return allowed, costs
+
+
+def _sites(
+    facts: Facts, allowed: Bools, costs: Ints, conditions: list[Condition], general: list[AtLeast]
+) -> tuple[dict[int, int], list[int]]:
+    """Site of every candidate that is kept, and the candidate each site stands for."""
+    told_apart: dict[int, list[object]] = defaultdict(list)
+    for condition in conditions:
+        if condition.when is not None:
+            told_apart[condition.when].append((condition.members, condition.weights, condition.bound, condition.cost))
+    for number, s in enumerate(general):
+        for c in {lit.c for lit in s.literals if isinstance(lit, Pick)} | {s.when}:
+            if c is not None:
+                told_apart[c].append(number)
+    site_of: dict[int, int] = {}
+    seen: dict[object, int] = {}
+    representatives: list[int] = []
+    for number, candidate in enumerate(facts.candidates):
+        if not allowed[number]:
+            continue
+        key = (candidate.contour, candidate.pierce, candidate.end, int(costs[number]), tuple(told_apart[number]))
+        if key not in seen:
+            seen[key] = len(representatives)
+            representatives.append(number)
+        site_of[number] = seen[key]
+    return site_of, representatives
+
+
+def _on_site(condition: Condition, site_of: dict[int, int]) -> Condition:
+    if condition.when is None:
+        return condition
+    return Condition(
+        condition.contour,
+        condition.members,
+        condition.weights,
+        condition.bound,
+        condition.about,
+        site_of[condition.when],
+        condition.cost,
+    )
