@@ -40,7 +40,7 @@ def test_every_data_file_is_in_the_wheel() -> None:
     data = {path for path in shipped("*/*") if path.is_file() and path.suffix not in (".py", ".pyc", ".nbi", ".nbc")}
     missing = sorted(str(path.relative_to(ROOT)) for path in data - listed if ".egg-info" not in str(path))
     assert not missing, f"no pattern of package-data in pyproject.toml covers {', '.join(missing)}"
-    assert ROOT / "models" / "plan.schema.json" in listed
+    assert ROOT / "models" / "plan" / "plan.schema.json" in listed
 
 
 def test_nothing_that_is_shipped_needs_the_tests() -> None:

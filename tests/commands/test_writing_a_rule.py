@@ -31,7 +31,7 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("checkout") / "kerfwise"
     shutil.copytree(ROOT, root, ignore=shutil.ignore_patterns(".*", "__pycache__", "*.egg-info", "build", *COMPILED))
     for name in COMPILED:  # what numba has compiled lies beside them
-        (root / "models" / name).symlink_to(ROOT / "models" / name)
+        (root / "models" / "engines" / name).symlink_to(ROOT / "models" / "engines" / name)
     return root
 
 
@@ -57,7 +57,7 @@ def test_the_page_works(copy: Path) -> None:
     assert on_the_sheet[-1] == "L.outer"
     verdict = said["kerfwise check docs/own-rules.nest.json plan.json -p plant.yaml"]
     assert re.search(r"^holds +hard +long-parts-last", verdict, re.MULTILINE)
-    assert "long-parts-last" in (copy / "rules" / "profile.schema.json").read_text(encoding="utf-8")
+    assert "long-parts-last" in (copy / "rules" / "profile" / "profile.schema.json").read_text(encoding="utf-8")
     assert "<svg" in (copy / "long-parts-last.svg").read_text(encoding="utf-8")
     assert "the file is there already" in run("kerfwise rules new long-parts-final", _taken(copy)).stderr
 

@@ -14,7 +14,7 @@ from kerfwise.tests.metal.hand_made import CUTS, HEAD, TAIL, program
 from kerfwise.tests.metal.program import Program, UnreadableProgram, read_program
 from kerfwise.tests.tools import canon
 
-GOLDEN = Path(__file__).parents[1] / "postproc" / "program" / "golden"
+GOLDEN = Path(__file__).parents[1] / "postproc" / "nc" / "golden"
 
 
 def agree(text: str) -> Program:

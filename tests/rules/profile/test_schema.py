@@ -33,7 +33,7 @@ def data(text: str) -> Any:
 
 
 def test_published_schema_is_up_to_date() -> None:
-    published = resources.files("kerfwise.rules") / "profile.schema.json"
+    published = resources.files("kerfwise.rules.profile") / "profile.schema.json"
     made = json.dumps(profile_schema(), indent=1, ensure_ascii=False) + "\n"
     assert published.read_text(encoding="utf-8") == made, "run python -m kerfwise.rules.profile.schema"
 
