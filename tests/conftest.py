@@ -1,4 +1,8 @@
-"""Every program that a test has planned is burnt by the simulation of `metal` before the test is done."""
+"""What goes for every test.
+
+Every program that a test has planned is burnt by the simulation of `metal` before the test is done. A test that needs
+LinuxCNC's interpreter or MiniZinc says so by its marker.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +17,32 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import simulate
+from kerfwise.tests.tools.needed import LEFT_OUT, WITHOUT, keep_from
 
 Made = list[tuple[Nest, Profile, str, str | None]]
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """A test whose program is missing fails, in one line that says how to get it."""
+    for marker, without in WITHOUT.items():
+        if item.get_closest_marker(marker) is not None and (how := without()):
+            pytest.fail(how, pytrace=False)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """What is missing is said once more at the end, however many tests failed for it."""
+    texts = {report.longreprtext for report in terminalreporter.stats.get("error", [])}
+    for text in sorted(texts):
+        if text.endswith(LEFT_OUT):
+            terminalreporter.write_line(text, red=True)
+
+
+@pytest.fixture(autouse=True)
+def only_marked_tests_use_programs(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """LinuxCNC and MiniZinc are there for tests with their marker, so that `-m` leaves out all that need them."""
+    for marker in WITHOUT:
+        if request.node.get_closest_marker(marker) is None:
+            keep_from(marker, monkeypatch)
 
 
 @pytest.fixture(autouse=True)

@@ -26,6 +26,7 @@ ONCE_WRONG = {
 """Seeds of nests on which the two sides once differed, and over what."""
 
 
+@pytest.mark.minizinc
 @pytest.mark.parametrize("seed", [*SEEDS, *ONCE_WRONG])
 def test_the_engines_and_the_check_agree(seed: int) -> None:
     found = agreement(seed)
@@ -43,6 +44,7 @@ def test_the_cases_are_of_every_size_and_every_rule() -> None:
     assert any(case.profile.locks for case in cases)
 
 
+@pytest.mark.minizinc
 def test_a_lost_statement_is_noticed() -> None:
     """Without level-ahead an engine finds a plan that is cheaper than any the check lets pass."""
     case = judged_case(15)

@@ -31,6 +31,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.linuxcnc
 def test_it_preheats_and_is_judged_explained_and_drawn(here: Path) -> None:
     given = ("near.json", "-p", "plant.yaml")
     done = kerfwise("solve", *given, "--work", 1, "-o", "a.nc", "--plan", "a.json", "--picture", "a.svg")

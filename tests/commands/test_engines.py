@@ -9,6 +9,7 @@ from click.testing import CliRunner
 from kerfwise.commands.engines import command
 
 
+@pytest.mark.minizinc
 def test_the_solvers_of_minizinc_are_listed() -> None:
     result = CliRunner().invoke(command)
     assert result.exit_code == 0

@@ -16,6 +16,7 @@ NESTS = sorted(p for p in (EXAMPLES / "nests").iterdir() if p.suffix in (".dxf",
 SHOP = EXAMPLES / "profiles" / "shop.yaml"
 
 
+@pytest.mark.linuxcnc
 @pytest.mark.parametrize("nest", NESTS, ids=lambda p: p.name)
 def test_every_example_is_solved_checked_and_read_by_linuxcnc(nest: Path, tmp_path: Path) -> None:
     profile = ["-p", SHOP] if nest.name in ("plate40.json", "marked.svg") else []

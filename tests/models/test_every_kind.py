@@ -105,6 +105,7 @@ def test_every_engine_finds_the_best_plan(example: Example, member: Member | Non
         assert found.status == "feasible"
 
 
+@pytest.mark.minizinc
 @every_example
 def test_minizinc_finds_the_best_plan_or_says_that_it_has_no_words(example: Example) -> None:
     options = SolveOptions(work=20.0, home_mm=HOME, feeds=FEEDS)

@@ -32,6 +32,7 @@ def made(plant: Profile):  # type: ignore[no-untyped-def]
     return plan, write_program(plan, FAR, plant)
 
 
+@pytest.mark.linuxcnc
 def test_the_plan_keeps_the_drawings_coordinates_and_the_program_has_the_machines() -> None:
     plan, text = made(CORNER)
     assert plan.cuts[0].cut.pierce[0] > 3000

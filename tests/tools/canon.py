@@ -30,9 +30,7 @@ def find_rs274() -> str:
         if place and os.access(place, os.X_OK):
             return place
     raise MissingInterpreter(
-        "LinuxCNC's interpreter rs274 is missing. Fetch it (Debian 12, no root needed) with\n"
-        "    sh tests/tools/get_rs274.sh .tools/rs274\n"
-        "or name another copy in the environment variable RS274."
+        "LinuxCNC's rs274 is missing: `sh tests/tools/get_rs274.sh .tools/rs274` fetches it (or set RS274)"
     )
 
 

@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-from .canon import ROOT, MissingInterpreter
+from . import canon
 
-FILTER = ROOT / ".tools/rs274/root/usr/bin/qtplasmac_gcode"
 _LINUXCNC = """
 class ini:
     def __init__(self, file):
@@ -62,10 +62,17 @@ case "$2" in plasmac.max-offset) echo 5.0;; *color*) echo 16772608;; *) echo 0;;
 """
 
 
+def find_filter() -> str:
+    """The filter that came with rs274, else the one on the PATH."""
+    with_rs274 = Path(canon.find_rs274()).parents[1] / "root/usr/bin/qtplasmac_gcode"
+    found = str(with_rs274) if with_rs274.exists() else shutil.which("qtplasmac_gcode")
+    if found is None:
+        raise canon.MissingInterpreter("qtplasmac_gcode is missing: sh tests/tools/get_rs274.sh .tools/rs274")
+    return found
+
+
 def complaints(program: str, feed_mm_min: float, kerf_mm: float) -> list[str]:
     """What the filter says to a program cut at this feed and kerf: errors and warnings, a line each."""
-    if not FILTER.exists():
-        raise MissingInterpreter("qtplasmac_gcode is missing: sh tests/tools/get_rs274.sh .tools/rs274")
     with tempfile.TemporaryDirectory(prefix="qtplasmac-") as name:
         folder, stand_ins = Path(name), Path(name, "stand-ins")
         (stand_ins / "PyQt5").mkdir(parents=True)
@@ -91,7 +98,7 @@ def complaints(program: str, feed_mm_min: float, kerf_mm: float) -> list[str]:
             "QTP_TEXTS": str(folder / "texts.json"),
         }
         done = subprocess.run(
-            [sys.executable, str(FILTER), str(folder / "in.ngc")],
+            [sys.executable, find_filter(), str(folder / "in.ngc")],
             cwd=folder, env=env, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60, check=False,
         )  # fmt: skip
         texts = folder / "texts.json"

@@ -6,6 +6,8 @@ import pytest
 
 from kerfwise.tests.tools import canon
 
+pytestmark = pytest.mark.linuxcnc
+
 
 def accepted(program: str) -> canon.Run:
     run = canon.run(program)
@@ -62,11 +64,3 @@ def test_a_torch_left_on_is_seen_though_the_end_of_program_stops_it() -> None:
 )
 def test_refusals(program: str, message: str) -> None:
     assert message in (canon.run(program).error or "")
-
-
-def test_without_the_interpreter_a_test_fails_and_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("RS274", raising=False)
-    monkeypatch.setattr(canon, "ROOT", canon.ROOT / "nowhere")
-    monkeypatch.setenv("PATH", "")
-    with pytest.raises(canon.MissingInterpreter, match=r"get_rs274\.sh"):
-        canon.find_rs274()

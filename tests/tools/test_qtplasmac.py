@@ -1,6 +1,10 @@
 """The filter judges as QtPlasmaC documents it."""
 
+import pytest
+
 from kerfwise.tests.tools.qtplasmac import complaints
+
+pytestmark = pytest.mark.linuxcnc
 
 GOOD = "G21\nG0 X10 Y10\nM3 $0 S1\nG1 X20 F2500\nM5 $0\nM2\n"
 

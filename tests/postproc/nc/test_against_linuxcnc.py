@@ -21,6 +21,8 @@ from kerfwise.rules.profile.profile import Profile, load_profile, shipped_profil
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 from kerfwise.tests.tools import canon
 
+pytestmark = pytest.mark.linuxcnc
+
 TOLERANCE_MM = 0.01
 PLATE, PROFILE = plate(), profile()
 PLAN = plan_of(PLATE, good_cuts(PLATE), PROFILE)

@@ -80,6 +80,7 @@ def test_lines_are_numbered_short_and_plain() -> None:
     assert all(line.count("(") == line.count(")") <= 1 for line in lines)
 
 
+@pytest.mark.linuxcnc
 def test_qtplasmac_itself_has_nothing_to_say() -> None:
     sheet = plate()
     unmarked = [cut for cut in good_cuts(sheet) if "mark" not in cut.contour]

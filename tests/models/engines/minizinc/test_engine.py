@@ -24,6 +24,8 @@ from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.models.engines.minizinc.cases import case
 from kerfwise.tests.nests import nest, part, rect
 
+pytestmark = pytest.mark.minizinc
+
 THREE = nest(400, 60, *(part(name, rect(x, 10, 40, 40)) for name, x in (("A", 10), ("B", 160), ("C", 310))))
 NEVER_ENDS = "constraint sum(k in 1..99999999)(k mod 7) > 0;"
 PLAIN = "based_on: laser-wood\nrules: {level-ahead: off, zone-order: off, part-rigidity: off, no-islands: off}\n"

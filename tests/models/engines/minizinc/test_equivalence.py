@@ -17,7 +17,7 @@ from kerfwise.tests.agreement.orders import only
 from kerfwise.tests.models.engines.minizinc.agree import disagreements, optima
 from kerfwise.tests.models.engines.minizinc.cases import SIMULATED, case, profile_of
 
-pytestmark = pytest.mark.filterwarnings("ignore::minizinc.error.MiniZincWarning")
+pytestmark = [pytest.mark.filterwarnings("ignore::minizinc.error.MiniZincWarning"), pytest.mark.minizinc]
 SEEDS = range(36)
 
 

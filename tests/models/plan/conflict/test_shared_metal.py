@@ -102,6 +102,7 @@ def test_locks_that_contradict_each_other_are_let_go_besides() -> None:
     assert sorted(relax) == ["locks", "shared-metal", "shared-metal"]
 
 
+@pytest.mark.minizinc
 def test_minizinc_refuses_the_same_pairs() -> None:
     facts = facts_of(TIGHT, PROFILE)
     relaxed = state_relaxed(facts, PROFILE)
@@ -112,6 +113,7 @@ def test_minizinc_refuses_the_same_pairs() -> None:
         solve_minizinc(facts, PROFILE, strict, options)
 
 
+@pytest.mark.minizinc
 def test_one_line_of_two_parts_is_refused_and_let_go_likewise() -> None:
     host = part("H", rect(10, 10, 100, 80), [rect(20, 20, 80, 60), rect(40, 30, 30, 30)])
     both = validated(nest(200, 100, host, part("G", rect(40, 30, 30, 30))))

@@ -135,6 +135,7 @@ def programs(draw: st.DrawFn) -> str:
     return "\n".join([*lines, "M5 $-1", "M2", ""])
 
 
+@pytest.mark.linuxcnc
 @settings(max_examples=25, deadline=None)
 @given(programs())
 def test_reads_as_linuxcnc_does(text: str) -> None:

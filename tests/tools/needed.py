@@ -1,0 +1,57 @@
+"""Programs that some tests need beside Python. A test that uses one has its marker; it fails where there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.tests.tools import canon
+
+LEFT_OUT = "leaves these tests out"
+
+
+def without_linuxcnc() -> str | None:
+    """How to get LinuxCNC's interpreter, where it is missing."""
+    try:
+        canon.find_rs274()
+    except canon.MissingInterpreter as missing:
+        return f"{missing}; -m 'not linuxcnc' {LEFT_OUT}"
+    return None
+
+
+def without_minizinc() -> str | None:
+    """How to get MiniZinc, where it is missing."""
+    from kerfwise.models.engines.minizinc.installation import driver
+
+    try:
+        driver()
+    except InputError as missing:
+        return f"{missing}; -m 'not minizinc' {LEFT_OUT}"
+    return None
+
+
+WITHOUT: dict[str, Callable[[], str | None]] = {"linuxcnc": without_linuxcnc, "minizinc": without_minizinc}
+"""Marker → how to get the program, or None where it is there."""
+
+
+class Unmarked:
+    """Stands in the place of a program in a test that has not its marker: whatever is asked of it fails."""
+
+    def __init__(self, marker: str) -> None:
+        self.marker = marker
+
+    def __getattr__(self, name: str) -> Any:
+        raise AssertionError(f"this test uses a program that not everybody has: mark it @pytest.mark.{self.marker}")
+
+
+def keep_from(marker: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the program of a marker refuse its service until the test is done."""
+    import minizinc
+
+    if marker == "linuxcnc":
+        monkeypatch.setattr(canon, "find_rs274", lambda: Unmarked(marker).path)
+    else:
+        monkeypatch.setattr(minizinc, "default_driver", Unmarked(marker))

@@ -1,0 +1,50 @@
+"""Without a program that a test needs, the test fails in one line; a test without the marker cannot use it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import minizinc
+import pytest
+
+from kerfwise.tests.tools import canon
+from kerfwise.tests.tools.needed import WITHOUT, keep_from, without_linuxcnc, without_minizinc
+
+FIND, DRIVER = canon.find_rs274, minizinc.default_driver
+
+
+@pytest.fixture
+def bare(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A machine without either program."""
+    monkeypatch.setattr(canon, "find_rs274", FIND)
+    monkeypatch.setattr(canon, "ROOT", Path("nowhere"))
+    monkeypatch.setattr(minizinc, "default_driver", None)
+    monkeypatch.delenv("RS274", raising=False)
+    monkeypatch.setenv("PATH", "")
+
+
+@pytest.mark.usefixtures("bare")
+def test_what_is_missing_is_said_in_one_line() -> None:
+    said = {marker: without() or "" for marker, without in WITHOUT.items()}
+    assert "sh tests/tools/get_rs274.sh .tools/rs274" in said["linuxcnc"]
+    assert "apt-get install minizinc" in said["minizinc"]
+    for marker, text in said.items():
+        assert "\n" not in text
+        assert f"-m 'not {marker}'" in text
+
+
+@pytest.mark.linuxcnc
+def test_nothing_is_said_of_an_interpreter_that_is_there() -> None:
+    assert without_linuxcnc() is None
+
+
+@pytest.mark.minizinc
+def test_nothing_is_said_of_a_minizinc_that_is_there() -> None:
+    assert without_minizinc() is None
+
+
+@pytest.mark.parametrize("marker", WITHOUT)
+def test_a_test_that_is_not_marked_cannot_use_it(marker: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    keep_from(marker, monkeypatch)
+    with pytest.raises(AssertionError, match=rf"mark it @pytest\.mark\.{marker}"):
+        WITHOUT[marker]() if marker == "linuxcnc" else minizinc.default_driver.available_solvers()
