@@ -15,9 +15,7 @@ from kerfwise.rules.registry import RULES
 
 def test_docs_are_up_to_date() -> None:
     written = Path(__file__).parents[3] / "docs" / "rules.md"
-    assert written.read_text(encoding="utf-8") == all_pages(), (
-        "run python -m kerfwise.rules.pages.pages > docs/rules.md"
-    )
+    assert written.read_text(encoding="utf-8") == all_pages(), "run python -m kerfwise.rules.pages > docs/rules.md"
 
 
 @pytest.mark.parametrize("rule", RULES)
