@@ -77,7 +77,7 @@ def planned(nest: Nest, profile: Profile, work: float, minding: bool) -> Planned
     stated = state_rules(facts, profile)
     options = SolveOptions(work=work, home_mm=profile.home_on(nest), feeds=feeds_of(profile))
     solution = solve(facts, stated.statements, options, refine=afterthoughts(facts, profile))
-    plan = make_plan(facts, profile, stated, solution, "cp-sat", options.seed)
+    plan = make_plan(facts, profile, stated, solution, "portfolio", options.seed)
     splash_mm = profile.lead_options(nest).splash_mm or 0.0
     found = over_older_kerfs(nest, plan.sequence(profile.home_on(nest)), profile.material.kerf_mm, splash_mm)
     return Planned(plan.totals.idle_mm, len({positions[-1] for positions, _, _ in found}), solution.status == "optimal")

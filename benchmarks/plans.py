@@ -90,7 +90,7 @@ def plan(name: str, nest: Nest, profile: Profile, work: float) -> Row:
     options = SolveOptions(work=work, home_mm=profile.home_on(nest), feeds=feeds_of(profile))
     solution = solve(facts, stated.statements, options, refine=afterthoughts(facts, profile))
     took = time.perf_counter() - between
-    made = make_plan(facts, profile, stated, solution, "cp-sat", options.seed)
+    made = make_plan(facts, profile, stated, solution, "portfolio", options.seed)
     return Row(name, facts.n, solution, made.totals.idle_mm, between - started, took)
 
 

@@ -10,12 +10,13 @@ import click
 from kerfwise.encoder.errors import InputError
 from kerfwise.models.engines.names import BUILT_IN
 
+from .engine_choice import EngineChoice
 from .numbers import AMOUNT_OVER_ZERO
 
 
 @click.command()
 @click.argument("files", nargs=-1, required=True, metavar="FILES…")
-@click.option("--engine", "engines", type=click.Choice(list(BUILT_IN)), multiple=True, default=("cp-sat",),
+@click.option("--engine", "engines", type=EngineChoice(BUILT_IN), multiple=True, default=("portfolio",),
               show_default=True, help="May be given more than once: each runs on every file.")  # fmt: skip
 @click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Wall-clock seconds a run.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True,

@@ -12,8 +12,9 @@ import click
 
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.models.engines.baselines import STRATEGIES
-from kerfwise.models.engines.names import ENGINES, member_of
+from kerfwise.models.engines.names import member_of
 
+from .engine_choice import EngineChoice
 from .given import given_options, note_placing, read_given
 from .numbers import AMOUNT_OVER_ZERO, Amount
 
@@ -37,7 +38,7 @@ LEAST_SHARE = 0.2
               help="Stop at a plan proven this close to the best; 0.01 is 1 %.")  # fmt: skip
 @click.option("--no-improvement", type=AMOUNT_OVER_ZERO, metavar="S",
               help="Stop when S seconds have brought no better plan.")  # fmt: skip
-@click.option("--engine", type=click.Choice(list(ENGINES)), default="cp-sat", show_default=True,
+@click.option("--engine", type=EngineChoice(), default="portfolio", show_default=True,
               help="`kerfwise engines` says what each is.")  # fmt: skip
 @click.option("--solver", metavar="NAME", default="gecode", show_default=True, help="Solver of the engine minizinc.")
 @click.option("--strategy", type=click.Choice(list(STRATEGIES)), default="ours", show_default=True,

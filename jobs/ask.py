@@ -69,7 +69,7 @@ def ask(
     facts: Facts,
     profile: Profile,
     relax: bool = False,
-    engine: Engine = "cp-sat",
+    engine: Engine = "portfolio",
     limits: SolveOptions | None = None,
 ) -> Asked:
     """What the rules state of the facts; `relax` lets the cheapest statements give way where they clash.

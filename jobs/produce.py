@@ -45,7 +45,7 @@ def produce(
     profile: Profile,
     limits: SolveOptions,
     progress: Progress | None = None,
-    engine: Engine = "cp-sat",
+    engine: Engine = "portfolio",
     solver: str = "gecode",
     strategy: Strategy = "ours",
     cooler: CoolerOrders | None = None,
@@ -61,7 +61,7 @@ def produce(
         If no lawful plan exists, or none was found.
     """
     facts, started_s = asked.facts, time.monotonic()
-    engine_named = engine if strategy == "ours" else "cp-sat"
+    engine_named = engine if strategy == "ours" else "portfolio"
 
     def solved(share: float, stated: Stated, further: tuple[Statement, ...] = ()) -> Solution:
         part = replace(limits, work=limits.work * share, time_s=limits.time_s and limits.time_s * share)

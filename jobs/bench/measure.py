@@ -16,7 +16,7 @@ class Job:
     """What is to be run: a routing instance or a nest, and the limits (see `SolveOptions`)."""
 
     path: str
-    engine: Engine = "cp-sat"
+    engine: Engine = "portfolio"
     seed: int = 1
     work: float = 30.0
     time_s: float | None = None

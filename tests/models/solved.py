@@ -41,4 +41,4 @@ def proven_plan(nest: Nest, profile: Profile, stated: Stated | None = None) -> t
     route = tuple(int(problem.site_candidate[s]) for s in proof.incumbent.route)
     mm = proof.incumbent.cost / UM_PER_MM
     solution = Solution(route, mm, mm, "optimal", "ideals", "ideals", 0.0)
-    return facts, stated, make_plan(facts, profile, stated, solution, "cp-sat", 1)
+    return facts, stated, make_plan(facts, profile, stated, solution, "portfolio", 1)

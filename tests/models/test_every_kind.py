@@ -165,7 +165,7 @@ def _setting(example: Example) -> Setting:
     """The best plan of an example, as explain sees it."""
     stated = Stated(example.statements, ())
     options = SolveOptions(work=0.4, home_mm=HOME, feeds=FEEDS)
-    plan = make_plan(FACTS, PROFILE, stated, solve(FACTS, example.statements, options), "cp-sat", 1)
+    plan = make_plan(FACTS, PROFILE, stated, solve(FACTS, example.statements, options), "portfolio", 1)
     return make_setting(FACTS, PROFILE, stated, plan)
 
 

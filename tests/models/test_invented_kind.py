@@ -73,7 +73,7 @@ def planned() -> tuple[tuple[int, ...], Plan, Setting]:
     """A plan without the invented statement."""
     stated = Stated((TRAVEL,), ())
     solution = solve(FACTS, stated.statements, OPTIONS)
-    plan = make_plan(FACTS, PROFILE, stated, solution, "cp-sat", 1)
+    plan = make_plan(FACTS, PROFILE, stated, solution, "portfolio", 1)
     return solution.route, plan, make_setting(FACTS, PROFILE, stated, plan)
 
 

@@ -57,7 +57,7 @@ def conditions(statement: Statement) -> list[str]:
         case Crossing() | IdleTravel():
             raise InputError(
                 f"rule {statement.about.rule} cannot be stated for MiniZinc: turn it off in the profile, "
-                "or use --engine cp-sat"
+                "or use --engine portfolio"
             )
         case _:
             assert_never(statement)

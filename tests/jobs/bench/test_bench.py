@@ -38,7 +38,7 @@ def test_the_command_prints_json_for_instances_and_nests() -> None:
     assert ran.return_value == 0
     sop, nest = json.loads(ran.stdout)
     assert set(sop) >= KEYS
-    assert (sop["engine"], sop["proven"], sop["feasible"]) == ("cp-sat", True, True)
+    assert (sop["engine"], sop["proven"], sop["feasible"]) == ("portfolio", True, True)
     assert (nest["proven"], len(set(nest["tour"]))) == (True, 16)
 
 
@@ -49,7 +49,7 @@ def test_the_table_tells_the_gap(tmp_path: Path) -> None:
     ran = CliRunner().invoke(command, [twelve, "--work", "1", "--best-known", str(best)], standalone_mode=False)
     title, row, summary = ran.stdout.splitlines()
     assert title.split()[:2] == ["instance", "engine"]
-    assert row.split()[:6] == ["twelve", "cp-sat", "397", "397", "+0.00%", "yes"]
+    assert row.split()[:6] == ["twelve", "portfolio", "397", "397", "+0.00%", "yes"]
     assert "1 proven, at or under best known 1 of 1" in summary
 
 

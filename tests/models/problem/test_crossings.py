@@ -49,7 +49,7 @@ def test_too_many_moves_leave_a_soft_rule_unpriced_and_the_plan_says_so(monkeypa
     profile = with_tips("soft")
     asked = ask(facts_of(ROW, profile), profile)
     solution = solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0, feeds=feeds_of(profile)))
-    plan = make_plan(asked.facts, profile, asked.stated, solution, "cp-sat", 1)
+    plan = make_plan(asked.facts, profile, asked.stated, solution, "portfolio", 1)
     (dropped,) = [d for d in plan.dropped if d.rule == "no-tip-travel"]
     assert dropped.why.startswith("not priced: idle travel over parts that are out asks about")
     assert not dropped.relaxed

@@ -35,7 +35,7 @@ def planned(sheet: Nest) -> tuple[Plan, Stated]:
     facts = compute_facts(sheet, PROFILE.fact_options(sheet), candidates)
     stated = state_rules(facts, PROFILE)
     return make_plan(
-        facts, PROFILE, stated, solve(facts, stated.statements, SolveOptions(work=1.0)), "cp-sat", 1
+        facts, PROFILE, stated, solve(facts, stated.statements, SolveOptions(work=1.0)), "portfolio", 1
     ), stated
 
 

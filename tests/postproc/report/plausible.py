@@ -49,7 +49,7 @@ def plausible_plan(nest: Nest, zone_contours: int = 12) -> Plan:
         "heat",
         tuple(planned),
         Totals(cut_mm, idle_mm, pierces, clock_s, 0.0),
-        SolveReport("cp-sat", "feasible", idle_mm, 0.9 * idle_mm, 0.1, 1.0, 0),
+        SolveReport("portfolio", "feasible", idle_mm, 0.9 * idle_mm, 0.1, 1.0, 0),
     )
 
 

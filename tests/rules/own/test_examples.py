@@ -37,7 +37,7 @@ def plan_of(profile: Profile, work: float = 1.0) -> Plan:
     facts = compute_facts(NEST, profile.fact_options(NEST), build_candidates(NEST, profile.lead_options()))
     stated = state_rules(facts, profile)
     solution = solve(facts, stated.statements, SolveOptions(work=work, feeds=feeds_of(profile)))
-    return make_plan(facts, profile, stated, solution, "cp-sat", 1)
+    return make_plan(facts, profile, stated, solution, "portfolio", 1)
 
 
 @pytest.mark.parametrize("title", EXAMPLES)
