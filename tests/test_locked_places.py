@@ -7,6 +7,7 @@ from dataclasses import replace
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
@@ -44,3 +45,18 @@ def test_a_locked_position_is_kept_and_passes_the_check(nest: Nest, data: st.Dat
         return
     assert made.verdict.ok, report(made.verdict)
     assert [made.plan.cuts[place - 1].cut.contour for place in at] == chosen
+
+
+def test_marks_that_come_first_leave_no_room_either() -> None:
+    """Three marks before everything, and the channel locked as cut 4: its guest, first otherwise, has to wait."""
+    channel = [(1, 1), (41, 1), (41, 11), (11, 11), (11, 31), (41, 31), (41, 41), (1, 41)]
+    marked = [
+        part(f"M{k}", rect(361, 1 + 120 * k, 40, 40), (), [[(366, 6 + 120 * k), (391, 21 + 120 * k)]]) for k in range(3)
+    ]
+    row = nest(480, 360, part("C", channel), part("G", rect(16, 16, 10, 10)), *marked)
+    profile = replace(load_profile(), locks=(Lock(contour="C.outer", position=4),))
+    made = produce(
+        ask(facts_of(row, profile), profile), profile, SolveOptions(1, 2.0, None, (0.0, 0.0), feeds_of(profile))
+    )
+    assert made.verdict.ok, report(made.verdict)
+    assert [e.violation.contours for j in made.verdict.rules for e in j.excused] == [("G.outer", "C.outer")]

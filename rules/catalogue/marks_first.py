@@ -10,7 +10,7 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.options.kinds import Choice
 from kerfwise.rules.options.option import option
-from kerfwise.rules.rule import Rule, Violation
+from kerfwise.rules.rule import Ids, Rule, Violation
 from kerfwise.rules.statements import Contiguous, Precede
 
 if TYPE_CHECKING:
@@ -93,3 +93,17 @@ class MarksFirst(Rule[MarksFirstOptions]):
                 text = f"{contour.id} (cut {k}) must be made before {name} (cut {earlier}): {WHY}"
                 found.append(Violation(self.id, (contour.id, name), text, (earlier, k)))
         return found
+
+    def pairs(self, nest: Nest, cuts: CutSequence, options: MarksFirstOptions) -> list[Ids]:
+        if options.scope == "part":
+            return [(m.id, cut.id) for part in nest.parts for m in part.marks for cut in (*part.holes, part.outer)]
+        marks = _marks(nest)[:1]  # the others come with it: they are one run
+        return [(mark, c.id) for mark in marks for c in nest.contours if c.kind != "mark"]
+
+    def together(self, nest: Nest, options: MarksFirstOptions) -> list[tuple[str, ...]]:
+        marks = _marks(nest)
+        return [marks] if options.scope == "sheet" and len(marks) > 1 else []
+
+
+def _marks(nest: Nest) -> tuple[str, ...]:
+    return tuple(c.id for c in nest.contours if c.kind == "mark")

@@ -93,6 +93,23 @@ def test_every_order_is_judged_alike(rule: str, options: object, sheet: str) -> 
     assert admitted > 0
 
 
+@pytest.mark.parametrize("sheet", SHEETS)
+@pytest.mark.parametrize(("rule", "options"), CHOICES, ids=str)
+def test_the_check_knows_every_order_that_is_stated(rule: str, options: object, sheet: str) -> None:
+    drawn = SHEETS[sheet]
+    facts = facts_of(drawn)
+    stated = [s for s in RULES[rule].statements(facts, options) if isinstance(s, Precede | Contiguous)]
+    cuts = [cut(drawn, c.id, zone=int(facts.zone[k])) for k, c in enumerate(drawn.contours)]
+    pairs = RULES[rule].pairs(drawn, CutSequence(tuple(cuts), facts.start_side), options)
+    runs = RULES[rule].together(drawn, options)
+    names = [c.id for c in drawn.contours]
+    for order in permutations(range(facts.n)):
+        at = {names[c]: k for k, c in enumerate(order)}
+        spans = [sorted(at[name] for name in run) for run in runs]
+        kept = all(at[a] < at[b] for a, b in pairs) and all(s[-1] - s[0] == len(s) - 1 for s in spans)
+        assert kept == hold(stated, order), order
+
+
 @st.composite
 def sheets(draw: st.DrawFn) -> Nest:
     """Sheets of cells, each with a plate, a plate with a hole that may host a guest, or a channel with a guest."""
