@@ -91,7 +91,8 @@ def _bulge(points: Floats, tolerance_mm: float) -> float | None:
     s, h = tested @ along, tested @ across
     if s.min() < -tolerance_mm or s.max() > length + tolerance_mm:
         return None
-    if np.abs(h).max() <= tolerance_mm / 2:
+    to_ends = np.hypot(np.minimum(np.abs(s), np.abs(s - length)), h)
+    if np.abs(h).max() <= tolerance_mm / 2 and to_ends[(s < 0) | (s > length)].max(initial=0.0) <= tolerance_mm:
         return 0.0
     ms, mh = float((middle - start) @ along), float((middle - start) @ across)
     if abs(mh) <= tolerance_mm / 2:
@@ -99,10 +100,10 @@ def _bulge(points: Floats, tolerance_mm: float) -> float | None:
     # The circle through both ends and the middle point: its centre is (length / 2, k) in chord coordinates.
     k = (ms * (ms - length) + mh * mh) / (2 * mh)
     radius = math.hypot(length / 2, k)
-    if (
-        np.abs(np.hypot(s - length / 2, h - k) - radius).max() > tolerance_mm
-        or (h * mh < -tolerance_mm * abs(mh)).any()
-    ):
+    u, v, side = s - length / 2, h - k, math.copysign(1.0, mh)
+    beyond = (side * (k * u - length / 2 * v) > 0) | (side * (k * u + length / 2 * v) < 0)  # past an end of the arc
+    off = np.where(beyond, to_ends, np.abs(np.hypot(u, v) - radius))
+    if off.max() > tolerance_mm or (h * mh < -tolerance_mm * abs(mh)).any():
         return None
     sagitta = k + math.copysign(radius, mh)
     return -2 * sagitta / length
