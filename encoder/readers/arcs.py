@@ -100,6 +100,8 @@ def _bulge(points: Floats, tolerance_mm: float) -> float | None:
     # The circle through both ends and the middle point: its centre is (length / 2, k) in chord coordinates.
     k = (ms * (ms - length) + mh * mh) / (2 * mh)
     radius = math.hypot(length / 2, k)
+    if k * mh > 0:
+        return None  # more than half round: the bend of a cusp, finer than the tolerance
     u, v, side = s - length / 2, h - k, math.copysign(1.0, mh)
     beyond = (side * (k * u - length / 2 * v) > 0) | (side * (k * u + length / 2 * v) < 0)  # past an end of the arc
     off = np.where(beyond, to_ends, np.abs(np.hypot(u, v) - radius))
