@@ -93,9 +93,9 @@ def _plans(given: Given, prices_mm: Sequence[float], limits: SolveOptions) -> tu
         for price_mm in prices_mm:
             if price_mm:
                 offered.fit()  # Ctrl-C meanwhile ends the command at once: there is no better plan in it to keep
-            with listening() as ear:
-                trades.append(offered.at(price_mm, ear))
-            if ear.interrupted:
+            with listening() as progress:
+                trades.append(offered.at(price_mm, progress))
+            if progress.interrupted:
                 return trades, 130
     except RulesConflict as error:
         if not trades:

@@ -12,7 +12,7 @@ from types import FrameType
 from kerfwise.models.problem.microns import UM_PER_MM
 
 
-class Ear:
+class ProgressLine:
     """Listens to the engines; answers False once the user has pressed Ctrl-C."""
 
     def __init__(self) -> None:
@@ -45,15 +45,15 @@ class Ear:
 
 
 @contextmanager
-def listening() -> Iterator[Ear]:
-    """An ear for the time of a solve."""
-    ear = Ear()
-    before = signal.signal(signal.SIGINT, ear.stop)
+def listening() -> Iterator[ProgressLine]:
+    """The progress of a solve, while it runs."""
+    line = ProgressLine()
+    before = signal.signal(signal.SIGINT, line.stop)
     try:
-        if ear.status is not None:
-            with ear.status:
-                yield ear
+        if line.status is not None:
+            with line.status:
+                yield line
         else:
-            yield ear
+            yield line
     finally:
         signal.signal(signal.SIGINT, before)

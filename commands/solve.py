@@ -112,8 +112,8 @@ def command(
             spent_s = time.monotonic() - began_s
             limits = replace(limits, time_s=max(time_limit - spent_s, LEAST_SHARE * time_limit))
         began_s = time.monotonic()
-        with listening() as ear:
-            made = produce(asked, profile, limits, ear, engine, solver, strategy)
+        with listening() as progress:
+            made = produce(asked, profile, limits, progress, engine, solver, strategy)
     except RulesConflict as error:
         return tell_conflict(facts, profile, error, conflict_picture, limits)
     over_s = time.monotonic() - began_s - made.judging_s - (limits.time_s or 0.0)
@@ -134,7 +134,7 @@ def command(
         files[Path(picture)] = draw(nest, made.plan, Path(picture).suffix, profile.home_on(nest))
     write_files(files)
     click.echo("written: " + ", ".join(map(str, files)))
-    return 130 if ear.interrupted else 0
+    return 130 if progress.interrupted else 0
 
 
 def _not_counted(what: str, took_s: float, time_limit: float | None) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import kerfwise as package
-from kerfwise.commands.progress import Ear
+from kerfwise.commands.progress import ProgressLine
 from kerfwise.tests.commands.run_cli import kerfwise
 
 NEST = Path(package.__file__).parent / "examples" / "nests" / "plate40.json"
@@ -19,16 +19,18 @@ def test_the_best_plan_so_far_is_written_and_the_exit_code_is_130(
 ) -> None:
     profile = tmp_path / "free.yaml"
     profile.write_text("based_on: plasma-carbon-steel\nname: free\nrules: {zone-order: off}\n")
-    heard = Ear.__call__
+    heard = ProgressLine.__call__
     presses = []
 
-    def press_once_there_is_a_plan(ear: Ear, engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+    def press_once_there_is_a_plan(
+        progress: ProgressLine, engine: str, cost_um: int | None, bound_um: int | None
+    ) -> bool:
         if cost_um is not None and not presses:
             presses.append(engine)
             signal.raise_signal(signal.SIGINT)
-        return heard(ear, engine, cost_um, bound_um)
+        return heard(progress, engine, cost_um, bound_um)
 
-    monkeypatch.setattr(Ear, "__call__", press_once_there_is_a_plan)
+    monkeypatch.setattr(ProgressLine, "__call__", press_once_there_is_a_plan)
     program = tmp_path / "out.nc"
     ended = kerfwise("solve", NEST, "-p", profile, "-o", program, "--engine", "search")
     assert presses

@@ -21,7 +21,7 @@ from kerfwise.tests.metal.made_nests import made
 from kerfwise.tests.metal.planned import Tried, tried
 
 Task = tuple[int, str, tuple[str, ...], bool]
-PLANS_A_PROCESS = 40
+PLANS_PER_PROCESS = 40
 """A process plans this many and then gives its memory back."""
 
 
@@ -72,7 +72,7 @@ def _run(tasks: list[Task], processes: int) -> Iterator[tuple[Tried, ...]]:
         yield from map(_one, tasks)
         return
     context = multiprocessing.get_context("spawn")
-    with context.Pool(processes, maxtasksperchild=PLANS_A_PROCESS) as pool:
+    with context.Pool(processes, maxtasksperchild=PLANS_PER_PROCESS) as pool:
         yield from pool.imap(_one, tasks)
 
 

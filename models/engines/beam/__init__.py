@@ -1,6 +1,6 @@
 """A beam over ideals: the exact dynamic program cut short, as wide as time and memory allow."""
 
-from .beam import Outcome, beam
-from .takes import applies
+from .applicability import applies
+from .beam import BeamResult, beam
 
-__all__ = ["Outcome", "applies", "beam"]
+__all__ = ["BeamResult", "applies", "beam"]

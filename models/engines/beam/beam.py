@@ -9,7 +9,7 @@ from kerfwise.models.problem.bits import words
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 
-from .purse import Empty, Purse
+from .budget import Budget, Empty
 from .widening import Widening
 
 FIRST_WIDTH = 16
@@ -17,7 +17,7 @@ MOST_BYTES = 1_500_000_000
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class BeamResult:
     """The best route known, and what is proven.
 
     `bound` is a lower bound for the whole problem, µm, None where nothing is known. With `proven` the incumbent is
@@ -41,7 +41,7 @@ def beam(
     progress: Progress | None = None,
     first_width: int = FIRST_WIDTH,
     last_width: int | None = None,
-) -> Outcome:
+) -> BeamResult:
     """Run beams, each twice as wide as the last, until the best route is proven or a limit is reached.
 
     Parameters
@@ -51,7 +51,7 @@ def beam(
     incumbent
         A lawful route: states that cannot lead to a cheaper one are left out.
     work
-        Deterministic limit, in seconds or so of the machine that `purse.OPERATIONS_PER_S` was measured on.
+        Deterministic limit, in seconds or so of the machine that `budget.OPERATIONS_PER_S` was measured on.
     time_s
         Wall-clock limit, s; whichever of the two is reached first counts.
     progress
@@ -59,10 +59,10 @@ def beam(
     first_width, last_width
         States a layer to begin with, and at the most; without the latter, as many as fit in `MOST_BYTES`.
     """
-    purse = Purse(work, time_s, progress)
+    budget = Budget(work, time_s, progress)
     if problem.n == 0:
-        return Outcome(Incumbent((), route_cost(problem, ())), route_cost(problem, ()), True)
-    widening = Widening(problem, incumbent, purse)
+        return BeamResult(Incumbent((), route_cost(problem, ())), route_cost(problem, ()), True)
+    widening = Widening(problem, incumbent, budget)
     interrupted = False
     try:
         widening.run(first_width, most_states(problem) if last_width is None else last_width)
@@ -70,7 +70,7 @@ def beam(
         pass
     except KeyboardInterrupt:
         interrupted = True
-    return Outcome(widening.incumbent, widening.bound, widening.proven, interrupted, purse.spent, widening.width)
+    return BeamResult(widening.incumbent, widening.bound, widening.proven, interrupted, budget.spent, widening.width)
 
 
 def most_states(problem: Problem) -> int:

@@ -14,7 +14,7 @@ from .tables import Shorts, Tables
 
 WORTH_SHARING = 4000
 """States in a layer from which on a second thread is worth waking."""
-SLOTS_A_CHILD = 2
+SLOTS_PER_CHILD = 2
 """Slots of the hash table of sets for each child, at least."""
 PER_CHILD = 10
 """Operations that it takes to keep a child, and `PER_WORD` for every word of its set."""
@@ -88,7 +88,7 @@ class Grower:
     def _gathered(self, layer: Layer, children: Children) -> tuple[Layer, Shorts]:
         """The children sorted into their sets, each set described once."""
         count, words = len(children.f), layer.masks.shape[1]
-        slots = np.empty(1 << (SLOTS_A_CHILD * count).bit_length(), dtype=np.int32)
+        slots = np.empty(1 << (SLOTS_PER_CHILD * count).bit_length(), dtype=np.int32)
         masks, ready = np.empty((count, words), dtype=np.uint64), np.empty((count, words), dtype=np.uint64)
         rest = np.empty((count, layer.rest.shape[1]))
         pending, left = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)

@@ -12,12 +12,12 @@ from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 
 from .bound import Bound, least_moves
+from .budget import Budget
 from .grower import Grower, Spent
 from .history import History
 from .layer import root
-from .purse import Purse
+from .reversed_problem import can_reverse, reversed_problem
 from .tables import make_tables, travel_table
-from .turned import can_turn, turned
 from .walks import MOST_ROUNDS, priced_walks, walk_operations
 
 WORTH_A_RUN = 1.3
@@ -43,12 +43,12 @@ class _End:
         self.priced = False
         self.reached = -math.inf  # bound that its last run has proven
 
-    def price(self, target: int, purse: Purse) -> None:
+    def price(self, target: int, budget: Budget) -> None:
         """Better bounds, aiming at the cost of a plan."""
         self.priced = True
-        rounds = int(purse.left(PRICING) / walk_operations(self.problem, self.travel))
+        rounds = int(budget.left(PRICING) / walk_operations(self.problem, self.travel))
         if rounds >= MOST_ROUNDS // 10:
-            better = priced_walks(self.problem, self.travel, self.bound, target, rounds, purse.pay)
+            better = priced_walks(self.problem, self.travel, self.bound, target, rounds, budget.pay)
             self.bound = Bound(
                 np.concatenate([self.bound.to_go, better.to_go]), np.concatenate([self.bound.price, better.price])
             )
@@ -57,11 +57,11 @@ class _End:
 class Widening:
     """One run after another, each twice as wide as the last."""
 
-    def __init__(self, problem: Problem, incumbent: Incumbent | None, purse: Purse) -> None:
-        self._problem, self._purse = problem, purse
+    def __init__(self, problem: Problem, incumbent: Incumbent | None, budget: Budget) -> None:
+        self._problem, self._budget = problem, budget
         self._ends = [_End(problem, False)]
-        if can_turn(problem):
-            self._ends.append(_End(turned(problem), True))
+        if can_reverse(problem):
+            self._ends.append(_End(reversed_problem(problem), True))
         self.incumbent = incumbent
         self.bound: int | None = None
         self.proven = False
@@ -71,18 +71,18 @@ class Widening:
         """Until proven, or the next run would not be worth it; `Empty` when a limit is reached on the way."""
         with ThreadPoolExecutor(max_workers=1) as threads:
             while not self.proven and self.width < most:
-                width, before = min(width, most), self._purse.mark()
+                width, before = min(width, most), self._budget.mark()
                 for end in self._ends:
                     if width >= WORTH_PRICING and self.incumbent is not None and not end.priced:
-                        end.price(self.incumbent.cost, self._purse)
-                        before = self._purse.mark()
+                        end.price(self.incumbent.cost, self._budget)
+                        before = self._budget.mark()
                     self._one(end, width, threads)
                     if self.proven:
                         break
                 self.width = width
-                if self._purse.share_spent > SCOUTING:
+                if self._budget.share_spent > SCOUTING:
                     self._ends = [max(self._ends, key=lambda end: end.reached)]
-                room = self._purse.times(before)
+                room = self._budget.times(before)
                 if room < WORTH_A_RUN:
                     break
                 width = math.ceil(width * min(2.0, room))
@@ -97,7 +97,7 @@ class Widening:
             paid = spent.operations
             layer, parent = grower.grow(layer, limit, spent)
             history.note(parent, layer.site)
-            self._purse.pay(spent.operations - paid, self.incumbent, self.bound)
+            self._budget.pay(spent.operations - paid, self.incumbent, self.bound)
         if len(layer.site):
             total = layer.value + end.bound.to_go[0, n, layer.site]
             best = int(np.argmin(total))

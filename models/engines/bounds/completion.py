@@ -22,8 +22,8 @@ from kerfwise.models.engines.solution import Progress
 from kerfwise.models.problem.problem import Problem
 
 from .kernels import look_back, walk_on
-from .memory import Memory, remember
 from .moves import least_moves
+from .ng_paths import NgSets, ng_sets
 
 ADDITIONS_PER_S = 6e8
 THREADS: int = cast(Any, numba.config).NUMBA_NUM_THREADS
@@ -80,21 +80,21 @@ def complete(
     """
     n = problem.n
     move = least_moves(problem)
-    memory = remember(problem, move, _affordable(problem, most_neighbours))
+    near = ng_sets(problem, move, _affordable(problem, most_neighbours))
     back = np.ascontiguousarray(move.T)
     back[: problem.m] += problem.site_cost[:, None]
     lawful, first = problem.successors(), problem.first
     earliest, latest = problem.before.sum(axis=0) + 1, n - problem.before.sum(axis=1)
-    cost = _additions(problem, memory, earliest, latest)
+    cost = _additions(problem, near, earliest, latest)
     price = best_price = heading = np.zeros(n)
-    shape = (n + 1, memory.size, problem.m)
+    shape = (n + 1, near.size, problem.m)
     to_go, least, best = np.empty(shape), np.full(shape, np.inf), np.full(shape, np.inf)
     walk = np.zeros(n, dtype=np.int64)
     bound, step, waited, spent = -np.inf, 1.0, 0, 0
     while True:
         spent += 1
-        _look_back(n, (back, lawful, price, first, earliest, latest, memory.carried, to_go, least))
-        reached = walk_on(back, lawful, price, first, memory.carried, to_go, walk) + price.sum()
+        _look_back(n, (back, lawful, price, first, earliest, latest, near.carried, to_go, least))
+        reached = walk_on(back, lawful, price, first, near.carried, to_go, walk) + price.sum()
         if reached > bound or spent == 1:
             bound, best_price, waited = reached, price, 0
             best, least = least, best
@@ -113,7 +113,7 @@ def complete(
         aim = (1.05 * abs(bound) if target is None else target) - reached
         price = price + step * max(aim, 1.0) / max(1.0, float(heading @ heading)) * heading
         price = np.rint(np.clip(price, -DEAREST, DEAREST) * GRAIN) / GRAIN
-    return Completion(best, best_price, memory.near, bound, spent * cost / ADDITIONS_PER_S)
+    return Completion(best, best_price, near.near, bound, spent * cost / ADDITIONS_PER_S)
 
 
 def _look_back(n: int, tables: tuple[NDArray[Any], ...]) -> None:
@@ -127,15 +127,15 @@ def _look_back(n: int, tables: tuple[NDArray[Any], ...]) -> None:
 
 
 def _affordable(problem: Problem, most: int) -> int:
-    """How many neighbours a walk may remember so that the tables are of bearable size."""
+    """How many neighbours a walk may remember so that the tables fit the memory."""
     one = 3 * (problem.n + 1) * problem.m + problem.n**2
     return max(0, min(most, int(np.log2(max(1, MOST_NUMBERS / max(1, one))))))
 
 
-def _additions(problem: Problem, memory: Memory, earliest: Ints, latest: Ints) -> float:
+def _additions(problem: Problem, near: NgSets, earliest: Ints, latest: Ints) -> float:
     """What one round takes."""
     sites = np.diff(problem.first)
-    numbers = (np.diff(np.sort(memory.carried, axis=2), axis=2) > 0).sum(axis=2) + 1
+    numbers = (np.diff(np.sort(near.carried, axis=2), axis=2) > 0).sum(axis=2) + 1
     ways = np.where(problem.successors()[:-1, :-1], numbers, 0) * sites[:, None] * sites[None, :]
     places = np.minimum(latest[:, None], latest[None, :] - 1) - np.maximum(earliest[:, None], earliest[None, :] - 1) + 1
-    return float((ways * np.maximum(places, 0)).sum()) + float(problem.n * problem.m * memory.size * 4) + 1.0
+    return float((ways * np.maximum(places, 0)).sum()) + float(problem.n * problem.m * near.size * 4) + 1.0

@@ -1,4 +1,4 @@
-"""A bound by linear programming: one unit of flow through every contour, and cuts that make it follow the orders.
+"""A bound by linear programming: a unit of flow through every contour, and inequalities for the orders.
 
 Every plan is a cycle through home that reaches each contour at one of its sites and leaves it from there. What no
 plan does and the cheapest flow may do is cut off: what must lead from one contour to another must do so without what
@@ -17,11 +17,11 @@ from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.models.engines.solution import Incumbent, Progress
 from kerfwise.models.problem.problem import Problem
 
-from .broken import Flow, broken_cuts
-from .cuts import Cuts, block_cuts
-from .growing import Growing
+from .inequalities import Inequalities, block_inequalities
 from .merged import merged
 from .moves import least_moves
+from .restricted_master import RestrictedMaster
+from .separation import Flow, broken_inequalities
 
 NEAREST = 5
 """Moves from and to every site that are looked at from the start."""
@@ -31,7 +31,7 @@ LEAST_GAIN = 3e-4
 """Share of the bound that the last few rounds must bring."""
 PATIENCE = 12
 CROWD = 3
-"""Cuts a contour, beyond which those that nothing is paid for are dropped."""
+"""Inequalities per contour, beyond which those that nothing is paid for are dropped."""
 ADDITIONS_PER_S = 3.6e7
 """Moves times rounds of the simplex method that a second is counted for."""
 FEW = 1000
@@ -67,20 +67,22 @@ def flow_bound(problem: Problem, plan: Incumbent, work: float, progress: Progres
     if problem.m > MOST_SITES:
         plan = Incumbent(tuple(int(problem.site_contour[s]) for s in plan.route), plan.cost)
         problem = merged(problem)
-    blocks = block_cuts(problem)
+    blocks = block_inequalities(problem)
     flow, best, seen = _Flow(problem, plan, blocks), 0.0, [0.0] * PATIENCE
     while flow.cheapest(work):
         best = max(best, flow.bound)
         if best > plan.cost - 1 or flow.work > work or (progress and not progress("bound", plan.cost, _whole(best))):
             break
-        found, work_found = broken_cuts(problem, flow.moves, lambda: not progress or progress("bound", plan.cost, None))
+        found, work_found = broken_inequalities(
+            problem, flow.moves, lambda: not progress or progress("bound", plan.cost, None)
+        )
         flow.work += work_found
         seen.append(best)
         if (flow.complete and not len(found)) or best < (1 + LEAST_GAIN) * seen[-1 - PATIENCE]:
             break
-        if flow.complete or flow.cuts > CROWD * problem.n:
+        if flow.complete or flow.inequalities > CROWD * problem.n:
             flow.drop_idle(len(blocks))
-        flow.cut(found)
+        flow.ask(found)
     return FlowBound(max(0, min(plan.cost, _whole(best))), flow.work)
 
 
@@ -92,10 +94,11 @@ def _whole(bound: float) -> int:
 class _Flow:
     """The linear program over the moves that have been of use so far.
 
-    Rows: home and every contour are come to once, every site and home are left as often as come to, then the cuts.
+    Rows: home and every contour are come to once, every site and home are left as often as come to,
+    then the inequalities.
     """
 
-    def __init__(self, problem: Problem, plan: Incumbent, cuts: Cuts) -> None:
+    def __init__(self, problem: Problem, plan: Incumbent, inequalities: Inequalities) -> None:
         n, m = problem.n, problem.m
         self._n, self._m = n, m
         self._owner = np.append(problem.site_contour, n)
@@ -111,10 +114,10 @@ class _Flow:
         wanted &= self._open
         wanted[[m, *plan.route], [*plan.route, m]] = True
         once = np.repeat([1.0, 0.0], [n + 1, m + 1])
-        self._program = Growing(once)
-        self._cuts = cuts.only(np.zeros(len(cuts), dtype=np.bool_))
+        self._program = RestrictedMaster(once)
+        self._inequalities = inequalities.only(np.zeros(len(inequalities), dtype=np.bool_))
         self._use(*np.nonzero(wanted))
-        self.cut(cuts)
+        self.ask(inequalities)
         self.work, self.bound, self.complete = 0.0, 0.0, False
         self._binding: Bools = np.zeros(0, dtype=np.bool_)
 
@@ -126,29 +129,29 @@ class _Flow:
             return False
         n = self._n
         self.work += len(self._leave) * (solved.iterations + 1) / ADDITIONS_PER_S
-        self.work += (len(self._cuts) + 10) * self._open.size / PRODUCTS_PER_S
+        self.work += (len(self._inequalities) + 10) * self._open.size / PRODUCTS_PER_S
         paid = np.maximum(solved.multiplier[n + self._m + 2 :], 0.0)
         self._binding = paid > 1e-9
         self.moves = Flow(self._leave, self._reach, np.maximum(solved.value, 0.0))
         self._learn(solved.multiplier[n + 1 : n + self._m + 2], paid)
         return True
 
-    def cut(self, found: Cuts) -> None:
-        """Ask for these cuts, too."""
+    def ask(self, found: Inequalities) -> None:
+        """Ask for these inequalities, too."""
         self._program.add_rows(found.across(self._leave, self._reach), found.sure)
-        self._cuts = self._cuts.joined(found)
+        self._inequalities = self._inequalities.joined(found)
 
     @property
-    def cuts(self) -> int:
-        """Number of cuts."""
-        return len(self._cuts)
+    def inequalities(self) -> int:
+        """Number of inequalities."""
+        return len(self._inequalities)
 
     def drop_idle(self, kept: int) -> None:
-        """Drop the cuts that nothing is paid for, but for the first few."""
+        """Drop the inequalities that nothing is paid for, but for the first few."""
         idle = ~self._binding
         idle[:kept] = False
         self._program.drop_rows(self._n + self._m + 2 + np.flatnonzero(idle))
-        self._cuts = self._cuts.only(~idle)
+        self._inequalities = self._inequalities.only(~idle)
 
     def _use(self, leave: Ints, reach: Ints) -> None:
         """Let more moves be made."""
@@ -158,15 +161,15 @@ class _Flow:
         entry = np.repeat([1.0, 1.0, -1.0], len(moves))
         rows = np.concatenate([self._owner[reach], n + 1 + reach, n + 1 + leave])
         flow = csr_matrix((entry, (rows, np.tile(moves, 3))), shape=(n + self._m + 2, len(moves)))
-        self._program.add_columns(self._cost[leave, reach], vstack([flow, self._cuts.across(leave, reach)]))
+        self._program.add_columns(self._cost[leave, reach], vstack([flow, self._inequalities.across(leave, reach)]))
 
     def _learn(self, price: Floats, paid: Floats) -> None:
         """The bound that these multipliers prove over all moves, and the moves that are missing."""
         owner, m = self._owner, self._m
-        left = self._cost - price[None, :] + price[:, None] - self._cuts.worth(paid)
+        left = self._cost - price[None, :] + price[:, None] - self._inequalities.worth(paid)
         first = np.append(np.searchsorted(owner, np.arange(self._n)), m)
         least = np.minimum.reduceat(left.min(axis=0), first)
-        self.bound = float(least.sum() + paid @ self._cuts.sure)
+        self.bound = float(least.sum() + paid @ self._inequalities.sure)
         in_use = np.where(self._used, left, np.inf)
         known = np.minimum.reduceat(in_use.min(axis=0), first)
         missing = np.where(self._used | ~self._open, 0.0, left - known[owner][None, :])

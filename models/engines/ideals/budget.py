@@ -10,7 +10,7 @@ from .sets import Growth
 
 BYTES_A_NEW_ENTRY, BYTES_A_NEW_SET = 38, 44
 """What an entry, and a set, take on top while their layer is being made; sets of one word, 16 more for each other."""
-NEW_SETS_A_SET = 4
+NEW_SETS_PER_SET = 4
 """How many new sets a set leads to at the most, where there are many."""
 
 
@@ -45,7 +45,7 @@ class Budget:
             If it is more than is left of either, or it is time to stop.
         """
         self.additions -= price(ahead.additions, ahead.entries, ahead.states)
-        new_sets = min(ahead.entries, NEW_SETS_A_SET * sets)
+        new_sets = min(ahead.entries, NEW_SETS_PER_SET * sets)
         taken = ahead.entries * (BYTES_A_NEW_ENTRY + BYTES_AN_ENTRY) + ahead.states * width
         taken += new_sets * (BYTES_A_NEW_SET + 16 * (words - 1))
         if self.additions < 0 or taken > self.bytes or not self.go():

@@ -13,10 +13,10 @@ from kerfwise.models.engines.bounds import Completion, complete
 from kerfwise.models.engines.solution import Incumbent, Progress
 from kerfwise.models.problem.problem import Problem
 
-from .attempt import attempt
 from .budget import Budget, TooLarge
 from .lattice import THREADS
 from .series import series
+from .sweep import sweep_through
 
 STAGES = (0.03, 0.1, 0.4)
 """Shares of the work, or the time, for the bound by walks: a quick one first, as a sweep often is short even so."""
@@ -82,9 +82,9 @@ def prove(
     def go() -> bool:
         return progress is None or progress("ideals", known, None)
 
-    purse = _Purse(problem, known, work, go)
+    rounds = _Rounds(problem, known, work, go)
     if not stages or known is None or problem.m > MOST_SITES_BOUND:
-        return purse.sweep(None, work)
+        return rounds.sweep(None, work)
     for share in stages:
         until_s = np.inf if time_s is None else time.monotonic() + share * time_s
 
@@ -92,16 +92,16 @@ def prove(
             return go() and time.monotonic() < until_s
 
         bound = complete(problem, float(known), share * work, pricing)
-        purse.left -= bound.work
+        rounds.left -= bound.work
         last = share == stages[-1] or bound.work <= AS_GOOD_AS_IT_GETS * share * work
-        proof = purse.sweep(bound, purse.left if last else min(purse.left, share * work))
+        proof = rounds.sweep(bound, rounds.left if last else min(rounds.left, share * work))
         if proof is not None or last or not go():
             return proof
     return None
 
 
 @dataclass(slots=True)
-class _Purse:
+class _Rounds:
     """Sweeps of a problem, paid from `work` seconds of which `left` are left."""
 
     problem: Problem
@@ -119,7 +119,7 @@ class _Purse:
         best: Incumbent | None = None
         with ThreadPoolExecutor(THREADS) as threads:
             try:
-                best = attempt(self.problem, self.known, bound, budget, threads)
+                best = sweep_through(self.problem, self.known, bound, budget, threads)
                 swept = True
             except TooLarge:
                 swept = False

@@ -18,11 +18,11 @@ from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 
 from .budget import Budget, TooLarge
+from .by_contour import ByContour
 from .count import ADDITIONS_PER_S
 from .crossed import HOME, add_settled
 from .lattice import Layer, Stretch, sweep_layers, walk_back
 from .local import Local, Orders, localise
-from .parts import Parts
 from .prove import applies
 from .prune import least_in, least_rest
 from .stretches import dearest, entrance_of, make_moves, never, travel_between
@@ -78,7 +78,7 @@ class _Windows:
     def __init__(self, problem: Problem, budget: Budget, thread: Executor) -> None:
         self._problem, self._budget, self._thread = problem, budget, thread
         self._least, self._dearest = least_in(problem), dearest(problem)
-        self._parts = Parts(problem)
+        self._parts = ByContour(problem)
 
     def best(self, incumbent: Incumbent, start: int) -> Incumbent | None:
         """The route with the window from position `start` in its best order, if that is better."""

@@ -6,16 +6,16 @@ import numpy as np
 
 from .chance import below, share
 from .compiled import compiled, entry
-from .exchange import swap_towards
 from .greedy import nearest_first
 from .literals import lean_on_sites
 from .price import span_price
 from .recreate import recreate
-from .rewire import PER_TRIAL, rewire
 from .ruin import ruin
 from .sites import choose_sites, refresh_sites
+from .sop_exchange import swap_towards
 from .state import BEST, BROKEN, CLIMBS, COST, LAWLESS, LENGTH, PRICE, START, TAKEN, TRIES, WORK, State
 from .tables import Tables
+from .three_opt import PER_TRIAL, three_opt
 
 DEAREST = 1 << 40  # the most that a broken statement counts, µm
 EXCHANGES = 4  # work on exchanges for one of ruins, where they are quick
@@ -45,7 +45,7 @@ def walk(tables: Tables, state: State, first: int, until: int, hot: float, cold:
         if tables.arcs.plain > 0:
             before = state.number[WORK]
             _settle(tables, state, _shuffle(tables, state), limit)
-            rewire(tables, state, temperature, EXCHANGES * (state.number[WORK] - before) // PER_TRIAL)
+            three_opt(tables, state, temperature, EXCHANGES * (state.number[WORK] - before) // PER_TRIAL)
         elif share(state.random) < swaps:
             state.number[WORK] += 60
             if swap_towards(tables, state, limit):

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from .compiled import compiled
+from .insertion_cost import insertion_cost, site_demands
 from .legs import least_leave
 from .sites import FAR, move_cost
-from .standing import site_demands, standing
 from .state import LENGTH, State
 from .tables import Tables
 
@@ -30,7 +30,7 @@ def nearest_first(tables: Tables, state: State) -> None:
                 continue
             if least_leave(legs, here, c) >= best:
                 continue
-            base = standing(tables, state, c, at)
+            base = insertion_cost(tables, state, c, at)
             for s in range(legs.first[c], legs.first[c + 1]):
                 total = base + move_cost(tables, state, here, s, at) + legs.site_cost[s]
                 if total < best:

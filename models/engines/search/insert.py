@@ -6,10 +6,10 @@ from .chance import share
 from .compiled import compiled
 from .crossed import cell_of
 from .demands import met_at
+from .insertion_cost import insertion_cost, site_demands
 from .legs import least_enter, least_leave
 from .sequence import inside_block, put_in, window
 from .sites import FAR, move_cost
-from .standing import site_demands, standing
 from .state import LENGTH, NOWHERE, PRICE, START, WORK, State
 from .tables import Tables
 
@@ -38,7 +38,7 @@ def insert_contour(tables: Tables, state: State, k: int, blink: float) -> None:
             continue
         if blink > 0.0 and best < FAR and share(state.random) < blink:
             continue
-        base += standing(tables, state, contour, at)
+        base += insertion_cost(tables, state, contour, at)
         state.number[WORK] += 3 * (stop - start)
         for s in range(start, stop):
             total = base + move_cost(tables, state, a, s, at) + move_cost(tables, state, s, b, at)
@@ -82,7 +82,7 @@ def insert_string(tables: Tables, state: State, start: int, stop: int, blink: fl
         if blink > 0.0 and best < FAR and share(state.random) < blink:
             continue
         for k in range(start, stop):
-            base += standing(tables, state, state.out[k], at)
+            base += insertion_cost(tables, state, state.out[k], at)
         into, site_in = FAR, -1
         for s in range(legs.first[first], legs.first[first + 1]):
             total = move_cost(tables, state, a, s, at) + move_cost(tables, state, s, second, at) + legs.site_cost[s]

@@ -1,4 +1,4 @@
-"""A route as a line of contours between home and home, and the two ways to rewire it."""
+"""A route as a line of contours from home to home, and two ways to change it: swap two stretches, reverse one."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def may_swap(orders: Orders, line: SmallInts, place: SmallInts, i: int, j: int, 
 
 
 @compiled
-def may_turn(orders: Orders, line: SmallInts, place: SmallInts, i: int, k: int) -> bool:
+def may_reverse(orders: Orders, line: SmallInts, place: SmallInts, i: int, k: int) -> bool:
     """Whether places i … k - 1 may be turned round: no order within them."""
     for p in range(i, k):
         c = line[p]
@@ -92,7 +92,7 @@ def swap(line: SmallInts, place: SmallInts, spare: SmallInts, i: int, j: int, k:
 
 
 @compiled
-def turn(line: SmallInts, place: SmallInts, i: int, k: int) -> None:
+def reverse(line: SmallInts, place: SmallInts, i: int, k: int) -> None:
     """Turn places i … k - 1 round."""
     a, b = i, k - 1
     while a < b:
@@ -103,7 +103,7 @@ def turn(line: SmallInts, place: SmallInts, i: int, k: int) -> None:
 
 
 @compiled
-def sum_turned(arcs: Arcs, state: State, start: int) -> None:
+def sum_reversed(arcs: Arcs, state: State, start: int) -> None:
     """`turned[p]`: by how much places 0 … p cost more when gone through the other way; right up to `start` already."""
     line = state.line
     for p in range(max(start, 1), len(line)):

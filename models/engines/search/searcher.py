@@ -13,11 +13,11 @@ from kerfwise.models.engines.solution import Incumbent, Progress
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 
-from .generations import CHILD, Generations
 from .merge import mergeable
 from .schedule import Part, Schedule
 from .structs import for_kernels
 from .tables import make_tables
+from .tour_merging import CHILD, TourMerging
 from .walker import Walker
 
 WORK_PER_S = 450_000_000  # elementary operations that a second of work stands for
@@ -43,7 +43,7 @@ class Searcher:
         fields = make_tables(problem)
         tables = for_kernels(fields)
         self._walkers = [Walker(tables, fields, (seed, k)) for k in range(WALKERS)]
-        self._generations = Generations(problem, self._walkers, seed) if mergeable(problem) else None
+        self._merging = TourMerging(problem, self._walkers, seed) if mergeable(problem) else None
 
     @property
     def best(self) -> Incumbent | None:
@@ -104,12 +104,12 @@ class Searcher:
                 break
             chunk = min(CHUNK, budget - spent)
             part = schedule.part(done, done + pace * chunk)
-            if self._generations is None or schedule.short:
+            if self._merging is None or schedule.short:
                 self._anneal(pool, chunk, part)
                 spent += chunk
             else:
                 most = max(CHUNK, min(budget - spent, int(CHILD / pace)))
-                spent += self._generations.step(pool, chunk, part, most, partial(self._anneal, pool))
+                spent += self._merging.step(pool, chunk, part, most, partial(self._anneal, pool))
         return True
 
     def _anneal(self, pool: Executor, chunk: int, part: Part) -> None:

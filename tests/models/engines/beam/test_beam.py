@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from kerfwise.arrays import Ints
 from kerfwise.models.engines.beam import applies, beam, grower, history, widening
 from kerfwise.models.engines.beam.bound import least_moves
+from kerfwise.models.engines.beam.reversed_problem import can_reverse, reversed_problem
 from kerfwise.models.engines.beam.tables import Tables, make_tables, travel_table
-from kerfwise.models.engines.beam.turned import can_turn, turned
 from kerfwise.models.engines.beam.walks import priced_walks
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.solution import Incumbent
@@ -202,8 +202,8 @@ def test_no_contours_at_all() -> None:
 @given(problems())
 def test_turned_round_the_routes_are_the_same_backwards(drawn: Problem) -> None:
     tiny = replace(within_reach(drawn), crossings=Crossings())
-    other = turned(tiny)
-    assert can_turn(tiny)
+    other = reversed_problem(tiny)
+    assert can_reverse(tiny)
     back = {route[::-1]: route_cost(other, route) for route in lawful(other)}
     assert back == {route: route_cost(tiny, route) for route in lawful(tiny)}
 
@@ -245,7 +245,7 @@ def test_both_bounds_and_both_ends_are_used(monkeypatch: pytest.MonkeyPatch) -> 
     plain = scattered(9, 20, 2, pairs=25)
     monkeypatch.setattr(widening, "WORTH_PRICING", 1)
     early = beam(plain)
-    monkeypatch.setattr(widening, "can_turn", lambda _: False)
+    monkeypatch.setattr(widening, "can_reverse", lambda _: False)
     monkeypatch.setattr(widening, "WORTH_PRICING", 10**9)
     late = beam(plain)
     assert early.proven

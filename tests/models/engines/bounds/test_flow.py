@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kerfwise.models.engines.bounds import flow, flow_bound
-from kerfwise.models.engines.bounds.broken import Flow, broken_cuts
-from kerfwise.models.engines.bounds.cuts import block_cuts
+from kerfwise.models.engines.bounds.inequalities import block_inequalities
+from kerfwise.models.engines.bounds.separation import Flow, broken_inequalities
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.problem import Problem
 from kerfwise.tests.models.brute import cheapest, lawful
@@ -50,7 +50,7 @@ def test_no_plan_costs_less_where_moves_cost_what_they_will(tiny: Problem, seed:
 def test_cuts_hold_for_every_plan(tiny: Problem, seed: int) -> None:
     leave, reach = (ends.ravel() for ends in np.indices((tiny.m + 1, tiny.m + 1)))
     amount = np.random.default_rng(seed).random(len(leave)) / tiny.m
-    for cuts in (block_cuts(tiny), broken_cuts(tiny, Flow(leave, reach, amount))[0]):
+    for cuts in (block_inequalities(tiny), broken_inequalities(tiny, Flow(leave, reach, amount))[0]):
         for route in list(lawful(tiny))[:20]:
             stops = np.array([tiny.m, *route, tiny.m])
             made = cuts.across(stops[:-1], stops[1:]).sum(axis=1)

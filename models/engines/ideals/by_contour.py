@@ -14,7 +14,7 @@ from kerfwise.models.problem.problem import Problem, SoftGroup
 from kerfwise.rules.statements import Lag
 
 
-class Parts:
+class ByContour:
     """The statements of a problem by contour."""
 
     def __init__(self, problem: Problem) -> None:

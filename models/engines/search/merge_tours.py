@@ -17,7 +17,7 @@ LEAST = 8  # contours of a merged problem that is worth a search
 EACH = 400_000  # operations for each of its contours
 
 
-def breed(
+def merge_tours(
     problem: Problem, walker: Walker, parents: tuple[Elite, Elite], seed: tuple[int, ...], most: int
 ) -> tuple[Elite, int]:
     """The best route found between two, in about `most` operations at the most, and how many it took.

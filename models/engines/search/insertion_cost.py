@@ -11,7 +11,7 @@ from .tables import Tables
 
 
 @compiled
-def standing(tables: Tables, state: State, contour: int, at: int) -> int:
+def insertion_cost(tables: Tables, state: State, contour: int, at: int) -> int:
     """What a contour's own conditions, groups and lags cost before position `at`, whatever its site."""
     demands, groups = tables.demands, tables.groups
     total = 0

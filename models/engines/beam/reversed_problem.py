@@ -10,12 +10,12 @@ from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.problem import Problem
 
 
-def can_turn(problem: Problem) -> bool:
+def can_reverse(problem: Problem) -> bool:
     """Whether it can be said backwards: crossings ask what is already out, not what is still in."""
     return not len(problem.crossings)
 
 
-def turned(problem: Problem) -> Problem:
+def reversed_problem(problem: Problem) -> Problem:
     """A problem whose routes are those of the given one backwards, at the same cost.
 
     It `applies` to the beam, and can turn.
@@ -25,12 +25,12 @@ def turned(problem: Problem) -> Problem:
         pierce_um=problem.end_um,
         end_um=problem.pierce_um,
         before=np.ascontiguousarray(problem.before.T),
-        conditions=tuple(_turned(condition) for condition in problem.conditions),
+        conditions=tuple(_reversed(condition) for condition in problem.conditions),
         matrix=None if problem.matrix is None else np.ascontiguousarray(problem.matrix.T),
     )
 
 
-def _turned(condition: Condition) -> Condition:
+def _reversed(condition: Condition) -> Condition:
     """Who is out before the contour one way is not out the other way, and the contour itself never is."""
     pairs = [(k, w) for k, w in zip(condition.members, condition.weights, strict=True) if k != condition.contour]
     return replace(

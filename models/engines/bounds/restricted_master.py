@@ -20,14 +20,14 @@ class Solved:
     iterations: int
 
 
-class Growing:
+class RestrictedMaster:
     """Minimises over columns of at least 0, under equations with these right sides, and then rows of at least so much.
 
     Examples
     --------
     >>> import numpy as np
     >>> from scipy.sparse import csr_matrix
-    >>> program = Growing(np.array([4.0]))
+    >>> program = RestrictedMaster(np.array([4.0]))
     >>> program.add_columns(np.array([2.0, 3.0]), csr_matrix([[1.0, 1.0]]))
     >>> program.solve(100).value.tolist()
     [4.0, 0.0]

@@ -11,16 +11,16 @@ from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.problem import Problem
 
 from .budget import Budget
+from .by_contour import ByContour
 from .crossed import HOME
 from .lattice import Layer, Stretch, sweep_layers, walk_back
 from .local import localise
-from .parts import Parts
 from .prune import least_in, least_rest, walked_rest
 from .series import series
 from .stretches import dearest, entrance_of, make_moves, never, way_home
 
 
-def attempt(
+def sweep_through(
     problem: Problem, known: int | None, bound: Completion | None, budget: Budget, threads: Executor
 ) -> Incumbent | None:
     """The best route of all that cost no more than `known`, None where there is none; `TooLarge` over the budget."""
@@ -29,7 +29,7 @@ def attempt(
     swept: list[tuple[Stretch, list[Layer]]] = []
     ways, costs, earlier = np.array([HOME]), entrance_of([0], limit), frozenset[int]()
     total = None
-    parts = Parts(problem)
+    parts = ByContour(problem)
     for group in series(problem):
         inside = parts.of(group)
         local = localise(inside, group, earlier)

@@ -1,4 +1,4 @@
-"""Anneal several times anew, breed from what was found, keep the best and begin again."""
+"""Anneal several times anew, merge the tours that were found (Cook and Seymour 2003), keep the best and begin again."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from functools import partial
 
 from kerfwise.models.problem.problem import Problem
 
-from .breed import breed
+from .merge_tours import merge_tours
 from .pool import Pool
 from .schedule import Part
 from .walker import Walker
@@ -17,7 +17,7 @@ ANNEALINGS = 2  # of each walker in a generation
 CHILD = 0.02  # the most of a run that a child may take
 
 
-class Generations:
+class TourMerging:
     """What walkers over one problem find in one annealing after another, and what is bred from it.
 
     Parameters
@@ -25,9 +25,9 @@ class Generations:
     problem
         One that is `mergeable`.
     walkers
-        Who anneals; each breeds a child at a time.
+        Who anneals; each makes a child at a time.
     seed
-        Equal seeds breed equal children.
+        Equal seeds give equal children.
     """
 
     def __init__(self, problem: Problem, walkers: list[Walker], seed: int) -> None:
@@ -48,7 +48,7 @@ class Generations:
         if now is not None:
             anneal(chunk, now[1])
             return chunk
-        return self._breed(threads, most)
+        return self._merge(threads, most)
 
     def _take_in(self, at: tuple[int, int]) -> None:
         """End an annealing, and the generation if another one begins."""
@@ -60,13 +60,13 @@ class Generations:
             self._pool.keep_best()
         self._at = at
 
-    def _breed(self, threads: Executor, most: int) -> int:
+    def _merge(self, threads: Executor, most: int) -> int:
         """A child for each walker, all at a time."""
         parents = [self._pool.pair() for _ in self._walkers]
         numbers = range(self._children, self._children + len(parents))
         self._children += len(parents)
         seeds = [(self._seed, len(self._walkers) + number) for number in numbers]
-        children = list(threads.map(partial(breed, self._problem, most=most), self._walkers, parents, seeds))
+        children = list(threads.map(partial(merge_tours, self._problem, most=most), self._walkers, parents, seeds))
         for walker, (_, elder), (child, _) in zip(self._walkers, parents, children, strict=True):
             self._pool.succeed(elder, child)
             if walker.cost is None or child.cost < walker.cost:

@@ -1,4 +1,4 @@
-"""Which cuts a flow breaks: what must lead from one place to another does so with too little, by maximum flows.
+"""Which inequalities a flow breaks: what must lead from one place to another does so with too little, by maximum flows.
 
 From home to a contour no plan meets what comes after it, from a contour to home nothing that comes before it, and
 from one contour to a later one nothing before the one or after the other, nor home (Balas, Fischetti and Pulleyblank
@@ -20,14 +20,14 @@ from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.models.problem.closure import immediate
 from kerfwise.models.problem.problem import Problem
 
-from .cuts import ANY, Cuts
+from .inequalities import ANY, Inequalities
 
 UNIT = 1_000_000
 """Flows are whole millionths."""
 MUCH, LITTLE = 0.2, 0.05
 """What may be missing of a flow without a cut: less only where there is no cut by more."""
 MOST = 800
-"""Cuts in a round."""
+"""Inequalities in a round."""
 MOVES_PER_S = 2e6
 """Moves of a flow that a second is counted for, every time that it is looked through."""
 
@@ -60,8 +60,13 @@ class _Missing(NamedTuple):
     through: int
 
 
-def broken_cuts(problem: Problem, flow: Flow, go: Callable[[], bool] = lambda: True) -> tuple[Cuts, float]:
-    """The cuts that most is missing of, and the deterministic seconds spent; no more are looked for if `go` says no."""
+def broken_inequalities(
+    problem: Problem, flow: Flow, go: Callable[[], bool] = lambda: True
+) -> tuple[Inequalities, float]:
+    """The inequalities that most is missing of, and the deterministic seconds spent.
+
+    No more are looked for if `go` says no.
+    """
     graph = _Graph(problem, flow)
     found: dict[tuple[bytes, bytes, int], _Missing] = {}
     work = 0.0
@@ -76,7 +81,7 @@ def broken_cuts(problem: Problem, flow: Flow, go: Callable[[], bool] = lambda: T
     chosen = sorted(by_much or found.values(), key=lambda cut: -cut.amount)[:MOST]
     tail, head = (np.array([cut[side] for cut in chosen], dtype=np.bool_).reshape(-1, problem.m + 1) for side in (1, 2))
     through = np.array([cut.through for cut in chosen], dtype=np.int64)
-    return Cuts(tail, head, np.ones(len(chosen)), through), work
+    return Inequalities(tail, head, np.ones(len(chosen)), through), work
 
 
 def _ways(problem: Problem, used: Floats) -> Iterator[_Way]:

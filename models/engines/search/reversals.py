@@ -7,7 +7,7 @@ import numpy as np
 from .arcs import gap_cost
 from .chance import high, rather_low, short
 from .compiled import compiled
-from .line import may_swap, may_turn, sum_turned, swap, turn
+from .line import may_reverse, may_swap, reverse, sum_reversed, swap
 from .state import State
 from .tables import Tables
 
@@ -15,7 +15,7 @@ KINDS = 6
 
 
 @compiled
-def try_turn(tables: Tables, state: State, where: np.uint64, how: np.uint64, limit: float) -> int:
+def try_reversal(tables: Tables, state: State, where: np.uint64, how: np.uint64, limit: float) -> int:
     """Turn a stretch round, or move one turned, if the cost grows by at most `limit`; answers by how much it does.
 
     An arc x → y to a near contour is made, x standing before y but where a stretch moves back.
@@ -31,9 +31,9 @@ def try_turn(tables: Tables, state: State, where: np.uint64, how: np.uint64, lim
     kind = high(how, KINDS)
     size = short(how)
     if kind == 0:
-        return _turn(tables, state, p + 1, q + 1, limit)
+        return _reverse(tables, state, p + 1, q + 1, limit)
     if kind == 1:
-        return _turn(tables, state, p, q, limit)
+        return _reverse(tables, state, p, q, limit)
     if kind == 2:
         return _move(tables, state, p + 1, q + 1 - size, q + 1, False, limit)
     if kind == 3:
@@ -44,7 +44,7 @@ def try_turn(tables: Tables, state: State, where: np.uint64, how: np.uint64, lim
 
 
 @compiled
-def _turn(tables: Tables, state: State, i: int, k: int, limit: float) -> int:
+def _reverse(tables: Tables, state: State, i: int, k: int, limit: float) -> int:
     """Turn places i … k - 1 round."""
     arcs, line = tables.arcs, state.line
     if i < 1 or k < i + 2:
@@ -57,10 +57,10 @@ def _turn(tables: Tables, state: State, i: int, k: int, limit: float) -> int:
         + state.turned[k - 1]
         - state.turned[i]
     )
-    if change > limit or not may_turn(tables.orders, line, state.place, i, k):
+    if change > limit or not may_reverse(tables.orders, line, state.place, i, k):
         return 0
-    turn(line, state.place, i, k)
-    sum_turned(arcs, state, i)
+    reverse(line, state.place, i, k)
+    sum_reversed(arcs, state, i)
     return int(change)
 
 
@@ -81,9 +81,9 @@ def _move(tables: Tables, state: State, i: int, j: int, k: int, first: bool, lim
     change -= gap_cost(arcs, line, i) + gap_cost(arcs, line, j) + gap_cost(arcs, line, k)
     if change > limit or not may_swap(tables.orders, line, place, i, j, k):
         return 0
-    if not may_turn(tables.orders, line, place, a, b):
+    if not may_reverse(tables.orders, line, place, a, b):
         return 0
-    turn(line, place, a, b)
+    reverse(line, place, a, b)
     swap(line, place, state.spare, i, j, k)
-    sum_turned(arcs, state, i)
+    sum_reversed(arcs, state, i)
     return int(change)

@@ -10,28 +10,28 @@ import numpy as np
 
 from .chance import chunk, draw, high, odd, rather_low, short
 from .compiled import compiled
-from .line import lay_out, may_swap, sum_turned, swap, take_up
+from .line import lay_out, may_swap, sum_reversed, swap, take_up
+from .reversals import try_reversal
 from .state import BEST, COST, TRADED, TRADES, WORK, State
 from .tables import Tables
-from .turns import try_turn
 
 PER_TRIAL = 13  # operations
 
 
 @compiled
-def rewire(tables: Tables, state: State, temperature: float, trials: int) -> None:
+def three_opt(tables: Tables, state: State, temperature: float, trials: int) -> None:
     """Try exchanges on the route we stand on, and take those that the temperature lets pass. For plain problems."""
     arcs = tables.arcs
     lay_out(state)
     if arcs.even > 0:
-        sum_turned(arcs, state, 1)
+        sum_reversed(arcs, state, 1)
     cost, best = state.number[COST], state.number[BEST]
     taken = 0
     for _ in range(trials):
         where, how = draw(state.random), draw(state.random)
         limit = temperature * arcs.falls[chunk(how)]
         if arcs.even > 0 and odd(where):
-            change = try_turn(tables, state, where, how, limit)
+            change = try_reversal(tables, state, where, how, limit)
         else:
             change = _try_swap(tables, state, where, how, limit)
         if change != 0:
@@ -92,7 +92,7 @@ def _try_swap(tables: Tables, state: State, where: np.uint64, how: np.uint64, li
         return 0
     swap(line, place, state.spare, i, j, k)
     if arcs.even > 0:
-        sum_turned(arcs, state, i)
+        sum_reversed(arcs, state, i)
     return int(change)
 
 

@@ -1,15 +1,15 @@
-"""Generations of routes: the same each time, never worse than what they come from, from wherever they begin."""
+"""Merged tours: the same each time, never worse than what they come from, from wherever they begin."""
 
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from kerfwise.models.engines.search.breed import breed
-from kerfwise.models.engines.search.generations import Generations
+from kerfwise.models.engines.search.merge_tours import merge_tours
 from kerfwise.models.engines.search.pool import Elite
 from kerfwise.models.engines.search.schedule import Part
 from kerfwise.models.engines.search.structs import for_kernels
 from kerfwise.models.engines.search.tables import make_tables
+from kerfwise.models.engines.search.tour_merging import TourMerging
 from kerfwise.models.engines.search.walker import Walker
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.tests.models.problems import scattered
@@ -35,33 +35,33 @@ def _parents() -> tuple[Walker, tuple[Elite, Elite]]:
 
 def test_a_child_is_lawful_and_no_worse_than_the_better_of_its_parents() -> None:
     walker, parents = _parents()
-    child, operations = breed(PLATE, walker, parents, (5, 9), 3_000_000)
+    child, operations = merge_tours(PLATE, walker, parents, (5, 9), 3_000_000)
     assert operations <= 3_000_000
     assert child.cost < parents[0].cost
     assert broken(PLATE, child.route.tolist()) == ()
     assert child.cost == route_cost(PLATE, child.route.tolist())
 
 
-def test_equal_seeds_breed_equal_children() -> None:
+def test_equal_seeds_give_equal_children() -> None:
     children = []
     for _ in range(2):
         walker, parents = _parents()
-        children.append(breed(PLATE, walker, parents, (5, 9), 1_000_000)[0])
+        children.append(merge_tours(PLATE, walker, parents, (5, 9), 1_000_000)[0])
     assert children[0].same(children[1])
 
 
 def test_of_one_route_alone_the_walker_goes_on_by_itself() -> None:
     walker, (better, _) = _parents()
-    child, _ = breed(PLATE, walker, (better, better), (5, 9), 3_000_000)
+    child, _ = merge_tours(PLATE, walker, (better, better), (5, 9), 3_000_000)
     assert child.cost <= better.cost
 
 
-def test_breeding_may_begin_before_anything_was_annealed() -> None:
+def test_merging_may_begin_before_anything_was_annealed() -> None:
     walkers = [_walker(0), _walker(1)]
     best = min(walker.cost or 0 for walker in walkers)
-    generations = Generations(PLATE, walkers, 5)
+    merging = TourMerging(PLATE, walkers, 5)
     with ThreadPoolExecutor(2) as threads:
-        assert generations.step(threads, 1_000_000, Part(0.9, 0.95, 0), 1_000_000, _unasked) <= 1_000_000
+        assert merging.step(threads, 1_000_000, Part(0.9, 0.95, 0), 1_000_000, _unasked) <= 1_000_000
     after = [walker.best for walker in walkers]
     assert all(elite is not None and np.unique(elite.route).size == PLATE.n for elite in after)
     assert min(walker.cost or 0 for walker in walkers) <= best

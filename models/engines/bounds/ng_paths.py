@@ -18,7 +18,7 @@ Shorts = NDArray[np.int16]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Memory:
+class NgSets:
     """`near[a, j]` is neighbour j of contour a, -1 for none; a memory at a is a set of bits j.
 
     A walk at contour a that goes on to b, where it remembers M, remembers `carried[a, b, M]` at a; -1 where it may
@@ -34,7 +34,7 @@ class Memory:
         return int(self.carried.shape[2])
 
 
-def remember(problem: Problem, move: Floats, most: int) -> Memory:
+def ng_sets(problem: Problem, move: Floats, most: int) -> NgSets:
     """The `most` nearest neighbours of every contour among those that may be cut at about the same time."""
     n = problem.n
     near = _nearest(problem, move, min(most, n - 1))
@@ -53,7 +53,7 @@ def remember(problem: Problem, move: Floats, most: int) -> Memory:
         broken = never[:, contour] & there[None, :]
         carried |= np.where(has, kept[:, :, None], 0)
         carried[broken[:, :, None] & has] = -1
-    return Memory(near, carried.astype(np.int16))
+    return NgSets(near, carried.astype(np.int16))
 
 
 def _nearest(problem: Problem, move: Floats, most: int) -> Ints:

@@ -13,7 +13,7 @@ class Empty(Exception):
     """A limit is reached."""
 
 
-class Purse:
+class Budget:
     """Counts operations against `work`, seconds against `time_s`."""
 
     def __init__(self, work: float, time_s: float | None, progress: Progress | None) -> None:
