@@ -1,5 +1,5 @@
 #!/bin/sh
-# Sets up everything and runs the whole test suite: lint, types, import layers, tests.
+# Sets up everything and runs the whole test suite: lint, types, import layers, the docs site, tests.
 # Needs Python 3.11 or newer and, on Debian or Ubuntu, root or sudo for MiniZinc; all else comes from PyPI.
 # PYTHON=/path/to/python chooses the interpreter.
 set -eu
@@ -26,7 +26,7 @@ PYTHON=${PYTHON:-python3}
 
 say "environment in .venv"
 [ -x .venv/bin/python ] || "$PYTHON" -m venv .venv 2>/dev/null || { from_debian python3-venv; "$PYTHON" -m venv .venv; }
-.venv/bin/python -m pip install -q -e '.[test]'
+.venv/bin/python -m pip install -q -e '.[docs,test]'
 [ -e .typing/kerfwise ] || { mkdir -p .typing; ln -s .. .typing/kerfwise; } # left out of source distributions
 
 say "MiniZinc"
@@ -46,6 +46,9 @@ say "lint, types, layers"
 .venv/bin/ruff format --check .
 .venv/bin/mypy
 .venv/bin/lint-imports
+
+say "docs site, every link checked"
+NO_MKDOCS_2_WARNING=1 .venv/bin/mkdocs build --quiet
 
 say "tests"
 exec .venv/bin/pytest -q -n 2 --dist loadfile "$@"
