@@ -20,12 +20,17 @@ def tell_conflict(
 
     The look for what contradicts what takes no longer than the limits of the plan once more.
     """
-    from kerfwise.models.plan.conflict import Purse, find_conflict
+    from kerfwise.models.plan.conflict import NotAnswered, Purse, find_conflict
     from kerfwise.postproc.report import plot_spot
 
-    conflict = find_conflict(facts, profile, Purse.of(limits))
+    try:
+        conflict, within = find_conflict(facts, profile, Purse.of(limits)), True
+    except NotAnswered:
+        conflict, within = None, False
     if conflict is None:
         click.echo(f"kerfwise: {error}", err=True)
+        if not within:
+            click.echo("  note: which rules contradict each other, if any do, was not shown within the limit", err=True)
         for note in unread_files(profile):
             click.echo(f"  note: {note}", err=True)
         return 1

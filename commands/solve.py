@@ -108,15 +108,16 @@ def command(
     try:
         began_s = time.monotonic()
         asked = ask(facts, profile, relax, engine, limits)
+        left = limits
         if time_limit:  # stating the rules is inside the limit; a plan gets its share all the same
             spent_s = time.monotonic() - began_s
-            limits = replace(limits, time_s=max(time_limit - spent_s, LEAST_SHARE * time_limit))
+            left = replace(limits, time_s=max(time_limit - spent_s, LEAST_SHARE * time_limit))
         began_s = time.monotonic()
         with listening() as progress:
-            made = produce(asked, profile, limits, progress, engine, solver, strategy)
+            made = produce(asked, profile, left, progress, engine, solver, strategy)
     except RulesConflict as error:
         return tell_conflict(facts, profile, error, conflict_picture, limits)
-    over_s = time.monotonic() - began_s - made.judging_s - (limits.time_s or 0.0)
+    over_s = time.monotonic() - began_s - made.judging_s - (left.time_s or 0.0)
     _not_counted("what planning had begun was brought to an end", over_s, time_limit)
     _not_counted("the program was written and checked", made.judging_s, time_limit)
     if verbose:

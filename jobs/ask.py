@@ -25,6 +25,9 @@ from kerfwise.rules.stating.state_rules import (
     state_rules,
 )
 
+RELAX = 0.5
+"""Share of a limit in seconds in which what gives way is to be found; a plan is to be made in the rest."""
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Asked:
@@ -89,7 +92,7 @@ def ask(
         from kerfwise.models.plan.conflict import Purse, state_relaxed
         from kerfwise.models.plan.plan import RELAXED
 
-        purse = None if limits is None else Purse.of(limits)
+        purse = None if limits is None else Purse.of(replace(limits, time_s=limits.time_s and RELAX * limits.time_s))
         stated = state_relaxed(facts, profile, reads_files=engine == "minizinc", purse=purse)
         left_out = (DroppedStatement(order, f"{RELAXED}{order.about.sentence}") for order in loose)
         return Asked(facts, replace(stated, dropped=(*stated.dropped, *left_out)))

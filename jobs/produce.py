@@ -17,7 +17,7 @@ from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.checking import judge, report_of
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import Statement
-from kerfwise.rules.stating.lazy import afterthoughts
+from kerfwise.rules.stating.lazy import afterthoughts, look_takes_s
 from kerfwise.rules.stating.state_rules import Stated
 
 from .ask import Asked
@@ -126,4 +126,5 @@ def _solved(
         return solve_minizinc(facts, profile, stated, limits, solver, refine, progress)
     from kerfwise.models.engines.rounds import solve
 
-    return solve(facts, (*stated.statements, *further), limits, progress, refine)
+    look_s = 0.0 if limits.time_s is None else look_takes_s(facts, profile)
+    return solve(facts, (*stated.statements, *further), limits, progress, refine, look_s)

@@ -44,12 +44,15 @@ def solve(
     options: SolveOptions,
     progress: Progress | None = None,
     refine: Refine | None = None,
+    look_s: float = 0.0,
 ) -> Solution:
     """The best route found within the limits, with what is proven of it.
 
     `refine` looks at a whole order (contour numbers) and answers with statements that geometry has now shown to be
     missing; the problem is solved again with them until there are none. A bound proven before all are known is a
-    bound all the same: the missing ones can only add to the cost.
+    bound all the same: the missing ones can only add to the cost. `look_s` is how long the first look will take, as
+    far as anyone can tell: a limit in seconds keeps so much of itself for it. The last plan is looked at to the end,
+    whatever the limit, since nothing else tells its cost; where that takes longer than the limit leaves, a note says so.
 
     Raises
     ------
@@ -59,7 +62,7 @@ def solve(
     watch = Watch(options, progress)
     timed = options.time_s is not None
     whole = options.work if options.time_s is None else options.time_s
-    spent = look_s = 0.0
+    spent = 0.0
     posed: Problem | None = None
     known: Known | None = None
     candidates: Sites | None = None
@@ -83,6 +86,8 @@ def solve(
         statements += missing
         if timed:
             spent, look_s = watch.seconds, watch.seconds - began_s
+            if spent > whole:
+                known.notes.append(f"rounds: the last look took {look_s:.1f} s, more than was left of the limit")
         if not missing or watch.stopped or spent + look_s >= whole * ENOUGH:
             break
     if missing:

@@ -48,7 +48,8 @@ def make_problem(
 
     `earlier` is a problem made of the same facts and some of these statements: the moves that were looked at for it
     need not be looked at again where they are the same, and are not where it left them out. `going` is asked now and
-    then, with the share of the moves that has been looked at; where it says no a soft rule about moves is left out.
+    then, with the share of the moves that has been looked at; where it says no a soft rule about moves is left out, while
+    for a hard one it can only raise.
 
     Raises
     ------
@@ -110,7 +111,7 @@ def _with_crossings(problem: Problem, statements: Sequence[Crossing], earlier: P
     lawful, ends, pierces = problem.successors(), problem.ends(), problem.pierces()
     try:
         asked = (statements, problem.before, lawful, sites, ends, pierces)
-        found = find_crossings(*asked) if hard else find_crossings(*asked, going)
+        found = find_crossings(*asked, (lambda share: going(share) or True) if hard else going)
     except TooManyMoves as error:
         if hard:
             raise

@@ -13,10 +13,13 @@ from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from kerfwise.encoder.nest import Nest
 
 from .placement import host_holes, places
+
+Bools, Floats, Ints = NDArray[np.bool_], NDArray[np.float64], NDArray[np.int64]
 
 ISLAND_STRIPS = 10.0
 """A piece of metal wider than so many strips is a plate of its own, not an island."""
@@ -41,6 +44,20 @@ class Cutting:
     left: tuple[int, ...]
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Around:
+    """What may take metal from around a part: `parts` (k,) near it, the nearest first, whoever is out.
+
+    Those that take some of the part itself are marked in `takes` (k,), and lie `towards` (k, 2) its middle; `stiff` is
+    the metal that is wide enough with every part still in, as far as it matters.
+    """
+
+    parts: Ints
+    takes: Bools
+    towards: Floats
+    stiff: Any
+
+
 class Metal:
     """The uncut metal of one place: the sheet, or the hole of a host, with the parts that lie straight in it."""
 
@@ -53,6 +70,8 @@ class Metal:
         self.inner: Any = shapely.point_on_surface(self.areas)
         self.tree = shapely.STRtree(self.areas)
         self.size: Any = shapely.area(self.areas)
+        self.around: dict[int, Around] = {}
+        self.core: dict[int, Any] = {}
         self.out = np.zeros(len(self.parts), dtype=bool)
         self.told = np.zeros(len(self.parts), dtype=bool)
         shapely.prepare(self.swept)
@@ -70,69 +89,74 @@ class Metal:
                     yield kind, out, left
 
     def _strips(self, p: int) -> Iterator[tuple[str, list[int], list[int]]]:
-        """Looks at every part whose metal, as far as `_vanishes` looks around it, part `p` takes some of."""
+        """Looks at every part whose metal, as far as it matters, part `p` takes some of."""
         x0, y0, x1, y1 = self.swept[p].bounds
         r = self.strip_mm / 2
         near = self.tree.query(shapely.box(x0 - r, y0 - r, x1 + r, y1 + r))
         for q in sorted(near[~self.out[near] & ~self.told[near]].tolist()):
-            if shapely.intersects(self.swept[p], shapely.box(*self._window(q))):
-                around = self._around(q)
-                if self._on_both_sides(q, around) and self._vanishes(q, around):
-                    yield "strip", self._fewest(q, around), [q]
+            around = self._around(q)
+            if p in around.parts:
+                self.core[q] = shapely.difference(self.core.get(q, around.stiff), self.swept[p])
+                out = np.flatnonzero(self.out[around.parts])
+                if self._on_both_sides(around, out) and self._vanished(q, self.core[q]):
+                    yield "strip", self._fewest(q, around, out), [q]
 
-    def _around(self, q: int) -> list[int]:
-        """Parts that are out and near enough to take metal from around part `q`, the nearest first."""
-        reach = shapely.box(*shapely.bounds(shapely.buffer(shapely.box(*self.areas[q].bounds), 1.5 * self.strip_mm)))
-        near = self.tree.query(reach)
-        near = near[self.out[near]]
-        order = np.lexsort((near, shapely.distance(self.areas[near], self.areas[q])))
-        return [int(k) for k in near[order]]
+    def _around(self, q: int) -> Around:
+        """What may take metal from around part `q`: the same for every order, so that it is looked up once."""
+        if q not in self.around:
+            x0, y0, x1, y1 = self.areas[q].bounds
+            r = self.strip_mm / 2
+            window = (x0 - r, y0 - r, x1 + r, y1 + r)  # farther metal holds none of half a strip around the part
+            reach = shapely.box(*shapely.bounds(shapely.buffer(shapely.box(x0, y0, x1, y1), 3 * r)))
+            near = self.tree.query(reach)
+            near = near[(near != q) & shapely.intersects(self.swept[near], shapely.box(*window))]
+            near = near[np.lexsort((near, shapely.distance(self.areas[near], self.areas[q])))]
+            lines = shapely.shortest_line(shapely.centroid(self.areas[q]), self.areas[near])
+            ends = shapely.get_coordinates(lines).reshape(-1, 2, 2)
+            takes = shapely.intersects(self.swept[near], self.areas[q])
+            self.around[q] = Around(near, takes, ends[:, 1] - ends[:, 0], shapely.clip_by_rect(self.stiff, *window))
+        return self.around[q]
 
-    def _on_both_sides(self, q: int, around: Sequence[int]) -> bool:
-        """Whether parts that take metal from part `q` lie in directions more than a right angle apart."""
-        near = np.array(around, dtype=np.int64)
-        taking = near[shapely.intersects(self.swept[near], self.areas[q])]
-        if len(taking) < 2:
-            return False
-        middle = shapely.centroid(self.areas[q])
-        lines = shapely.shortest_line(middle, self.areas[taking])
-        ends = shapely.get_coordinates(lines).reshape(-1, 2, 2)
-        towards = ends[:, 1] - ends[:, 0]
+    @staticmethod
+    def _on_both_sides(around: Around, out: Ints) -> bool:
+        """Whether parts that take metal from the part lie in directions more than a right angle apart."""
+        towards = around.towards[out[around.takes[out]]]
         return bool((towards @ towards.T < 0).any())
 
-    def _vanishes(self, q: int, around: Sequence[int]) -> bool:
-        """Whether most of part `q` lies in metal that opening by half a strip leaves nothing of."""
-        window = self._window(q)
-        taken = self.swept[list(around)]
-        taken = shapely.union_all(taken[shapely.intersects(taken, shapely.box(*window))])
-        core = shapely.difference(shapely.clip_by_rect(self.stiff, *window), taken)
+    def _vanished(self, q: int, core: Any) -> bool:
+        """Whether most of part `q` lies in metal that opening by half a strip leaves nothing of; `core` is that metal
+        less what parts that are out take of it, each grown by half a strip and half a web.
+        """
         opened = shapely.buffer(core, self.strip_mm / 2, quad_segs=QUADRANT)
         return bool(shapely.area(shapely.difference(self.areas[q], opened)) > IN_STRIP * self.size[q])
 
-    def _window(self, q: int) -> tuple[float, float, float, float]:
-        """What half a strip around a part can be seen of: farther metal holds none of it."""
-        x0, y0, x1, y1 = self.areas[q].bounds
-        r = self.strip_mm / 2
-        return x0 - r, y0 - r, x1 + r, y1 + r
+    def _would_vanish(self, q: int, around: Around, out: Ints) -> bool:
+        """Whether it would, were only these parts out."""
+        core = around.stiff
+        for k in around.parts[out]:  # the nearest take most, often all there is
+            if core.is_empty:
+                return True
+            core = shapely.difference(core, self.swept[k])
+        return self._vanished(q, core)
 
-    def _fewest(self, q: int, around: Sequence[int]) -> list[int]:
+    def _fewest(self, q: int, around: Around, out: Ints) -> list[int]:
         """The parts without any of which part `q` would not be in a strip, tried from the farthest.
 
         More parts out never widen a strip, so that many are left out at once where the rest still makes one.
         """
         needed: list[int] = []
-        stretches = [(0, len(around))]
+        stretches = [(0, len(out))]
         while stretches:
             begin, end = stretches.pop()
-            without = [*around[:begin], *needed]
-            if self._on_both_sides(q, without) and self._vanishes(q, without):
+            without = np.concatenate([out[:begin], np.array(needed[::-1], dtype=np.int64)])
+            if self._on_both_sides(around, without) and self._would_vanish(q, around, without):
                 continue
             if end - begin == 1:
-                needed.append(around[begin])
+                needed.append(int(out[begin]))
             else:
                 middle = (begin + end) // 2
                 stretches += [(begin, middle), (middle, end)]
-        return sorted(needed)
+        return sorted(around.parts[needed].tolist())
 
     def _islands(self, p: int) -> Iterator[tuple[str, list[int], list[int]]]:
         """Pieces that taking out `p` closes off from the rest, with a part on it and one elsewhere.

@@ -6,6 +6,7 @@ with it must not occur again (Petunin 2009, fig. 3).
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,11 @@ from .state_rules import rest_of
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Facts
     from kerfwise.rules.profile.profile import Profile
+
+SAMPLE, SAMPLE_S = 16, 0.05
+"""Contours in a first sample of a look; samples become longer until one takes so many seconds."""
+LATER = 1.5
+"""How much longer the same number of cuts takes to look at later on, when more is out."""
 
 
 def afterthoughts(facts: Facts, profile: Profile) -> Callable[[Sequence[int]], tuple[NoGood, ...]]:
@@ -44,3 +50,22 @@ def afterthoughts(facts: Facts, profile: Profile) -> Callable[[Sequence[int]], t
         return tuple(found)
 
     return look
+
+
+def look_takes_s(facts: Facts, profile: Profile, clock: Callable[[], float] = time.monotonic) -> float:
+    """About how many seconds a look at one order takes: from looks at the beginning of an order."""
+    nest, book = facts.whole_nest, profile.rulebook()
+    names = [contour.id for contour in nest.contours]
+
+    def looked_s(count: int) -> float:
+        began_s = clock()
+        for name, setting in profile.settings().items():
+            book[name].no_goods(nest, names[:count], setting.options)
+        return clock() - began_s
+
+    first_s, count = looked_s(1), SAMPLE  # the first cut tells what every look takes before it begins
+    while (took_s := looked_s(count)) - first_s < SAMPLE_S and count < len(names):
+        count *= 2
+    if count >= len(names):
+        return took_s
+    return first_s + LATER * max(took_s - first_s, 0.0) * len(names) / count

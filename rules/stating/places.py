@@ -14,7 +14,7 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import coo_array
 
 from kerfwise.rules.by_kind import by_kind
-from kerfwise.rules.statements import Before, Statement
+from kerfwise.rules.statements import About, AtLeast, Before, Statement
 
 from .cycles import Link
 
@@ -33,19 +33,66 @@ def positions(statements: Sequence[Statement], n: int) -> dict[int, int]:
     >>> positions([*second, AtLeast((Before(1, 0), Before(1, 2)), (1, 1), 1, about)], 3)
     {1: 2}
     """
-    ahead: dict[int, int] = {}
-    behind: dict[int, int] = {}
+    ends = _ends(statements, n)
+    firm = {k: bounds for k, bounds in ends.items() if len(bounds) == 2 and sum(of[0] for of in bounds.values()) == n - 1}
+    return {k: bounds[True][0] + 1 for k, bounds in firm.items()}
+
+
+def at_odds(statements: Sequence[Statement], n: int) -> tuple[About, ...]:
+    """Where hard statements come from that want one contour at two positions, or two contours at one; mostly none.
+
+    Examples
+    --------
+    >>> from kerfwise.rules.statements import About, AtLeast
+    >>> def at_first(k, other):
+    ...     return AtLeast((Before(k, other),), (1,), 1, About("locks", (), f"{k} first"))
+    >>> [about.sentence for about in at_odds([at_first(0, 1), at_first(1, 0)], 2)]
+    ['0 first', '1 first']
+    """
+    taken: dict[int, tuple[About, ...]] = {}
+    for bounds in _ends(statements, n).values():
+        abouts = tuple(dict.fromkeys(about for _, about in bounds.values()))
+        if sum(of[0] for of in bounds.values()) > n - 1:
+            return abouts
+        if len(bounds) == 2 and sum(of[0] for of in bounds.values()) == n - 1:
+            place = bounds[True][0]
+            if place in taken:
+                return tuple(dict.fromkeys((*taken[place], *abouts)))
+            taken[place] = abouts
+    return ()
+
+
+def _ends(statements: Sequence[Statement], n: int) -> dict[int, dict[bool, tuple[int, About]]]:
+    """Contour → how many others hard statements want before it (True) and after it (False) at the least, and which."""
+    found: dict[int, dict[bool, tuple[int, About]]] = {}
     for s in by_kind(statements).at_least:
-        if s.weight is not None or s.when is not None or len(s.literals) != n - 1:
-            continue
-        if set(s.weights) != {1} or not all(isinstance(literal, Before) for literal in s.literals):
-            continue
-        pairs = [(literal.i, literal.j) for literal in s.literals if isinstance(literal, Before)]
-        for found, inner, outer in ((ahead, 1, 0), (behind, 0, 1)):
-            (contour, *others) = {pair[inner] for pair in pairs}
-            if not others and len({pair[outer] for pair in pairs}) == n - 1:
-                found[contour] = max(found.get(contour, 0), s.bound)
-    return {k: ahead[k] + 1 for k in ahead if k in behind and ahead[k] + behind[k] == n - 1}
+        for contour, early in ends_of(s, n) if s.weight is None else ():
+            bounds = found.setdefault(contour, {})
+            if early not in bounds or s.bound > bounds[early][0]:
+                bounds[early] = (s.bound, s.about)
+    return found
+
+
+def ends_of(statement: AtLeast, n: int) -> list[tuple[int, bool]]:
+    """The contour of n before which (True), or after which (False), so many others must be cut; none if it says else.
+
+    Of two contours one is before the other where the other is after it: both are said.
+
+    Examples
+    --------
+    >>> from kerfwise.rules.statements import About, AtLeast
+    >>> ends_of(AtLeast((Before(0, 1), Before(2, 1)), (1, 1), 1, About("locks", (), "")), 3)
+    [(1, True)]
+    """
+    if statement.when is not None or len(statement.literals) != n - 1 or set(statement.weights) != {1}:
+        return []
+    pairs = [(literal.i, literal.j) for literal in statement.literals if isinstance(literal, Before)]
+    found = []
+    for inner, outer in ((1, 0), (0, 1)):
+        contours, around = {pair[inner] for pair in pairs}, {pair[outer] for pair in pairs}
+        if len(contours) == 1 and len(around) == n - 1 and not contours & around:
+            found.append((contours.pop(), inner == 1))
+    return found
 
 
 def in_the_way(

@@ -16,7 +16,7 @@ from kerfwise.rules.statements import EXEMPTION_MM, About, Contiguous, IdleTrave
 
 from .cycles import Link, components, contracted, path
 from .feedback import Unbreakable, lightest_cut
-from .places import in_the_way, positions
+from .places import at_odds, in_the_way, positions
 from .remainder import Rest, of_what_is_left
 from .time_costs import slower_ways
 
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 
 HOPELESS = "these hard rules cannot hold in any order"
+
+CONTRADICT = "these hard rules contradict each other; one must give way"
 
 LOOSE = "inner-before-outer"
 """The rule that a contour breaks which is left in metal that has dropped."""
@@ -198,6 +200,8 @@ def resolve(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int
 
     The weakest rules give way first (`gives_way`, the highest first; 0 never), and as few of their orders as can be.
     """
+    if abouts := at_odds(statements, n):
+        raise RulesConflict(CONTRADICT, tuple(about.sentence for about in abouts))
     kinds = by_kind(statements)
     orders = [s for s in kinds.precede if s.weight is None]
     runs = [s for s in kinds.contiguous if s.weight is None]
@@ -288,4 +292,4 @@ def _conflict(cycle: Sequence[Precede], runs: Sequence[Contiguous]) -> RulesConf
         sentences.append(order.about.sentence)
         if order.after != following.before:
             sentences += [r.about.sentence for r in runs if {order.after, following.before} <= set(r.contours)]
-    return RulesConflict("these hard rules contradict each other; one must give way", tuple(dict.fromkeys(sentences)))
+    return RulesConflict(CONTRADICT, tuple(dict.fromkeys(sentences)))

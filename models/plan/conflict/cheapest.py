@@ -15,6 +15,7 @@ from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.engines.watch import Watch
 from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.problem.problem import Problem
 from kerfwise.models.problem.simplify import simplify
 from kerfwise.rules.statements import About, Statement
 from kerfwise.rules.stating.state_rules import resolve
@@ -26,6 +27,9 @@ MOST_SETS, MOST_PLANS = 20_000, 60
 """How many sets are looked through, and how many plans are made; past them the best found so far is taken."""
 WORK = 2.0
 """Work for one plan."""
+SHARE, MOVES = 0.25, 0.2
+"""Where seconds are counted, share of them for one plan at the most; share of that which looking at moves over parts that
+are out may take."""
 
 
 def cheapest(
@@ -39,13 +43,16 @@ def cheapest(
     sets = [given for given in _sets(found, clashes) if set(given) != set(found)]
     if not sets:
         return tuple(found)
-    best, cost = tuple(found), _cost(engines, statements, found, gives_way)
+    purse, began = engines.purse, engines.purse.left
+    best, (cost, first) = tuple(found), _cost(engines, statements, found, gives_way)
+    took = began - purse.left
     for given in sets:
-        if engines.purse.left <= 0:
+        if purse.left <= 0 or (purse.timed and purse.left < took):
             break
-        other = _cost(engines, statements, given, gives_way)
-        if other is not None and (cost is None or other < cost):
-            best, cost = given, other
+        other, problem = _cost(engines, statements, given, gives_way, first)
+        alike = first is None or problem is None or first.left_out == problem.left_out
+        if other is not None and alike and (cost is None or other < cost):
+            best, cost, first = given, other, problem
     return best
 
 
@@ -67,16 +74,33 @@ def _locks(abouts: Collection[About]) -> int:
 
 
 def _cost(
-    engines: Engines, statements: Sequence[Statement], given: Sequence[About], gives_way: Mapping[str, int]
-) -> int | None:
-    """The cost of the best plan that was found once these have given way, µm."""
+    engines: Engines,
+    statements: Sequence[Statement],
+    given: Sequence[About],
+    gives_way: Mapping[str, int],
+    earlier: Problem | None = None,
+) -> tuple[int | None, Problem | None]:
+    """The cost of the best plan that was found once these have given way, µm, and the problem that it solves.
+
+    With a purse that counts seconds no plan takes much more than its share of them: moves over parts that are out have
+    no price where looking at them takes longer, or had none in an `earlier` problem.
+    """
     purse = engines.purse
+    most_s = min(WORK, SHARE * max(purse.left, 0.0))
+    until = purse.left - MOVES * most_s
     try:
         stated = resolve(soften(statements, given), engines.facts.n, gives_way).statements
-        problem = simplify(make_problem(engines.facts, stated, engines.home_mm, engines.feeds))
+        problem = make_problem(
+            engines.facts,
+            stated,
+            engines.home_mm,
+            engines.feeds,
+            earlier,
+            lambda share: not purse.timed or purse.left > until,
+        )
     except RulesConflict:
-        return None
-    options = SolveOptions(work=WORK, time_s=min(WORK, max(purse.left, 0.0)) if purse.timed else None)
-    known = run_portfolio(problem, options, Watch(options))
+        return None, None
+    options = SolveOptions(work=WORK, time_s=most_s if purse.timed else None)
+    known = run_portfolio(simplify(problem), options, Watch(options))
     purse.spend(known.work)
-    return None if known.incumbent is None else known.incumbent.cost
+    return None if known.incumbent is None else known.incumbent.cost, problem

@@ -90,6 +90,11 @@ def find_conflict(facts: Facts, profile: Profile, purse: Purse | None = None) ->
 
     Looked for among statements on order and entries first; where these can hold, among all, what moves cross and
     seconds included, by the engines. No more is spent than the purse holds: what is told then is what was shown so far.
+
+    Raises
+    ------
+    NotAnswered
+        If it was not shown whether there is a contradiction.
     """
     purse = purse or Purse()
     statements, _ = every_statement(facts, profile)
@@ -97,10 +102,7 @@ def find_conflict(facts: Facts, profile: Profile, purse: Purse | None = None) ->
     if alone := hopeless(statements):
         stuck, relax = _way_out_or_why_none(facts, profile, statements, finder)
         return Conflict(alone, True, relax, stuck, tuple(unread_files(profile)), alone=True)
-    try:
-        core = finder.core(hard_groups(_asked(facts, profile, statements)), purse.part(CORE))
-    except NotAnswered:
-        return None
+    core = finder.core(hard_groups(_asked(facts, profile, statements)), purse.part(CORE))
     if core is None:
         return None
     clash = tuple(group.about for group in core.groups)
@@ -194,6 +196,8 @@ def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement], fi
             groups = hard_groups(_asked(facts, profile, left))
             found = find_relaxation(groups, book, finder.core, finder.purse)
         except NotAnswered:
+            if finder.trusting and more:  # what was found so far may do, or nothing was left to ask
+                return tuple(out)
             raise RulesConflict("no way out was found within the limit (none is proven impossible)") from None
         if found is None:
             raise RulesConflict(NO_HELP)

@@ -40,8 +40,14 @@ def find_core(
     """
     purse = purse or Purse()
     ranked = sorted(groups, key=lambda group: -gives_way.get(group.about.rule, 0))
-    if shown := clash_at_once(facts, ranked, purse) is not None:
-        at_once = partial(clash_at_once, facts, purse=purse)
+    at_once = partial(clash_at_once, facts, purse=purse)
+    try:
+        if at_once(ranked) is None:
+            return None
+    except NotAnswered:
+        shown = False
+    else:
+        shown = True
         ranked, _ = shrink(without_rules(ranked, gives_way, at_once), at_once)
     try:
         left = clash(facts, ranked, purse)

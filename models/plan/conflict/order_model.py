@@ -1,6 +1,7 @@
 """Whether statements can all hold: a small CP-SAT model of the order and the candidates, no travel in it.
 
-Contours that no statement speaks of are left out: they can come last. Only a lag counts them, as what may lie between.
+Contours that no statement speaks of are left out: they can come last. Only a lag counts them, as what may lie between,
+and a place in the order.
 What moves cross, and seconds, are not asked here (`whole` asks them): a clash found without them is one all the same.
 """
 
@@ -8,14 +9,15 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import assert_never
 
-from ortools.sat.python.cp_model import FEASIBLE, INFEASIBLE, OPTIMAL, CpModel, IntVar, LiteralT
+from ortools.sat.python.cp_model import FEASIBLE, INFEASIBLE, OPTIMAL, UNKNOWN, CpModel, CpSolverStatus, IntVar, LiteralT
 
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.statements import AtLeast, Before, Contiguous, Crossing, Forbid, Lag, NoGood, Precede
+from kerfwise.rules.stating.places import ends_of
 
 from .group import Asked, Group, contours_of
 from .purse import WORK_A_STATEMENT, NotAnswered, Purse
@@ -28,7 +30,10 @@ QUICK = 0.1
 
 @dataclass(frozen=True, eq=False, slots=True)
 class OrderModel:
-    """`position` of the contours that matter, `pick` of their candidates, `holds[k]`: all of group k holds."""
+    """`position` of the contours that matter, `pick` of their candidates, `holds[k]`: all of group k holds.
+
+    `ends` are statements about a place, as `_ends` finds them.
+    """
 
     facts: Facts
     model: CpModel = field(default_factory=CpModel)
@@ -36,6 +41,7 @@ class OrderModel:
     pick: dict[int, IntVar] = field(default_factory=dict)
     order: dict[tuple[int, int], LiteralT] = field(default_factory=dict)
     holds: list[IntVar] = field(default_factory=list)
+    ends: dict[int, tuple[int, bool]] = field(default_factory=dict)
 
     def before(self, i: int, j: int) -> LiteralT:
         """Literal: contour i is cut before contour j."""
@@ -63,14 +69,15 @@ class OrderModel:
 def build(facts: Facts, groups: Sequence[Group]) -> OrderModel:
     """The model in which each group may be switched on by its literal in `holds`."""
     contour_of = [c.contour for c in facts.candidates]
-    mentioned = sorted({k for group in groups for k in contours_of(group, contour_of)})
-    lags = bool(by_kind(s for group in groups for s in group.statements).lag)
-    if not lags:
-        loose = _loose(groups)
-        mentioned = [k for k in mentioned if k not in loose]
-    places = facts.n if lags else len(mentioned)
-    built = OrderModel(facts)
-    built.position.update((k, built.model.new_int_var(0, places - 1, "")) for k in mentioned)
+    ends = _ends(groups, facts.n)
+    rest = [replace(group, statements=tuple(s for s in group.statements if id(s) not in ends)) for group in groups]
+    mentioned = {k for group in rest for k in contours_of(group, contour_of)} | {k for k, _ in ends.values()}
+    counts_all = bool(ends or by_kind(s for group in groups for s in group.statements).lag)
+    if not counts_all:
+        mentioned -= _loose(groups)
+    places = facts.n if counts_all else len(mentioned)
+    built = OrderModel(facts, ends=ends)
+    built.position.update((k, built.model.new_int_var(0, places - 1, "")) for k in sorted(mentioned))
     built.model.add_all_different(built.position.values())
     for group in groups:
         holds = built.model.new_bool_var("")
@@ -78,6 +85,12 @@ def build(facts: Facts, groups: Sequence[Group]) -> OrderModel:
         for statement in group.statements:
             _ask(built, statement, holds)
     return built
+
+
+def _ends(groups: Sequence[Group], n: int) -> dict[int, tuple[int, bool]]:
+    """Of statements (by `id`) that say how many come before or after one contour, this contour, and whether before."""
+    ends = {id(s): ends_of(s, n) for s in by_kind(s for group in groups for s in group.statements).at_least}
+    return {key: found[0] for key, found in ends.items() if found}
 
 
 def _loose(groups: Sequence[Group]) -> set[int]:
@@ -113,6 +126,12 @@ def _ask(built: OrderModel, statement: Asked, holds: IntVar) -> None:
             model.add(at[i] < at[j]).only_enforce_if(holds)
         case Forbid(c):
             model.add_implication(holds, built.candidate(c).negated())
+        case AtLeast() if id(statement) in built.ends:  # a place is one variable, however many contours there are
+            contour, early = built.ends[id(statement)]
+            if early:
+                model.add(at[contour] >= statement.bound).only_enforce_if(holds)
+            else:
+                model.add(at[contour] <= built.facts.n - 1 - statement.bound).only_enforce_if(holds)
         case AtLeast():
             literals = [
                 built.before(lit.i, lit.j) if isinstance(lit, Before) else built.candidate(lit.c)
@@ -165,19 +184,35 @@ def clash(facts: Facts, groups: Sequence[Group], purse: Purse) -> list[int] | No
 
 
 def clash_at_once(facts: Facts, groups: Sequence[Group], purse: Purse) -> list[int] | None:
-    """All the groups by number if it takes next to nothing to see that they cannot all hold; else None.
+    """All the groups by number if they cannot all hold, None if they can, where it takes next to nothing to see which.
 
     With every group fixed, presolve sees most contradictions, which is much faster than asking which groups they need.
+    Where there is none, an order that keeps everything is mostly found without it, before presolve would have ended.
+
+    Raises
+    ------
+    NotAnswered
+        If neither is seen at once, or nothing is left in the purse.
     """
     if not groups:
         return None
+    for presolve in (False, True):
+        answer = _answer(facts, groups, purse, presolve)
+        if answer != UNKNOWN:
+            return list(range(len(groups))) if answer == INFEASIBLE else None
+    raise NotAnswered
+
+
+def _answer(facts: Facts, groups: Sequence[Group], purse: Purse, presolve: bool) -> CpSolverStatus:
+    """Whether all can hold, as far as next to no work tells."""
     built = _built(facts, groups, purse)
     for holds in built.holds:
         built.model.add(holds == 1)
     solver = purse.solver(QUICK)
+    solver.parameters.cp_model_presolve = presolve
     status = solver.solve(built.model)
     purse.spend(solver.response_proto.deterministic_time)
-    return list(range(len(groups))) if status == INFEASIBLE else None
+    return status
 
 
 def _built(facts: Facts, groups: Sequence[Group], purse: Purse) -> OrderModel:

@@ -48,7 +48,7 @@ class Engines:
             raise NotAnswered
         statements = tuple(s for group in groups for s in group.statements)
         try:
-            problem = simplify(make_problem(self.facts, statements, self.home_mm, self.feeds))
+            problem = simplify(make_problem(self.facts, statements, self.home_mm, self.feeds, going=self._going))
         except RulesConflict:
             return list(range(len(groups)))
         options = SolveOptions(work=QUESTION, time_s=min(QUESTION, self.purse.left) if self.purse.timed else None)
@@ -60,6 +60,12 @@ class Engines:
         if not known.infeasible:
             raise NotAnswered
         return list(range(len(groups)))
+
+    def _going(self, share: float) -> bool:
+        """Asked while moves are looked at, as many as there are; there is no answer once nothing is left."""
+        if self.purse.timed and self.purse.left <= 0:
+            raise NotAnswered
+        return True
 
 
 def find_whole_core(engines: Engines, groups: Sequence[Group], gives_way: Mapping[str, int]) -> Core | None:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import permutations
+from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
@@ -68,14 +70,14 @@ def test_a_part_that_was_told_is_not_looked_at_again(monkeypatch: pytest.MonkeyP
     """In a row of twelve every other part goes first: those between lie in strips, and each is told once."""
     row = nest(800, 100, *(part(f"P{k}", rect(10 + 60 * k, 10, 50, 80)) for k in range(12)))
     looked: list[tuple[int, bool]] = []
-    vanishes = strips.Metal._vanishes
+    vanishes = strips.Metal._vanished
 
-    def noted(metal: strips.Metal, q: int, around: Sequence[int]) -> bool:
-        found = vanishes(metal, q, around)
+    def noted(metal: strips.Metal, q: int, core: Any) -> bool:
+        found = vanishes(metal, q, core)
         looked.append((q, bool(metal.told[q])))
         return found
 
-    monkeypatch.setattr(strips.Metal, "_vanishes", noted)
+    monkeypatch.setattr(strips.Metal, "_vanished", noted)
     order = [f"P{k}.outer" for k in (*range(0, 12, 2), *range(1, 12, 2))]
     assert RULE.no_goods(row, order, NoNarrowStripsOptions())
     assert looked
@@ -90,21 +92,22 @@ def test_few_looks_tell_which_of_many_parts_make_a_strip(monkeypatch: pytest.Mon
         *(part(f"P{k}", rect(10 + step * (k % 9), 10 + step * (k // 9), side, side)) for k in range(81)),
     )  # fmt: skip
     middle, looks = 40, list[int]()
-    vanishes = strips.Metal._vanishes
+    vanishes = strips.Metal._vanished
 
-    def noted(metal: strips.Metal, q: int, around: Sequence[int]) -> bool:
+    def noted(metal: strips.Metal, q: int, core: Any) -> bool:
         looks.append(q)
-        return vanishes(metal, q, around)
+        return vanishes(metal, q, core)
 
     metal = next(iter(strips._grounds(field, 60.0, 25.0)[0].values()))
     metal.out[:] = True
     metal.out[middle] = False
     around = metal._around(middle)
-    assert len(around) > 40
-    monkeypatch.setattr(strips.Metal, "_vanishes", noted)
-    needed = metal._fewest(middle, around)
-    assert len(looks) < len(around) / 2
-    assert vanishes(metal, middle, needed)
+    out = np.arange(len(around.parts))
+    assert len(out) > 20
+    monkeypatch.setattr(strips.Metal, "_vanished", noted)
+    needed = np.flatnonzero(np.isin(around.parts, metal._fewest(middle, around, out)))
+    assert len(looks) < len(out) / 2
+    assert metal._would_vanish(middle, around, needed)
     for k in needed:
-        without = [m for m in needed if m != k]
-        assert not (metal._on_both_sides(middle, without) and vanishes(metal, middle, without))
+        without = needed[needed != k]
+        assert not (metal._on_both_sides(around, without) and metal._would_vanish(middle, around, without))

@@ -50,7 +50,12 @@ def statements(draw: st.DrawFn, n: int = 4, most: int = 6) -> list[Asked]:
         about = About(draw(st.sampled_from(RULES)), (), f"statement {k}")
         i, j = draw(st.permutations(range(n)))[:2]
         candidate = draw(st.integers(0, 2 * n - 1))
-        match draw(st.sampled_from(["precede", "forbid", "at least", "together", "lag", "no-good"])):
+        match draw(st.sampled_from(["precede", "forbid", "at least", "together", "lag", "no-good", "place"])):
+            case "place":
+                others = [k for k in range(n) if k != i]
+                early = draw(st.booleans())
+                ends = tuple(Before(k, i) if early else Before(i, k) for k in others)
+                made.append(AtLeast(ends, (1,) * (n - 1), draw(st.integers(0, n)), about))
             case "forbid":
                 made.append(Forbid(candidate, about))
             case "at least":
