@@ -52,7 +52,7 @@ def solve(
     missing; the problem is solved again with them until there are none. A bound proven before all are known is a
     bound all the same: the missing ones can only add to the cost. `look_s` is how long the first look will take, as
     far as anyone can tell: a limit in seconds keeps so much of itself for it. The last plan is looked at to the end,
-    whatever the limit, since nothing else tells its cost; where that takes longer than the limit leaves, a note says so.
+    whatever the limit, since nothing else tells its cost; a note says so where that takes longer than the limit leaves.
 
     Raises
     ------

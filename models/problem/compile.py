@@ -48,8 +48,8 @@ def make_problem(
 
     `earlier` is a problem made of the same facts and some of these statements: the moves that were looked at for it
     need not be looked at again where they are the same, and are not where it left them out. `going` is asked now and
-    then, with the share of the moves that has been looked at; where it says no a soft rule about moves is left out, while
-    for a hard one it can only raise.
+    then, with the share of the moves that has been looked at; where it says no a soft rule about moves is left out. For
+    a hard one it can only raise.
 
     Raises
     ------

@@ -13,13 +13,11 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.nest import Nest
 
 from .placement import host_holes, places
-
-Bools, Floats, Ints = NDArray[np.bool_], NDArray[np.float64], NDArray[np.int64]
 
 ISLAND_STRIPS = 10.0
 """A piece of metal wider than so many strips is a plate of its own, not an island."""

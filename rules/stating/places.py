@@ -34,7 +34,9 @@ def positions(statements: Sequence[Statement], n: int) -> dict[int, int]:
     {1: 2}
     """
     ends = _ends(statements, n)
-    firm = {k: bounds for k, bounds in ends.items() if len(bounds) == 2 and sum(of[0] for of in bounds.values()) == n - 1}
+    firm = {
+        k: bounds for k, bounds in ends.items() if len(bounds) == 2 and sum(of[0] for of in bounds.values()) == n - 1
+    }
     return {k: bounds[True][0] + 1 for k, bounds in firm.items()}
 
 

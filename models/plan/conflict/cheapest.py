@@ -28,8 +28,8 @@ MOST_SETS, MOST_PLANS = 20_000, 60
 WORK = 2.0
 """Work for one plan."""
 SHARE, MOVES = 0.25, 0.2
-"""Where seconds are counted, share of them for one plan at the most; share of that which looking at moves over parts that
-are out may take."""
+"""Where seconds are counted, share of them for one plan at the most; share of that for looking at moves over parts that
+are out."""
 
 
 def cheapest(
@@ -38,35 +38,41 @@ def cheapest(
     found: Sequence[About],
     clashes: Collection[frozenset[About]],
     gives_way: Mapping[str, int],
-) -> tuple[About, ...]:
-    """What should give way in place of `found`: as many statements, no more of them locks, and one of each clash."""
-    sets = [given for given in _sets(found, clashes) if set(given) != set(found)]
+) -> tuple[tuple[About, ...], bool]:
+    """What should give way in place of `found`: as many statements, no more of them locks, and one of each clash.
+
+    And whether all such sets were compared.
+    """
+    ways, whole = _sets(found, clashes)
+    sets = [given for given in ways if set(given) != set(found)]
     if not sets:
-        return tuple(found)
+        return tuple(found), whole
     purse, began = engines.purse, engines.purse.left
     best, (cost, first) = tuple(found), _cost(engines, statements, found, gives_way)
     took = began - purse.left
     for given in sets:
         if purse.left <= 0 or (purse.timed and purse.left < took):
-            break
+            return best, False
         other, problem = _cost(engines, statements, given, gives_way, first)
         alike = first is None or problem is None or first.left_out == problem.left_out
         if other is not None and alike and (cost is None or other < cost):
             best, cost, first = given, other, problem
-    return best
+    return best, whole
 
 
-def _sets(found: Sequence[About], clashes: Collection[frozenset[About]]) -> list[tuple[About, ...]]:
+def _sets(found: Sequence[About], clashes: Collection[frozenset[About]]) -> tuple[list[tuple[About, ...]], bool]:
+    """Sets that may give way, and whether they are all there are."""
     pool = sorted(set().union(*clashes), key=lambda about: (about.rule, about.sentence))
     if comb(len(pool), len(found)) > MOST_SETS:
-        return []
+        return [], False
     locks = _locks(found)
     hitting = (
         given
         for given in combinations(pool, len(found))
         if _locks(given) <= locks and all(not clash.isdisjoint(given) for clash in clashes)
     )
-    return list(islice(hitting, MOST_PLANS))
+    sets = list(islice(hitting, MOST_PLANS + 1))
+    return sets[:MOST_PLANS], len(sets) <= MOST_PLANS
 
 
 def _locks(abouts: Collection[About]) -> int:

@@ -34,6 +34,8 @@ from .whole import Engines, find_whole_core
 MOST = 20
 CORE = 0.6
 """Share of what may be spent that goes into what contradicts what; the rest goes into the way out of it."""
+PLANS = 4.0
+"""Where seconds are counted, plans are compared only if so many times as many are left as the last look took."""
 NO_HELP = "no rule that may give way helps: change the locks or the nest"
 
 
@@ -44,7 +46,7 @@ class Conflict:
     Without any one of `clash` the others of it could hold (unless `minimal` is False); with `alone` none of them can be
     met by any plan, whatever the others ask. `relax` is what must give way
     so that *all* rules can hold: None where nothing that may give way helps or none was found, and then `stuck` says
-    which. `notes` are what no statement says.
+    which. `notes` are what no statement says. Unless `compared`, other statements, as few, may leave a cheaper plan.
     """
 
     clash: tuple[About, ...]
@@ -53,6 +55,7 @@ class Conflict:
     stuck: str = ""
     notes: tuple[str, ...] = ()
     alone: bool = False
+    compared: bool = True
 
     @property
     def contours(self) -> tuple[str, ...]:
@@ -75,7 +78,7 @@ class Conflict:
         if self.relax is None:
             yield self.stuck
             return
-        yield "the cheapest way out:"
+        yield "the cheapest way out:" if self.compared else "a way out (which one costs least was not compared):"
         by_rule: dict[str, list[About]] = {}
         for about in self.relax:
             by_rule.setdefault(about.rule, []).append(about)
@@ -101,7 +104,7 @@ def find_conflict(facts: Facts, profile: Profile, purse: Purse | None = None) ->
     finder = _Finder(facts, profile, purse)
     if alone := hopeless(statements):
         stuck, relax = _way_out_or_why_none(facts, profile, statements, finder)
-        return Conflict(alone, True, relax, stuck, tuple(unread_files(profile)), alone=True)
+        return Conflict(alone, True, relax, stuck, tuple(unread_files(profile)), alone=True, compared=finder.compared)
     core = finder.core(hard_groups(_asked(facts, profile, statements)), purse.part(CORE))
     if core is None:
         return None
@@ -110,7 +113,7 @@ def find_conflict(facts: Facts, profile: Profile, purse: Purse | None = None) ->
     clashing = by_kind(s for group in core.groups for s in group.statements)
     forbidden = {s.candidate for s in clashing.forbid}
     notes = (*_only_ways(facts, profile, forbidden), *unread_files(profile))
-    return Conflict(clash, core.minimal, relax, stuck, notes)
+    return Conflict(clash, core.minimal, relax, stuck, notes, compared=finder.compared)
 
 
 def state_relaxed(facts: Facts, profile: Profile, *, reads_files: bool = False, purse: Purse | None = None) -> Stated:
@@ -141,12 +144,14 @@ def state_relaxed(facts: Facts, profile: Profile, *, reads_files: bool = False, 
 class _Finder:
     """Finds contradictions, with so much work of the engines in all, and no more than the purse holds.
 
-    With `trusting`, what the engines show nothing of counts as none: whoever solves will see.
+    With `trusting`, what the engines show nothing of counts as none: whoever solves will see. `compared` says whether
+    plans were made for every way out that is as short as the one found.
     """
 
     def __init__(self, facts: Facts, profile: Profile, purse: Purse, trusting: bool = False) -> None:
         self.facts, self.gives_way, self.trusting, self.purse = facts, _gives_way(profile), trusting, purse
         self.engines = Engines(facts, profile.home_on(facts.nest), feeds_of(profile), purse=purse)
+        self.compared = True
 
     def core(self, groups: Sequence[Group], part: Purse | None = None) -> Core | None:
         """A contradiction, on order and entries alone where there is one, within a part of the purse.
@@ -191,6 +196,7 @@ def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement], fi
     clashes: list[frozenset[About]] = []
     more = 0
     while True:
+        began = finder.purse.left
         left = soften(statements, out)
         try:
             groups = hard_groups(_asked(facts, profile, left))
@@ -203,8 +209,12 @@ def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement], fi
             raise RulesConflict(NO_HELP)
         if not found.groups:
             first = out[: len(out) - more]
+            if finder.purse.timed and finder.purse.left < PLANS * (began - finder.purse.left):
+                finder.compared = not more
+                return tuple(out)
             left = soften(statements, first)
-            return (*first, *cheapest(finder.engines, left, out[len(first) :], clashes, _gives_way(profile)))
+            best, finder.compared = cheapest(finder.engines, left, out[len(first) :], clashes, _gives_way(profile))
+            return (*first, *best)
         more += len(found.groups)
         clashes += found.clashes
         out += [group.about for group in found.groups]

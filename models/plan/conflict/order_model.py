@@ -12,7 +12,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import assert_never
 
-from ortools.sat.python.cp_model import FEASIBLE, INFEASIBLE, OPTIMAL, UNKNOWN, CpModel, CpSolverStatus, IntVar, LiteralT
+from ortools.sat.python.cp_model import (
+    FEASIBLE,
+    INFEASIBLE,
+    OPTIMAL,
+    UNKNOWN,
+    CpModel,
+    CpSolverStatus,
+    IntVar,
+    LiteralT,
+)
 
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.rules.by_kind import by_kind
@@ -20,6 +29,7 @@ from kerfwise.rules.statements import AtLeast, Before, Contiguous, Crossing, For
 from kerfwise.rules.stating.places import ends_of
 
 from .group import Asked, Group, contours_of
+from .likely_order import likely_order
 from .purse import WORK_A_STATEMENT, NotAnswered, Purse
 
 WORK = 20.0
@@ -208,11 +218,33 @@ def _answer(facts: Facts, groups: Sequence[Group], purse: Purse, presolve: bool)
     built = _built(facts, groups, purse)
     for holds in built.holds:
         built.model.add(holds == 1)
+    _hint(built, groups)
     solver = purse.solver(QUICK)
     solver.parameters.cp_model_presolve = presolve
     status = solver.solve(built.model)
     purse.spend(solver.response_proto.deterministic_time)
     return status
+
+
+def _hint(built: OrderModel, groups: Sequence[Group]) -> None:
+    """Has an order tried first that keeps what is asked of places and of what comes before what."""
+    whole = range(built.facts.n) if built.ends else sorted(built.position)
+    number = {contour: k for k, contour in enumerate(whole)}
+    kinds = by_kind(s for group in groups for s in group.statements)
+    orders = [(number[s.before], number[s.after]) for s in kinds.precede]
+    earliest: dict[int, int] = {}
+    latest: dict[int, int] = {}
+    for s in kinds.at_least:
+        if id(s) in built.ends:
+            contour, early = built.ends[id(s)]
+            k = number[contour]
+            if early:
+                earliest[k] = max(earliest.get(k, 0), s.bound)
+            else:
+                latest[k] = min(latest.get(k, built.facts.n - 1), built.facts.n - 1 - s.bound)
+    if places := likely_order(len(number), orders, earliest, latest):
+        for contour, position in built.position.items():
+            built.model.add_hint(position, places[number[contour]])
 
 
 def _built(facts: Facts, groups: Sequence[Group], purse: Purse) -> OrderModel:

@@ -42,9 +42,9 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> Any:
     profile = load_profile()
     asked = ask(facts_of(TWO, profile), profile)
 
-    def run(geometry: Geometry, time_s: float | None = None) -> Solution:
+    def run(geometry: Geometry, time_s: float | None = None, look_s: float = 0.0) -> Solution:
         monkeypatch.setattr(rounds, "Watch", partial(Watch, clock=geometry.clock))
-        return rounds.solve(asked.facts, asked.stated.statements, SolveOptions(time_s=time_s), None, geometry)
+        return rounds.solve(asked.facts, asked.stated.statements, SolveOptions(time_s=time_s), None, geometry, look_s)
 
     return run
 
@@ -63,6 +63,24 @@ def test_no_round_is_begun_whose_look_would_end_after_the_time_limit(solved: Any
     assert geometry.looks == looks
     assert found.seconds == looks * look_s
     assert found.notes[-1].endswith(f"the limit leaves no further round that ends with a look of {look_s:.1f} s")
+
+
+@pytest.mark.parametrize(("look_s", "most_s"), [(0.0, 7.0), (5.0, 5.0), (20.0, 2.0)])
+def test_time_is_kept_for_a_look_that_is_known_to_be_long(
+    solved: Any, monkeypatch: pytest.MonkeyPatch, look_s: float, most_s: float
+) -> None:
+    """The first round ends in time for the look; a fifth of the limit it has in any case."""
+    rounds_s: list[float | None] = []
+    run = rounds.run_portfolio
+
+    def noted(problem: Any, options: SolveOptions, *rest: Any) -> Any:
+        rounds_s.append(options.time_s)
+        return run(problem, options, *rest)
+
+    monkeypatch.setattr(rounds, "run_portfolio", noted)
+    found = solved(Geometry(look_s, finds=0), time_s=10.0, look_s=look_s)
+    assert rounds_s == [most_s]
+    assert bool([note for note in found.notes if "more than was left of the limit" in note]) == (look_s > 10.0)
 
 
 def test_what_is_found_last_is_priced(solved: Any) -> None:

@@ -1,0 +1,29 @@
+"""How long a look at an order takes is known about beforehand."""
+
+from __future__ import annotations
+
+import pytest
+
+from kerfwise.jobs.ask import facts_of
+from kerfwise.rules.judging import strips
+from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.stating.lazy import look_takes_s
+from kerfwise.tests.nests import nest, part, rect
+
+
+def test_a_look_takes_about_as_long_as_its_beginning_tells(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A second a cut: what is told lies between once and twice what a whole look takes."""
+    parts = 100
+    row = nest(20 + 60 * parts, 100, *(part(f"P{k}", rect(20 + 60 * k, 20, 40, 60)) for k in range(parts)))
+    profile = load_profile()
+    facts = facts_of(row, profile)
+    looked = [0]
+    cut = strips.Metal.cut
+
+    def counted(metal: strips.Metal, p: int):
+        looked[0] += 1
+        return cut(metal, p)
+
+    monkeypatch.setattr(strips.Metal, "cut", counted)
+    assert parts <= look_takes_s(facts, profile, lambda: looked[0]) <= 2 * parts
+    assert looked[0] < parts / 2
