@@ -126,5 +126,9 @@ def _solved(
         return solve_minizinc(facts, profile, stated, limits, solver, refine, progress)
     from kerfwise.models.engines.rounds import solve
 
-    look_s = 0.0 if limits.time_s is None else look_takes_s(facts, profile)
+    look_s = 0.0
+    if limits.time_s is not None:
+        began_s = time.monotonic()
+        look_s = look_takes_s(facts, profile)
+        limits = replace(limits, time_s=max(limits.time_s - (time.monotonic() - began_s), limits.time_s / 2))
     return solve(facts, (*stated.statements, *further), limits, progress, refine, look_s)
