@@ -118,19 +118,27 @@ def read_program_of(path: str, given: Given) -> NcProgram:
 
 
 def program_text(path: str) -> str:
-    """The text of an NC program.
+    """The text of an NC program, its line ends as they are in the file.
 
     Raises
     ------
     InputError
-        If there is none to read.
+        If there is none to read; with the place, if it is not UTF-8.
     """
     try:
-        return Path(path).read_text(encoding="utf-8")
+        data = Path(path).read_bytes()
     except OSError as error:
         raise InputError(f"cannot read the program: {error.strerror}", file=path) from None
-    except UnicodeDecodeError:
-        raise InputError("not an NC program: the file is not text", file=path) from None
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        before = data[: error.start]
+        raise InputError(
+            f"not an NC program: byte 0x{data[error.start]:02X} is no text in UTF-8; save the program as UTF-8 or ASCII",
+            file=path,
+            line=before.count(b"\n") + 1,
+            column=len(before[before.rfind(b"\n") + 1 :].decode("utf-8")) + 1,
+        ) from None
 
 
 def _size(text: str) -> tuple[float, float]:

@@ -107,7 +107,7 @@ def test_wrong_input(files: tuple[Path, Path], tmp_path: Path) -> None:
     assert (missing.code, missing.out) == (2, "")
     assert "cannot read the program: No such file" in missing.err
     (tmp_path / "odd.nc").write_text("G1 X5\n")
-    assert "odd.nc:1: G1 with no feed" in kerfwise("time", NEST, tmp_path / "odd.nc").err
+    assert "odd.nc:1:1: a line or an arc with no feed" in kerfwise("time", NEST, tmp_path / "odd.nc").err
     other = NEST.with_name("plate40.json")
     assert "the plan was made from another nest" in kerfwise("time", other, files[0]).err
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from kerfwise.postproc.check.program_rules import TOLERANCE_MM
 
+from .grammar import ROUNDING
 from .words import Block
 
 _ASKED: dict[str, frozenset[float]] = {
@@ -15,8 +16,8 @@ _ASKED: dict[str, frozenset[float]] = {
     "how it counts their centres (G91.1 or G90.1)": frozenset({90.1, 91.1}),
     "that the control leaves the kerf alone (G40)": frozenset({40.0}),
     "what F means (G94)": frozenset({94.0}),
-    f"how near the control keeps to the path (G61, or G64 with a P of at most {TOLERANCE_MM:g} mm)": frozenset(
-        {61.0, 61.1, 64.0}
+    f"how near the control keeps to the path (G61, or G64 with P, and Q, of at most {TOLERANCE_MM:g} mm)": frozenset(
+        {61.0, 61.1, ROUNDING}
     ),
 }
 
@@ -30,15 +31,21 @@ class Modes:
     def said(self, block: Block, unit_mm: float) -> None:
         """Take note of the G words of a block. G64 that lets the torch round corners off more than is allowed unsays.
 
-        `unit_mm` is the length that P is given in.
+        `unit_mm` is the length that P and Q are given in: P is how far it may round a corner, Q how far it may leave
+        out points of a nearly straight path.
         """
         if not block.g:
             return
-        words = set(block.g)
-        if 64.0 in words and not 0 < block.words.get("P", 0.0) * unit_mm <= TOLERANCE_MM * (1 + 1e-9):
-            words.discard(64.0)
-            self.left |= {name: codes for name, codes in _ASKED.items() if 64.0 in codes}
+        words = {word.value for word in block.g}
+        if ROUNDING in words and not self._near(block, unit_mm):
+            words.discard(ROUNDING)
+            self.left |= {name: codes for name, codes in _ASKED.items() if ROUNDING in codes}
         self.left = {name: codes for name, codes in self.left.items() if not codes & words}
+
+    @staticmethod
+    def _near(block: Block, unit_mm: float) -> bool:
+        most = TOLERANCE_MM * (1 + 1e-9)
+        return 0 < block.of("P") * unit_mm <= most and block.of("Q") * unit_mm <= most
 
     def missing(self) -> str:
         """What is missing, as a list for a sentence; empty from then on, until something is unsaid."""

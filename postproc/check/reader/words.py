@@ -1,15 +1,47 @@
-"""Blocks of an RS274 program as words: letters with numbers, comments apart."""
+"""Words of a row: a letter with a number, each bounded."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from kerfwise.encoder.errors import InputError
 
-_WORD = re.compile(r"([A-Z$])([-+]?(?:\d+\.?\d*|\.\d+))")
-_LETTERS = frozenset("NGMXYZIJRFSPLQEDHT$")
+from .comments import Row
+
+_WORD = re.compile(r"(?P<letter>[A-Z$])(?P<number>[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))")
+_LINE_NUMBER = re.compile(r"N[0-9]{1,9}(?:\.[0-9]{1,9})?(?![0-9.])")
+_WHOLE = re.compile(r"[0-9]{1,3}(?:\.0*)?")
+_TENTHS = re.compile(r"[0-9]{1,3}(?:\.[0-9]?0*)?")
+_PLACE = (-1e5, 1e5)
+BOUNDS: Mapping[str, tuple[float, float]] = {
+    "X": _PLACE, "Y": _PLACE, "I": _PLACE, "J": _PLACE, "R": _PLACE,
+    "F": (0.0, 1e6), "S": (0.0, 1e6), "P": (0.0, 3600.0), "Q": (0.0, 1e4), "E": (0.0, 63.0), "$": (-1.0, 2.0),
+    "D": (0.0, 1e4), "H": (0.0, 1e4), "L": (0.0, 1e4), "T": (0.0, 1e4),
+}  # fmt: skip
+"""The letters that are read, besides G, M and N, and the least and greatest number of each, in the program's units."""
+_NOT_READ: Mapping[str, str] = {
+    "Z": "the machine keeps its height by itself, and a height in the program is not checked; post the program without",
+    "O": "subroutines and loops are not checked; post the program without them, every move written out",
+    "/": "whether an optional block (/) runs is set on the machine; delete the line, or its /",
+    "#": "parameters are not checked; post the program with plain numbers",
+    "=": "parameters are not checked; post the program with plain numbers",
+    "[": "expressions are not checked; post the program with plain numbers",
+    "@": "polar coordinates are not checked; post the program with X and Y",
+    "^": "polar coordinates are not checked; post the program with X and Y",
+    "K": "arcs outside the XY plane are not checked; post the program with I and J only",
+} | dict.fromkeys("ABCUVW", "only the axes X and Y are checked; post the program for these")  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """A letter with its number, as text too, and the column it begins in, from 1."""
+
+    letter: str
+    value: float
+    text: str
+    column: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,88 +49,88 @@ class Block:
     """One line: its G and M words, its other words by letter, and its comments; `line` counts from 1."""
 
     line: int
-    g: tuple[float, ...]
-    m: tuple[float, ...]
-    words: Mapping[str, float]
+    g: tuple[Word, ...] = ()
+    m: tuple[Word, ...] = ()
+    words: Mapping[str, Word] = field(default_factory=dict)
     comments: tuple[str, ...] = ()
 
+    def of(self, letter: str, else_: float = 0.0) -> float:
+        """The number of a letter."""
+        word = self.words.get(letter)
+        return else_ if word is None else word.value
 
-def read_blocks(text: str) -> Iterator[Block]:
-    """The blocks of a program up to the closing %, if it has one; empty lines are left out.
+    def has_g(self, *codes: float) -> bool:
+        """Whether one of these G words is there."""
+        return any(word.value in codes for word in self.g)
+
+    def refused(self, message: str, word: Word | None = None) -> InputError:
+        """An error with the place of a word, else of the line's first."""
+        shown = word or min((*self.g, *self.m, *self.words.values()), key=lambda w: w.column, default=None)
+        return InputError(message, line=self.line, column=shown.column if shown else None)
+
+
+def block_of(row: Row, line: int) -> Block:
+    """The words of a row.
 
     Raises
     ------
     InputError
-        With the line, for anything that is not a comment or a word this check understands: it refuses rather than
-        guesses, because what it skips it would not have checked.
+        With line and column, for anything that is no word known here, or whose number is out of bounds: what the check
+        skipped it would not have checked.
 
     Examples
     --------
-    >>> [block.words for block in read_blocks("N10 g1 x 10.5 Y-.5 (to the corner)")]
-    [{'N': 10.0, 'X': 10.5, 'Y': -0.5}]
+    >>> from .comments import row_of
+    >>> block = block_of(row_of("N10 g1 x 10.5 Y-.5", 1), 1)
+    >>> [word.text for word in block.g], [word.value for word in block.words.values()]
+    (['G1'], [10.5, -0.5])
     """
-    percent = 0
-    for line, raw in enumerate(text.splitlines(), 1):
-        code, comments = _without_comments(raw, line)
-        code = re.sub(r"\s+", "", code).upper()
-        if code == "%":
-            percent += 1
-            if percent == 2:  # ends a program as M2 does
-                yield Block(line, (), (2.0,), {})
-                return
-        elif code or comments:
-            yield _block(line, code, comments)
-
-
-def _without_comments(raw: str, line: int) -> tuple[str, tuple[str, ...]]:
-    if "(" not in raw and ")" not in raw:
-        code, _, rest = raw.partition(";")
-        return code, (rest.strip(),) if rest.strip() else ()
-    comments: list[str] = []
-    code = ""
-    rest = raw
-    while rest:
-        here = re.search(r"[();]", rest)
-        if here is None:
-            return code + rest, tuple(comments)
-        code += rest[: here.start()]
-        if here[0] == ";":
-            comments.append(rest[here.end() :].strip())
-            break
-        body, closing, after = rest[here.end() :].partition(")")
-        if here[0] == ")" or not closing:
-            raise InputError("a comment is not closed, or closed without being opened", line=line)
-        if "(" in body:
-            raise InputError("a comment inside a comment; controls refuse it", line=line)
-        comments.append(body.strip())
-        rest = after
-    return code, tuple(comments)
-
-
-def _block(line: int, code: str, comments: tuple[str, ...]) -> Block:
-    if code.startswith("/"):
-        raise InputError(
-            "an optional block (/): whether it runs is set on the machine, so it cannot be checked", line=line
-        )
-    if code.startswith("O"):
-        raise InputError("an O word: subroutines and loops are not checked; post the program without", line=line)
-    g: list[float] = []
-    m: list[float] = []
-    words: dict[str, float] = {}
-    at = 0
-    for found in _WORD.finditer(code):
-        if found.start() != at or found[1] not in _LETTERS:
-            break
+    g: list[Word] = []
+    m: list[Word] = []
+    words: dict[str, Word] = {}
+    code, at = row.code, 0
+    if number := _LINE_NUMBER.match(code):
+        at = number.end()
+    while at < len(code):
+        column = row.columns[at]
+        found = _WORD.match(code, at)
+        if found is None or (found["letter"] not in "GM" and found["letter"] not in BOUNDS):
+            raise InputError(_cannot_read(code, at), line=line, column=column)
+        word = Word(found["letter"], float(found["number"]), found[0], column)
         at = found.end()
-        letter, value = found[1], float(found[2])
-        if letter == "G":
-            g.append(value)
-        elif letter == "M":
-            m.append(value)
-        elif letter in words:
-            raise InputError(f"two {letter} words in one block", line=line)
-        else:
-            words[letter] = value
-    if at != len(code):
-        raise InputError(f"cannot read '{code[at : at + 30]}': expected a word such as X12.5", line=line)
-    return Block(line, tuple(g), tuple(m), words, comments)
+        if word.letter in "GM":
+            if not (_TENTHS if word.letter == "G" else _WHOLE).fullmatch(found["number"]):
+                raise InputError(
+                    f"{word.text} spelt so is not supported here; write it as in the control's manual, such as G1 or "
+                    "M3",
+                    line=line,
+                    column=column,
+                )
+            (g if word.letter == "G" else m).append(word)
+            continue
+        if word.letter in words:
+            raise InputError(f"two {word.letter} words in one block; delete one", line=line, column=column)
+        low, high = BOUNDS[word.letter]
+        if not low <= word.value <= high:
+            raise InputError(
+                f"{word.text} is not supported here: expected {word.letter} from {low:g} to {high:g}",
+                line=line,
+                column=column,
+            )
+        words[word.letter] = word
+    return Block(line, tuple(g), tuple(m), words, row.comments)
+
+
+def _cannot_read(code: str, at: int) -> str:
+    shown = code[at : at + 20]
+    if (why := _NOT_READ.get(code[at])) and (code[at] not in "O/" or at == 0):
+        return f"'{shown}' is not supported here: {why}"
+    if code[at] == "N":
+        return (
+            f"'{shown}': expected a line number such as N10, at the beginning of the line, whole and of nine digits at "
+            "most; any other is not supported here"
+        )
+    return (
+        f"cannot read '{shown}': expected a word such as X12.5, a letter and a plain number; anything else is not "
+        "supported here"
+    )

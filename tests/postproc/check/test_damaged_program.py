@@ -163,7 +163,7 @@ def test_the_way_home_is_missing() -> None:
         ("G91.1 ", "how it counts their centres (G91.1 or G90.1)"),
         ("G40 ", "that the control leaves the kerf alone (G40)"),
         ("G94", "what F means (G94)"),
-        (" P0.05", "how near the control keeps to the path (G61, or G64 with a P of at most 0.05 mm)"),
+        (" P0.05", "how near the control keeps to the path (G61, or G64 with P, and Q, of at most 0.05 mm)"),
     ],
 )
 def test_nothing_is_left_to_the_state_of_the_control(word: str, says: str) -> None:

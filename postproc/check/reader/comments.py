@@ -1,0 +1,95 @@
+"""Comments of a row apart from its words; those that a control obeys are refused."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from kerfwise.encoder.errors import InputError
+
+_OBEYED = re.compile(
+    r"\s*(?P<word>abort,|debug,|print,|log,|logopen,|logappend,|logclose\s*$|py,|pyrun,|pyreload|probeopen|probeclose)",
+    re.IGNORECASE,
+)
+"""What LinuxCNC's interpreter and its machine do not pass over; `msg,` only shows its text."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A row of a program: `code` are its characters outside comments, without blanks, in capitals.
+
+    `columns` are the places of these characters, from 1; `trailing` says that a comment stands behind words.
+    """
+
+    code: str
+    columns: tuple[int, ...]
+    comments: tuple[str, ...]
+    trailing: bool = False
+
+
+def row_of(text: str, line: int) -> Row:
+    """Take the comments off a row.
+
+    Raises
+    ------
+    InputError
+        With line and column, for a comment that is not closed, is in another, or that the control obeys; for
+        characters that are not ASCII outside comments.
+
+    Examples
+    --------
+    >>> row_of("g1 x 10.5 (to the corner)", 1).code
+    'G1X10.5'
+    """
+    code: list[str] = []
+    columns: list[int] = []
+    comments: list[str] = []
+    trailing, at = False, 0
+    while at < len(text):
+        char, start = text[at], at
+        at += 1
+        if char in "(;":
+            at = _end(text, start, line)
+            body = text[start + 1 : at - 1] if char == "(" else text[start + 1 :]
+            _harmless(body, line, start + 1)
+            if char == "(" or body.strip():
+                comments.append(body.strip())
+            trailing = trailing or bool(code)
+        elif char == ")":
+            raise InputError("a ')' that closes no comment; delete it", line=line, column=at)
+        elif char not in " \t":
+            if not char.isascii():
+                raise InputError(
+                    f"'{char}' (U+{ord(char):04X}) outside a comment, at which the control stops; write it in ASCII",
+                    line=line,
+                    column=at,
+                )
+            code.append(char.upper())
+            columns.append(at)
+    return Row("".join(code), tuple(columns), tuple(comments), trailing)
+
+
+def _end(text: str, start: int, line: int) -> int:
+    """Where the comment that begins at `start` has ended."""
+    if text[start] == ";":
+        return len(text)
+    end, inner = text.find(")", start), text.find("(", start + 1)
+    if 0 <= inner < end or (end < 0 and inner >= 0):
+        raise InputError(
+            "a comment inside a comment, at which the control stops; take the inner ( and ) out",
+            line=line,
+            column=inner + 1,
+        )
+    if end < 0:
+        raise InputError("the comment is not closed; write ) at its end", line=line, column=start + 1)
+    return end + 1
+
+
+def _harmless(body: str, line: int, column: int) -> None:
+    if found := _OBEYED.match(body):
+        raise InputError(
+            f"the comment '{body.strip()[:40]}' is a command to the control ({found['word'].strip(' ,').upper()}), not "
+            "supported here; take it out, or begin the comment with another word",
+            line=line,
+            column=column,
+        )

@@ -1,0 +1,65 @@
+"""The rows of a program as its control splits them: at LF and CRLF, and nowhere else."""
+
+from __future__ import annotations
+
+import unicodedata
+from collections.abc import Iterator
+
+from kerfwise.encoder.errors import InputError
+
+LONGEST = 252
+"""Bytes of a row without its LF: LinuxCNC stops at a longer one, in the middle of a sheet (`LINELEN` in its source)."""
+_NEVER_SHOWN = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})
+"""Unicode categories of controls, of marks that turn or join text, of halves of characters, and of separators."""
+
+
+def rows_of(text: str) -> Iterator[tuple[int, str]]:
+    """The rows, numbered from 1, without their line ends.
+
+    Raises
+    ------
+    InputError
+        With line and column, for a row that is too long, and for characters that programs treat differently.
+
+    Examples
+    --------
+    >>> list(rows_of("G21\\r\\nM2\\n"))
+    [(1, 'G21'), (2, 'M2')]
+    """
+    rows = text.split("\n")
+    for line, row in enumerate(rows, 1):
+        if line == len(rows):  # what follows the last LF
+            if row:
+                yield line, _plain(row, line, 0)
+        else:
+            bare = row.removesuffix("\r")
+            yield line, _plain(bare, line, len(row) - len(bare))
+
+
+def _plain(row: str, line: int, cr: int) -> str:
+    if row.isascii() and row.isprintable() and len(row) + cr <= LONGEST:
+        return row
+    for column, char in enumerate(row, 1):
+        if char != "\t" and unicodedata.category(char) in _NEVER_SHOWN:
+            raise InputError(_found(char), line=line, column=column)
+    if (size := len(row.encode()) + cr) > LONGEST:
+        raise InputError(
+            f"the line has {size} bytes: the control stops at more than {LONGEST}; write it shorter",
+            line=line,
+            column=LONGEST + 1,
+        )
+    return row
+
+
+def _found(char: str) -> str:
+    if char == "\r":
+        return (
+            "a carriage return (CR) in the middle of a line: some programs end the line there, the control does not; "
+            "not supported here; save the program with line ends LF or CRLF"
+        )
+    if char == "\ufeff":
+        return "a byte order mark (U+FEFF), at which the control stops; save the program as UTF-8 without it"
+    return (
+        f"the character U+{ord(char):04X}, which is not shown and which programs treat differently; not supported "
+        "here; delete it"
+    )

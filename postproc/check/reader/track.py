@@ -1,0 +1,117 @@
+"""What the torch has done so far: its burns, its ways between them, and the time that took."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point, Segment
+
+from .program import Burn, Fault, Stretch
+
+
+@dataclass(slots=True)
+class _Open:
+    """A burn that has not ended yet."""
+
+    tool: int
+    line: int
+    start_s: float
+    rows: list[tuple[float, float, float]]
+    comment: str
+    travels_mm: tuple[float, ...]
+    wait_s: float
+    held_s: float = 0.0
+    pierce_s: float = 0.0
+    paused_s: float = 0.0
+    feeds_mm_s: set[float] = field(default_factory=set)
+
+
+@dataclass(slots=True)
+class Track:
+    """Where the torch is and has been; `travel_mm_s` is the speed of rapids."""
+
+    travel_mm_s: float
+    at: Point = (0.0, 0.0)
+    clock_s: float = 0.0
+    idle_mm: float = 0.0
+    moving_s: float = 0.0
+    wait_s: float = 0.0
+    comment: str = ""
+    open: _Open | None = None
+    burns: list[Burn] = field(default_factory=list)
+    hot_rapids: list[Stretch] = field(default_factory=list)
+    slow_travel: list[Stretch] = field(default_factory=list)
+    faults: list[Fault] = field(default_factory=list)
+    travels_mm: list[float] = field(default_factory=list)
+    rapids: list[tuple[int, Point]] = field(default_factory=list)
+
+    def fault(self, line: int, rule: str, text: str) -> None:
+        """Note what the program does wrong."""
+        self.faults.append(Fault(line, rule, text))
+
+    def begin(self, tool: int, line: int, held_s: float = 0.0) -> None:
+        """A tool starts where the torch stands; the control holds it there for `held_s`."""
+        self.open = _Open(
+            tool, line, self.clock_s, [], self.comment, tuple(self.travels_mm), self.wait_s, held_s=held_s
+        )
+        self.clock_s += held_s
+        self.travels_mm.clear()
+        self.wait_s = 0.0
+
+    def close(self) -> None:
+        """End the burn that is going on, if any; one that did not move is a hole and is kept."""
+        if self.open is None:
+            return
+        o, path = self.open, Curve.of([*self.open.rows, (*self.at, 0.0)], closed=False)
+        feeds_mm_s = tuple(sorted(o.feeds_mm_s))
+        self.burns.append(
+            Burn(
+                o.tool, o.line, path, o.start_s, self.clock_s, o.comment, o.travels_mm, o.pierce_s, o.paused_s,
+                feeds_mm_s, o.wait_s, o.held_s,
+            )
+        )  # fmt: skip
+        self.open = None
+
+    def wait(self, seconds: float) -> None:
+        """Stand still."""
+        self.clock_s += seconds
+        if self.open is None:
+            self.wait_s += seconds
+        elif self.open.rows:
+            self.open.paused_s += seconds
+        else:
+            self.open.pierce_s += seconds
+
+    def rapid(self, end: Point, line: int) -> None:
+        """Travel; with a tool on that ends a burn and begins another."""
+        length = math.dist(self.at, end)
+        self.clock_s += length / self.travel_mm_s
+        tool = None if self.open is None else self.open.tool
+        if tool is not None and length > 0:
+            self.hot_rapids.append(Stretch(line, length))
+            self.close()
+        self.at = end
+        if tool is None:
+            self._idle(length, line)
+        elif self.open is None:
+            self.begin(tool, line)
+
+    def feed(self, segment: Segment, feed_mm_s: float, line: int) -> None:
+        """Move along a line or an arc at cutting feed."""
+        seconds = segment.length_mm / feed_mm_s
+        self.clock_s += seconds
+        self.at = segment.end
+        if self.open is None:
+            self._idle(segment.length_mm, line)
+            self.slow_travel.append(Stretch(line, segment.length_mm))
+        else:
+            self.moving_s += seconds
+            self.open.feeds_mm_s.add(feed_mm_s)
+            self.open.rows.append((*segment.start, segment.bulge))
+
+    def _idle(self, length_mm: float, line: int) -> None:
+        self.idle_mm += length_mm
+        self.travels_mm.append(length_mm)
+        self.rapids.append((line, self.at))
