@@ -134,7 +134,7 @@ def program_text(path: str) -> str:
     except UnicodeDecodeError as error:
         before = data[: error.start]
         raise InputError(
-            f"not an NC program: byte 0x{data[error.start]:02X} is no text in UTF-8; save the program as UTF-8 or ASCII",
+            f"not an NC program: byte 0x{data[error.start]:02X} is not UTF-8; save the program as UTF-8 or ASCII",
             file=path,
             line=before.count(b"\n") + 1,
             column=len(before[before.rfind(b"\n") + 1 :].decode("utf-8")) + 1,
