@@ -31,6 +31,7 @@ from .closure import close
 from .conditions import Condition, of_at_least, of_no_good, of_soft_precede
 from .crossed_areas import Going
 from .crossings import TooManyMoves, find_crossings, from_home
+from .magnitude import check_magnitude
 from .microns import cost_um, points_um
 from .pace import Pace
 from .problem import Problem, SoftGroup
@@ -55,6 +56,8 @@ def make_problem(
     ------
     RulesConflict
         If the hard orders form a cycle, or a contour has no candidate left.
+    InputError
+        If costs could overflow, see `check_magnitude`.
     """
     contour_of = [c.contour for c in facts.candidates]
     kinds = by_kind(statements)
@@ -94,7 +97,9 @@ def make_problem(
         ids=tuple(c.id for c in facts.nest.contours),
         pace=Pace() if feeds is None else Pace.of(facts, representatives, feeds),
     )
-    return _with_crossings(problem, kinds.crossing, earlier, going)
+    problem = _with_crossings(problem, kinds.crossing, earlier, going)
+    check_magnitude(problem)
+    return problem
 
 
 def _with_crossings(problem: Problem, statements: Sequence[Crossing], earlier: Problem | None, going: Going) -> Problem:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.solution import Progress, SolveOptions
 from kerfwise.models.engines.watch import Watch
+from kerfwise.models.problem.magnitude import check_magnitude
 from kerfwise.models.problem.simplify import simplify
 
 from .instance import Instance
@@ -32,7 +33,14 @@ class Answer:
 
 
 def solve_instance(instance: Instance, options: SolveOptions, progress: Progress | None = None) -> Answer:
-    """The best tour found within the limits."""
+    """The best tour found within the limits.
+
+    Raises
+    ------
+    InputError
+        If the costs of the instance could overflow.
+    """
+    check_magnitude(instance.problem)
     problem = simplify(instance.problem)
     known = run_portfolio(problem, options, Watch(options, progress))
     bound = known.bound_um if known.proved_by else None

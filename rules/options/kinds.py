@@ -21,6 +21,14 @@ from .yaml_positions import is_empty, shape
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,2})?"
 
 
+MOST = 1e9
+"""No number of a profile is larger, whatever it is of."""
+
+
+LONGEST = 60
+"""Characters of a number and its unit."""
+
+
 class Unfit(ValueError):
     """A value that its kind does not accept; the text says what was given and what was expected.
 
@@ -58,17 +66,21 @@ class Kind(ABC):
 
 @dataclass(frozen=True, slots=True)
 class Quantity(Kind):
-    """A number with a unit: `units` are their sizes in the program's own, `bare` is that of a bare number."""
+    """A number with a unit: `units` are their sizes in the program's own, `bare` is that of a bare number.
+
+    Every quantity has an end, `at_most`, far beyond what any plant has: sums of costs then fit the engines' integers.
+    """
 
     name: str
     units: Mapping[str, Fraction]
     bare: str
+    at_most: float
     at_least: float | None = 0.0
     above: float | None = None
     example: str = "1.5"
 
     def read(self, node: yaml.Node) -> float:
-        found = re.fullmatch(rf"\s*({_NUMBER})\s*((?:[a-z/%°][A-Za-z0-9/%]*)?)\s*", _text(node, self))
+        found = re.fullmatch(rf"\s*({_NUMBER})\s*((?:[a-z/%°][A-Za-z0-9/%]*)?)\s*", _digits(node, self))
         if found is None:
             raise self.refuse(node)
         number, unit = found[1], found[2] or self.bare
@@ -77,7 +89,13 @@ class Quantity(Kind):
         value = float(Fraction(number) * self.units[unit])
         if (self.at_least is not None and value < self.at_least) or (self.above is not None and value <= self.above):
             raise self.refuse(node)
+        if abs(value) > self.at_most:
+            most = f"{self._most():g} {self.bare}"
+            raise Unfit(f"expected {self.expected()}, and no more than {most}, got {found[0].strip()!r}", node)
         return value
+
+    def _most(self) -> float:
+        return float(Fraction(self.at_most) / self.units[self.bare])
 
     def write(self, value: float) -> str:
         base = next(unit for unit, size in self.units.items() if size == 1)
@@ -86,7 +104,7 @@ class Quantity(Kind):
         return f"{text} {self.bare}" if exact else f"{value!r} {base}"
 
     def schema(self) -> dict[str, Any]:
-        number: dict[str, Any] = {"type": "number"}
+        number: dict[str, Any] = {"type": "number", "maximum": self._most()}
         if self.at_least is not None:
             number["minimum"] = self.at_least
         if self.above is not None:
@@ -106,6 +124,7 @@ LENGTH = Quantity(
     "a length",
     {"mm": Fraction(1), "cm": Fraction(10), "m": Fraction(1000), "in": Fraction("25.4")},
     "mm",
+    at_most=1e6,
 )
 SPEED = Quantity(
     "a speed",
@@ -117,6 +136,7 @@ SPEED = Quantity(
         "in/min": Fraction("25.4") / 60,
     },
     "mm/min",
+    at_most=1e5,
     at_least=None,
     above=0.0,
     example="2500",
@@ -125,12 +145,15 @@ ACCELERATION = Quantity(
     "an acceleration",
     {"mm/s2": Fraction(1), "m/s2": Fraction(1000), "g": Fraction("9806.65")},
     "m/s2",
+    at_most=1e8,
     at_least=None,
     above=0.0,
 )
-TEMPERATURE = Quantity("a temperature", {"°C": Fraction(1)}, "°C", at_least=-273.15, example="115")
-DURATION = Quantity("a time", {"s": Fraction(1), "ms": Fraction(1, 1000), "min": Fraction(60)}, "s", example="0.5")
-ENERGY = Quantity("an energy", {"kJ": Fraction(1)}, "kJ", example="300")
+TEMPERATURE = Quantity("a temperature", {"°C": Fraction(1)}, "°C", at_most=1e5, at_least=-273.15, example="115")
+DURATION = Quantity(
+    "a time", {"s": Fraction(1), "ms": Fraction(1, 1000), "min": Fraction(60)}, "s", at_most=1e5, example="0.5"
+)
+ENERGY = Quantity("an energy", {"kJ": Fraction(1)}, "kJ", at_most=1e9, example="300")
 
 
 def over_zero(quantity: Quantity) -> Quantity:
@@ -167,7 +190,7 @@ class Number(Kind):
     whole: bool = False
 
     def read(self, node: yaml.Node) -> float | int:
-        text = _text(node, self).strip()
+        text = _digits(node, self).strip()
         if not re.fullmatch(r"[+-]?\d+" if self.whole else _NUMBER, text):
             raise self.refuse(node)
         value = int(text) if self.whole else float(text)
@@ -175,6 +198,8 @@ class Number(Kind):
         high = self.at_most is not None and value > self.at_most
         if low or high:
             raise self.refuse(node)
+        if abs(value) > MOST:
+            raise Unfit(f"expected {self.expected()}, and no more than {MOST:g}, got {text!r}", node)
         return value
 
     def write(self, value: float | int) -> str:
@@ -336,3 +361,11 @@ def _text(node: yaml.Node, kind: Kind) -> str:
     if not isinstance(node, yaml.ScalarNode) or is_empty(node):
         raise kind.refuse(node)
     return str(node.value)
+
+
+def _digits(node: yaml.Node, kind: Kind) -> str:
+    """The text of a number, refused where it is longer than any number is."""
+    text = _text(node, kind)
+    if len(text) > LONGEST:
+        raise Unfit(f"expected {kind.expected()}, got a text of {len(text)} characters", node)
+    return text

@@ -75,4 +75,4 @@ class LengthOrTable(Quantity):
         return f"{Quantity.expected(self)}, or a table by thickness such as {{6 mm: 6 mm, 12 mm: 10 mm}}"
 
 
-LENGTH_OR_TABLE = LengthOrTable(LENGTH.name, LENGTH.units, LENGTH.bare)
+LENGTH_OR_TABLE = LengthOrTable(LENGTH.name, LENGTH.units, LENGTH.bare, LENGTH.at_most)

@@ -103,15 +103,22 @@ def test_refuses(kind: Kind, text: str, message: str) -> None:
     assert str(caught.value) == message
 
 
+@pytest.mark.parametrize("kind", [LENGTH, SPEED, DURATION, Number(), Number(0, whole=True)], ids=repr)
+@pytest.mark.parametrize("text", ["2000000000", "9" * 5000, "2000000000.5 m"])
+def test_no_number_is_so_large_that_sums_could_overflow(kind: Kind, text: str) -> None:
+    with pytest.raises(Unfit):
+        kind.read(yaml.compose(text, Loader=yaml.SafeLoader))  # type: ignore[arg-type]
+
+
 numbers = st.floats(-1e6, 1e6).filter(lambda x: x == 0 or abs(x) > 1e-9)
 
 
-@given(numbers.map(abs), st.sampled_from([LENGTH, DURATION]))
+@given(numbers.map(lambda x: abs(x) / 10), st.sampled_from([LENGTH, DURATION]))
 def test_quantity_reads_back(value: float, kind: Kind) -> None:
     assert read(kind, kind.write(value)) == value
 
 
-@given(st.floats(1e-6, 1e6))
+@given(st.floats(1e-6, 1e5))
 def test_speed_reads_back(value: float) -> None:
     assert read(SPEED, SPEED.write(value)) == value
 

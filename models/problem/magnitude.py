@@ -1,0 +1,67 @@
+"""No sum overflows: what the dearest plan could cost is added up in Python's own integers before any engine begins."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+
+import numpy as np
+
+from kerfwise.encoder.errors import InputError
+
+from .microns import cost_um
+from .problem import Problem
+
+MOST_UM = 10**13
+"""10,000 km of idle travel: below it every engine's sums are exact, those in doubles included."""
+
+TRAVEL = "objective.idle, objective.time and machine.home"
+
+
+def dearest_um(problem: Problem) -> dict[str, int]:
+    """What a plan can cost at most, whole µm, not tight: of idle travel, and of each rule that has a price."""
+    found: dict[str, int] = defaultdict(int)
+    found[TRAVEL] = (problem.n + 1) * _longest_um(problem)
+    sites = problem.site_cost
+    for contour in range(problem.n):
+        span = problem.sites(contour)
+        found["entries that a soft rule forbids"] += int(sites[span.start : span.stop].max(initial=0))
+    for c in problem.conditions:
+        found[c.about.rule] += c.cost or 0
+    for g in problem.soft_groups:
+        found[g.about.rule] += g.cost * (len(g.contours) - 1)
+    for lag in problem.lags:
+        if lag.weight is not None:
+            found[lag.about.rule] += cost_um(lag.weight) * lag.cuts + round(lag.weight) * round(lag.seconds * 1000)
+    for s in problem.general:
+        found[s.about.rule] += 0 if s.weight is None else cost_um(s.weight)
+    if len(problem.crossings):  # of the areas that a move crosses each is charged once
+        found["idle travel over parts that are out"] += (
+            (problem.n + 1) * problem.n * max(0, int(problem.crossings.cost.max()))
+        )
+    return dict(found)
+
+
+def check_magnitude(problem: Problem) -> None:
+    """Refuse a problem whose costs could overflow.
+
+    Raises
+    ------
+    InputError
+        If the dearest plan could cost more than `MOST_UM`; names what most of it comes from.
+    """
+    found = dearest_um(problem)
+    if sum(found.values()) > MOST_UM:
+        most = max(found, key=lambda name: found[name])
+        key = most if most == TRAVEL else f"weight of {most}"
+        raise InputError(
+            f"a plan could cost {sum(found.values()) / 1e9:.3g} km of idle travel, more than can be counted exactly "
+            f"({MOST_UM // 10**9:,} km), most of it by {key}: state less there"
+        )
+
+
+def _longest_um(problem: Problem) -> int:
+    """No move costs more."""
+    if problem.matrix is not None:
+        return max(map(abs, map(int, (problem.matrix.min(), problem.matrix.max())))) if problem.matrix.size else 0
+    points = np.vstack([problem.ends(), problem.pierces()]).astype(np.float64)
+    return int(problem.travel_weight * float(np.linalg.norm(np.ptp(points, axis=0)))) + 1

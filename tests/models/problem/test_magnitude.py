@@ -1,0 +1,84 @@
+"""Costs that no integer holds are refused before any engine begins; the largest that are not are added up exactly."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder.errors import InputError
+from kerfwise.jobs.ask import facts_of
+from kerfwise.models.engines.cpsat import solve_cpsat
+from kerfwise.models.engines.ideals import prove
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.problem.evaluate import route_cost
+from kerfwise.models.problem.magnitude import MOST_UM, check_magnitude, dearest_um
+from kerfwise.models.problem.problem import Problem
+from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.stating.state_rules import state_rules
+
+ROW = nest(400, 100, *(part(f"P{k}", rect(10 + 90 * k, 10, 70, 70)) for k in range(4)))
+
+
+def posed(folder: Path, text: str) -> Problem:
+    """The problem of a row of four under a profile."""
+    (folder / "plant.yaml").write_text(f"based_on: plasma-carbon-steel\n{text}\n", encoding="utf-8")
+    profile = load_profile(str(folder / "plant.yaml"))
+    facts = facts_of(ROW, profile)
+    stated = state_rules(facts, profile)
+    return make_problem(facts, stated.statements, profile.home_on(ROW), feeds_of(profile))
+
+
+def test_travel_that_weighs_too_much_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"most of it by objective\.idle"):
+        posed(tmp_path, "objective: {idle: 1e9}\nmachine: {home: [1e6, 0]}")
+
+
+def test_the_rule_whose_weight_is_too_much_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="weight of heat-lag"):
+        posed(tmp_path, "rules: {heat-lag: {lag: 1e5 s, weight: 1e6}}")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "machine: {home: [1e6, -1e6]}",
+        "objective: {idle: 1e3}\nmachine: {home: [-1e5, 1e5]}",
+        "rules: {no-islands: {weight: 1e6}, heat-lag: {weight: 1e6}, no-tip-travel: {weight: 1e6}}",
+    ],
+)
+def test_the_largest_costs_are_added_up_alike_by_every_engine(tmp_path: Path, text: str) -> None:
+    problem = posed(tmp_path, text)
+    proof = prove(problem, None, 30.0)
+    assert proof is not None
+    answer = solve_cpsat(problem, SolveOptions(1, 30.0, None, (0.0, 0.0)), None)
+    assert answer.incumbent is not None
+    assert answer.incumbent.cost == proof.incumbent.cost == route_cost(problem, proof.incumbent.route)
+    assert proof.incumbent.cost <= sum(dearest_um(problem).values()) <= MOST_UM
+
+
+def test_no_route_costs_more_than_the_dearest(tmp_path: Path) -> None:
+    problem = posed(tmp_path, "rules: {heat-lag: {weight: 70}, no-islands: {weight: 90}}")
+    dearest = sum(dearest_um(problem).values())
+    rng = np.random.default_rng(3)
+    for _ in range(200):
+        route = [int(rng.integers(problem.first[c], problem.first[c + 1])) for c in rng.permutation(problem.n)]
+        assert route_cost(problem, route) <= dearest
+
+
+def test_a_table_of_costs_is_looked_at_too() -> None:
+    table = np.full((3, 3), 10**15, dtype=np.int64)
+    one = np.zeros(2, dtype=np.int64)
+    problem = Problem(
+        2, np.arange(3), np.arange(2), np.arange(2), np.arange(2), np.zeros((2, 2), dtype=np.int64),
+        np.zeros((2, 2), dtype=np.int64), one, one, 1.0, np.zeros((2, 2), dtype=np.bool_), np.arange(2), (), (), (), (),
+        ("A", "B"),
+    )  # fmt: skip
+    check_magnitude(problem)
+    with pytest.raises(InputError):
+        check_magnitude(replace(problem, matrix=table))
