@@ -1,13 +1,16 @@
 """What goes for every test.
 
 Every program that a test has planned is burnt by the simulation of `metal` before the test is done. A test that needs
-LinuxCNC's interpreter or MiniZinc says so by its marker.
+LinuxCNC's interpreter or MiniZinc says so by its marker. Processes that share the tests find kernels compiled.
 """
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -19,7 +22,14 @@ from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import simulate
 from kerfwise.tests.tools.needed import LEFT_OUT, WITHOUT, keep_from
 
+ROOT = Path(__file__).parents[1]
 Made = list[tuple[Nest, Profile, str, str | None]]
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_setupnodes() -> None:
+    """Kernels are compiled once, before the processes that run the tests start: each would compile all of them."""
+    subprocess.run([sys.executable, "-m", "kerfwise.tests.tools.kernels"], cwd=ROOT.parent, check=False)
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
