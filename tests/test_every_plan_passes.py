@@ -23,6 +23,7 @@ from kerfwise.tests.metal.clean import assert_clean
 from kerfwise.tests.metal.plant import plant
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("profile_name", shipped_profiles())
 @given(nest=nests(), seed=st.integers(0, 3), budget_kj=st.sampled_from([None, 2.0, 20.0]))
 @settings(max_examples=12, deadline=None)

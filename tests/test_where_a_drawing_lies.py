@@ -85,6 +85,7 @@ def sequence(given_nest: Nest, profile: Profile, home: tuple[float, float]) -> t
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SYMMETRIC)
 @given(dx=SHIFTS, dy=SHIFTS)
 @example(dx=0.0, dy=0.0)
@@ -121,6 +122,7 @@ def _turned(given_nest: Nest) -> Nest:
     return Nest(Sheet(turn(given_nest.sheet.outline), ()), parts)
 
 
+@pytest.mark.slow
 @given(given_nest=nests(), dx=SHIFTS, dy=SHIFTS)
 @settings(max_examples=20, deadline=None)
 def test_plan_is_the_same_after_a_shift(given_nest: Nest, dx: float, dy: float) -> None:

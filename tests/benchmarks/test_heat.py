@@ -15,6 +15,7 @@ from kerfwise.models.engines.baselines.random_order import random_order
 from kerfwise.models.physics.timing.constant import Leg, idle_mm
 
 
+@pytest.mark.slow
 def test_a_row_of_the_correlation(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("kerfwise.models.heat_prices.cooler_orders.ORDERS", 60)
     case = bench("e1x_6", read_nest(EXAMPLES / "e1x_6.json"), plant(90.0))
@@ -44,6 +45,7 @@ def test_the_torch_goes_all_over_the_sheet() -> None:
     assert steps[:, 1].sum() == pytest.approx(200 * (HEIGHT_MM - 20.0))
 
 
+@pytest.mark.slow
 def test_a_command_is_measured_alone(tmp_path: Path) -> None:
     plant = tmp_path / "plant.yaml"
     plant.write_text(PLANT, encoding="utf-8")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 import kerfwise
 from kerfwise.benchmarks.routing import Limits, page, run_set
 from kerfwise.jobs.bench import BestKnown
@@ -11,6 +13,7 @@ from kerfwise.jobs.bench import BestKnown
 ROUTING = Path(kerfwise.__file__).parent / "examples" / "routing"
 
 
+@pytest.mark.slow
 def test_a_page_of_two_instances(tmp_path: Path) -> None:
     best = BestKnown({("routing", "nine"): 1169.0, ("routing", "twelve"): 390.0})
     runs = run_set("routing in 1 s", ROUTING, best, 1.0, 1)

@@ -57,6 +57,7 @@ def test_a_program_for_another_control_is_not_guessed_at(made: Path) -> None:
     assert "M68 is not understood in a program for LinuxCNC, the profile's dialect" in done.err
 
 
+@pytest.mark.slow
 def test_map_and_frames(made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("kerfwise.commands.heat.FRAMES", 4)
     done = kerfwise("heat", NEST, made / "e.json", "-o", tmp_path / "map.png", "--frames", tmp_path / "frames")

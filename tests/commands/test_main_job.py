@@ -13,11 +13,12 @@ from kerfwise.tests.tools import canon
 
 EXAMPLES = Path(package.__file__).parent / "examples"
 NESTS = sorted(p for p in (EXAMPLES / "nests").iterdir() if p.suffix in (".dxf", ".json", ".svg"))
+BY_NAME = [pytest.param(p, id=p.name, marks=[pytest.mark.slow] if p.stem == "s8877" else []) for p in NESTS]
 SHOP = EXAMPLES / "profiles" / "shop.yaml"
 
 
 @pytest.mark.linuxcnc
-@pytest.mark.parametrize("nest", NESTS, ids=lambda p: p.name)
+@pytest.mark.parametrize("nest", BY_NAME)
 def test_every_example_is_solved_checked_and_read_by_linuxcnc(nest: Path, tmp_path: Path) -> None:
     profile = ["-p", SHOP] if nest.name in ("plate40.json", "marked.svg") else []
     program, plan, picture = tmp_path / "out.nc", tmp_path / "out.plan.json", tmp_path / "out.svg"

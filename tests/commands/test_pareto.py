@@ -14,6 +14,7 @@ from kerfwise.tests.commands.run_cli import kerfwise
 NEST = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"
 
 
+@pytest.mark.slow
 def test_every_point_is_a_plan(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("kerfwise.models.heat_prices.cooler_orders.ORDERS", 30)
     profile = tmp_path / "hot.yaml"

@@ -59,6 +59,7 @@ def perforated(across_mm: float, count: int = 112) -> list[dict[str, object]]:
     ]
 
 
+@pytest.mark.slow
 def test_a_plate_of_112_holes_is_refused_in_one_line_and_freed_by_what_it_says(tmp_path: Path) -> None:
     nest = written(tmp_path, perforated(2.96))
     profile = plant(tmp_path, small_holes={"min_hole": "2 mm"})
@@ -162,6 +163,7 @@ def refused(nest: Path, profile: Path) -> str | None:
     return None
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(tight())
 def test_every_option_that_is_said_to_free_all_does(
@@ -178,6 +180,7 @@ def test_every_option_that_is_said_to_free_all_does(
         assert refused(nest, advised(profile, advice)) is None, advice
 
 
+@pytest.mark.slow
 @settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(tight())
 def test_every_option_that_is_said_to_free_a_group_leaves_others_only(

@@ -37,6 +37,7 @@ def solved(folder: Path, profile: Path, *options: object) -> tuple[float, int]:
     return json.loads(plan.read_text())["totals"]["idle_mm"], json.loads(heat.out)["overheats"]
 
 
+@pytest.mark.slow
 def test_shortest_is_shortest_and_the_others_are_lawful(profile: Path, tmp_path: Path) -> None:
     idle = {name: solved(tmp_path, profile, "--strategy", name)[0] for name in ("shortest", "random", "realtime")}
     assert idle["shortest"] < idle["realtime"]
@@ -45,6 +46,7 @@ def test_shortest_is_shortest_and_the_others_are_lawful(profile: Path, tmp_path:
     assert again != idle["random"]
 
 
+@pytest.mark.slow
 def test_a_price_on_overheats_buys_fewer_of_them(
     profile: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

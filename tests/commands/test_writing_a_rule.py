@@ -44,6 +44,7 @@ def run(command: str, root: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, shell=True, cwd=root, env=env, capture_output=True, text=True)
 
 
+@pytest.mark.slow
 def test_the_page_works(copy: Path) -> None:
     said = {}
     for command in COMMANDS:

@@ -41,6 +41,7 @@ FAST = Time("blocks", FeedLaw(points=((1, 60.0), (1000, 60.0))))
 SLOW = Time("blocks", FeedLaw(points=((1, 20.0), (1000, 20.0))))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("time", [FAST, SLOW, Time("acceleration"), Time()], ids=["fast", "slow", "limited", "set"])
 def test_lags_hold(time: Time) -> None:
     profile = shop(time)
@@ -50,6 +51,7 @@ def test_lags_hold(time: Time) -> None:
     assert done.plan.time.model in done.plan.to_json()
 
 
+@pytest.mark.slow
 def test_planned_at_the_feed_that_is_set_they_would_not() -> None:
     profile = shop(FAST)
     assert machine_feeds(profile).cut_mm_s < feeds_of(profile).cut_mm_s == 60.0

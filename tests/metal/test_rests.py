@@ -35,6 +35,7 @@ def plate(columns: int, rows: int, holes: list[bool]) -> str:
     return json.dumps({"format": "kerfwise-nest/1", "units": "mm", "sheet": sheet, "parts": parts})
 
 
+@pytest.mark.slow
 @pytest.mark.scrap("judged here, by more than other tests")
 @settings(max_examples=6, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.integers(1, 3), st.integers(1, 2), st.data())

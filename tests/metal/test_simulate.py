@@ -220,6 +220,7 @@ def test_an_unknown_word_is_refused() -> None:
         judged(program([*CUTS[:3], ("B.outer", ["G41 D1", *B])]))
 
 
+@pytest.mark.slow
 def test_a_plate_of_hundreds_of_contours_takes_seconds() -> None:
     """150 plates with a hole each; the processor works on them for some seconds."""
     columns, rows, pitch = 15, 10, 60.0

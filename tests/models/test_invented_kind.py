@@ -144,6 +144,7 @@ def test_a_kind_that_nobody_knows_is_refused_by_name(file: str, number: int, mon
         REFUSES[file][number](monkeypatch)
 
 
+@pytest.mark.slow
 def test_each_file_that_tells_kinds_apart_is_tried() -> None:
     found = {*matching(), *sorting()}
     assert not found - set(REFUSES), "these tell kinds apart and are not tried"

@@ -82,6 +82,7 @@ def joined_up(plate: Nest, options: LeadOptions, candidate: Candidate) -> None:
     assert candidate.cut_mm == pytest.approx(length_mm)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(lead_nests(), lead_options())
 def test_every_candidate_is_lawful(plate: Nest, options: LeadOptions) -> None:

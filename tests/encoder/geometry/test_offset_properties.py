@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 
 import numpy as np
+import pytest
 import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
@@ -16,6 +17,7 @@ from kerfwise.tests.encoder.geometry.rings import flattened_rings, hausdorff_mm,
 DISTANCES = st.sampled_from([0.1, -0.1, 0.75, -0.75, 2.0, -2.0])
 
 
+@pytest.mark.slow
 @settings(max_examples=80, deadline=None)
 @given(st.one_of(star_rings(), flattened_rings()), DISTANCES)
 def test_an_offset_is_within_a_hundredth_of_the_true_one(drawn: Curve, distance_mm: float) -> None:

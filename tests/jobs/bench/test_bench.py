@@ -22,6 +22,7 @@ def result(cost: float | None = 103.0, fault: str = "") -> Result:
     return Result("a", "search", cost, None, False, cost is not None and not fault, 1.0, 200.0, (1, 2), fault)
 
 
+@pytest.mark.slow
 def test_a_routing_instance_in_a_process_of_its_own() -> None:
     path = EXAMPLES / "routing" / "nine.pcglns"
     done = measure(Job(str(path), time_s=2.0))
@@ -32,6 +33,7 @@ def test_a_routing_instance_in_a_process_of_its_own() -> None:
     assert 0 < done.seconds < 60
 
 
+@pytest.mark.slow
 def test_the_command_prints_json_for_instances_and_nests() -> None:
     files = [str(EXAMPLES / "routing" / "twelve.sop"), str(EXAMPLES / "nests" / "e1x_6.json")]
     ran = CliRunner().invoke(command, [*files, "--work", "1", "--json"], standalone_mode=False)
@@ -42,6 +44,7 @@ def test_the_command_prints_json_for_instances_and_nests() -> None:
     assert (nest["proven"], len(set(nest["tour"]))) == (True, 16)
 
 
+@pytest.mark.slow
 def test_the_table_tells_the_gap(tmp_path: Path) -> None:
     best = tmp_path / "best.csv"
     best.write_text("set,instance,best_upper\nrouting,twelve,397\nother,twelve,1\n")
@@ -74,6 +77,7 @@ def test_best_known_by_set_and_by_name(tmp_path: Path) -> None:
         read_best_known(wrong)
 
 
+@pytest.mark.slow
 def test_a_broken_file_is_one_message(tmp_path: Path) -> None:
     broken = tmp_path / "broken.sop"
     broken.write_text("DIMENSION: 2\nEDGE_WEIGHT_SECTION\n0 1 2\n")
@@ -81,6 +85,7 @@ def test_a_broken_file_is_one_message(tmp_path: Path) -> None:
         measure(Job(str(broken)))
 
 
+@pytest.mark.slow
 def test_a_broken_file_among_others_is_told_and_the_others_are_run(tmp_path: Path) -> None:
     (tmp_path / "empty.sop").write_text("")
     twelve = str(EXAMPLES / "routing" / "twelve.sop")
@@ -111,6 +116,7 @@ def test_a_process_that_dies_is_one_message(tmp_path: Path, monkeypatch: pytest.
         measure(Job(str(twelve), "search"))
 
 
+@pytest.mark.slow
 def test_best_known_costs_of_other_sets_are_said_to_be_of_no_use(tmp_path: Path) -> None:
     best = tmp_path / "best.csv"
     best.write_text("set,instance,best_upper\nother,twelve,1\n")

@@ -19,7 +19,7 @@ from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.problems import ABOUT, problem, scattered
 
 
-def found(given: Problem, member: Member | None = None, work: float = 2.0) -> Known:
+def found(given: Problem, member: Member | None = None, work: float = 0.5) -> Known:
     options = SolveOptions(work=work, member=member)
     return run_portfolio(given, options, Watch(options))
 

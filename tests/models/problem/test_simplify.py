@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 
 from kerfwise.models.problem.conditions import Condition
@@ -75,6 +76,7 @@ def gathered(drawn: Problem) -> Problem:
     return replace(drawn, pierce_um=drawn.pierce_um[at], end_um=drawn.end_um[at])
 
 
+@pytest.mark.slow
 @given(problems())
 @settings(max_examples=60, deadline=None)
 def test_the_optimum_stays_and_routes_cost_the_same(drawn: Problem) -> None:

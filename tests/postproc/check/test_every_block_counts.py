@@ -70,6 +70,7 @@ def test_the_program_is_good() -> None:
     assert passes("\n".join([*BLOCKS, ""]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("damage", "least"),
     [(dropped, 100), (turned_round, 28), *((moved(letter, 0.1), 24) for letter in "XYIJ")],

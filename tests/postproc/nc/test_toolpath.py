@@ -95,6 +95,7 @@ def test_a_closed_mark_is_followed_round_from_its_entry() -> None:
     assert path.as_rows() == [[5, 0], [0, 0], [0, 10], [10, 10], [10, 0], [5, 0]]
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(lead_nests(), lead_options(), st.booleans())
 def test_the_round_keeps_half_a_kerf_off_its_contour(plate: Nest, options: LeadOptions, from_file: bool) -> None:

@@ -112,6 +112,7 @@ def test_a_spot_is_written_too(plate: Nest, tmp_path: Path) -> None:
         plot_spot(plate, [], tmp_path / "spot.svg")
 
 
+@pytest.mark.slow
 def test_a_thousand_contours_are_all_numbered() -> None:
     plate = crowded(1000)
     svg = draw(plate, plausible_plan(plate), ".svg").decode()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -73,6 +74,7 @@ def test_a_kerf_that_reaches_through_a_thin_wall_burns_what_lies_behind_it() -> 
     assert sorted(v.contours for v in RULE.violations(sheet, cuts, SharedMetalOptions(2.0))) == sorted(pairs)
 
 
+@pytest.mark.slow
 @settings(max_examples=120, deadline=None)
 @given(rows(), st.sampled_from([0.25, 0.75, 1.55, 2.25]))
 def test_facts_geometry_and_burns_see_the_same_pairs(sheet: Nest, kerf_mm: float) -> None:

@@ -129,6 +129,7 @@ def test_point_and_number_read_back(x: float, y: float) -> None:
     assert read(Number(), Number().write(x)) == x
 
 
+@pytest.mark.slow
 @given(st.text(min_size=1).filter(lambda t: t.strip() and t.isprintable()))
 def test_text_reads_back_even_inside_a_flow_mapping(text: str) -> None:
     written = Text().write(text)

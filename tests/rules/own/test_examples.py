@@ -40,7 +40,11 @@ def plan_of(profile: Profile, work: float = 1.0) -> Plan:
     return make_plan(facts, profile, stated, solution, "portfolio", 1)
 
 
-@pytest.mark.parametrize("title", EXAMPLES)
+SLOW = "10. Let a long strip cool"
+BY_TITLE = [pytest.param(title, marks=[pytest.mark.slow] if title == SLOW else []) for title in EXAMPLES]
+
+
+@pytest.mark.parametrize("title", BY_TITLE)
 def test_rule_changes_the_plan(title: str, tmp_path: Path) -> None:
     path = tmp_path / "plant.yaml"
     path.write_text(PLANT + EXAMPLES[title], encoding="utf-8")

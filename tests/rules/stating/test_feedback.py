@@ -39,6 +39,7 @@ def graphs(draw: st.DrawFn) -> Graph:
     return links, weights
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(graphs())
 def test_cut_is_the_lightest(graph: Graph) -> None:

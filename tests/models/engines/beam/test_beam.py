@@ -30,6 +30,7 @@ def within_reach(drawn: Problem) -> Problem:
     return replace(drawn, general=(), lags=tuple(lag for lag in drawn.lags if lag.cuts <= 1 and not lag.seconds))
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(problems())
 def test_same_optimum_as_brute_force(drawn: Problem) -> None:
@@ -46,6 +47,7 @@ def test_same_optimum_as_brute_force(drawn: Problem) -> None:
     assert route_cost(tiny, found.incumbent.route) == best.cost
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(problems())
 def test_same_optimum_with_every_bound(drawn: Problem) -> None:
@@ -70,6 +72,7 @@ def test_walks_that_visit_everything_once_end_the_pricing() -> None:
     assert found.incumbent.cost == found.bound == 1000
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(problems(), st.integers(1, 4))
 def test_a_narrow_beam_claims_no_more_than_it_knows(drawn: Problem, width: int) -> None:
@@ -198,6 +201,7 @@ def test_no_contours_at_all() -> None:
     assert found.incumbent == Incumbent((), 0)
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(problems())
 def test_turned_round_the_routes_are_the_same_backwards(drawn: Problem) -> None:
@@ -208,6 +212,7 @@ def test_turned_round_the_routes_are_the_same_backwards(drawn: Problem) -> None:
     assert back == {route: route_cost(tiny, route) for route in lawful(tiny)}
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(problems())
 def test_walks_bound_the_best_route(drawn: Problem) -> None:

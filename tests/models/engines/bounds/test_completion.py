@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -28,6 +29,7 @@ def spent(tiny: Problem, route: tuple[int, ...], k: int) -> int:
     return int(tiny.legs([tiny.m, *sites[:-1]], sites).sum() + tiny.site_cost[sites].sum())
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(problems(contours=5), st.integers(0, 3))
 def test_no_plan_costs_less_from_any_state_on(tiny: Problem, neighbours: int) -> None:

@@ -57,6 +57,7 @@ def test_cuts_hold_for_every_plan(tiny: Problem, seed: int) -> None:
             assert (np.asarray(made).ravel() >= cuts.sure).all()
 
 
+@pytest.mark.slow
 def test_large_problems_by_contours(monkeypatch: pytest.MonkeyPatch) -> None:
     seen = scattered(4, 6, 2)
     best = best_of(seen)

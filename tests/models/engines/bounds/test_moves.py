@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 
 from kerfwise.models.engines.bounds.merged import FAR, merged
@@ -42,6 +43,7 @@ def test_what_may_still_be_in_is_not() -> None:
     assert least_moves(problem(ROW, crossings=over(1, 2, 2, 500)))[1, 2] == 10_000
 
 
+@pytest.mark.slow
 @given(problems())
 def test_a_contour_stands_for_the_best_of_its_sites(given_problem: Problem) -> None:
     move = least_moves(given_problem)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import assume, given, settings
 
 from kerfwise.models.engines.ideals import prove
@@ -19,6 +20,7 @@ from kerfwise.tests.models.engines.ideals.chains import chains
 from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(problems())
 def test_same_optimum_as_brute_force(drawn: Problem) -> None:
@@ -34,6 +36,7 @@ def test_same_optimum_as_brute_force(drawn: Problem) -> None:
     assert route_cost(tiny, proof.incumbent.route) == best.cost
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(problems())
 def test_an_incumbent_changes_nothing_but_the_work(drawn: Problem) -> None:
@@ -90,6 +93,7 @@ def test_a_soft_group_across_two_zones_joins_them() -> None:
     assert proof.incumbent.cost == best.cost
 
 
+@pytest.mark.slow
 def test_says_so_when_it_does_not_fit() -> None:
     assert prove(scattered(1, 20, 4), None, work=0.001) is None
     assert prove(scattered(1, 70, 1), None, work=10) is None
@@ -127,6 +131,7 @@ def cheapest_of_chains(two: Problem) -> int:
     return min(cost + int(two.legs([last], [two.m])[0]) for (_, _, last), cost in best.items())
 
 
+@pytest.mark.slow
 def test_more_contours_in_a_stretch_than_a_word_has_bits() -> None:
     two = chains(2, 35)
     proof = prove(two, None, work=10)

@@ -17,6 +17,7 @@ from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.problems import problem, problems, scattered
 
 
+@pytest.mark.slow
 @settings(max_examples=80, deadline=None)
 @given(problems())
 def test_a_window_over_the_whole_route_makes_it_the_best(drawn: Problem) -> None:

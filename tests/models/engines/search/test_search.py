@@ -17,6 +17,7 @@ from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered
 BLOCKS = [range(i, i + 3) for i in range(0, 24, 3)]
 
 
+@pytest.mark.slow
 @given(problems())
 @settings(max_examples=150, deadline=None, derandomize=True)
 def test_tiny_problems_are_solved_to_the_optimum(drawn: Problem) -> None:
@@ -39,6 +40,7 @@ def test_answers_are_lawful_and_cost_what_they_say(seed: int) -> None:
     assert best.cost == route_cost(wide, best.route)
 
 
+@pytest.mark.slow
 def test_two_seeds_agree_on_a_plate() -> None:
     plate = scattered(7, contours=30, sites=4, pairs=40, blocks=BLOCKS)
     costs = {_cost(plate, SolveOptions(seed=seed, work=0.4)) for seed in (1, 2)}
@@ -67,6 +69,7 @@ def test_another_seed_walks_another_way() -> None:
     assert search(plate, SolveOptions(seed=1, work=0.02)) != search(plate, SolveOptions(seed=2, work=0.02))
 
 
+@pytest.mark.slow
 def test_legs_that_are_computed_are_those_of_the_matrix(monkeypatch: pytest.MonkeyPatch) -> None:
     plate = scattered(3, contours=25, sites=4, pairs=20)
     with_matrix = search(plate, SolveOptions(work=0.3))

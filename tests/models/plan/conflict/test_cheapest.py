@@ -89,6 +89,7 @@ def test_nothing_cheaper_could_be_let_go(seed: int) -> None:
     assert best_um(facts, list(taken.statements)) == least_um(facts, profile), [a.sentence for a in relaxed]
 
 
+@pytest.mark.slow
 def test_the_plan_of_a_way_out_passes_the_check() -> None:
     for seed in range(24):
         profile = contradictory(seed)

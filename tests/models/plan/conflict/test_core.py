@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import combinations
 
+import pytest
 from hypothesis import given, settings
 
 from kerfwise.models.plan.conflict.core import Core, find_core
@@ -108,6 +109,7 @@ def test_found_where_there_is_one_and_minimal(asked: list[Asked]) -> None:
         assert can_hold(FACTS, [s for s in inside if s is not one])
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(statements(most=5))
 def test_the_way_out_is_the_cheapest(asked: list[Asked]) -> None:

@@ -52,6 +52,7 @@ def row(count: int, gap_mm: float) -> Nest:
     return nest(140, 50 + count * (10 + gap_mm), *bars)
 
 
+@pytest.mark.slow
 def test_a_hundred_pairs_are_all_named() -> None:
     conflict = find_conflict(facts_of(row(101, 0.7), PROFILE), PROFILE)
     assert conflict is not None
@@ -96,6 +97,7 @@ def test_relaxed_pairs_are_seen_in_plan_program_and_check() -> None:
     assert check_program(TIGHT, silent, PROFILE).broken() == ("no-gouging", "shared-metal")
 
 
+@pytest.mark.slow
 def test_locks_that_contradict_each_other_are_let_go_besides() -> None:
     profile = plant(Lock(contour="P1.outer", before="P4.outer"), Lock(contour="P4.outer", before="P1.outer"))
     relax = [d.rule for d in state_relaxed(facts_of(TIGHT, profile), profile).dropped]
