@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
-from kerfwise.arrays import Floats
 from kerfwise.tests.metal.tolerances import CHORD_MM
 
 Point = tuple[float, float]
+Floats = NDArray[np.float64]
 
 
 def chords(start: Point, centre: Point, sweep_rad: float, end: Point) -> Floats:

@@ -9,8 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from kerfwise.arrays import Floats
-from kerfwise.tests.metal.arcs import Point
+from kerfwise.tests.metal.arcs import Floats, Point
 from kerfwise.tests.metal.drawing import Drawing, Meant
 from kerfwise.tests.metal.program import Path
 from kerfwise.tests.metal.tolerances import RING_MM

@@ -12,8 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from kerfwise.arrays import Floats
-from kerfwise.tests.metal.arcs import Point, chords
+from kerfwise.tests.metal.arcs import Floats, Point, chords
 
 _COMMENT = re.compile(r"\(([^()]*)\)")
 _WORD = re.compile(r"([A-Z$])\s*([-+]?(?:\d+\.?\d*|\.\d+))")

@@ -40,11 +40,13 @@ def shared_mm(a: object, b: object) -> float:
     return float(shapely.hausdorff_distance(first, second))
 
 
+@pytest.mark.linuxcnc
 @pytest.mark.parametrize("name", sorted(p.name for p in GOLDEN.glob("*.ngc")))
 def test_the_project_s_programs_are_read_as_linuxcnc_reads_them(name: str) -> None:
     assert agree((GOLDEN / name).read_text()).paths
 
 
+@pytest.mark.linuxcnc
 def test_the_programs_by_hand_are_read_as_linuxcnc_reads_them() -> None:
     own = agree(program())
     assert [(p.order, p.label, p.tool) for p in own.paths] == [
@@ -83,6 +85,7 @@ def moves(draw: st.DrawFn) -> list[str]:
     return blocks
 
 
+@pytest.mark.linuxcnc
 @given(moves())
 @settings(max_examples=25, deadline=None)
 def test_any_row_of_lines_and_arcs_is_read_as_linuxcnc_reads_it(blocks: list[str]) -> None:

@@ -40,7 +40,7 @@ def graphs(draw: st.DrawFn) -> Graph:
 
 
 @pytest.mark.slow
-@settings(max_examples=40)
+@settings(max_examples=40, deadline=None)
 @given(graphs())
 def test_cut_is_the_lightest(graph: Graph) -> None:
     links, weights = graph
@@ -54,7 +54,7 @@ def test_cut_is_the_lightest(graph: Graph) -> None:
     assert weight_of(out, weights) == best
 
 
-@settings(max_examples=40)
+@settings(max_examples=40, deadline=None)
 @given(graphs())
 def test_greedy_cut_leaves_no_cycle_and_takes_nothing_in_vain(graph: Graph) -> None:
     links, weights = graph
