@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import shapely
 
@@ -116,6 +116,11 @@ class Nest:
     sha256: str = ""
     notes: tuple[Note, ...] = ()
     drawn: Nest | None = None
+
+    @cached_property
+    def kept(self) -> dict[Any, Any]:
+        """What was found out about the nest before: see `kept.kept_with_nest`."""
+        return {}
 
     @cached_property
     def contours(self) -> tuple[Contour, ...]:

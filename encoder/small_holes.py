@@ -18,6 +18,7 @@ import shapely
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.inscribed import largest_circle, middle_of, wider_than
 
+from .kept import kept_with_nest
 from .nest import Contour, Nest, Part
 
 Under = Literal["refuse", "spot", "skip"]
@@ -77,7 +78,6 @@ def diameter_under(hole: Contour, mm: float) -> float | None:
     return diameter_mm if diameter_mm < mm - EXACT_MM else None
 
 
-@lru_cache(maxsize=64)
 def as_cut(nest: Nest, limits: HoleLimits) -> Nest:
     """The nest as it is cut: small holes are marks or gone, and others know their share of the cut feed.
 
@@ -94,7 +94,11 @@ def as_cut(nest: Nest, limits: HoleLimits) -> Nest:
     >>> made.drawn is plate, made.spotted, made.left_out
     (True, ('A.hole1',), ())
     """
-    nest = nest.drawn or nest
+    return _as_cut(nest.drawn or nest, limits)
+
+
+@kept_with_nest(most=8)
+def _as_cut(nest: Nest, limits: HoleLimits) -> Nest:
     parts = tuple(_part(nest, part, limits) for part in nest.parts)
     same = all(new is old for new, old in zip(parts, nest.parts, strict=True))
     return nest if same else replace(nest, parts=parts, drawn=nest)
@@ -128,7 +132,7 @@ def kept_because(nest: Nest, hole: Contour, limits: HoleLimits) -> str | None:
     return None
 
 
-@lru_cache(maxsize=4)
+@kept_with_nest(most=1)
 def _outer_points(nest: Nest) -> np.ndarray[tuple[int], np.dtype[np.object_]]:
     """A point of the outline of every part."""
     return np.asarray(shapely.points([part.outer.curve.vertices[0, :2] for part in nest.parts]))

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import shapely
 
 from kerfwise.encoder.cut import CutSequence, Side
+from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.rules.judging.placement import same_place
 from kerfwise.rules.options.option import NoOptions
@@ -66,9 +66,9 @@ class HullBefore(OrderRule[NoOptions]):
         return f"it sits in the concavity of {after}, and would be left on an island once {after} is out"
 
 
-@lru_cache(maxsize=2)
+@kept_with_nest(most=2)
 def _in_mouths(nest: Nest) -> tuple[Ids, ...]:
-    """Outer contours (before, after): the first sits in the concavity of the second. Remembered for the last nest."""
+    """Outer contours (before, after): the first sits in the concavity of the second. Kept with the nest."""
     outlines = [part.outer.line for part in nest.parts]
     hulls = shapely.convex_hull(outlines)
     centroids = shapely.centroid([part.outer.polygon for part in nest.parts])

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
 
 from kerfwise.encoder.cut import CutSequence, Side
+from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.placement import same_place
 from kerfwise.rules.options.option import NoOptions
@@ -73,9 +73,9 @@ class LevelAhead(OrderRule[NoOptions]):
         )
 
 
-@lru_cache(maxsize=2)
+@kept_with_nest(most=2)
 def _ahead(nest: Nest, start_side: Side) -> tuple[Ids, ...]:
-    """Outer contours (before, after) whose shadow the centroid of the first lies in; remembered for the last nest."""
+    """Outer contours (before, after) whose shadow the centroid of the first lies in; kept with the nest."""
     outlines = [part.outer.line for part in nest.parts]
     xmin, ymin, xmax, ymax = shapely.total_bounds(outlines).tolist()
     reach = np.array(AWAY[start_side]) * (xmax - xmin + ymax - ymin + 1)

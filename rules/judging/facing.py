@@ -6,13 +6,13 @@ Plain shapely on purpose, and nothing from the facts that models are built on: a
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 import shapely
 
 from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
 
 from .placement import host_holes
@@ -126,7 +126,7 @@ class Facing:
         return np.asarray(np.where(np.abs(width) > 1e-12, across, np.maximum(along.min(axis=0), 0.0)))
 
 
-@lru_cache(maxsize=2)
+@kept_with_nest(most=2)
 def facing(nest: Nest, web_mm: float, edge_band_mm: float) -> Facing:
     """The outlines of a nest, laid out once: every excuse asks for them again."""
     return Facing(nest, web_mm, edge_band_mm)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence, Set
-from functools import lru_cache
 
 import numpy as np
 
+from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
 
 from .facing import EDGE, SOLID, Spots, facing, spots_along
@@ -18,11 +18,11 @@ STEP_MM, LEAST_SPOTS = 2.0, 160
 Graph = Mapping[int, Set[int]]
 
 
-@lru_cache(maxsize=2)
+@kept_with_nest(most=2)
 def holding(nest: Nest, web_mm: float, edge_band_mm: float, frame_share: float) -> tuple[Graph, frozenset[int]]:
     """Part number → parts in the same place that it faces or that face it; and the parts that hang on the frame.
 
-    Remembered for the last nest: a plan and its program ask for the same.
+    Kept with the nest: a plan and its program ask for the same.
     """
     at = places(nest, host_holes(nest))
     place = [at[part.id] for part in nest.parts]

@@ -6,19 +6,19 @@ Plain shapely on purpose, and nothing from the facts that models are built on: a
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
 
 import shapely
 
 from kerfwise.arrays import Ints
+from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Contour, Nest, Part
 
 
-@lru_cache(maxsize=2)
+@kept_with_nest(most=2)
 def host_holes(nest: Nest) -> Mapping[str, Contour]:
     """Part id → the hole of another part that it lies in, for every part that lies in one (the smallest, if nested).
 
-    A part may touch the hole it lies in: a point well inside the part decides. Remembered for the last nest.
+    A part may touch the hole it lies in: a point well inside the part decides. Kept with the nest.
     """
     holes = [hole for part in nest.parts for hole in part.holes]
     if not holes:

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 import shapely
 
 from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
 
 from .placement import host_holes, places
@@ -191,11 +191,11 @@ class Metal:
         return ends > 1
 
 
-@lru_cache(maxsize=4)
+@kept_with_nest(most=4)
 def strips_and_islands(nest: Nest, order: tuple[str, ...], strip_mm: float, web_mm: float) -> tuple[Cutting, ...]:
     """What lies badly after each cut of an order of contour ids, told once a part; numbers are those of parts.
 
-    Remembered for the last few orders: the plan that is found is looked at again as a plan, and as a program.
+    Kept for the last few orders: the plan that is found is looked at again as a plan, and as a program.
     """
     return tuple(_badly(nest, order, strip_mm, web_mm))
 
