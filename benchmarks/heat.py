@@ -1,4 +1,4 @@
-"""What the prices of heat foretell, and what they save: on five nests, against simulation.
+"""What the prices of heat predict, and what they save: on five nests, against simulation.
 
 Usage: python benchmarks/heat.py [--limit C] [--orders N] [--work W]
 

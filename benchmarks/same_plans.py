@@ -2,7 +2,7 @@
 
 Usage: python benchmarks/same_plans.py OTHER [--work W] [--nest FILE …] [--profile NAME …]
 
-OTHER is a checkout of before; this file's own is the other side. Both are run by this Python, each as its own program.
+OTHER is an earlier checkout; this file's own is the other side. Both are run by this Python, each as its own program.
 Prints a line for each nest and profile; exit code 1 if any file, message or exit code differs.
 """
 

@@ -39,7 +39,7 @@ def summary(plan: Plan, verdict: CheckResult) -> str:
         longest_told = f"the longest {longest.dwell_s:.1f} s before {longest.cut.contour}"
         lines.append(f"waits for metal to cool: {all_told}, {longest_told}")
     for dropped in plan.dropped:
-        lines.append(f"{_left_out(dropped)}, {dropped.why}")
+        lines.append(f"{_what_of(dropped)}, {dropped.why}")
     return "\n".join([*lines, report(verdict)])
 
 
@@ -59,7 +59,7 @@ def _objective(plan: Plan) -> str:
     return text
 
 
-def _left_out(dropped: Dropped) -> str:
+def _what_of(dropped: Dropped) -> str:
     if dropped.relaxed or not dropped.contours:
         return dropped.rule
-    return f"left out: {' before '.join(dropped.contours)} ({dropped.rule})"
+    return f"dropped: {' before '.join(dropped.contours)} ({dropped.rule})"

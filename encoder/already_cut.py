@@ -32,7 +32,7 @@ NOTHING_CUT = AlreadyCut()
 
 
 def loose_contours(nest: Nest, parent: Mapping[str, str], out: frozenset[str]) -> dict[str, str]:
-    """Contours that can no longer be cut, each with the contour around it that is out: their metal has dropped.
+    """Contours that can no longer be cut, each with the contour around it that is out: their metal has fallen out.
 
     `parent` names the contour that immediately contains each contour, where there is one.
 

@@ -85,7 +85,7 @@ def ask(
     ------
     RulesConflict
         If hard orders contradict each other (and nothing that may give way helps), or, unless `relax` leaves them out,
-        if contours are left in metal that has dropped.
+        if contours are left in metal that has fallen out.
     """
     loose = loose_orders(facts)
     if relax:

@@ -1,10 +1,10 @@
 """Plans that keep the rule t-max: simulated, planned anew where they get too hot, and given waits where those may be.
 
-What heated a place is known only of a whole order, so it comes back afterwards (Verkhoturov et al. choose by simulated
-temperatures as well): for each burn that was too hot, the near contour cut last before it shall lie further away in
-time, at a price for each second that is missing, and near contours shall not all be out before it where it is too hot
-even on a cold sheet. These are attempts and no statements of the rule: they may well forbid orders that keep to the
-limit, so the price of the plan, and what is proven of it, are those without them.
+Only a whole order shows what heated a place, so demands are made afterwards (Verkhoturov et al. choose by simulated
+temperatures as well). For each burn that was too hot, the near contour cut last before it should lie further away in
+time, at a price for each second that is missing. Where a burn is too hot even on a cold sheet, near contours should not
+all be out before it. These demands are attempts and no statements of the rule: they may forbid orders that keep to the
+limit. So the cost of the plan, and what is proven of it, are those without them.
 """
 
 from __future__ import annotations

@@ -93,7 +93,7 @@ class Lock:
 
 
 def check_locks(locks: tuple[Lock, ...], nest: Nest) -> None:
-    """Make sure that the nest has what the locks speak of.
+    """Make sure that the nest has what the locks name.
 
     Raises
     ------

@@ -57,14 +57,14 @@ class Rule(ABC, Generic[OptionsT]):
     profile is silent, `default_weight` (mm of idle travel) what breaking it once costs when soft. A rule with
     `gives_way` above 0 may be dropped where order rules contradict each other, the highest first. One that is
     `excusable`, and hard, is broken where nothing else is left, in as few places as can be, and the plan says where.
-    `relaxable` is a rule that cannot be soft, but whose statements an operator may let go by `--relax`.
+    `relaxable` is a rule that cannot be soft, but whose statements `--relax` may relax.
 
     Fields of `Options` that no key sets (no metadata) are filled in by the profile from its other sections.
 
     Where a program goes on after a stop, facts are those of what is left, and cuts begin with those that are made,
     which are not judged: a violation counts where all its cuts are new, and where a rule `minds_what_is_out`, that is,
     judges a cut by what was cut before it, where the last of them is. A rule `of_whole_nest` states over the facts of
-    the whole; what is decided by then drops.
+    the whole; what the cuts made have decided is left out.
     """
 
     id: str

@@ -25,7 +25,7 @@ def least_clearance_mm(options: LeadOptions) -> float:
 
 
 def shapes(options: LeadOptions, patient: bool = False) -> list[Shape]:
-    """The leads to try, best first: as long as may be, then shorter, then turned.
+    """The leads to try, best first: as long as possible, then shorter, then turned.
 
     The patient list is longer, and in it lines stand in where no arc finds room.
     """

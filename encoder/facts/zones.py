@@ -1,6 +1,6 @@
 """Zones: groups of parts cut one group after the other, so that what is left keeps its stiffness.
 
-Petunin 2009, fig. 4: what remains uncut after each zone shall come as close to a square as the sheet allows. Strips
+Petunin 2009, fig. 4: what remains uncut after each zone should come as close to a square as the sheet allows. Strips
 of about `zone_contours` contours are taken off the bounding rectangle of the parts that remain: off the start side
 at first and while the rectangle's sides differ by more than `square_ratio`, then off whichever admissible side leaves
 it most square. Then zones are raised until no respected order points backwards. Where a budget of heat is given, strips

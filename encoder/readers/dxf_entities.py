@@ -1,4 +1,4 @@
-"""DXF entities as curves: arcs stay arcs, splines and ellipses become arcs again, Z is dropped.
+"""DXF entities as curves: arcs stay arcs, splines and ellipses become arcs again, Z is ignored.
 
 Only what can be cut is read. Whatever else is drawn is counted, so that its absence can be said aloud.
 """

@@ -1,4 +1,4 @@
-"""The same line drawn twice would be cut twice: it is dropped once, and that is said."""
+"""The same line drawn twice would be cut twice: it is taken out once, and that is said."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ def coincident(curves: Sequence[Curve]) -> list[tuple[int, int]]:
 
 
 def drop_duplicates(parts: Sequence[Part]) -> tuple[tuple[Part, ...], list[Note]]:
-    """The parts without contours drawn twice, and a note for each one dropped.
+    """The parts without contours drawn twice, and a note for each one taken out.
 
-    Dropped are a hole or mark that repeats another of its part, a part that repeats another with all its holes,
+    Taken out are a hole or mark that repeats another of its part, a part that repeats another with all its holes,
     and a hole that is the same line as the outside of a part lying in another hole: what is left of such a hole
     is that part's outer contour. Other coincidences are left to the checks: two different parts in one place
     overlap, and a part that fills a hole touches it.

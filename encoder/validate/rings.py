@@ -46,13 +46,13 @@ def speck(curve: Curve) -> bool:
 def contour_problems(contours: Sequence[Contour]) -> dict[str, str]:
     """Contour id → what is wrong with it, for every mark without length and every ring that is no proper one."""
     problems = {
-        c.id: f"{c.id} has no length, {place(c.curve)}: remove it, or try --repair, which drops it"
+        c.id: f"{c.id} has no length, {place(c.curve)}: remove it, or try --repair, which removes it"
         for c in contours
         if c.kind == "mark" and speck(c.curve)
     }
     rings = [c for c in contours if c.kind != "mark"]
     problems |= {
-        c.id: f"{c.id} encloses no area, {place(c.curve)}: remove it, or try --repair, which drops it"
+        c.id: f"{c.id} encloses no area, {place(c.curve)}: remove it, or try --repair, which removes it"
         for c in rings
         if flat(c.curve)
     }

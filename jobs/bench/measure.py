@@ -51,7 +51,7 @@ def measure(job: Job) -> Result:
     Raises
     ------
     InputError
-        If the file cannot be read, or the process dies, for want of memory for instance.
+        If the file cannot be read, or the process dies, for example because memory runs out.
     """
     given = json.dumps({name: getattr(job, name) for name in job.__slots__})
     command = [sys.executable, "-m", f"{__package__}.child"]

@@ -17,7 +17,7 @@ ENGINES: dict[Engine, str] = {
 }
 
 OLD_NAMES: dict[str, Engine] = {"cp-sat": "portfolio"}
-"""Names of before that the command line still takes; plans of before bear them."""
+"""Earlier names, which the command line still takes; earlier plans bear them."""
 
 BUILT_IN: tuple[Engine, ...] = tuple(engine for engine in ENGINES if engine != "minizinc")
 _ALONE: dict[Engine, Member] = {"search": "search", "ideals": "ideals", "beam": "beam", "cp-sat-alone": "cp-sat"}

@@ -1,9 +1,9 @@
 """Orders with few overheats: priced, planned, simulated, and priced anew by what the simulation says of that plan.
 
-Prices that were fitted to random orders foretell random orders. The plan that is cheapest by them is none: it keeps as
-many of them as it can at once, and travels little. So it is simulated, with a number of lawful routes near to it, the
-prices are fitted to those as well, and the nest is planned again, a few times over. What was simulated is known and
-not foretold, so in the end the best of all these routes is taken, whichever way it was found.
+Prices that were fitted to random orders predict random orders. The plan that is cheapest by them is not random: it
+keeps as many of them as it can at once, and travels little. So it is simulated, with a number of lawful routes near to
+it, the prices are fitted to those as well, and the nest is planned again, a few times over. What was simulated is known
+and not predicted, so in the end the best of all these routes is taken, whichever way it was found.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
-"""What an order and its entries cost in overheats: fitted to simulations of the very nest.
+"""What an order and its entries cost in overheats: fitted to simulations of the same nest.
 
-Heat meets where cuts lie side by side, and a kerf that is already there holds the heat of the next cut back. Which
-contours near to it are out when a contour is cut says most of it, and where it is pierced; the pauses between them
-little. So the overheats near each contour are taken as a constant, plus a price for every term that speaks of its own
-cut (see `Terms`). Ridge regression finds the prices contour by contour: each has to do with few terms, and so few
-simulations will do, however large the nest.
+Heat meets where cuts lie side by side, and a kerf that is already there holds the heat of the next cut back. What
+matters most is which near contours are out when a contour is cut, and where it is pierced; the pauses between the cuts
+matter little. So the overheats near each contour are taken as a constant, plus a price for every term about its own cut
+(see `Terms`). Ridge regression finds the prices contour by contour. Each contour has few terms, so that few simulations
+are enough, however large the nest.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class HeatPrices:
         return float(self.terms.rows([route])[0] @ self.overheats)
 
     def of_entries(self) -> tuple[Floats, Floats]:
-        """What each site costs, (m,), and what more for each contour that is out by then, (m, n)."""
+        """What each site costs, (m,), and how much more for each contour that is already out, (m, n)."""
         terms = self.terms
         _, sites, entered, _ = terms.split(self.overheats)
         more = np.zeros((len(sites), len(terms.around)))
@@ -70,7 +70,7 @@ def _fit(terms: Terms, rows: Floats, hot: Floats, weights: Floats, penalty: floa
 
 
 def _best_penalty(terms: Terms, rows: Floats, hot: Floats, weights: Floats) -> float:
-    """The penalty with which routes that are left out are foretold best."""
+    """The penalty that predicts routes best that the fit has not seen (cross-validation)."""
     if len(rows) < 2 * FOLDS:
         return PENALTIES[-1]
     fold = np.arange(len(rows)) % FOLDS

@@ -18,7 +18,7 @@ from kerfwise.rules.profile.heat_section import Heat
 from .near_pairs import near_pairs
 
 MOST_NEAR = 6
-"""So many near contours, the nearest, are looked at two by two, and with entries."""
+"""How many of the nearest contours are looked at two by two, and with entries."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -26,8 +26,8 @@ class Terms:
     """Each term holds in a route or does not. They are counted on in this order:
 
     `pairs` (p, 2): the first contour is cut before the second. Every site, by its number: it is used. `entered` (q, 2):
-    a site is used, and this contour is out by then. `both` (r, 3): the first and the second are out before the third.
-    `around[i]` are the terms that the overheats near contour i are put down to: those that speak of its own cut.
+    a site is used, and this contour is already out. `both` (r, 3): the first and the second are out before the third.
+    `around[i]` are the terms that explain the overheats near contour i: those about its own cut.
     """
 
     pairs: Ints

@@ -16,7 +16,7 @@ from kerfwise.rules.profile.machine_section import Origin
 
 FORMAT = "kerfwise-plan/1"
 RELAXED = "relaxed: "
-"""How the reason of a statement begins that a planner has let go because the hard rules cannot all hold."""
+"""How the reason of a statement begins that is relaxed because the hard rules cannot all hold."""
 WAITS = "waits "
 """How the reason of a wait begins, among the reasons of a cut."""
 Status = Literal["optimal", "feasible"]
@@ -102,7 +102,7 @@ class Dropped:
 
     @property
     def relaxed(self) -> bool:
-        """Whether a planner let it go, and not the rules by themselves."""
+        """Whether it was relaxed, as a planner asked, and not dropped by the rules themselves."""
         return self.why.startswith(RELAXED)
 
 

@@ -36,7 +36,7 @@ def reasons(facts: Facts, stated: Stated, route: Sequence[int], home: Point) -> 
     for contour, entry in zip(order, entered, strict=True):
         held = [near[contour].about.sentence for near in (after, before) if contour in near]
         name = facts.nest.contours[contour].id
-        told.append((*(held or [f"no order rule speaks of {name}: it is cut here for the shortest travel"]), *entry))
+        told.append((*(held or [f"no order rule is about {name}: it is cut here for the shortest travel"]), *entry))
     return told
 
 

@@ -58,7 +58,7 @@ def of_no_good(statement: NoGood, cost: int | None) -> Iterator[Condition]:
 
 
 def of_at_least(statement: AtLeast, contour_of: list[int], cost: int | None) -> Condition | None:
-    """The statement as a condition, if all its literals speak of one contour's predecessors; else None.
+    """The statement as a condition, if all its literals are about one contour's predecessors; else None.
 
     `contour_of` maps candidates to contours. `Before(x, i)` is x in S; `Before(i, x)` is 1 minus x in S.
     """

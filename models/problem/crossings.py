@@ -32,7 +32,7 @@ class Crossings:
 
     A site number of m, the number of sites, is the machine's home; a cost of `FORBIDDEN` makes the move unlawful.
     `statement[k]` is the place of the statement among those given. What is out from the start is said of the contour
-    that the move leaves, which is cut by then: `over[k]` is that one.
+    that the move leaves, which is cut before the move: `over[k]` is that one.
     """
 
     leave: Ints = field(default_factory=_none)
@@ -58,7 +58,7 @@ def find_crossings(
     pierces_um: Ints,
     going: Going = lambda share: True,
 ) -> Crossings:
-    """All crossings between contours that may follow each other, of areas that may be out by then.
+    """All crossings between contours that may follow each other, of areas that may be out before the move.
 
     `before` (n, n) is the closed order, `lawful` the matrix of `successors.lawful_successors` (n + 1, n + 1), `first`
     the first site of every contour and of home; `ends_um`, `pierces_um` (m + 1, 2) include home as their last row.

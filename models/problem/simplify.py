@@ -52,7 +52,7 @@ def _decided(problem: Problem) -> tuple[Problem, Bools]:
 
 
 def _undecided(problem: Problem, condition: Condition) -> Condition:
-    """The condition on those members alone of which no hard order says whether they are out by then."""
+    """The condition on those members alone of which no hard order says whether they are out before it."""
     i, bound = condition.contour, condition.bound
     left: list[tuple[int, int]] = []
     for k, weight in zip(condition.members, condition.weights, strict=True):
@@ -111,7 +111,7 @@ def _place(problem: Problem, site: int, timed: bool) -> object:
 
 
 def _named(problem: Problem) -> set[int]:
-    """Sites that general statements speak of."""
+    """Sites that general statements are about."""
     candidates = {lit.c for s in problem.general for lit in s.literals if isinstance(lit, Pick)}
     candidates |= {s.when for s in problem.general if s.when is not None}
     return {int(problem.candidate_site[c]) for c in candidates} - {-1}

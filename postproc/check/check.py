@@ -43,7 +43,7 @@ def check_cuts(
     """Judge a plan's cuts, and what the plan says of them, where that is given.
 
     The torch's paths are made anew from the nest, the kerf and the leads. `relaxed` are the statements that the plan
-    says it has let go. Without a thermometer no temperature is judged.
+    says are relaxed. Without a thermometer no temperature is judged.
     """
     judged_by = judged_nest(nest, profile)
     nest = judged_by.nest

@@ -9,14 +9,14 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.profile import Profile
 
 from .excuses import excuse
-from .relaxed import Relaxed, let_go
+from .relaxed import Relaxed, excuse_relaxed
 from .result import Judgement
 
 
 def judge(nest: Nest, cuts: CutSequence, profile: Profile, relaxed: Sequence[Relaxed] = ()) -> list[Judgement]:
     """A judgement on every rule, the hard ones first; those that the profile switches off are listed last, unjudged.
 
-    `relaxed` are statements that the plan or program says it has let go. Cuts that were made before a stop are facts,
+    `relaxed` are statements that the plan or program says are relaxed. Cuts that were made before a stop are facts,
     and not judged.
     """
     settings, book = profile.settings(), profile.rulebook()
@@ -33,4 +33,4 @@ def judge(nest: Nest, cuts: CutSequence, profile: Profile, relaxed: Sequence[Rel
         for name, setting in sorted(settings.items(), key=lambda item: (item[1].strength != "hard", item[0]))
     ]
     off = [Judgement(name, "off", rule.sentence) for name, rule in sorted(book.items()) if name not in settings]
-    return [*let_go(nest, cuts, profile, excuse(nest, cuts, profile, judged), relaxed), *off]
+    return [*excuse_relaxed(nest, cuts, profile, excuse(nest, cuts, profile, judged), relaxed), *off]

@@ -44,7 +44,7 @@ class _Burn:
 def gouges(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float, shared: Pairs | None = frozenset()) -> Gouges:
     """Where the kerf, half its width to each side of the torch, reaches more than the tolerance into a part's metal.
 
-    `shared` are pairs of parts whose metal the rounds of each may burn: those that the plan says it has let go, or all
+    `shared` are pairs of parts whose metal the rounds of each may burn: those that the plan says are relaxed, or all
     (None) where the rule shared-metal is off. Where all may, a warning names those that do. What a lead burns beyond
     its round is a gouge there too.
     """

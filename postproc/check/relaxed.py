@@ -1,4 +1,4 @@
-"""Statements that a planner let go because the hard rules cannot all hold: what they excuse, and nothing else.
+"""Statements that are relaxed because the hard rules cannot all hold: what they excuse, and nothing else.
 
 A plan lists them among what it has dropped, a program in comments such as `RELAXED 2 level-ahead P1.outer P2.outer`;
 where one comment has no room for all contours the next goes on with the same number.
@@ -25,14 +25,14 @@ _RELAXED = re.compile(r"RELAXED (?P<number>\d+) (?P<rule>\S+) (?P<contours>.+)",
 
 @dataclass(frozen=True, slots=True)
 class Relaxed:
-    """One statement that was let go: the rule it comes from and the contours it is about."""
+    """One statement that is relaxed: the rule it comes from and the contours it is about."""
 
     rule: str
     contours: tuple[str, ...]
 
 
 def read_relaxed(nest: Nest, comments: Iterable[str]) -> tuple[Relaxed, ...]:
-    """What the comments of a program say has been let go; contours that the nest does not have are left out."""
+    """What the comments of a program say is relaxed; contours that the nest does not have are left out."""
     ids = {folded(c.id): c.id for c in nest.contours}
     found: dict[tuple[int, str], list[str]] = {}
     for words in filter(None, map(_RELAXED.fullmatch, comments)):
@@ -41,7 +41,7 @@ def read_relaxed(nest: Nest, comments: Iterable[str]) -> tuple[Relaxed, ...]:
     return tuple(Relaxed(rule, tuple(names)) for (_, rule), names in found.items())
 
 
-def let_go(
+def excuse_relaxed(
     nest: Nest, cuts: CutSequence, profile: Profile, judged: Sequence[Judgement], relaxed: Sequence[Relaxed]
 ) -> list[Judgement]:
     """The judgements, with violations of hard rules excused where a relaxed statement is all that asked for more."""
@@ -49,14 +49,14 @@ def let_go(
     for statement in relaxed:
         of_rule.setdefault(statement.rule, []).append(statement.contours)
     return [
-        _let_go(nest, cuts, profile, judgement, of_rule[judgement.id])
+        _excuse_relaxed(nest, cuts, profile, judgement, of_rule[judgement.id])
         if judgement.strength == "hard" and judgement.violations and judgement.id in of_rule
         else judgement
         for judgement in judged
     ]
 
 
-def _let_go(
+def _excuse_relaxed(
     nest: Nest, cuts: CutSequence, profile: Profile, judgement: Judgement, statements: Sequence[tuple[str, ...]]
 ) -> Judgement:
     rule, options = profile.rulebook()[judgement.id], profile.settings()[judgement.id].options
@@ -105,5 +105,5 @@ def _no_longer_ordered(contours: tuple[str, ...], orders: Sequence[Ids], gone: s
 
 
 def relaxed_warnings(relaxed: Sequence[Relaxed]) -> Iterator[str]:
-    """A line for every statement that was let go: a check never passes over them in silence."""
+    """A line for every statement that is relaxed: a check never passes over them in silence."""
     yield from (f"relaxed: {statement.rule} about {', '.join(statement.contours)}" for statement in relaxed)

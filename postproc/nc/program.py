@@ -88,7 +88,7 @@ def _assumed(plan: Plan, profile: Profile, dialect: Dialect) -> Iterator[str]:
 
 
 def _relaxed(plan: Plan, dialect: Dialect) -> Iterator[str]:
-    """What a planner let go, a number each; contours that have no room go on in another comment of that number."""
+    """What is relaxed, a number each; contours that have no room go on in another comment of that number."""
     for k, dropped in enumerate((d for d in plan.dropped if d.relaxed), 1):
         head = f"RELAXED {k} {plain(dropped.rule)}"
         room = dialect.max_line - len(dialect.comment.format(text=f"{head} "))

@@ -71,11 +71,11 @@ def part_layer(
 
 
 def out_layer(nest: Nest, view: View, out: frozenset[str]) -> Layer:
-    """What has dropped: parts, and the waste of holes, that are out."""
+    """What has fallen out: parts, and the waste of holes."""
     by_size = sorted((c for c in nest.contours if c.curve.closed), key=lambda c: -c.polygon.area)
     void = Style(fill=colours.PAGE)
-    dropped = [c for c in by_size if c.id in out and c.kind != "mark"]
-    return Layer("out", tuple(Shape((view.path(c.curve),), void, title=f"{c.id}  out") for c in dropped))
+    fallen = [c for c in by_size if c.id in out and c.kind != "mark"]
+    return Layer("out", tuple(Shape((view.path(c.curve),), void, title=f"{c.id}  out") for c in fallen))
 
 
 def _metal(part: Part, view: View, zones: ZoneMap, order: Mapping[str, int], faded: bool, made: int) -> Shape:

@@ -69,7 +69,7 @@ CASES = (
         broken(
             (1, 2),
             ("G.outer", "H.hole1"),
-            "G.outer (cut 2) is pierced in the waste of H.hole1, which has dropped since cut 1",
+            "G.outer (cut 2) is pierced in the waste of H.hole1, which has fallen out since cut 1",
         ),
     ),
     case(

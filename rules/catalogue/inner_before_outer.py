@@ -26,7 +26,7 @@ class InnerBeforeOuter(OrderRule[NoOptions]):
 
     ## Why
 
-    Cutting a contour frees the metal inside it: a contour cut there afterwards is cut in a piece that has dropped or
+    Cutting a contour frees the metal inside it: a contour cut there afterwards is cut in a piece that has fallen or
     moved. Pristupov 2016 (fig. 1) and Verkhoturov et al. (restriction 1) ask it of every plan; it is never dropped.
 
     ## Wrong

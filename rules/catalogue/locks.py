@@ -39,7 +39,7 @@ class Locks(Rule[LocksOptions]):
     A profile's `locks` fix single decisions: `{contour: ID, before: ID}`, `{contour: ID, position: first | last | N}`
     (over all contours, marks included; 1 is first, and the number of contours is last),
     `{contour: ID, entry: [x, y]}`, `{contour: ID, direction: cw | ccw}`, `{part: ID, zone: N}`. Always hard. Orders of
-    level-ahead and hull-before that locks leave no room for are dropped, as few as can be, and told; the zones follow
+    level-ahead and hull-before that locks leave no room for are dropped, as few as can be, and listed; the zones follow
     positions that are locked. A lock that contradicts any other hard rule is an error that names both.
 
     ## Why

@@ -45,7 +45,7 @@ class NoNarrowStrips(Rule[NoNarrowStripsOptions]):
     than `strip` (or than `strip_thicknesses` times the sheet's thickness), and parts that are out take this metal away
     on two sides, more than a right angle apart. A part is on an island when a piece of metal no wider than ten strips
     is cut off from the rest, and parts are left on both: those on the side with fewer of them are left behind. Each
-    part is told once. Parts in the same place are looked at together: on the sheet, or in one hole.
+    part is named once. Parts in the same place are looked at together: on the sheet, or in one hole.
 
     Nothing of this can be stated before there is an order: orders are checked, and what is found comes back as sets of
     parts that must not be out while others are in. Where orders that may not be broken leave no other way, a plan under

@@ -28,7 +28,7 @@ class NoTipTravel(Rule[NoOptions]):
 
     The straight line from the end of each cut to the next pierce, from home to the first and from the last back home,
     does not cross the area of a part whose outer contour has been cut before. The area is all that the outer contour
-    encloses: what drops out of a hole may stand up as well. Where the machine travels with its head down
+    encloses: what falls out of a hole may stand up as well. Where the machine travels with its head down
     (`machine.head: down`) a soft rule is hard.
 
     ## Why

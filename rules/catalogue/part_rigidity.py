@@ -56,7 +56,7 @@ class PartRigidity(Rule[PartRigidityOptions]):
     At the moment an outer contour is cut, a stretch of it is free if it faces the sheet's edge within `edge_band` (see
     start-side) or a part already out within `web`, and rigid if it faces a part still in, or solid metal. At least
     `rigid_min` of the last `tail_share` of the path is rigid. The check allows 0.05 less, for it looks at the boundary
-    in finer steps than the planner. Which entries and directions will do depends on what has been cut before.
+    in finer steps than the facts. Which entries and directions will do depends on what has been cut before.
 
     Beside that, at most `head_rigid_max` of the first `head_share` should be rigid: it costs `head_weight` where more
     is. That is a wish only and is never judged.

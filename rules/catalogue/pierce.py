@@ -42,7 +42,7 @@ class Pierce(Rule[PierceOptions]):
     ## What it does
 
     The pierce of an outer contour lies outside every part, that of a hole inside the hole; both at least `clearance`
-    from every contour. It is not on a part, and not over metal that has dropped: a pierce in the waste of a hole is
+    from every contour. It is not on a part, and not over metal that has fallen out: a pierce in the waste of a hole is
     made before that hole is cut. A lead crosses no contour. From the sheet edge nothing is pierced, so that there the
     clearance does not apply. Marks are not pierced.
 
@@ -113,7 +113,7 @@ class Pierce(Rule[PierceOptions]):
                 continue
             cut, waste = contours[contour].id, contours[hole].id
             sentence = (
-                f"{cut} is cut before {waste}: it is pierced in the waste of {waste}, which drops when that is cut"
+                f"{cut} is cut before {waste}: it is pierced in the waste of {waste}, which falls out when that is cut"
             )
             yield AtLeast((Before(contour, hole),), (1,), 1, self.about((cut, waste), sentence), when=number)
 

@@ -42,7 +42,7 @@ class SharedMetal(Rule[SharedMetalOptions]):
     reaches as deep into the other part as the gap falls short of the kerf. More than 0.05 mm (a quarter of a kerf under
     0.2 mm) is refused, since no order and no entry helps: `solve` names every such pair with place, gap and depth. A
     line that the nest gives to two parts (or a drawing to a layer of holes and to another) is such a pair as well.
-    `--relax` lets these pairs go, and marks them in the plan, the program and the check. A web between a hole and the
+    `--relax` relaxes these pairs, and marks them in the plan, the program and the check. A web between a hole and the
     outer contour of the same part may be as thin as it likes: both kerfs lie in waste. Marks burn nothing through.
     Where the rule is off, as in wood, contours may touch; the check then only warns.
 

@@ -57,7 +57,7 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
     long as the torch is on, piercing included, at the feeds that the section `time` names. What the order rules then
     raise into a zone that has no room for it makes two zones of it. A part that passes the budget alone, with what it
     contains, has a zone of its own, and where locks put parts in zones these may pass it: both are exceptions that the
-    plan lists. `kerfwise facts` tells the heat of every zone.
+    plan lists. `kerfwise facts` gives the heat of every zone.
 
     ## Why
 

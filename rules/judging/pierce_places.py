@@ -76,7 +76,7 @@ class PiercePlaces:
             for hole in sorted(inside - {contour.id}):
                 if self.nest.contour(hole).kind == "hole" and self.at.get(hole, k) < k:
                     text = (
-                        f"{contour.id} (cut {k}) is pierced in the waste of {hole}, which has dropped since cut "
+                        f"{contour.id} (cut {k}) is pierced in the waste of {hole}, which has fallen out since cut "
                         f"{self.at[hole]}"
                     )
                     yield (self.at[hole], k), (contour.id, hole), text

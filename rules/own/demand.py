@@ -31,7 +31,7 @@ Found = tuple[tuple[str, ...], str, tuple[int, ...]]
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Chosen:
-    """Whom a rule speaks of on one nest: its id and reason, and group by group (selected, all of the group)."""
+    """Which contours of a nest a rule is about: its id and reason, and group by group (selected, all of the group)."""
 
     rule: str
     why: str

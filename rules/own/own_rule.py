@@ -1,4 +1,4 @@
-"""A rule of the plant's own: a name, a reason, whom it speaks of, and what it asks of them."""
+"""A rule of the plant's own: a name, a reason, which contours it is about, and what it asks of them."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class OwnRule:
         return set().union(reach, self.select.names(), *(s.names() for s in self.ask.selectors()))
 
     def chosen(self, known: Known) -> Chosen:
-        """Whom it speaks of on one nest."""
+        """Which contours it is about on one nest."""
         selected = set(self.select.chosen(known))
         parted = ((tuple(k for k in group if k in selected), group) for group in groups(known, self.scope))
         return Chosen(self.id, self.why, known, tuple((own, group) for own, group in parted if own))

@@ -97,7 +97,7 @@ def as_rule(own: Own) -> PlantRule | PlantFile:
 
 
 def own_pairs(rules: tuple[Own, ...], nest: Nest, thresholds: Thresholds) -> tuple[Ids, ...]:
-    """Contour ids (before, after) that hard own rules order, but for those that speak of zones: no zone may
+    """Contour ids (before, after) that hard own rules order, but for rules about zones: no zone may
     contradict them."""
     known = known_of_nest(measured(nest, None, thresholds.long_ratio, thresholds.web_mm))
     contours = nest.contours

@@ -1,4 +1,4 @@
-"""Selectors: which contours an own rule speaks of."""
+"""Selectors: which contours an own rule is about."""
 
 from __future__ import annotations
 

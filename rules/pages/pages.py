@@ -24,7 +24,7 @@ Made from the rules' own docstrings by `python -m kerfwise.rules.pages > docs/ru
 
 A profile makes each rule `hard`, `soft` (breaking it once costs its weight, in idle travel) or `off`, and sets its
 options. Where hard order rules contradict each other or a lock, `hull-before` gives way first, then `level-ahead`;
-every order that is left out is listed in the plan with the cycle it closes, or with the locked position that leaves no
+every order that is dropped is listed in the plan with the cycle it closes, or with the locked position that leaves no
 room for it. All others must hold, or there is no plan.
 """
 

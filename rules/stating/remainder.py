@@ -1,8 +1,9 @@
 """What statements about a whole nest still ask once some of its contours are cut.
 
-Of a contour that is out every order is known: it was cut before all that is left. What is decided by that drops, hold
-or not: cuts that are made are facts, and nobody can keep a rule for them any more. What is left speaks of contours that
-are left alone, by their numbers among these. Candidates have the same numbers in both: what is out has none.
+Of a contour that is out every order is known: it was cut before all that is left. What that decides is left out,
+whether it holds or not: cuts that are made are facts, and nobody can keep a rule for them any more. What remains is
+only about contours that are left, by their numbers among these. Candidates have the same numbers in both: what is out
+has none.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ OUT = -1
 class Rest:
     """`number[i]` is the number of contour i of the whole among those left, `OUT` where it is out.
 
-    `cut_at` tells when what is out was cut; what has dropped uncut is not in it.
+    `cut_at` tells when what is out was cut; what has fallen out uncut is not in it.
     """
 
     number: Sequence[int]

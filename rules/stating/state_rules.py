@@ -30,7 +30,7 @@ HOPELESS = "these hard rules cannot hold in any order"
 CONTRADICT = "these hard rules contradict each other; one must give way"
 
 LOOSE = "inner-before-outer"
-"""The rule that a contour breaks which is left in metal that has dropped."""
+"""The rule that a contour breaks which is left in metal that has fallen out."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ class DroppedStatement:
 class Stated:
     """What is asked of a plan, free of cycles, and what was dropped to make it so.
 
-    `exempt` names contours that a hard rule lets go in any order, because nothing can make them keep it.
+    `exempt` names contours of which a hard rule asks nothing in any order, because nothing can make them keep it.
     """
 
     statements: tuple[Statement, ...]
@@ -144,7 +144,7 @@ def _loose_text(inner: str, outer: str) -> str:
 
 
 def stated_by(rule: Rule[Any], facts: Facts, options: Any) -> Iterable[Statement]:
-    """What a rule states of the facts; one that looks at the whole nest states of that, and what is decided drops."""
+    """What a rule states of the facts; one that looks at the whole nest states of that, without what is decided."""
     if facts.past is None or not rule.of_whole_nest:
         return rule.statements(facts, options)
     return of_what_is_left(rule.statements(facts.past.whole, options), rest_of(facts))

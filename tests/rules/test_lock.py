@@ -1,4 +1,4 @@
-"""Locks that speak of what the nest does not have."""
+"""Locks that name what the nest does not have."""
 
 from __future__ import annotations
 

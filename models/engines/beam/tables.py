@@ -112,7 +112,7 @@ def travel_table(problem: Problem) -> Ints:
 
 
 def way_home(problem: Problem, travel: Ints) -> Floats:
-    """What the last move of a plan costs from every site (m,), infinite where it is not lawful: all is out by then."""
+    """What the last move of a plan costs from every site (m,), infinite where it is not lawful: everything is out."""
     cost = travel[: problem.m, problem.m].astype(np.float64)
     cost[cost == NEVER] = np.inf
     rows = problem.crossings

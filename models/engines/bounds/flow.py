@@ -92,7 +92,7 @@ def _whole(bound: float) -> int:
 
 
 class _Flow:
-    """The linear program over the moves that have been of use so far.
+    """The linear program over the moves that have been useful so far.
 
     Rows: home and every contour are come to once, every site and home are left as often as come to,
     then the inequalities.

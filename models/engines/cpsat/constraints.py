@@ -170,7 +170,7 @@ def _general_statements_hold(model: CpModel, problem: Problem, v: Variables) -> 
 
 
 def _moves_over_parts_are_paid_for(model: CpModel, v: Variables) -> None:
-    """A move over a part that is out by then costs, or is not made."""
+    """A move over a part that is out before it costs, or is not made."""
     for k, crossing in enumerate(v.crossings):
         is_out = v.before(crossing.over, crossing.leave)
         moves = [v.travel[a] for a in crossing.arcs]

@@ -1,8 +1,8 @@
 """The inner loops of the sweep over ideals, compiled by numba; they run without the GIL, so that threads share a layer.
 
 An *entry* is an ideal (a set that the orders allow to be cut first) together with the contour that was cut last in it;
-its states are that contour's sites. Values are whole µm in the narrowest integers that hold the dearest plan of use;
-`never` stands for all that is dearer, and twice as much still fits.
+its states are that contour's sites. Values are whole µm in the narrowest integers that hold the most that a plan
+worth finding costs; `never` stands for all that costs more, and twice as much still fits.
 """
 
 from __future__ import annotations

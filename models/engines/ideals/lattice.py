@@ -48,7 +48,7 @@ class Layer:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Stretch:
-    """All that a sweep works on: `limit` is the cost of the dearest plan of use, `never` more than it."""
+    """All that a sweep works on: `limit` is the most that a plan worth finding costs, `never` is more."""
 
     local: Local
     moves: Moves

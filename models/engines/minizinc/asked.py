@@ -58,7 +58,7 @@ def asked(profile: Profile, stated: Stated, afterwards: Sequence[Statement] = ()
 def rules_in_files(profile: Profile, stated: Stated) -> dict[str, RuleSetting]:
     """The rules that are on and whose files say all that is asked of them.
 
-    Not so where single statements of a rule were let go or given a price of their own to resolve a conflict: such a
+    Not so where single statements of a rule were relaxed or given a price of their own to resolve a conflict: such a
     rule is stated in words. (Orders dropped of level-ahead and hull-before are taken out of their facts.)
     """
     weights: dict[str, set[float | None]] = {}

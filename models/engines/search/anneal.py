@@ -133,7 +133,7 @@ def _note(tables: Tables, state: State) -> None:
 
 @compiled
 def _judge(state: State, temperature: float) -> None:
-    """Make lawless routes dearer if most of the last ones were, cheaper if few were."""
+    """Raise the price of unlawful routes if most of the last ones were unlawful, lower it if few were."""
     state.number[TRIES] += 1
     if state.number[BROKEN] > 0:
         state.number[LAWLESS] += 1

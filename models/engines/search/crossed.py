@@ -35,7 +35,7 @@ class Crossed(NamedTuple):
 
 
 def always_crossed(problem: Problem) -> tuple[Ints, Ints, Ints]:
-    """Moves (from site, to site, cost) that cost whatever the order: the contour crossed is cut by then for sure."""
+    """Moves (from site, to site, cost) that cost in every order: the contour crossed is cut before."""
     rows, sure = problem.crossings, _surely_out(problem)
     return rows.leave[sure], rows.reach[sure], rows.cost[sure]
 
@@ -50,7 +50,7 @@ def make_crossed(problem: Problem, priced: bool) -> Crossed:
     is_over[rows.over[maybe]] = True
     move = rows.leave * (problem.m + 1) + rows.reach
     columns = [(move[maybe], rows.over[maybe], rows.cost[maybe])]
-    if not priced:  # one row for all that a move crosses for sure: what it leaves is cut by then
+    if not priced:  # one row for all that a move crosses for sure: what it leaves is cut before it
         moves, which = np.unique(move[sure], return_inverse=True)
         total = np.zeros(len(moves), dtype=np.int64)
         np.add.at(total, which, rows.cost[sure])

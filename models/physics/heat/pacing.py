@@ -1,7 +1,7 @@
 """How long the torch must wait before each burn for the metal to stay under a limit, and where no wait helps.
 
 Burn by burn: what a burn does is simulated together with the rest after it in which its heat spreads, so that a place
-that gets too hot is laid to the burn that heats it. Temperatures add up, and what an earlier burn left fades: the
+that gets too hot is counted for the burn that heats it. Temperatures add up, and what an earlier burn left fades: the
 longer the wait the cooler it stays, down to what the burn reaches on a cold sheet with the kerfs as they are.
 """
 

@@ -13,7 +13,7 @@ from .constant import Feeds
 from .corners import corner_mm_s
 
 _SPECK_MM = 0.02
-"""Segments shorter than this, which rounding leaves, have no direction to speak of and make no corners."""
+"""Segments shorter than this, which rounding leaves, have no direction that means anything, and make no corners."""
 
 
 def trapezoid_s(length_mm: float, start_mm_s: float, end_mm_s: float, top_mm_s: float, acceleration: float) -> float:

@@ -60,7 +60,7 @@ def on_order(groups: Iterable[Group]) -> list[Group]:
 
 
 def contours_of(group: Group, contour_of: Sequence[int]) -> set[int]:
-    """Numbers of the contours whose place or entry the group speaks of; `contour_of` maps candidates to contours."""
+    """Numbers of the contours whose place or entry the group is about; `contour_of` maps candidates to contours."""
     found: set[int] = set()
     for s in group.statements:
         match s:
@@ -77,7 +77,7 @@ def contours_of(group: Group, contour_of: Sequence[int]) -> set[int]:
             case NoGood(out, left):
                 found |= out | left
             case Crossing():
-                pass  # it speaks of moves
+                pass  # it is about moves
             case _:
                 assert_never(s)
     return found

@@ -1,6 +1,6 @@
 """Whether statements can all hold: a small CP-SAT model of the order and the candidates, no travel in it.
 
-Contours that no statement speaks of are left out: they can come last. Only a lag counts them, as what may lie between,
+Contours that no statement is about are left out: they can come last. Only a lag counts them, as what may lie between,
 and a place in the order.
 What moves cross, and seconds, are not asked here (`whole` asks them): a clash found without them is one all the same.
 """
@@ -121,7 +121,7 @@ def _loose(groups: Sequence[Group]) -> set[int]:
             case NoGood(out, left):
                 firm |= out | left
             case Forbid() | Crossing():
-                pass  # neither speaks of a contour's place
+                pass  # neither is about a contour's place
             case _:
                 assert_never(s)
     loose = {k for k, of in partners.items() if k not in firm and len(of) == 1 and k not in of}

@@ -16,7 +16,7 @@ from .group import Group
 from .purse import NotAnswered, Purse
 
 NEVER = ("inner-before-outer",)
-"""Rules that cannot be broken at all, whatever their strengths: metal that has dropped cannot be cut."""
+"""Rules that cannot be broken at all, whatever their strengths: metal that has fallen out cannot be cut."""
 LAST = "locks"
 """The rule that gives way only where all others together do not help."""
 WORK = 20.0
@@ -75,7 +75,7 @@ def find_relaxation(
 
 
 def may_give_way(rule: Rule[Any]) -> bool:
-    """Whether single statements of a rule, hard as they are, may be let go."""
+    """Whether single statements of a rule, hard as they are, may be relaxed."""
     return rule.id not in NEVER and ("soft" in rule.strengths or rule.relaxable)
 
 

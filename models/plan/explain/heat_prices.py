@@ -37,7 +37,7 @@ class HeatPrice:
 
 
 def heat_prices(setting: Setting, contour: int) -> tuple[HeatPrice, ...]:
-    """The prices of heat that speak of a contour, the highest first.
+    """The prices of heat that are about a contour, the highest first.
 
     What is asked of one contour's cut while two others are out, or are not, is told of that one and not of the two.
     What is asked of an entry while another contour is out is told where the plan uses that entry.

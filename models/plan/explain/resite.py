@@ -88,7 +88,7 @@ def _here(setting: Setting, contour: int, sites: Sequence[int], already: set[int
 
 
 def _crossed(problem: Problem, order: Sequence[int]) -> dict[int, list[tuple[int, int, float]]]:
-    """Step → (site left, site reached, cost) of its moves over parts that are out by then; step n leads home."""
+    """Step → (site left, site reached, cost) of its moves over parts that are already out; step n leads home."""
     rows = problem.crossings
     found: dict[int, list[tuple[int, int, float]]] = defaultdict(list)
     if not len(rows):

@@ -52,7 +52,7 @@ def _lines(e: Explanation, everything: bool) -> Iterator[str]:
         prices = [f"{'kept' if p.kept else f'broken, costs {p.price_mm:.0f} mm'}: {p.about.sentence}" for p in e.heat]
         yield from _listed(prices, everything)
     if not (e.earlier or e.later or e.also or e.heat):
-        yield f"no order rule speaks of {e.contour}: it is cut here for the shortest travel"
+        yield f"no order rule is about {e.contour}: it is cut here for the shortest travel"
     if everything:
         yield from _chain("the chain back", e.contour, e.earlier_chain)
         yield from _chain("the chain on", e.contour, e.later_chain)

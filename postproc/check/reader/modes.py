@@ -1,4 +1,4 @@
-"""What a program must say before it moves, lest it run in whatever state the control was left in."""
+"""What a program must say before it moves; else it would run in whatever state the control was left in."""
 
 from __future__ import annotations
 

@@ -215,7 +215,7 @@ def test_a_ring_of_two_vertices_encloses_nothing(tmp_path: Path) -> None:
     with pytest.raises(InputError) as error:
         read(tmp_path, given)
     assert error.value.details == (
-        "P2.outer encloses no area, at (60.000, 20.000): remove it, or try --repair, which drops it",
+        "P2.outer encloses no area, at (60.000, 20.000): remove it, or try --repair, which removes it",
     )
     assert [c.part for c in read(tmp_path, given, repair=True).contours] == ["P1"] * 4
 

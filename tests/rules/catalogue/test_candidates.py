@@ -21,7 +21,7 @@ HOLE, G = HOST.index["H.hole1"], HOST.index["G.outer"]
 
 
 def test_pierce_in_the_waste_of_a_hole_comes_before_the_hole() -> None:
-    sentence = "G.outer is cut before H.hole1: it is pierced in the waste of H.hole1, which drops when that is cut"
+    sentence = "G.outer is cut before H.hole1: it is pierced in the waste of H.hole1, which falls out when that is cut"
     about = About("pierce", ("G.outer", "H.hole1"), sentence)
     assert list(Pierce().statements(FACTS, PierceOptions())) == [
         AtLeast((Before(G, HOLE),), (1,), 1, about, when=3),
