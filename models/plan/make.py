@@ -117,10 +117,10 @@ def _made(facts: Facts, cut: Cut, kerf_mm: float) -> PlannedCut:
 
 
 def close_calls(contours: list[Contour], radius_mm: float = 50.0) -> float:
-    """A first measure of heat: how many cuts follow a cut of another part less than `radius_mm` away.
+    """A quick measure of heat: how many cuts follow a cut of another part less than `radius_mm` away.
 
-    Pristupov and Petunin ask that neighbours not be cut one after the other; the simulated temperature
-    (Verkhoturov) will be a better measure.
+    Pristupov and Petunin ask that neighbours not be cut one after the other. `kerfwise heat` measures better: it
+    simulates the temperatures.
     """
     through = [c for c in contours if c.kind != "mark"]
     return float(sum(a.part != b.part and a.line.distance(b.line) < radius_mm for a, b in pairwise(through)))

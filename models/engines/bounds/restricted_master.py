@@ -21,7 +21,7 @@ class Solved:
 
 
 class RestrictedMaster:
-    """Minimises over columns of at least 0, under equations with these right sides, and then rows of at least so much.
+    """Minimises over columns of at least 0, under equations with these right sides, and then inequalities.
 
     Examples
     --------
