@@ -16,9 +16,11 @@ def command(made: str, **given: Any) -> int:
     """Judge a plan or an NC program of NEST by every rule; exit 1 if a hard one is broken."""
     from kerfwise.models.plan.reader import read_plan
     from kerfwise.postproc.check import report
+    from kerfwise.postproc.dialects import fitting_dialect
     from kerfwise.postproc.verdict.checking import check_plan, check_program
 
     asked = read_given(**given)
+    fitting_dialect(asked.profile)  # a plan is worth nothing on a machine whose programs would not run
     if made.endswith(".json"):
         plan = read_plan(made)
         note_if_others(plan, asked)
