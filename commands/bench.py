@@ -41,7 +41,7 @@ def command(
     """Run engines on FILES: routing instances (.pcglns, .sop, also with .gz) and nests (.json, .dxf, .svg).
 
     Every tour is judged by code of its own. Each run has a process of its own; its clock starts when the file is
-    read and the compiled kernels are loaded. A file that cannot be read is told, and the others are run.
+    read and the compiled kernels are loaded. A file that cannot be read is named, and the others are run.
     """
     from kerfwise.jobs.bench import Job, as_json, head, line, measure, read_best_known, totals
 
@@ -70,7 +70,7 @@ def command(
         interrupted = True
     click.echo(as_json(results) if as_list else totals(results, bests))
     if bests and best and not any(found is not None for found in bests):
-        click.echo("note: --best-known tells nothing of these instances (its sets are names of folders)", err=True)
+        click.echo("note: --best-known has no costs for these instances (its sets are names of folders)", err=True)
     if interrupted:
         return 130
     if broken:

@@ -102,7 +102,7 @@ def command(
     )
     began_s = time.monotonic()
     facts = facts_of(nest, profile, already)
-    _not_counted("what the nest is like was worked out", time.monotonic() - began_s, time_limit)
+    _not_counted("the facts of the nest", time.monotonic() - began_s, time_limit)
     if (time_limit or no_improvement) and engine != "minizinc":
         _load_kernels()
     try:
@@ -118,8 +118,8 @@ def command(
     except RulesConflict as error:
         return tell_conflict(facts, profile, error, conflict_picture, limits)
     over_s = time.monotonic() - began_s - made.judging_s - (left.time_s or 0.0)
-    _not_counted("what planning had begun was brought to an end", over_s, time_limit)
-    _not_counted("the program was written and checked", made.judging_s, time_limit)
+    _not_counted("ending the planning", over_s, time_limit)
+    _not_counted("writing and checking the program", made.judging_s, time_limit)
     if verbose:
         click.echo("\n".join(made.notes))
     click.echo(summary(made.plan, made.verdict))
@@ -141,7 +141,7 @@ def command(
 def _not_counted(what: str, took_s: float, time_limit: float | None) -> None:
     """Say what took long beside a limit in seconds."""
     if time_limit and took_s > SAID_S:
-        click.echo(f"note: {what} in {took_s:.0f} s that the limit does not count", err=True)
+        click.echo(f"note: {what} took {took_s:.0f} s, which the limit does not count", err=True)
 
 
 def _load_kernels() -> None:
@@ -151,7 +151,7 @@ def _load_kernels() -> None:
     started_s = time.monotonic()
     load_kernels()
     if (took_s := time.monotonic() - started_s) > SAID_S:
-        text = f"kernels were compiled first, which is done once: {took_s:.0f} s that the limit does not count"
+        text = f"kernels were compiled first, which is done once: {took_s:.0f} s, not counted by the limit"
         click.echo(f"note: {text}", err=True)
 
 

@@ -1,4 +1,4 @@
-"""Plans that keep the rule t-max: simulated, planned anew where they get too hot, and given waits where those may be.
+"""Plans that keep the rule t-max: simulated, planned again where they get too hot, and given waits where those may be.
 
 Only a whole order shows what heated a place, so demands are made afterwards (Verkhoturov et al. choose by simulated
 temperatures as well). For each burn that was too hot, the near contour cut last before it should lie further away in

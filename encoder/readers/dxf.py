@@ -59,7 +59,7 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions) -> Drawing:
             else:
                 pieces.append(Piece(drawn, layer, order))
     except DXF_ERRORS as error:
-        raise InputError(f"an entity of this DXF file is damaged ({error}); open and save it anew in CAD") from error
+        raise InputError(f"an entity of this DXF file is damaged ({error}); save it again in CAD") from error
     return Drawing(tuple(pieces), units, (*notes, *unit_notes, *unread.notes(options.layers)))
 
 
@@ -71,7 +71,7 @@ def _curve(entity: DXFGraphic, layer: str, scale: float) -> Curve | None:
     except InputError as error:
         raise InputError(f"{error.message} ({where})") from error.__cause__
     except DXF_ERRORS as error:
-        raise InputError(f"{where} is damaged ({error}); open and save the file anew in CAD") from error
+        raise InputError(f"{where} is damaged ({error}); save the file again in CAD") from error
 
 
 def _whole(data: bytes, options: ReadOptions) -> tuple[Note, ...]:
@@ -81,7 +81,7 @@ def _whole(data: bytes, options: ReadOptions) -> tuple[Note, ...]:
     if data.rstrip(b"\0\x1a \t\r\n").endswith(b"EOF"):
         return ()
     if not options.repair:
-        raise InputError("the DXF file breaks off: its end mark EOF is missing; export it anew, or try --repair")
+        raise InputError("the DXF file breaks off: its end mark EOF is missing; export it again, or try --repair")
     return (Note("repaired", "the DXF file breaks off before its end mark EOF: read as far as it goes"),)
 
 

@@ -58,7 +58,7 @@ def read_svg(data: bytes, options: ReadOptions) -> Drawing:
             (c, s) for s in shown if isinstance(s.element, svgelements.Shape) for c in curves(s.element, page.to_mm)
         ]
     except FOREIGN_ERRORS as error:
-        raise InputError(f"a shape of this SVG file is damaged ({error}); save it anew as plain SVG") from error
+        raise InputError(f"a shape of this SVG file is damaged ({error}); save it again as plain SVG") from error
     pieces = tuple(Piece(c, s.layer, order, s.names) for order, (c, s) in enumerate(drawn))
     return Drawing(pieces, page.units, tuple(_unread(shown, options.layers)), page.sheet)
 

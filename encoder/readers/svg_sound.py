@@ -47,7 +47,7 @@ def sound(data: bytes) -> bytes:
     for element in root.iter():
         for wrong in _wrong(element):
             name = f" '{element.get('id')}'" if element.get("id") else ""
-            raise InputError(f"the <{_tag(element)}>{name} cannot be read: {wrong}; save the drawing anew as plain SVG")
+            raise InputError(f"the <{_tag(element)}>{name} cannot be read: {wrong}; save it again as plain SVG")
     _check_clones(root)
     return ElementTree.tostring(root)
 

@@ -69,9 +69,9 @@ def sheet_ring_problems(sheet: Sheet) -> list[str]:
     problems = []
     for name, curve in named:
         if flat(curve):
-            problems.append(f"{name} encloses no area, {place(curve)}: draw the sheet anew")
+            problems.append(f"{name} encloses no area, {place(curve)}: draw the sheet again")
         elif not curve.polygon().is_valid:
-            problems.append(f"{name} {_crossing(curve.polygon())}: draw the sheet anew")
+            problems.append(f"{name} {_crossing(curve.polygon())}: draw the sheet again")
     if not problems and not sheet.polygon.is_valid:
         problems.append(f"the sheet's holes overlap or reach out of it ({shapely.is_valid_reason(sheet.polygon)})")
     return problems

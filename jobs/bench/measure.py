@@ -72,6 +72,6 @@ def measure(job: Job) -> Result:
         raise InputError(said.strip())
     if child.returncode != 0:
         last = said.strip().splitlines()[-1:] or [f"exit code {child.returncode}"]
-        raise InputError(f"the engine {job.engine} died of it: {last[0]}", file=job.path)
+        raise InputError(f"the engine {job.engine} ended with an error: {last[0]}", file=job.path)
     fields = json.loads(answer)
     return Result(**{**fields, "tour": tuple(fields["tour"])})

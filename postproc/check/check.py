@@ -119,7 +119,7 @@ def _judge_paths(
 
 def _resumed(cuts: CutSequence) -> list[str]:
     """What is taken for granted of a program that goes on after a stop."""
-    return [f"resumed after cut {cuts.made}: what was cut before is taken as it is told"] if cuts.made else []
+    return [f"resumed after cut {cuts.made}: what was cut before is taken as stated"] if cuts.made else []
 
 
 def _sharing(nest: Nest, profile: Profile, relaxed: Sequence[Relaxed]) -> Pairs | None:

@@ -19,7 +19,7 @@ SENTENCES = {
     "torch-off-travel": "The torch is off on every rapid.",
     "program-state": "The program says itself in what units and how it moves, and starts its tools with S1.",
     "feeds": "The torch moves at the profile's feeds, slower in small holes, and travels by rapids.",
-    "pierce-delay": "The torch stands at each pierce for the profile's time, and else only, off, to let metal cool.",
+    "pierce-delay": "The torch stands at each pierce for the profile's time; elsewhere only off, to let metal cool.",
     "returns-home": "The torch ends where it starts, at the machine's home.",
     "on-sheet": "The torch burns only over the sheet, but for the run-up of an edge start.",
     "edge-start": "The torch begins off the sheet only where edge starts are allowed, at an edge that is stated.",

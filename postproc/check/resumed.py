@@ -73,7 +73,7 @@ def read_resumed(nest: Nest, comments: Iterable[str]) -> Resumed:
         else:
             cuts[order] = cut
     if sorted(cuts) != list(range(1, after + 1)):
-        wrong.append(f"it goes on after cut {after}, but tells of {len(cuts)} cuts that are out")
+        wrong.append(f"it goes on after cut {after}, but lists {len(cuts)} cuts that are out")
     told = tuple(Violation(_RULE, (), text) for text in wrong)
     return Resumed(tuple(cuts[k] for k in sorted(cuts)), broken_off, told)
 

@@ -48,7 +48,7 @@ class TMax(Rule[TMaxOptions]):
 
     The sheet is simulated as `kerfwise heat` does, always with the physical model and the data of the section `heat`;
     no point of a part or of the skeleton that lies outside the kerf's band may become hotter than `limit`. An order
-    that fails is planned anew: what heated the place should come earlier or later, at a price for each second that is
+    that fails is planned again: what heated the place should come earlier or later, at a price for each second that is
     missing, a few times over. With `dwells: true` the torch may also wait before a pierce, off, up to `longest_dwell`:
     of the orders tried, the one is taken whose program is done first. Waits stand in the plan (`dwell_s`) and in the
     program (`G4` before the torch is lit), and count in its time; the objective does not see them. Where neither helps

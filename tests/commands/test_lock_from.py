@@ -157,7 +157,7 @@ def test_what_a_program_says_is_out_is_held_against_the_nest(old: Path, tmp_path
     lines = nc.read_text().splitlines(keepends=True)
     nc.write_text("".join(line for line in lines if not line.startswith("(OUT 2 ")))
     missing = kerfwise("check", NEST, nc)
-    assert (missing.code, f"goes on after cut {N}, but tells of {N - 1} cuts" in missing.out) == (1, True)
+    assert (missing.code, f"goes on after cut {N}, but lists {N - 1} cuts" in missing.out) == (1, True)
     first = next(cut["contour"] for cut in plan_of(old)["cuts"])
     last = plan_of(old)["cuts"][-1]["contour"]
     nc.write_text("".join(lines).replace(f"(OUT 1 {first} ".replace("#", "_"), f"(OUT 1 {last} ".replace("#", "_")))

@@ -56,8 +56,8 @@ def test_the_sheet_itself() -> None:
     outline = Curve.of(rect(0, 0, 100, 50))
     assert sheet_ring_problems(Sheet(outline, (Curve.of(rect(5, 5, 9, 9)),))) == []
     assert sheet_ring_problems(Sheet(Curve.of([(0, 0), (9, 0)]), (Curve.of([(0, 0), (9, 9), (9, 0), (0, 9)]),))) == [
-        "the sheet's outline encloses no area, at (0.000, 0.000): draw the sheet anew",
-        "the sheet's hole 1 crosses itself at (4.500, 4.500): draw the sheet anew",
+        "the sheet's outline encloses no area, at (0.000, 0.000): draw the sheet again",
+        "the sheet's hole 1 crosses itself at (4.500, 4.500): draw the sheet again",
     ]
     [said] = sheet_ring_problems(Sheet(outline, (Curve.of(rect(90, 5, 20, 9)),)))
     assert said.startswith("the sheet's holes overlap or reach out of it")

@@ -112,7 +112,7 @@ def test_what_cannot_be_run_is_refused_before_anything_is(tmp_path: Path, name: 
 def test_a_process_that_dies_is_one_message(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     twelve = EXAMPLES / "routing" / "twelve.sop"
     monkeypatch.setattr("sys.executable", "/bin/false")
-    with pytest.raises(InputError, match=r"twelve\.sop: the engine search died of it: exit code 1"):
+    with pytest.raises(InputError, match=r"twelve\.sop: the engine search ended with an error: exit code 1"):
         measure(Job(str(twelve), "search"))
 
 
@@ -122,4 +122,4 @@ def test_best_known_costs_of_other_sets_are_said_to_be_of_no_use(tmp_path: Path)
     best.write_text("set,instance,best_upper\nother,twelve,1\n")
     twelve = str(EXAMPLES / "routing" / "twelve.sop")
     ran = CliRunner().invoke(command, [twelve, "--work", "1", "--best-known", str(best)], standalone_mode=False)
-    assert "tells nothing of these instances" in ran.stderr
+    assert "has no costs for these instances" in ran.stderr
