@@ -48,7 +48,7 @@ say "lint, types, layers"
 .venv/bin/lint-imports
 
 say "docs site, every link checked"
-NO_MKDOCS_2_WARNING=1 .venv/bin/mkdocs build --quiet
+NO_MKDOCS_2_WARNING=1 .venv/bin/mkdocs build # not --quiet: it would hide warnings, and pass in spite of them
 
 say "tests"
 exec .venv/bin/pytest -q -n 2 --dist loadfile "$@"

@@ -55,8 +55,13 @@ def test_the_readme_leads_to_the_index() -> None:
     assert DOCS / "index.md" in {target for target, _ in Page(ROOT, ROOT / "README.md").links()}
 
 
-def test_the_site_takes_nothing_from_elsewhere() -> None:
+def test_the_suite_builds_the_site_strictly() -> None:
+    (line,) = (line for line in (ROOT / "tests" / "run.sh").read_text().splitlines() if "mkdocs build" in line)
+    assert "--quiet" not in line.split("#")[0], "mkdocs build --quiet passes in spite of broken links"
     assert SITE["strict"] is True
+
+
+def test_the_site_takes_nothing_from_elsewhere() -> None:
     assert SITE["theme"]["font"] is False
     assert not any(key in SITE for key in ("extra_javascript", "extra_css", "repo_url"))
     assert SITE["plugins"] == ["search"]
