@@ -58,7 +58,7 @@ class StartSide(Rule[StartSideOptions]):
     Only the two narrow sides of the sheet are eligible (left and right of a square). Of these, the first that tells
     them apart: the one with more long parts within `edge_band` of it; the one opposite a large offcut; the one with
     more cut length in its half of the sheet, then more small parts (no larger than the median); else left or bottom.
-    What differs by less than a millionth is even, counts not at all: where a drawing lies does not decide. The profile
+    Differences under a millionth do not count, so that the place of the drawing does not decide. The profile
     may fix the side. The rule states nothing by itself: level-ahead and zone-order follow it.
 
     ## Why
