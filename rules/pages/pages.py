@@ -72,7 +72,7 @@ def rule_page(id: str) -> str:
         "",
         "## Settings",
         "",
-        f"Strength: {' or '.join(rule.strengths)} (default {default}). Source: {rule.source.rstrip(".")}.",
+        f"Strength: {' or '.join(rule.strengths)} (default {default}). Source: {rule.source.rstrip('.')}.",
     ]
     return "\n".join([*lines, *_options(rule)]) + "\n"
 
