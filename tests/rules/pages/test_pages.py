@@ -22,7 +22,7 @@ def test_docs_are_up_to_date() -> None:
 def test_page_has_the_sentence_the_source_and_every_option(rule: str) -> None:
     page = rule_page(rule)
     assert page.startswith(f"# {rule}\n\n{RULES[rule].sentence}\n\n## What it does\n")
-    assert f"Source: {RULES[rule].source}." in page
+    assert f"Source: {RULES[rule].source.rstrip('.')}.\n" in page
     assert all(f"| `{option.key}` |" in page for option in options_of(RULES[rule].Options))
 
 
