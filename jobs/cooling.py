@@ -1,4 +1,4 @@
-"""Plans that keep the rule t-max: simulated, planned again where they get too hot, and given waits where those may be.
+"""Plans that keep a limit of temperature: simulated, planned again where they get too hot, and given waits.
 
 Only a whole order shows what heated a place, so demands are made afterwards (Verkhoturov et al. choose by simulated
 temperatures as well). For each burn that was too hot, the near contour cut last before it should lie further away in
@@ -32,10 +32,10 @@ from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.postproc.clock.heat_path import path_of_plan, path_of_program
 from kerfwise.postproc.clock.timed import read_program, with_times
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.rules.catalogue.t_max import TMaxOptions
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import About, Lag, NoGood, Statement
 from kerfwise.rules.stating.lazy import afterthoughts
+from kerfwise.rules.temperature_limit import TemperatureLimit
 
 from .t_max_refused import said, too_hot
 
@@ -77,10 +77,11 @@ class Tried:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Cooler:
-    """Finds a plan that keeps the rule t-max by the facts and profile given."""
+    """Finds a plan that keeps to the limit, by the facts and profile given."""
 
     facts: Facts
     profile: Profile
+    limit: TemperatureLimit
     statements: tuple[Statement, ...]
     attempt: Attempt
     planned: Planned
@@ -121,18 +122,12 @@ class Cooler:
                 break
         best = next((one for one in tried if not one.pace.heated), None) or self._soonest_done(tried, grid)
         if best is None:
-            raise too_hot(list(map(self._hottest, tried)), [one.pace for one in tried], self._options)
+            raise too_hot(list(map(self._hottest, tried)), [one.pace for one in tried], self.limit)
         if best.solution is tried[0].solution:
             return best.solution, best.plan
         solution = self._proven(best.solution, tried[0].solution)
         report = self.planned(solution).solve
         return solution, replace(best.plan, solve=report)
-
-    @property
-    def _options(self) -> TMaxOptions:
-        options = self.profile.settings()["t-max"].options
-        assert isinstance(options, TMaxOptions)
-        return options
 
     def _tried(self, solution: Solution, grid: Grid) -> Tried:
         """The plan of a solution, and the waits that it needs, however long."""
@@ -141,12 +136,12 @@ class Cooler:
 
     def _pace(self, path: TimedPath, grid: Grid) -> Pace:
         profile = self.profile
-        limit_c = self._options.most_c - MARGIN_K
+        limit_c = self.limit.most_c - MARGIN_K
         return pace(self.facts.nest, path, profile.heat, profile.material.thickness_mm, limit_c, LONGEST_S, grid)
 
     def _allowed(self, paced: Pace) -> bool:
         """Whether the profile lets the torch wait as long as the order needs."""
-        return paced.possible and max(paced.waits.values(), default=0.0) <= self._options.allowed_dwell_s
+        return paced.possible and max(paced.waits.values(), default=0.0) <= self.limit.allowed_dwell_s
 
     def _hottest(self, one: Tried) -> tuple[str, HotSpot]:
         """The burn, and the place, with which a plan is hottest as it stands."""
@@ -173,7 +168,7 @@ class Cooler:
         waits = dict(one.pace.waits)
         heated = {hot.contour: hot for hot in one.pace.heated}
         for _ in range(REPEATS):
-            plan = with_times(_waiting(plan, waits, heated, self._options.most_c), nest, profile)
+            plan = with_times(_waiting(plan, waits, heated, self.limit), nest, profile)
             written = read_program(write_program(plan, nest, profile), nest, profile)
             paces = [self._pace(path, grid) for path in (path_of_plan(plan, nest, profile), path_of_program(written))]
             if not any(paced.heated for paced in paces):
@@ -182,7 +177,7 @@ class Cooler:
                 more_s = max(paced.waits.get(contour, 0.0) for paced in paces)
                 waits[contour] = waits.get(contour, 0.0) + more_s
             heated = {hot.contour: hot for paced in paces for hot in paced.heated} | heated
-            if max(waits.values()) > self._options.allowed_dwell_s or not all(paced.possible for paced in paces):
+            if max(waits.values()) > self.limit.allowed_dwell_s or not all(paced.possible for paced in paces):
                 return None
         return None
 
@@ -227,14 +222,15 @@ class Cooler:
             ids = (last.contour, hot.contour)
             if hot.wait_s is not None and hot.wait_s <= SOON_S:
                 pause_s = float(math.ceil(cuts[k].start_s - last.end_s + hot.wait_s))
-                yield Lag(index[ids[0]], index[ids[1]], About("t-max", ids, sentence), seconds=pause_s, weight=price_mm)
+                about = About(self.limit.rule, ids, sentence)
+                yield Lag(index[ids[0]], index[ids[1]], about, seconds=pause_s, weight=price_mm)
             else:
-                about = About("t-max", (*(cut.contour for cut in near), hot.contour), sentence)
+                about = About(self.limit.rule, (*(cut.contour for cut in near), hot.contour), sentence)
                 out = frozenset(index[cut.contour] for cut in near)
                 yield NoGood(out, frozenset({index[hot.contour]}), about, SOON_S * price_mm)
 
 
-def _waiting(plan: Plan, waits: dict[str, float], heated: Mapping[str, Heated], limit_c: float) -> Plan:
+def _waiting(plan: Plan, waits: dict[str, float], heated: Mapping[str, Heated], limit: TemperatureLimit) -> Plan:
     """The plan with waits (contour id to s) before the torch is lit, each with its reason: what would get too hot."""
     cuts = []
     for planned in plan.cuts:
@@ -242,7 +238,7 @@ def _waiting(plan: Plan, waits: dict[str, float], heated: Mapping[str, Heated], 
         because = tuple(text for text in planned.because if not text.startswith(WAITS))
         if wait_s:
             hot = heated[planned.cut.contour]
-            without, asked = said(hot.contour, hot.spot), f"{limit_c:g} °C, less {MARGIN_K:g} K to be sure"
-            because += (f"{WAITS}{wait_s:g} s first: without, {without}; t-max asks for {asked}",)
+            without, asked = said(hot.contour, hot.spot), f"{limit.most_c:g} °C, less {MARGIN_K:g} K to be sure"
+            because += (f"{WAITS}{wait_s:g} s first: without, {without}; {limit.rule} asks for {asked}",)
         cuts.append(replace(planned, dwell_s=wait_s, because=because))
     return replace(plan, cuts=tuple(cuts))

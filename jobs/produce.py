@@ -80,7 +80,7 @@ def produce(
         plan = make_plan(facts, profile, stated, solution, engine_named, limits.seed)
         return with_times(plan, facts.whole_nest, profile)
 
-    if "t-max" in profile.settings():
+    if (limit := profile.temperature_limit()) is not None:
         from .cooling import Cooler
 
         again = strategy == "ours" and engine != "minizinc"  # the others cannot be asked for more than the rules state
@@ -90,9 +90,9 @@ def produce(
 
         def going() -> bool:
             in_time = limits.time_s is None or time.monotonic() - started_s < limits.time_s
-            return in_time and (progress is None or progress("t-max", None, None))
+            return in_time and (progress is None or progress(limit.rule, None, None))
 
-        solution, plan = Cooler(facts, profile, asked.stated.statements, attempt, planned, going).find(again)
+        solution, plan = Cooler(facts, profile, limit, asked.stated.statements, attempt, planned, going).find(again)
     else:
         solution = solved(1.0, asked.stated) if cool is None else cool
         plan = planned(solution)

@@ -1,4 +1,4 @@
-"""Why no plan keeps the rule t-max: how cool the coolest order gets, and which waits would do."""
+"""Why no plan keeps a limit of temperature: how cool the coolest order gets, and which waits would do."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from kerfwise.encoder.cut import HotSpot
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.models.physics.heat.pacing import Pace
-from kerfwise.rules.catalogue.t_max import TMaxOptions
+from kerfwise.rules.temperature_limit import TemperatureLimit
 
 LISTED = 5
 """Waits that are told one by one."""
 
 
-def too_hot(unpaced: Sequence[tuple[str, HotSpot]], tried: Sequence[Pace], options: TMaxOptions) -> RulesConflict:
+def too_hot(unpaced: Sequence[tuple[str, HotSpot]], tried: Sequence[Pace], limit: TemperatureLimit) -> RulesConflict:
     """The conflict, from the orders that were tried: at least one, and none of them allowed.
 
     `unpaced` are the contour and the place with which each is hottest without any waits.
@@ -22,8 +22,8 @@ def too_hot(unpaced: Sequence[tuple[str, HotSpot]], tried: Sequence[Pace], optio
     orders = f"of {len(tried)} orders tried the coolest" if len(tried) > 1 else "the one order tried"
     without = f"{orders} gets to {spot.peak_c:.1f} °C without waits: {said(contour, spot)}"
     paced = min(tried, key=lambda one: (not one.possible, one.peak_c if not one.possible else one.wait_s))
-    with_waits = _waits(paced, options) if paced.possible else _no_wait(paced)
-    message = f"t-max: no plan was found that keeps the metal at {options.most_c:g} °C or less"
+    with_waits = _waits(paced, limit) if paced.possible else _no_wait(paced)
+    message = f"{limit.rule}: no plan was found that keeps the metal at {limit.most_c:g} °C or less"
     return RulesConflict(message, (without, with_waits))
 
 
@@ -34,17 +34,17 @@ def said(contour: str, spot: HotSpot) -> str:
     return f"{contour} makes {where} {spot.peak_c:.1f} °C hot at ({x:.0f}, {y:.0f})"
 
 
-def _waits(paced: Pace, options: TMaxOptions) -> str:
+def _waits(paced: Pace, limit: TemperatureLimit) -> str:
     listed = [f"{wait_s:.1f} s before {contour}" for contour, wait_s in paced.waits.items()]
     more = f" and {len(listed) - LISTED} more" if len(listed) > LISTED else ""
-    allowed = f"longest_dwell is {options.longest_dwell_s:g} s" if options.dwells else "dwells are not allowed"
+    allowed = f"longest_dwell is {limit.longest_dwell_s:g} s" if limit.dwells else "dwells are not allowed"
     longest_s = max(paced.waits.values())
-    if longest_s <= options.allowed_dwell_s:  # enough by the plan's clock
+    if longest_s <= limit.allowed_dwell_s:  # enough by the plan's clock
         allowed = f"by the program's own times it takes more than {allowed.replace(' is', ',')}"
-        longest_s = 1.5 * options.longest_dwell_s
+        longest_s = 1.5 * limit.longest_dwell_s
     return (
         f"waits of {paced.wait_s:.1f} s in all would keep it ({', '.join(listed[:LISTED])}{more}), but {allowed}: "
-        f"give t-max {{dwells: true, longest_dwell: {longest_s + 1:.0f} s}}"
+        f"give {limit.rule} {{dwells: true, longest_dwell: {longest_s + 1:.0f} s}}"
     )
 
 

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, Generic, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, TypeVar
 
 from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.nest import Nest
 
+from .plant import Plant
 from .statements import About, Precede, Statement
+from .temperature_limit import TemperatureLimit
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.facts.facts import Facts
+    from kerfwise.encoder.candidates.candidate import LeadOptions
+    from kerfwise.encoder.facts.facts import FactOptions, Facts
 
 Strength = Literal["hard", "soft", "off"]
 Ids = tuple[str, str]
@@ -23,6 +26,15 @@ OptionsT = TypeVar("OptionsT")
 
 HEADINGS = ("What it does", "Why", "Wrong", "Right")
 """The headings, in this order, of every rule's docstring."""
+
+
+@dataclass(frozen=True, slots=True)
+class RuleSetting:
+    """What a profile makes of one rule; `weight` (mm of idle travel a breach) only where it is soft."""
+
+    strength: Strength
+    weight: float | None
+    options: Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,9 +69,17 @@ class Rule(ABC, Generic[OptionsT]):
     profile is silent, `default_weight` (mm of idle travel) what breaking it once costs when soft. A rule with
     `gives_way` above 0 may be dropped where order rules contradict each other, the highest first. One that is
     `excusable`, and hard, is broken where nothing else is left, in as few places as can be, and the plan says where.
-    `relaxable` is a rule that cannot be soft, but whose statements `--relax` may relax.
+    `relaxable` is a rule that cannot be soft, but whose statements `--relax` may relax; those of one that is
+    `relaxed_last` only where all other rules together do not help. One rule is `of_fallen_metal`: what breaks it would
+    be cut in metal that has fallen out, so that it is never relaxed, and contours that stay uncut are told as its.
 
-    Fields of `Options` that no key sets (no metadata) are filled in by the profile from its other sections.
+    Fields of `Options` that no key sets (no metadata) are filled in by the profile: from `Plant`, or from the option of
+    the same name that another rule `shares`.
+
+    No engine and no other stage asks for a rule by its id. What they must know of single rules, rules say themselves:
+    by the hooks `fact_options`, `lead_options`, `temperature_limit` and `check_with`, and by these marks. A soft rule
+    that is `hard_with_head_down` is hard where the machine's head stays down. While a rule is on that `guards_metal`,
+    contours of two parts may not burn each other's metal. One that `makes_zones` leaves large nests far fewer orders.
 
     Where a program goes on after a stop, facts are those of what is left, and cuts begin with those that are made,
     which are not judged: a violation counts where all its cuts are new, and where a rule `minds_what_is_out`, that is,
@@ -79,6 +99,12 @@ class Rule(ABC, Generic[OptionsT]):
     relaxable: ClassVar[bool] = False
     minds_what_is_out: bool = False
     of_whole_nest: ClassVar[bool] = False
+    relaxed_last: ClassVar[bool] = False
+    of_fallen_metal: ClassVar[bool] = False
+    hard_with_head_down: ClassVar[bool] = False
+    guards_metal: ClassVar[bool] = False
+    makes_zones: ClassVar[bool] = False
+    shares: ClassVar[tuple[str, ...]] = ()
 
     @abstractmethod
     def statements(self, facts: Facts, options: OptionsT) -> Iterable[Statement]:
@@ -113,6 +139,30 @@ class Rule(ABC, Generic[OptionsT]):
     def no_goods(self, nest: Nest, order: Sequence[str], options: OptionsT) -> list[NoGoodIds]:
         """What is wrong with a complete order of contour ids that no statement could say beforehand."""
         return []
+
+    def fact_options(self, given: FactOptions, options: OptionsT, strength: Strength) -> FactOptions:
+        """The options of the facts, with what this rule needs of them in the place of what is `given`.
+
+        Every rule is asked, also one that is off: its `strength` says so.
+        """
+        return given
+
+    def lead_options(self, given: LeadOptions, options: OptionsT, strength: Strength) -> LeadOptions:
+        """How candidates are made, with what this rule asks of them; see `fact_options`."""
+        return given
+
+    def temperature_limit(self, options: OptionsT) -> TemperatureLimit | None:
+        """How hot metal may become by this rule: the orders that engines find are simulated then."""
+        return None
+
+    def check_with(
+        self, options: OptionsT, plant: Plant, rules: Mapping[str, RuleSetting]
+    ) -> Iterable[tuple[str, str]]:
+        """What contradicts the rest of the profile, while the rule is on: the option's key, and what is wrong with it.
+
+        `rules` are the settings of every rule, whether on or off.
+        """
+        return ()
 
     def still_counts(self, violation: Violation, made: int) -> bool:
         """Whether a violation is one of the cuts after the first `made`, which are facts."""

@@ -74,7 +74,9 @@ def compute_facts(
     ahead = level_ahead(outlines, parent, side)
     hull = in_hull(outlines, parent)
     order_facts: dict[str, Ints] = {"contains": contains[:, ::-1], "level_ahead": ahead, "in_hull": hull}
-    respected = np.concatenate([np.empty((0, 2), dtype=np.int64), *(order_facts[f] for f in options.zone_respects)])
+    respected = np.concatenate(
+        [np.empty((0, 2), dtype=np.int64), *(pairs for f, pairs in order_facts.items() if f in options.zone_respects)]
+    )
     zone = zones_of(nest, outlines, parent, side, respected, options, heat_kj)
 
     outlook = outlook_of(outlines, parent, nest.sheet, cells_of(outlines), options)

@@ -1,4 +1,4 @@
-"""Idle moves over parts that may already be out (rule no-tip-travel), worked out for every move that can occur."""
+"""Idle moves over parts that may already be out, worked out for every move that can occur."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import shapely
 
 from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.errors import InputError
+from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import Crossing
 
 from .crossed_areas import Going, Moves, Stopped, crossed_areas
@@ -76,9 +77,10 @@ def find_crossings(
     if (
         moves := sum(int(k) * int(sites[follows].sum()) for k, follows in zip(sites, lawful, strict=True))
     ) > MOST_MOVES:
+        zones = " or ".join(name for name, rule in RULES.items() if rule.makes_zones)
         raise TooManyMoves(
             f"idle travel over parts that are out asks about {moves:,} moves, more than the {MOST_MOVES:,} that can be "
-            f"looked at: switch {statements[0].about.rule} off or zone-order on in the profile"
+            f"looked at: switch {statements[0].about.rule} off or {zones} on in the profile"
         )
     n = len(before)
     over = np.array([-1 if s.over is None else s.over for s in statements], dtype=np.int64)

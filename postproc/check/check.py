@@ -28,9 +28,6 @@ from .totals import Claims, claims_kept, idle_mm, totals
 from .travel import beyond_travel, rapids_beyond_travel
 from .uncut import features_lost
 
-SHARED_METAL = "shared-metal"
-"""The rule that judges what the rounds of parts burn of each other."""
-
 
 def check_cuts(
     nest: Nest,
@@ -124,9 +121,11 @@ def _resumed(cuts: CutSequence) -> list[str]:
 
 def _sharing(nest: Nest, profile: Profile, relaxed: Sequence[Relaxed]) -> Pairs | None:
     """Pairs of parts that may burn each other's metal; None for all, where the profile lets contours touch."""
-    if SHARED_METAL not in profile.settings():
+    book = profile.rulebook()
+    guards = {name for name in profile.settings() if book[name].guards_metal}
+    if not guards:
         return None
-    let = (statement.contours for statement in relaxed if statement.rule == SHARED_METAL)
+    let = (statement.contours for statement in relaxed if statement.rule in guards)
     return frozenset(frozenset(nest.contour(name).part for name in names if name in nest.index) for names in let)
 
 

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Violation
 
 from .relaxed import Relaxed
 
 _RULE = "every-contour-once"
-_LOOSE = "inner-before-outer"
 
 
 def coverage(nest: Nest, cuts: CutSequence, relaxed: Sequence[Relaxed] = ()) -> list[Violation]:
@@ -34,7 +34,8 @@ def coverage(nest: Nest, cuts: CutSequence, relaxed: Sequence[Relaxed] = ()) -> 
             continue
         found.append(Violation(_RULE, (cut.contour,), text, (position,)))
     made = {cut.contour for cut in cuts[: cuts.made]}
-    loose = {r.contours[0] for r in relaxed if r.rule == _LOOSE and _dropped(nest, r.contours, made)}
+    of_fallen_metal = {name for name, rule in RULES.items() if rule.of_fallen_metal}
+    loose = {r.contours[0] for r in relaxed if r.rule in of_fallen_metal and _dropped(nest, r.contours, made)}
     for contour in nest.contours:
         if contour.id not in first and contour.id not in loose:
             found.append(Violation(_RULE, (contour.id,), f"{contour.id} is not {_done(contour.kind)}"))

@@ -13,7 +13,6 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.postproc.dialects import pierce_dwell_of
-from kerfwise.rules.catalogue.t_max import TMaxOptions
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
@@ -102,8 +101,8 @@ def _waits(nest: Nest, burns: Sequence[Burn], profile: Profile) -> Iterator[tupl
 
 def _longest_dwell_s(profile: Profile) -> float:
     """How long the torch may wait for metal to cool, off, s."""
-    setting = profile.settings().get("t-max")
-    return setting.options.allowed_dwell_s if setting is not None and isinstance(setting.options, TMaxOptions) else 0.0
+    limit = profile.temperature_limit()
+    return 0.0 if limit is None else limit.allowed_dwell_s
 
 
 def _home(program: NcProgram, home: Point) -> Iterator[tuple[int, str]]:

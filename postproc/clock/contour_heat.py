@@ -25,7 +25,6 @@ from kerfwise.models.plan.plan import PlannedCut
 from kerfwise.postproc.nc.plan_paths import Toolpath
 from kerfwise.postproc.nc.program import count_blocks
 from kerfwise.postproc.nc.toolpath import torch_path
-from kerfwise.rules.catalogue.t_max import TMaxOptions
 from kerfwise.rules.profile.profile import Profile
 
 J_PER_KJ = 1000.0
@@ -71,8 +70,8 @@ def _slowest(nest: Nest, candidates: Sequence[Candidate], profile: Profile) -> M
 
 def _most_blocks(nest: Nest, candidates: Sequence[Candidate], profile: Profile) -> int:
     """How many blocks a program has at the most: an entry may divide a line or arc, and the torch may have to wait."""
-    waits = profile.settings().get("t-max")
-    dwells = waits is not None and isinstance(waits.options, TMaxOptions) and waits.options.dwells
+    limit = profile.temperature_limit()
+    dwells = limit is not None and limit.dwells
     return count_blocks(_paths(nest, candidates, profile), nest, profile) + (2 if dwells else 1) * len(nest.contours)
 
 

@@ -11,10 +11,8 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan, RuleReport
 from kerfwise.postproc.check import CheckResult, Claims, Heating, Relaxed, Thermometer, check_cuts
 from kerfwise.postproc.check import check_program as check_nc
-from kerfwise.rules.catalogue.t_max import TMaxOptions
 from kerfwise.rules.own import PREFIX as OWN
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.registry import RULES
 
 __all__ = ["check_plan", "check_program", "judge", "report_of", "thermometer_of"]
@@ -53,8 +51,8 @@ def check_program(nest: Nest, nc_text: str, profile: Profile, file: str = "") ->
 
 def thermometer_of(nest: Nest, profile: Profile) -> Thermometer | None:
     """What measures the temperatures of a sheet by simulation; None where no rule asks for any."""
-    setting = profile.settings().get("t-max")
-    if setting is None:
+    limit = profile.temperature_limit()
+    if limit is None:
         return None
 
     def measure(stretches: Sequence[Heating]) -> tuple[HotSpot, ...] | None:
@@ -66,15 +64,9 @@ def thermometer_of(nest: Nest, profile: Profile) -> Thermometer | None:
         except InputError:  # times that contradict each other are judged as such
             return None
         heat = replace(profile.heat, model="physical")
-        return hot_spots(nest, path, heat, profile.material.thickness_mm, limit_c(setting))
+        return hot_spots(nest, path, heat, profile.material.thickness_mm, limit.most_c)
 
     return measure
-
-
-def limit_c(setting: RuleSetting) -> float:
-    """The limit of the rule t-max, °C."""
-    assert isinstance(setting.options, TMaxOptions)
-    return setting.options.most_c
 
 
 def judge(nest: Nest, plan: Plan, program: str, profile: Profile) -> CheckResult:

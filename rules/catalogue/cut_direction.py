@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, cast
 
 from kerfwise.encoder.cut import CutSequence, Direction
 from kerfwise.encoder.nest import Kind, Nest
 from kerfwise.rules.options.kinds import Choice
 from kerfwise.rules.options.option import option
-from kerfwise.rules.rule import Rule, Violation
+from kerfwise.rules.rule import Rule, Strength, Violation
 from kerfwise.rules.statements import Forbid
 
 if TYPE_CHECKING:
+    from kerfwise.encoder.candidates.candidate import LeadOptions
     from kerfwise.encoder.facts.facts import Facts
 
 Way = Literal["free", "cw", "ccw"]
@@ -70,6 +71,11 @@ class CutDirection(Rule[CutDirectionOptions]):
             if candidate.direction not in (allowed := options.allowed(contour.kind)):
                 sentence = f"{contour.id} is cut {SPOKEN[allowed[0]]}: that is the direction of every {contour.kind}"
                 yield Forbid(number, self.about((contour.id,), sentence))
+
+    def lead_options(self, given: LeadOptions, options: CutDirectionOptions, strength: Strength) -> LeadOptions:
+        if strength != "hard":
+            return given
+        return replace(given, directions={kind: options.allowed(kind) for kind in given.directions})
 
     def violations(self, nest: Nest, cuts: CutSequence, options: CutDirectionOptions) -> list[Violation]:
         found = []

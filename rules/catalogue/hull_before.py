@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import shapely
@@ -12,11 +13,11 @@ from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.rules.judging.placement import same_place
 from kerfwise.rules.options.option import NoOptions
-from kerfwise.rules.rule import Ids, OrderRule
+from kerfwise.rules.rule import Ids, OrderRule, Strength
 from kerfwise.rules.statements import Precede
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import FactOptions, Facts
 
 FLAT_MM = 0.05
 """A contour that nowhere lies deeper inside its hull is convex: drawings carry such rounding."""
@@ -56,6 +57,9 @@ class HullBefore(OrderRule[NoOptions]):
     def statements(self, facts: Facts, options: NoOptions) -> Iterator[Precede]:
         for before, after in facts.in_hull.tolist():
             yield self.precede(facts, before, after)
+
+    def fact_options(self, given: FactOptions, options: NoOptions, strength: Strength) -> FactOptions:
+        return replace(given, zone_respects=(*given.zone_respects, "in_hull")) if strength == "hard" else given
 
     def pairs(self, nest: Nest, cuts: CutSequence, options: NoOptions) -> list[Ids]:
         if not nest.parts:

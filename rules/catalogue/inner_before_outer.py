@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.placement import host_holes
 from kerfwise.rules.options.option import NoOptions
-from kerfwise.rules.rule import Ids, OrderRule
+from kerfwise.rules.rule import Ids, OrderRule, Strength
 from kerfwise.rules.statements import Precede
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import FactOptions, Facts
 
 
 class InnerBeforeOuter(OrderRule[NoOptions]):
@@ -42,11 +43,15 @@ class InnerBeforeOuter(OrderRule[NoOptions]):
     sentence = "Every contour that lies inside another is cut before it."
     source = "Pristupov 2016, fig. 1; Verkhoturov et al., restriction 1"
     Options = NoOptions
+    of_fallen_metal = True
 
     def statements(self, facts: Facts, options: NoOptions) -> Iterator[Precede]:
         for contour, around in enumerate(facts.parent.tolist()):
             if around >= 0:
                 yield self.precede(facts, contour, around)
+
+    def fact_options(self, given: FactOptions, options: NoOptions, strength: Strength) -> FactOptions:
+        return replace(given, zone_respects=(*given.zone_respects, "contains")) if strength == "hard" else given
 
     def pairs(self, nest: Nest, cuts: CutSequence, options: NoOptions) -> list[Ids]:
         within_part = [(c.id, part.outer.id) for part in nest.parts for c in (*part.marks, *part.holes)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,11 +14,11 @@ from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.placement import same_place
 from kerfwise.rules.options.option import NoOptions
-from kerfwise.rules.rule import Ids, OrderRule
+from kerfwise.rules.rule import Ids, OrderRule, Strength
 from kerfwise.rules.statements import Precede
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import FactOptions, Facts
 
 GRAZE_MM = 1e-6
 """A ray that passes a contour this near grazes it; a centroid this near to a contour lies on it, not inside."""
@@ -57,6 +58,9 @@ class LevelAhead(OrderRule[NoOptions]):
     def statements(self, facts: Facts, options: NoOptions) -> Iterator[Precede]:
         for before, after in facts.level_ahead.tolist():
             yield self.precede(facts, before, after)
+
+    def fact_options(self, given: FactOptions, options: NoOptions, strength: Strength) -> FactOptions:
+        return replace(given, zone_respects=(*given.zone_respects, "level_ahead")) if strength == "hard" else given
 
     def unjudged(self, nest: Nest, cuts: CutSequence, options: NoOptions) -> str | None:
         return None if cuts.start_side else "the side that cutting starts from is not stated"

@@ -60,6 +60,7 @@ class Locks(Rule[LocksOptions]):
     source = "plant practice"
     Options = LocksOptions
     strengths = ("hard",)
+    relaxed_last = True
 
     def statements(self, facts: Facts, options: LocksOptions) -> Iterator[Statement]:
         check_locks(options.locks, facts.whole_nest)

@@ -52,6 +52,7 @@ class NoTipTravel(Rule[NoOptions]):
     minds_what_is_out = True
     default = "soft"
     default_weight = 50.0
+    hard_with_head_down = True
 
     def statements(self, facts: Facts, options: NoOptions) -> Iterator[Crossing]:
         left = facts.nest.index

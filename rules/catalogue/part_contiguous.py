@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
@@ -11,8 +11,11 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Contour, Nest, Part
 from kerfwise.rules.options.kinds import Choice
 from kerfwise.rules.options.option import option
-from kerfwise.rules.rule import Ids, Rule, Violation
+from kerfwise.rules.plant import Plant
+from kerfwise.rules.rule import Ids, Rule, RuleSetting, Violation
 from kerfwise.rules.statements import Contiguous, Precede
+
+from .marks_first import MarksFirst, MarksFirstOptions
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Facts
@@ -72,6 +75,18 @@ class PartContiguous(Rule[PartContiguousOptions]):
                 reason = f"{part.outer.id} is the last cut of {part.id}"
                 about = self.about((contour.id, part.outer.id), f"{contour.id} is cut before {part.outer.id}: {reason}")
                 yield Precede(index[contour.id], index[part.outer.id], about)
+
+    def check_with(
+        self, options: PartContiguousOptions, plant: Plant, rules: Mapping[str, RuleSetting]
+    ) -> Iterator[tuple[str, str]]:
+        first = rules[MarksFirst.id]
+        assert isinstance(first.options, MarksFirstOptions)
+        if first.strength != "off" and first.options.scope == "sheet" and options.marks == "together":
+            yield (
+                "marks",
+                "marks cannot stay with their part while marks-first puts all marks of the sheet first; say marks: "
+                "apart, or marks-first: {scope: part}",
+            )
 
     def pairs(self, nest: Nest, cuts: CutSequence, options: PartContiguousOptions) -> list[Ids]:
         return [(c.id, part.outer.id) for part in nest.parts for c in _run(part, options)[:-1]]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,11 +14,11 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.rigidity import rigid_at_best, rigid_at_the_end
 from kerfwise.rules.options.kinds import LENGTH, Number
 from kerfwise.rules.options.option import option
-from kerfwise.rules.rule import Forced, Rule, Violation
+from kerfwise.rules.rule import Forced, Rule, Strength, Violation
 from kerfwise.rules.statements import About, AtLeast, Before
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.facts.facts import Facts, Stretch
+    from kerfwise.encoder.facts.facts import FactOptions, Facts, Stretch
 
 PER_MM = 100
 """Lengths in statements are whole hundredths of a millimetre."""
@@ -86,6 +86,7 @@ class PartRigidity(Rule[PartRigidityOptions]):
     Options = PartRigidityOptions
     minds_what_is_out = True
     excusable = True
+    shares = ("web_mm",)
 
     def statements(self, facts: Facts, options: PartRigidityOptions) -> Iterator[AtLeast]:
         ends = dict(self._ends(facts, options))
@@ -97,6 +98,9 @@ class PartRigidity(Rule[PartRigidityOptions]):
                     yield ends[c]
         if options.head_weight_mm > 0:
             yield from self._beginnings(facts, options)
+
+    def fact_options(self, given: FactOptions, options: PartRigidityOptions, strength: Strength) -> FactOptions:
+        return replace(given, web_mm=options.web_mm, head_share=options.head_share, tail_share=options.tail_share)
 
     def exempt(self, facts: Facts, options: PartRigidityOptions) -> Iterator[About]:
         ends = dict(self._ends(facts, options))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,11 +15,13 @@ from kerfwise.rules.judging.pierce_kerfs import over_older_kerfs
 from kerfwise.rules.judging.pierce_places import PiercePlaces
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.thickness_table import LENGTH_OR_TABLE
-from kerfwise.rules.rule import Rule, Violation
+from kerfwise.rules.plant import Plant
+from kerfwise.rules.rule import Rule, RuleSetting, Strength, Violation
 from kerfwise.rules.statements import AtLeast, Before, Pick
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.facts.facts import Facts
+    from kerfwise.encoder.candidates.candidate import LeadOptions
+    from kerfwise.encoder.facts.facts import FactOptions, Facts
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +118,24 @@ class Pierce(Rule[PierceOptions]):
                 f"{cut} is cut before {waste}: it is pierced in the waste of {waste}, which falls out when that is cut"
             )
             yield AtLeast((Before(contour, hole),), (1,), 1, self.about((cut, waste), sentence), when=number)
+
+    def fact_options(self, given: FactOptions, options: PierceOptions, strength: Strength) -> FactOptions:
+        return given if strength == "off" else replace(given, splash_mm=options.splash_mm)
+
+    def lead_options(self, given: LeadOptions, options: PierceOptions, strength: Strength) -> LeadOptions:
+        if strength == "off":
+            return given
+        return replace(given, pierce_clearance_mm=options.clearance_mm, splash_mm=options.splash_mm)
+
+    def check_with(
+        self, options: PierceOptions, plant: Plant, rules: Mapping[str, RuleSetting]
+    ) -> Iterator[tuple[str, str]]:
+        if options.clearance_mm <= plant.kerf_mm / 2:
+            yield (
+                "clearance",
+                f"{options.clearance_mm:g} mm is within the kerf; a pierce lies further from every contour than half "
+                f"the kerf, {plant.kerf_mm / 2:g} mm (Petunin 2009)",
+            )
 
     def violations(self, nest: Nest, cuts: CutSequence, options: PierceOptions) -> list[Violation]:
         places = PiercePlaces(nest, cuts)

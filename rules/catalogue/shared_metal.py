@@ -66,6 +66,7 @@ class SharedMetal(Rule[SharedMetalOptions]):
     Options = SharedMetalOptions
     strengths = ("hard", "off")
     relaxable = True
+    guards_metal = True
     minds_what_is_out = True
 
     def statements(self, facts: Facts, options: SharedMetalOptions) -> Iterator[AtLeast]:

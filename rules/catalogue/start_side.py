@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -14,11 +14,11 @@ from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.options.kinds import LENGTH, Choice, Number
 from kerfwise.rules.options.option import option
-from kerfwise.rules.rule import Rule, Violation
+from kerfwise.rules.rule import Rule, Strength, Violation
 from kerfwise.rules.statements import Statement
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import FactOptions, Facts
 
 Box = tuple[float, float, float, float]
 
@@ -81,9 +81,19 @@ class StartSide(Rule[StartSideOptions]):
     source = "Petunin 2009, fig. 2"
     Options = StartSideOptions
     strengths = ("hard", "off")
+    shares = ("edge_band_mm", "long_ratio")
 
     def statements(self, facts: Facts, options: StartSideOptions) -> Sequence[Statement]:
         return ()
+
+    def fact_options(self, given: FactOptions, options: StartSideOptions, strength: Strength) -> FactOptions:
+        return replace(
+            given,
+            edge_band_mm=options.edge_band_mm,
+            long_ratio=options.long_ratio,
+            offcut_share=options.offcut_share,
+            start_side="auto" if strength == "off" else options.side,
+        )
 
     def unjudged(self, nest: Nest, cuts: CutSequence, options: StartSideOptions) -> str | None:
         return None if cuts.start_side else "the side that cutting starts from is not stated"

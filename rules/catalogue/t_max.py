@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -10,8 +10,10 @@ from kerfwise.encoder.cut import CutSequence, HotSpot
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.options.kinds import DURATION, TEMPERATURE, Flag, OrWord
 from kerfwise.rules.options.option import option
-from kerfwise.rules.rule import Rule, Violation
+from kerfwise.rules.plant import Plant
+from kerfwise.rules.rule import Rule, RuleSetting, Violation
 from kerfwise.rules.statements import Statement
+from kerfwise.rules.temperature_limit import TemperatureLimit
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Facts
@@ -34,11 +36,6 @@ class TMaxOptions:
     def most_c(self) -> float:
         """The limit, °C."""
         return self.heat_limit_c if self.limit_c is None else self.limit_c
-
-    @property
-    def allowed_dwell_s(self) -> float:
-        """The longest wait allowed, s."""
-        return self.longest_dwell_s if self.dwells else 0.0
 
 
 class TMax(Rule[TMaxOptions]):
@@ -78,6 +75,16 @@ class TMax(Rule[TMaxOptions]):
 
     def statements(self, facts: Facts, options: TMaxOptions) -> Sequence[Statement]:
         return ()
+
+    def temperature_limit(self, options: TMaxOptions) -> TemperatureLimit:
+        return TemperatureLimit(self.id, options.most_c, options.dwells, options.longest_dwell_s)
+
+    def check_with(
+        self, options: TMaxOptions, plant: Plant, rules: Mapping[str, RuleSetting]
+    ) -> Iterator[tuple[str, str]]:
+        if options.limit_c is not None and options.limit_c <= plant.ambient_c:
+            is_at = f"{options.limit_c:g} °C is not above heat.ambient_c, {plant.ambient_c:g} °C"
+            yield "limit", f"{is_at}: no metal is ever so cool"
 
     def unjudged(self, nest: Nest, cuts: CutSequence, options: TMaxOptions) -> str | None:
         known = cuts.hot_spots is not None or not cuts

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -15,11 +15,11 @@ from kerfwise.rules.judging.zone_budget import ALLOWANCE, HotZone, hot_zones
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.kinds import ENERGY, Number, OrWord, over_zero
 from kerfwise.rules.options.option import option
-from kerfwise.rules.rule import Forced, Ids, Rule, Violation
+from kerfwise.rules.rule import Forced, Ids, Rule, Strength, Violation
 from kerfwise.rules.statements import About, Precede
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import FactOptions, Facts
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +77,7 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
     sentence = "The sheet is cut zone after zone."
     source = "Petunin 2009, fig. 4"
     Options = ZoneOrderOptions
+    makes_zones = True
 
     def statements(self, facts: Facts, options: ZoneOrderOptions) -> Iterator[Precede]:
         contours = facts.nest.contours
@@ -90,6 +91,15 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
                     first, then = contours[before].id, contours[after].id
                     sentence = f"{first} is cut before {then}: zone {zone} comes before zone {following}"
                     yield Precede(before, after, self.about((first, then), sentence))
+
+    def fact_options(self, given: FactOptions, options: ZoneOrderOptions, strength: Strength) -> FactOptions:
+        return replace(
+            given,
+            zone_contours=options.zone_contours,
+            square_ratio=options.square_ratio,
+            zone_heat_kj=options.zone_heat_kj,
+            zone_places=given.zone_places if strength == "hard" else (),
+        )
 
     def pairs(self, nest: Nest, cuts: CutSequence, options: ZoneOrderOptions) -> list[Ids]:
         members: dict[int, list[str]] = defaultdict(list)

@@ -17,13 +17,19 @@ from kerfwise.rules.rule import Rule, Strength
 if TYPE_CHECKING:
     from kerfwise.rules.profile.profile import Profile
 
-INTRODUCTION = """\
+
+def _first_to_give_way() -> str:
+    softest, *others = sorted((rule for rule in RULES.values() if rule.gives_way), key=lambda rule: -rule.gives_way)
+    return ", then ".join([f"`{softest.id}` gives way first", *(f"`{rule.id}`" for rule in others)])
+
+
+INTRODUCTION = f"""\
 # Rules
 
 Made from the rules' own docstrings by `python -m kerfwise.rules.pages > docs/rules.md`.
 
 A profile makes each rule `hard`, `soft` (breaking it once costs its weight, in idle travel) or `off`, and sets its
-options. Where hard order rules contradict each other or a lock, `hull-before` gives way first, then `level-ahead`;
+options. Where hard order rules contradict each other or a lock, {_first_to_give_way()};
 every order that is dropped is listed in the plan with the cycle it closes, or with the locked position that leaves no
 room for it. All others must hold, or there is no plan.
 """

@@ -8,7 +8,9 @@ import yaml
 
 from kerfwise.rules.options.thickness_table import length_at
 from kerfwise.rules.options.yaml_positions import Problems, deepest
+from kerfwise.rules.registry import RULES
 
+from .filling import filled_in, plant_of
 from .heat_section import Heat
 from .sections import Leads, Machine, Material, RuleSetting
 from .small_holes_section import SmallHoles
@@ -70,31 +72,14 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
             deepest(root, "heat", "limit_c"),
             f"heat.limit_c: {heat.limit_c:g} °C is not above ambient_c, {heat.ambient_c:g} °C: everything is too hot",
         )
-    hottest_c = rules["t-max"].options.limit_c
-    if rules["t-max"].strength != "off" and hottest_c is not None and hottest_c <= heat.ambient_c:
-        problems.add(
-            deepest(root, "rules", "t-max", "limit"),
-            f"rules.t-max.limit: {hottest_c:g} °C is not above heat.ambient_c, {heat.ambient_c:g} °C: no metal is ever "
-            "so cool",
-        )
     if heat.logical_conduction * 8 > 1:
         problems.add(
             deepest(root, "heat", "logical_conduction"),
             f"heat.logical_conduction: {heat.logical_conduction:g} for each of 8 neighbours is more than a point has; "
             "the scheme is stable up to 0.125",
         )
-    clearance_mm = length_at(rules["pierce"].options.clearance_mm, material.thickness_mm)
-    if rules["pierce"].strength != "off" and clearance_mm <= material.kerf_mm / 2:
-        problems.add(
-            deepest(root, "rules", "pierce", "clearance"),
-            f"rules.pierce.clearance: {clearance_mm:g} mm is within the kerf; a pierce lies further from every contour "
-            f"than half the kerf, {material.kerf_mm / 2:g} mm (Petunin 2009)",
-        )
-    marks_first, contiguous = rules["marks-first"], rules["part-contiguous"]
-    on_the_sheet = marks_first.strength != "off" and marks_first.options.scope == "sheet"
-    if on_the_sheet and contiguous.strength != "off" and contiguous.options.marks == "together":
-        problems.add(
-            deepest(root, "rules", "part-contiguous", "marks"),
-            "rules.part-contiguous.marks: marks cannot stay with their part while marks-first puts all marks of the "
-            "sheet first; say marks: apart, or marks-first: {scope: part}",
-        )
+    plant = plant_of(material, heat, given["locks"])
+    for name, setting in rules.items():
+        if setting.strength != "off":
+            for key, text in RULES[name].check_with(filled_in(setting.options, plant, rules), plant, rules):
+                problems.add(deepest(root, "rules", name, key), f"rules.{name}.{key}: {text}")

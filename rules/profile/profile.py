@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import Any, Literal, TypeVar, cast
+from typing import Any
 
 from kerfwise.encoder.candidates.candidate import LEAST_WASTE_MM, LeadOptions
-from kerfwise.encoder.cut import Direction
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import FactOptions
 from kerfwise.encoder.geometry.segment import Point
@@ -20,19 +19,17 @@ from kerfwise.encoder.nest import Kind, Nest
 from kerfwise.encoder.readers.layers import Layers
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.small_holes import HoleLimits, as_cut
-from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
-from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
-from kerfwise.rules.catalogue.pierce import PierceOptions
-from kerfwise.rules.catalogue.start_side import StartSideOptions
-from kerfwise.rules.catalogue.zone_order import ZoneOrderOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.suggest import unknown
-from kerfwise.rules.options.thickness_table import LengthOf, ThicknessTable, length_at
+from kerfwise.rules.options.thickness_table import LengthOf, length_at
 from kerfwise.rules.own import Own, Thresholds, as_rule, own_pairs
+from kerfwise.rules.plant import Plant
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.rule import Rule
+from kerfwise.rules.rule import Rule, Strength
+from kerfwise.rules.temperature_limit import TemperatureLimit
 
+from .filling import T, filled_in, plant_of
 from .frame import Bounds, Frame, frame_of, reach_of
 from .heat_section import Heat
 from .machine_section import Origin
@@ -43,14 +40,6 @@ from .time_section import Prices, Time
 
 DEFAULT = "plasma-carbon-steel"
 """The shipped profile that is used where none is named."""
-
-T = TypeVar("T")
-OrderFact = Literal["contains", "level_ahead", "in_hull"]
-ORDER_FACTS: Mapping[str, OrderFact] = {
-    "inner-before-outer": "contains",
-    "level-ahead": "level_ahead",
-    "hull-before": "in_hull",
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,12 +74,12 @@ class Profile:
     def settings(self) -> dict[str, RuleSetting]:
         """The rules that are on, by id, with what their options take from the rest of the profile.
 
-        A machine that travels with its head down makes a soft no-tip-travel hard.
+        A machine that travels with its head down makes some soft rules hard.
         """
         on = {name: setting for name, setting in self.rules.items() if setting.strength != "off"}
-        tips = on.get("no-tip-travel")
-        if tips is not None and self.machine.head == "down":
-            on["no-tip-travel"] = RuleSetting("hard", None, tips.options)
+        if self.machine.head == "down":
+            stricter = (name for name in on if RULES[name].hard_with_head_down)
+            on |= {name: RuleSetting("hard", None, on[name].options) for name in stricter}
         listed = {
             name: dataclasses.replace(setting, options=self._filled_in(setting.options)) for name, setting in on.items()
         }
@@ -101,23 +90,24 @@ class Profile:
         """Every rule by id: those of the catalogue, then the plant's own."""
         return {**RULES, **{rule.id: as_rule(rule) for rule in self.own_rules}}
 
-    def _filled_in(self, options: Any) -> Any:
-        """The options with the fields that no key of their own sets, and lengths as they are for the material."""
-        shared = {
-            "locks": self.locks,
-            "web_mm": self._options("part-rigidity", PartRigidityOptions).web_mm,
-            "edge_band_mm": self._options("start-side", StartSideOptions).edge_band_mm,
-            "thickness_mm": self.material.thickness_mm,
-            "kerf_mm": self.material.kerf_mm,
-            "heat_limit_c": self.heat.limit_c,
-            "absorbed_power_w": self.heat.absorbed_power_w,
-        }
-        fields = dataclasses.fields(options)
-        tables = {f.name: v for f in fields if isinstance(v := getattr(options, f.name), ThicknessTable)}
-        lengths = {name: self.length_mm(table) for name, table in tables.items()}
-        return dataclasses.replace(
-            options, **lengths, **{f.name: shared[f.name] for f in fields if "kind" not in f.metadata}
-        )
+    def temperature_limit(self) -> TemperatureLimit | None:
+        """The lowest limit that a rule which is on puts on the temperature of metal; None where none does."""
+        book = self.rulebook()
+        limits = (book[name].temperature_limit(setting.options) for name, setting in self.settings().items())
+        return min((limit for limit in limits if limit is not None), key=lambda limit: limit.most_c, default=None)
+
+    @property
+    def plant(self) -> Plant:
+        """What rules may know of the profile beside their own options."""
+        return plant_of(self.material, self.heat, self.locks)
+
+    def _filled_in(self, options: T) -> T:
+        return filled_in(options, self.plant, self.rules)
+
+    def _every_rule(self) -> Iterator[tuple[Rule[Any], Any, Strength]]:
+        """Each rule of the catalogue, on or off, with its options and strength."""
+        for name, rule in RULES.items():
+            yield rule, self._filled_in(self.rules[name].options), self.rules[name].strength
 
     def at_origin(self, origin: Origin) -> Profile:
         """The profile with the machine's zero where a plan or program says that it has it."""
@@ -144,15 +134,21 @@ class Profile:
         return reach_of(nest, self.machine)
 
     def lead_options(self, nest: Nest | None = None) -> LeadOptions:
-        """How candidates are made: `leads`, the kerf, and what the rules pierce and cut-direction and the locks say.
+        """How candidates are made: `leads`, the kerf, and what the rules and the locks say.
 
         Given a nest, they keep to what the machine reaches of it.
         """
-        leads, directions = self.leads, self._options("cut-direction", CutDirectionOptions)
-        fixed = self.rules["cut-direction"].strength == "hard"
-        both: tuple[Direction, ...] = ("cw", "ccw")
-        kinds: tuple[Kind, ...] = ("outer", "hole", "mark")
-        return LeadOptions(
+        return dataclasses.replace(
+            self._asked_of_leads(),
+            reach=None if nest is None else self.reach_on(nest),
+            entry_points={lock.contour: lock.entry for lock in self.locks if lock.contour and lock.entry},
+            holes=self.hole_limits(),
+        )
+
+    def _asked_of_leads(self) -> LeadOptions:
+        """What the sections and the rules ask of each lead, whatever the nest."""
+        leads = self.leads
+        given = LeadOptions(
             entries=leads.entries,
             kerf_mm=self.material.kerf_mm,
             lead=leads.lead,
@@ -160,19 +156,28 @@ class Profile:
             lead_in_min_mm=leads.lead_in_min_mm,
             lead_out=leads.lead_out,
             lead_out_mm=leads.lead_out_length_mm,
-            pierce_clearance_mm=self._clearance_mm(),
-            splash_mm=self._splash_mm(),
+            pierce_clearance_mm=0.0,
+            splash_mm=None,
             hole_overcut_mm=self.length_mm(leads.hole_overcut_mm),
             edge_start=leads.edge_start,
-            reach=None if nest is None else self.reach_on(nest),
-            directions={kind: directions.allowed(kind) if fixed else both for kind in kinds},
-            entry_points={lock.contour: lock.entry for lock in self.locks if lock.contour and lock.entry},
-            holes=self.hole_limits(),
+        )
+        for rule, options, strength in self._every_rule():
+            given = rule.lead_options(given, options, strength)
+        return given
+
+    def rules_of_direction(self, kind: Kind) -> tuple[str, ...]:
+        """Ids of the rules that leave one direction only for this kind of contour."""
+        free = LeadOptions()
+        return tuple(
+            rule.id
+            for rule, options, strength in self._every_rule()
+            if len(rule.lead_options(free, options, strength).directions[kind]) == 1
         )
 
     def hole_limits(self) -> HoleLimits:
         """What is done with small holes, in mm on this sheet: `small_holes`, its thickness, and the pierce's room."""
-        asked_mm = self._clearance_mm() if self.leads.lead != "none" else 0.0  # without a lead it is on the path
+        # Without a lead the pierce is on the path.
+        asked_mm = self._asked_of_leads().pierce_clearance_mm if self.leads.lead != "none" else 0.0
         clearance_mm = max(asked_mm, self.material.kerf_mm / 2 + LEAST_WASTE_MM)
         return self.small_holes.limits(self.material.thickness_mm, clearance_mm)
 
@@ -180,41 +185,27 @@ class Profile:
         """The nest as this plant cuts it: small holes are marks or gone, and others know their feed."""
         return as_cut(nest, self.hole_limits())
 
-    def _clearance_mm(self) -> float:
-        asked = self._options("pierce", PierceOptions).clearance_mm
-        return self.length_mm(asked) if self._is_on("pierce") else 0.0
-
     def fact_options(self, nest: Nest | None = None) -> FactOptions:
-        """The thresholds of the facts, as start-side, zone-order, part-rigidity, the order rules and the locks say.
+        """The thresholds of the facts, as the rules and the locks say.
 
         Given a nest, zones keep to the orders of the plant's own hard rules too.
         """
         own = own_pairs(self.own_rules, nest, self._thresholds()) if nest is not None else ()
-        side = self._options("start-side", StartSideOptions)
-        zones = self._options("zone-order", ZoneOrderOptions)
-        rigidity = self._options("part-rigidity", PartRigidityOptions)
-        return FactOptions(
-            web_mm=rigidity.web_mm,
-            edge_band_mm=side.edge_band_mm,
-            long_ratio=side.long_ratio,
-            offcut_share=side.offcut_share,
-            start_side=side.side if self._is_on("start-side") else "auto",
-            zone_contours=zones.zone_contours,
-            square_ratio=zones.square_ratio,
-            zone_heat_kj=zones.zone_heat_kj,
-            zone_respects=tuple(fact for rule, fact in ORDER_FACTS.items() if self.rules[rule].strength == "hard"),
+        given = FactOptions(
+            zone_respects=(),
             zone_pairs=(*((lock.contour, lock.before) for lock in self.locks if lock.contour and lock.before), *own),
             zone_places=self._zone_places(nest),
             zone_fixed=tuple((lock.part, lock.zone) for lock in self.locks if lock.part and lock.zone),
-            head_share=rigidity.head_share,
-            tail_share=rigidity.tail_share,
             kerf_mm=self.material.kerf_mm,
-            splash_mm=self._splash_mm(),
+            splash_mm=None,
         )
+        for rule, options, strength in self._every_rule():
+            given = rule.fact_options(given, options, strength)
+        return given
 
     def _zone_places(self, nest: Nest | None) -> tuple[tuple[str, int], ...]:
         """Part → the position that a lock gives one of its contours: its zone must reach there."""
-        if nest is None or self.rules["zone-order"].strength != "hard":
+        if nest is None:
             return ()
         found: dict[str, int] = {}
         ends = {"first": 1, "last": len(nest.contours)}
@@ -237,20 +228,7 @@ class Profile:
         )
 
     def _thresholds(self) -> Thresholds:
-        return Thresholds(
-            self._options("start-side", StartSideOptions).long_ratio,
-            self._options("part-rigidity", PartRigidityOptions).web_mm,
-        )
-
-    def _splash_mm(self) -> float | None:
-        """What pierces keep from older kerfs; None where the rule pierce is off."""
-        return self.length_mm(self._options("pierce", PierceOptions).splash_mm) if self._is_on("pierce") else None
-
-    def _is_on(self, rule: str) -> bool:
-        return self.rules[rule].strength != "off"
-
-    def _options(self, rule: str, kind: type[T]) -> T:
-        return cast(T, self.rules[rule].options)
+        return self._filled_in(Thresholds())
 
 
 def shipped_profiles() -> dict[str, Traversable]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, get_args
+from typing import get_args
 
 from kerfwise.encoder.candidates.candidate import LeadKind
 from kerfwise.encoder.readers.layers import DEFAULT as LAYERS
@@ -15,7 +15,7 @@ from kerfwise.rules.options.members import Members
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.thickness_table import LENGTH_OR_TABLE, LengthOf
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.rule import Strength
+from kerfwise.rules.rule import RuleSetting
 
 from .heat_section import Heat
 from .machine_section import Machine
@@ -107,15 +107,6 @@ class Objective:
     idle: float = field(default=1.0, metadata=option(Number(0), "cost of a millimetre of idle travel"))
     heat: float = field(default=0.0, metadata=option(Number(0), "cost of a point overheated"))
     time: float = field(default=0.0, metadata=option(Number(0), "cost of a second of idle travel, piercing or leads"))
-
-
-@dataclass(frozen=True, slots=True)
-class RuleSetting:
-    """What a profile makes of one rule; `weight` (mm of idle travel a breach) only where it is soft."""
-
-    strength: Strength
-    weight: float | None
-    options: Any
 
 
 def default_settings() -> dict[str, RuleSetting]:

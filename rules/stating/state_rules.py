@@ -11,6 +11,7 @@ from kerfwise.encoder.errors import RulesConflict
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.options.yaml_positions import wrong_at
 from kerfwise.rules.own import OwnFile
+from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import EXEMPTION_MM, About, Contiguous, IdleTravel, Precede, Statement
 
@@ -29,7 +30,7 @@ HOPELESS = "these hard rules cannot hold in any order"
 
 CONTRADICT = "these hard rules contradict each other; one must give way"
 
-LOOSE = "inner-before-outer"
+LOOSE = next(name for name, rule in RULES.items() if rule.of_fallen_metal)
 """The rule that a contour breaks which is left in metal that has fallen out."""
 
 

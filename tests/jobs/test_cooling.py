@@ -31,6 +31,7 @@ from kerfwise.rules.catalogue.t_max import TMaxOptions
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.profile.time_section import Time
+from kerfwise.rules.temperature_limit import TemperatureLimit
 from kerfwise.tests.nests import nest, part, rect
 
 PAIR = nest(420, 160, part("A", rect(40, 40, 60, 80)), part("B", rect(126, 40, 60, 80)))
@@ -132,7 +133,7 @@ def test_without_waits_the_answer_says_which_would_do(one_order: None) -> None:
 def test_waits_that_are_too_short_by_the_programs_clock_alone() -> None:
     spot = HotSpot(95.0, (100.0, 80.0), 30.0, "A")
     paced = Pace((Heated("B.outer", spot, 40.0, 87.0),), 87.0, {"B.outer": 40.0})
-    error = too_hot([("B.outer", spot)], [paced], TMaxOptions(88.4, True, 40.0))
+    error = too_hot([("B.outer", spot)], [paced], TemperatureLimit("t-max", 88.4, True, 40.0))
     assert error.reasons == (
         "the one order tried gets to 95.0 °C without waits: B.outer makes part A 95.0 °C hot at (100, 80)",
         "waits of 40.0 s in all would keep it (40.0 s before B.outer), but by the program's own times it takes more "

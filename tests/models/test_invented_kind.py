@@ -16,11 +16,11 @@ import kerfwise
 from kerfwise.jobs.strategies import solve_by
 from kerfwise.models.engines.minizinc.asked import asked
 from kerfwise.models.engines.minizinc.data import data_text
-from kerfwise.models.engines.minizinc.rule_data import Case, rule_data
 from kerfwise.models.engines.minizinc.statement_text import conditions
 from kerfwise.models.engines.rounds import solve
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.heat_prices.priced_statements import HEAT
+from kerfwise.models.minizinc.twin import Case, twin_of
 from kerfwise.models.plan.conflict import conflict, order_model
 from kerfwise.models.plan.conflict.group import Group, contours_of, hard_groups, moves_or_seconds, on_order
 from kerfwise.models.plan.excused import excused
@@ -36,7 +36,6 @@ from kerfwise.models.plan.reasons import reasons
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.catalogue.locks import LocksOptions
-from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.statements import EXEMPTION_MM, About, Statement
 from kerfwise.rules.stating.places import positions
 from kerfwise.rules.stating.remainder import Rest, of_what_is_left
@@ -127,9 +126,7 @@ REFUSES: dict[str, list[Refuses]] = {
     "models/plan/explain/setting.py": [set_up],
     "models/engines/minizinc/asked.py": [lambda _: asked(PROFILE, STATED)],
     "models/engines/minizinc/data.py": [lambda _: data_text(FACTS, PROFILE, STATED, OPTIONS, clock=False)],
-    "models/engines/minizinc/rule_data.py": [
-        lambda _: rule_data(Case(FACTS, STATED, HOME), {"locks": RuleSetting("hard", None, LocksOptions())})
-    ],
+    "models/minizinc/rules/locks.py": [lambda _: twin_of("locks").data(Case(FACTS, STATED, HOME), LocksOptions())],
     "models/engines/minizinc/statement_text.py": [lambda _: conditions(INVENTED)],
     "jobs/strategies.py": [lambda _: solve_by("random", FACTS, PROFILE, (INVENTED,), OPTIONS)],
 }

@@ -7,10 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from kerfwise.models import minizinc
+from kerfwise.models.minizinc.twin import MODELS, rule_file, twin_of
 from kerfwise.rules.by_kind import by_kind
-from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
-from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
 from kerfwise.rules.own import OwnFile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
@@ -19,11 +17,6 @@ from kerfwise.rules.statements import EXEMPTION_MM, Statement
 from kerfwise.rules.stating.state_rules import Stated
 
 from .statement_text import conditions, lag_ms, missing_ms
-
-MODELS = Path(minizinc.__path__[0])
-"""The model files."""
-FILTERED = {"level-ahead", "hull-before"}
-"""Rules whose dropped orders are taken out of the facts they are stated over."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,12 +52,12 @@ def rules_in_files(profile: Profile, stated: Stated) -> dict[str, RuleSetting]:
     """The rules that are on and whose files say all that is asked of them.
 
     Not so where single statements of a rule were relaxed or given a price of their own to resolve a conflict: such a
-    rule is stated in words. (Orders dropped of level-ahead and hull-before are taken out of their facts.)
+    rule is stated in words, but for orders dropped of a rule that takes them out of its facts.
     """
     weights: dict[str, set[float | None]] = {}
     for s in stated.statements:
         weights.setdefault(s.about.rule, set()).add(s.weight)
-    picked_at = {d.rule for d in stated.dropped} - FILTERED
+    picked_at = {d.rule for d in stated.dropped if not twin_of(d.rule).drops_orders}
     return {
         rule: setting
         for rule, setting in profile.settings().items()
@@ -74,24 +67,17 @@ def rules_in_files(profile: Profile, stated: Stated) -> dict[str, RuleSetting]:
     }
 
 
-def rule_file(rule: str) -> Path:
-    """The file that states the rule of that id, whether there is one or not."""
-    return MODELS / "rules" / f"{rule.replace('-', '_')}.mzn"
-
-
 def include(path: Path) -> str:
     """The line that includes a file."""
     return f"include {json.dumps(path.as_posix(), ensure_ascii=False)};"
 
 
 def _of_rule(rule: str, setting: RuleSetting) -> Iterator[Asked]:
-    source, name, weight, options = include(rule_file(rule)), rule.replace("-", "_"), setting.weight, setting.options
     hard = EXEMPTION_MM if RULES[rule].excusable else None
-    yield Asked(source, f"{name}_holds", hard if weight is None else weight)
-    if isinstance(options, PartRigidityOptions) and options.head_weight_mm > 0:
-        yield Asked(source, f"{name}_begins", options.head_weight_mm)
-    if isinstance(options, HeatLagOptions) and options.lag_s > 0:
-        yield Asked(include(rule_file(f"{rule}-seconds")), f"{name}_missing_ms", weight, round(options.lag_s * 1000))
+    weight_mm = setting.weight
+    yield Asked(include(rule_file(rule)), f"{rule.replace('-', '_')}_holds", hard if weight_mm is None else weight_mm)
+    for array in twin_of(rule).further(setting.options, weight_mm):
+        yield Asked(include(array.file), array.name, array.weight_mm, array.most_ms)
 
 
 def _in_words(statements: Sequence[Statement]) -> Iterator[Asked]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from kerfwise.arrays import Floats, Ints
@@ -12,6 +10,8 @@ from kerfwise.encoder.facts import facts_dzn
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.minizinc.dzn import Fields, assignments, numbers, table_from_0
+from kerfwise.models.minizinc.twin import Case, twin_of
 from kerfwise.models.problem.microns import points_um
 from kerfwise.models.problem.pace import Pace
 from kerfwise.rules.by_kind import by_kind
@@ -19,8 +19,6 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import Stated
 
 from .asked import rules_in_files
-from .dzn import Fields, assignments, numbers, table_from_0
-from .rule_data import Case, rule_data
 
 
 def data_text(facts: Facts, profile: Profile, stated: Stated, options: SolveOptions, *, clock: bool) -> str:
@@ -36,21 +34,18 @@ def data_text(facts: Facts, profile: Profile, stated: Stated, options: SolveOpti
     fields: Fields = [("travel", table_from_0(travel_um(facts, price, home_mm)))]
     if clock:
         fields += _clock(facts, options)
-    rules = rule_data(Case(facts, stated, home_mm), rules_in_files(profile, stated))
-    return facts_dzn(without_dropped(facts, stated)) + assignments(fields) + rules
+    case = Case(facts, stated, home_mm)
+    for rule, setting in rules_in_files(profile, stated).items():
+        fields += twin_of(rule).data(case, setting.options)
+    return facts_dzn(without_dropped(facts, stated)) + assignments(fields)
 
 
 def without_dropped(facts: Facts, stated: Stated) -> Facts:
     """The facts without the pairs whose orders were dropped because they closed a cycle."""
-    level_ahead = _kept(facts.level_ahead, "level-ahead", stated)
-    return replace(facts, level_ahead=level_ahead, in_hull=_kept(facts.in_hull, "hull-before", stated))
-
-
-def _kept(pairs: Ints, rule: str, stated: Stated) -> Ints:
-    orders = [d.statement for d in stated.dropped if d.rule == rule]
-    dropped = {(s.before, s.after) for s in by_kind(orders).precede}
-    kept = [(j, i) for j, i in pairs.tolist() if (j, i) not in dropped]
-    return np.array(kept, dtype=np.int64).reshape(-1, 2)
+    for rule in dict.fromkeys(d.rule for d in stated.dropped):
+        orders = by_kind([d.statement for d in stated.dropped if d.rule == rule]).precede
+        facts = twin_of(rule).without(facts, {(s.before, s.after) for s in orders})
+    return facts
 
 
 def travel_um(facts: Facts, price: float, home_mm: Point) -> Ints:

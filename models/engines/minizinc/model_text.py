@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from kerfwise.models.minizinc.twin import MODELS
 from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.rules.statements import EXEMPTION_MM
 
-from .asked import MODELS, Asked, include
+from .asked import Asked, include
 
 GOAL = "solve :: tightest_first :: restart_luby(250) minimize besides + excuse * excuses;"
 

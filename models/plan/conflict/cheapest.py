@@ -76,7 +76,7 @@ def _sets(found: Sequence[About], clashes: Collection[frozenset[About]]) -> tupl
 
 
 def _locks(abouts: Collection[About]) -> int:
-    return sum(about.rule == LAST for about in abouts)
+    return sum(about.rule in LAST for about in abouts)
 
 
 def _cost(

@@ -235,13 +235,14 @@ def _gives_way(profile: Profile) -> dict[str, int]:
 
 
 def _only_ways(facts: Facts, profile: Profile, forbidden: set[int]) -> Iterator[str]:
-    """Contours in conflict over their entry that a hard cut-direction lets be cut one way round only."""
+    """Contours in conflict over their entry that a hard rule lets be cut one way round only."""
     directions = profile.lead_options().directions
     for k in sorted({facts.candidates[c].contour for c in forbidden}):
         contour = facts.nest.contours[k]
         ways = directions[contour.kind]
         if len(ways) == 1:
-            yield f"cut-direction offers no other way round {contour.id} than {ways[0]}"
+            rules = " and ".join(profile.rules_of_direction(contour.kind))
+            yield f"{rules} offers no other way round {contour.id} than {ways[0]}"
 
 
 def _listed(abouts: Sequence[About], most: int = MOST) -> Iterator[str]:

@@ -8,6 +8,7 @@ from typing import Any
 
 from ortools.sat.python.cp_model import OPTIMAL, CpModel
 
+from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import RELAXED_MM, About, Statement
 
@@ -15,10 +16,8 @@ from .core import Core
 from .group import Group
 from .purse import NotAnswered, Purse
 
-NEVER = ("inner-before-outer",)
-"""Rules that cannot be broken at all, whatever their strengths: metal that has fallen out cannot be cut."""
-LAST = "locks"
-"""The rule that gives way only where all others together do not help."""
+LAST = frozenset(name for name, rule in RULES.items() if rule.relaxed_last)
+"""Rules that give way only where all others together do not help, such as locks."""
 WORK = 20.0
 """CP-SAT's deterministic seconds for one choice of the lightest groups."""
 MOST_ASKED = 12_000
@@ -43,9 +42,9 @@ def find_relaxation(
 
     `core_of` finds a contradiction among groups, None where there is none.
 
-    Each counts the same, as in the objective of the plan that is made then; locks weigh more than everything else
-    together. Found by implicit hitting sets (Davies and Bacchus 2011): contradictions are gathered, the fewest groups
-    that hit each of them taken out, until no contradiction is left.
+    Each counts the same, as in the objective of the plan that is made then; what is let go last, such as locks, weighs
+    more than everything else together. Found by implicit hitting sets (Davies and Bacchus 2011): contradictions are
+    gathered, the fewest groups that hit each of them taken out, until no contradiction is left.
 
     Raises
     ------
@@ -76,7 +75,7 @@ def find_relaxation(
 
 def may_give_way(rule: Rule[Any]) -> bool:
     """Whether single statements of a rule, hard as they are, may be relaxed."""
-    return rule.id not in NEVER and ("soft" in rule.strengths or rule.relaxable)
+    return not rule.of_fallen_metal and ("soft" in rule.strengths or rule.relaxable)
 
 
 def _lightest(clashes: Sequence[Sequence[int]], weights: Sequence[int | None], purse: Purse) -> set[int]:
@@ -101,7 +100,7 @@ def _weights(groups: Sequence[Group], book: Mapping[str, Rule[Any]]) -> list[int
         rule = book[group.about.rule]
         weights.append(1 if may_give_way(rule) else None)
     heavy = 1 + sum(w for w in weights if w is not None)
-    return [heavy if group.about.rule == LAST else w for group, w in zip(groups, weights, strict=True)]
+    return [heavy if group.about.rule in LAST else w for group, w in zip(groups, weights, strict=True)]
 
 
 def soften(statements: Iterable[Statement], relaxed: Iterable[About]) -> list[Statement]:

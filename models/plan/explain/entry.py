@@ -32,12 +32,15 @@ class Way:
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """How the plan cuts the contour, and the other ways: the lawful ones cheapest first."""
+    """How the plan cuts the contour, and the other ways: the lawful ones cheapest first.
+
+    `one_way_by` are the rules that leave one direction only.
+    """
 
     used: Way
     lawful: tuple[Way, ...]
     unlawful: tuple[Way, ...]
-    only_direction: bool
+    one_way_by: tuple[str, ...]
 
 
 def explain_entry(setting: Setting, contour: int) -> Entry:
@@ -66,9 +69,9 @@ def explain_entry(setting: Setting, contour: int) -> Entry:
             lawful.append(_way(setting, c, answer - setting.cost))
         else:
             unlawful.append(_way(setting, c, None, answer))
-    ways = setting.profile.lead_options().directions[facts.nest.contours[contour].kind]
+    one_way_by = setting.profile.rules_of_direction(facts.nest.contours[contour].kind)
     lawful.sort(key=lambda way: way.more_um or 0)
-    return Entry(_way(setting, used, 0), tuple(lawful), tuple(unlawful), len(ways) == 1)
+    return Entry(_way(setting, used, 0), tuple(lawful), tuple(unlawful), one_way_by)
 
 
 def _pinned(setting: Setting, contour: int, site: int, already: set[int]) -> int | tuple[About, ...]:

@@ -71,7 +71,7 @@ def _no_way(setting: Setting, contour: int) -> About:
     """Moves over parts that are out: all that can forbid sites which are lawful by themselves."""
     name = setting.name(contour)
     sentence = f"every idle move to or from {name} would cross a part that is already out"
-    return About("no-tip-travel", (name,), sentence)
+    return About(" or ".join(setting.over_parts), (name,), sentence)
 
 
 def _here(setting: Setting, contour: int, sites: Sequence[int], already: set[int]) -> tuple[Floats, list[About]]:

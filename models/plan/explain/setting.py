@@ -32,8 +32,8 @@ class Setting:
     """Everything that an explanation is made from.
 
     `route` are sites in cutting order and `cost` what they cost, µm; `candidates` the candidates that the plan uses.
-    `conditions` by contour; `orders` are the hard orders, `pairs` (k, 2) their contours. `notes` say where the plan
-    and what is stated now do not meet.
+    `conditions` by contour; `orders` are the hard orders, `pairs` (k, 2) their contours. `over_parts` are the rules
+    that forbid moves over parts that are out. `notes` say where the plan and what is stated now do not meet.
     """
 
     facts: Facts
@@ -46,6 +46,7 @@ class Setting:
     conditions: dict[int, tuple[Condition, ...]]
     orders: tuple[Precede, ...]
     pairs: NDArray[np.int64]
+    over_parts: tuple[str, ...]
     notes: tuple[str, ...] = field(default=())
 
     @property
@@ -86,7 +87,8 @@ def make_setting(facts: Facts, profile: Profile, stated: Stated, plan: Plan) -> 
     conditions: dict[int, list[Condition]] = defaultdict(list)
     for condition in problem.conditions:
         conditions[condition.contour].append(condition)
-    orders = tuple(s for s in by_kind(stated.statements).precede if s.weight is None)
+    kinds = by_kind(stated.statements)
+    orders = tuple(s for s in kinds.precede if s.weight is None)
     return Setting(
         facts,
         profile,
@@ -98,6 +100,7 @@ def make_setting(facts: Facts, profile: Profile, stated: Stated, plan: Plan) -> 
         {contour: tuple(of) for contour, of in conditions.items()},
         orders,
         np.array([(s.before, s.after) for s in orders], dtype=np.int64).reshape(-1, 2),
+        tuple(dict.fromkeys(s.about.rule for s in kinds.crossing if s.weight is None)),
         tuple(notes),
     )
 

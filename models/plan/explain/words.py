@@ -89,8 +89,8 @@ def _chain(title: str, contour: str, held: Sequence[Hold]) -> Iterator[str]:
 def _entry(e: Explanation, everything: bool) -> Iterator[str]:
     entry = e.entry
     yield f"entered at {_at(entry.used.entry)} and cut {entry.used.direction}, {_begun(entry.used)}"
-    if entry.only_direction:
-        yield f"  - cut-direction leaves no other way round than {entry.used.direction}"
+    if entry.one_way_by:
+        yield f"  - {' and '.join(entry.one_way_by)} leaves no other way round than {entry.used.direction}"
     yield from _lawful(entry)
     yield from _unlawful(entry, everything)
 

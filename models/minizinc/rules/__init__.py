@@ -1,0 +1,1 @@
+"""The rules in MiniZinc: a model file each, and beside it what that needs besides the facts."""

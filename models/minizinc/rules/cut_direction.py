@@ -1,0 +1,18 @@
+"""The Python side of `cut_direction.mzn`."""
+
+from __future__ import annotations
+
+from kerfwise.models.minizinc.dzn import Fields, flags
+from kerfwise.models.minizinc.twin import Case, Twin
+from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
+
+
+class CutDirectionTwin(Twin[CutDirectionOptions]):
+    """Which ways round each kind of contour is cut."""
+
+    def data(self, case: Case, options: CutDirectionOptions) -> Fields:
+        allowed = [options.allowed(kind) for kind in ("outer", "hole", "mark")]
+        return [
+            ("cut_direction_cw", flags("cw" in ways for ways in allowed)),
+            ("cut_direction_ccw", flags("ccw" in ways for ways in allowed)),
+        ]

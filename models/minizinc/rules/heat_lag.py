@@ -1,0 +1,40 @@
+"""The Python side of `heat_lag.mzn`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations
+
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.models.minizinc.dzn import Fields, numbers
+from kerfwise.models.minizinc.twin import Case, Further, Twin, rule_file
+from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
+
+
+class HeatLagTwin(Twin[HeatLagOptions]):
+    """Near contours of different parts, and the seconds between them in a file of their own."""
+
+    def data(self, case: Case, options: HeatLagOptions) -> Fields:
+        near = near_pairs(case.facts, options.heat_radius_mm)
+        lag: Fields = [("heat_lag_ms", str(round(options.lag_s * 1000)))] if options.lag_s > 0 else []
+        return [
+            ("heat_lag_cuts", str(options.lag_cuts)),
+            ("n_heat_near", str(len(near))),
+            ("heat_near_one", numbers(i + 1 for i, _ in near)),
+            ("heat_near_other", numbers(j + 1 for _, j in near)),
+            *lag,
+        ]
+
+    def further(self, options: HeatLagOptions, weight_mm: float | None) -> Iterator[Further]:
+        if options.lag_s > 0:
+            yield Further(rule_file("heat-lag-seconds"), "heat_lag_missing_ms", weight_mm, round(options.lag_s * 1000))
+
+
+def near_pairs(facts: Facts, radius_mm: float) -> list[tuple[int, int]]:
+    """Contours of different parts, cut through, that are nearer than the radius."""
+    cut = [(k, c) for k, c in enumerate(facts.nest.contours) if c.kind != "mark"]
+    return [
+        (i, j)
+        for (i, a), (j, b) in combinations(cut, 2)
+        if a.part != b.part and a.line.distance(b.line) < radius_mm - 1e-6
+    ]

@@ -1,0 +1,19 @@
+"""The Python side of `hull_before.mzn`."""
+
+from __future__ import annotations
+
+from collections.abc import Set
+from dataclasses import replace
+
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.models.minizinc.twin import Twin, pairs_without
+from kerfwise.rules.options.option import NoOptions
+
+
+class HullBeforeTwin(Twin[NoOptions]):
+    """Orders that are dropped leave the fact that they are stated over."""
+
+    drops_orders = True
+
+    def without(self, facts: Facts, dropped: Set[tuple[int, int]]) -> Facts:
+        return replace(facts, in_hull=pairs_without(facts.in_hull, dropped))

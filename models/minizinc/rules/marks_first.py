@@ -1,0 +1,14 @@
+"""The Python side of `marks_first.mzn`."""
+
+from __future__ import annotations
+
+from kerfwise.models.minizinc.dzn import Fields, flag
+from kerfwise.models.minizinc.twin import Case, Twin
+from kerfwise.rules.catalogue.marks_first import MarksFirstOptions
+
+
+class MarksFirstTwin(Twin[MarksFirstOptions]):
+    """Whether marks come first on the sheet or on their part."""
+
+    def data(self, case: Case, options: MarksFirstOptions) -> Fields:
+        return [("marks_first_sheet", flag(options.scope == "sheet"))]

@@ -1,0 +1,40 @@
+"""The Python side of `no_islands.mzn`."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from kerfwise.arrays import Bools, Ints
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.models.minizinc.dzn import Fields, flags, numbers
+from kerfwise.models.minizinc.twin import Case, Twin
+from kerfwise.rules.catalogue.no_islands import NoIslandsOptions
+
+
+class NoIslandsTwin(Twin[NoIslandsOptions]):
+    """What hangs together, and what on the frame."""
+
+    def data(self, case: Case, options: NoIslandsOptions) -> Fields:
+        return [
+            ("no_islands_framed", flags(on_the_frame(case.facts, options.frame_share).tolist())),
+            ("no_islands_cluster", numbers((clusters(case.facts) + 1).tolist())),
+        ]
+
+
+def clusters(facts: Facts) -> Ints:
+    """A number for every contour: outer contours in one place that face each other, however far along, share theirs."""
+    faced = facts.neighbours
+    same = facts.parent[faced.row] == facts.parent[faced.neighbour]
+    joined = coo_array((np.ones(same.sum()), (faced.row[same], faced.neighbour[same])), shape=(facts.n, facts.n))
+    return np.asarray(connected_components(joined, directed=False)[1], dtype=np.int64)
+
+
+def on_the_frame(facts: Facts, frame_share: float) -> Bools:
+    """Contours that face solid metal or the strip along the edge for that share of their length, or their host."""
+    lengths_mm = np.array([c.curve.length_mm for c in facts.nest.contours])
+    framed = facts.edge_length_mm.sum(axis=1) + facts.solid_mm >= frame_share * lengths_mm - 1e-6
+    faced = facts.neighbours
+    framed[faced.row[facts.parent[faced.row] != facts.parent[faced.neighbour]]] = True
+    return np.asarray(framed)

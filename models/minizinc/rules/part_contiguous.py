@@ -1,0 +1,14 @@
+"""The Python side of `part_contiguous.mzn`."""
+
+from __future__ import annotations
+
+from kerfwise.models.minizinc.dzn import Fields, flag
+from kerfwise.models.minizinc.twin import Case, Twin
+from kerfwise.rules.catalogue.part_contiguous import PartContiguousOptions
+
+
+class PartContiguousTwin(Twin[PartContiguousOptions]):
+    """Whether marks belong to the run of a part."""
+
+    def data(self, case: Case, options: PartContiguousOptions) -> Fields:
+        return [("part_contiguous_marks", flag(options.marks == "together"))]

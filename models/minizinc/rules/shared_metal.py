@@ -1,0 +1,49 @@
+"""The Python side of `shared_metal.mzn`."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import shapely
+
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.tolerance import tolerance_mm
+from kerfwise.models.minizinc.dzn import Fields, numbers
+from kerfwise.models.minizinc.twin import Case, Twin
+from kerfwise.models.problem.microns import UM_PER_MM
+from kerfwise.rules.catalogue.shared_metal import SharedMetalOptions
+
+FINE_MM = 0.002
+"""Chords lie this close to contours whose gaps are measured."""
+
+
+class SharedMetalTwin(Twin[SharedMetalOptions]):
+    """Contours that are nearer than the kerf."""
+
+    def data(self, case: Case, options: SharedMetalOptions) -> Fields:
+        near = same_waste(case.facts, options.kerf_mm)
+        return [
+            ("n_shared_near", str(len(near))),
+            ("shared_one", numbers(i + 1 for i, _, _ in near)),
+            ("shared_other", numbers(j + 1 for _, j, _ in near)),
+            ("shared_gap_um", numbers(gap_um for _, _, gap_um in near)),
+            ("shared_least_um", str(round((options.kerf_mm - tolerance_mm(options.kerf_mm)) * UM_PER_MM))),
+        ]
+
+
+def same_waste(facts: Facts, kerf_mm: float) -> list[tuple[int, int, int]]:
+    """Contours of different parts that bound waste towards each other, at most a kerf apart, and the gap, µm.
+
+    A line that the nest gives to two parts stands for both.
+    """
+    cut = [(k, c) for k, c in enumerate(facts.nest.contours) if c.kind != "mark"]
+    inside = {(int(i), int(j)) for i, j in facts.contains}
+    lines = {k: shapely.LinearRing(c.curve.flatten(FINE_MM)) for k, c in cut}
+    found = []
+    for (i, a), (j, b) in combinations(cut, 2):
+        apart = a.kind == b.kind == "outer" and not {(i, j), (j, i)} & inside
+        guest = (a.kind == "hole" and (i, j) in inside) or (b.kind == "hole" and (j, i) in inside)
+        if a.part != b.part and (apart or guest) and (gap_mm := lines[i].distance(lines[j])) <= kerf_mm:
+            found.append((i, j, round(gap_mm * UM_PER_MM)))
+    number = facts.nest.index
+    return found + [(number[note.contours[1]], number[note.contours[1]], 0) for note in facts.nest.notes if note.common]

@@ -1,0 +1,104 @@
+"""What stands beside a rule's model file: the data it reads, and what else of the rule MiniZinc must be told."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+from collections.abc import Iterable, Set
+from dataclasses import dataclass
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, ClassVar, Generic, TypeVar
+
+import numpy as np
+
+from kerfwise.arrays import Ints
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.rules.stating.state_rules import Stated
+
+from . import __path__ as _path
+from .dzn import Fields
+
+MODELS = Path(_path[0])
+"""The model files."""
+OptionsT = TypeVar("OptionsT")
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One nest under one profile."""
+
+    facts: Facts
+    stated: Stated
+    home_mm: Point
+
+
+@dataclass(frozen=True, slots=True)
+class Further:
+    """An array that a rule asks for beside `<rule>_holds`: its model file, its name and the price of each breach.
+
+    With `most_ms` it is of milliseconds that are missing, at most so many each, and the price is that of a second.
+    """
+
+    file: Path
+    name: str
+    weight_mm: float | None
+    most_ms: int = 0
+
+
+class Twin(Generic[OptionsT]):
+    """The Python side of a rule's model file; a rule whose file reads facts alone needs none.
+
+    `drops_orders` says that orders which are dropped on a cycle are taken out of the facts that the file reads.
+    """
+
+    drops_orders: ClassVar[bool] = False
+
+    def data(self, case: Case, options: OptionsT) -> Fields:
+        """Names and values of what the file reads beside the facts: the options, and what only this rule looks at."""
+        return []
+
+    def further(self, options: OptionsT, weight_mm: float | None) -> Iterable[Further]:
+        """Arrays beside `<rule>_holds`; `weight_mm` is that of the rule, None where it is hard."""
+        return ()
+
+    def without(self, facts: Facts, dropped: Set[tuple[int, int]]) -> Facts:
+        """The facts without the pairs (before, after) whose orders were dropped."""
+        return facts
+
+
+def pairs_without(pairs: Ints, dropped: Set[tuple[int, int]]) -> Ints:
+    """The rows (before, after) of (k, 2) `pairs` that are not among those dropped."""
+    kept = [(before, after) for before, after in pairs.tolist() if (before, after) not in dropped]
+    return np.array(kept, dtype=np.int64).reshape(-1, 2)
+
+
+def rule_file(rule: str) -> Path:
+    """The model file that states the rule of that id, whether there is one or not."""
+    return MODELS / "rules" / f"{_name(rule)}.mzn"
+
+
+@cache
+def twin_of(rule: str) -> Twin[Any]:
+    """The Python side of that model file: the one class in the module of the same name, if there is one.
+
+    Examples
+    --------
+    >>> type(twin_of("heat-lag")).__name__, type(twin_of("zone-order")).__name__
+    ('HeatLagTwin', 'Twin')
+    """
+    if not _name(rule).isidentifier() or find_spec(f"{__package__}.rules.{_name(rule)}") is None:
+        return Twin()
+    module = importlib.import_module(f"{__package__}.rules.{_name(rule)}")
+    (cls,) = (
+        cls
+        for _, cls in inspect.getmembers(module, inspect.isclass)
+        if issubclass(cls, Twin) and cls.__module__ == module.__name__
+    )
+    return cls()
+
+
+def _name(rule: str) -> str:
+    return rule.replace("-", "_")

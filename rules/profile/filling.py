@@ -1,0 +1,57 @@
+"""A rule's options as they are for the sheet: with what the rest of the profile, and other rules, fill in."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, TypeVar
+
+from kerfwise.rules.lock import Lock
+from kerfwise.rules.options.thickness_table import ThicknessTable
+from kerfwise.rules.plant import Plant
+from kerfwise.rules.registry import RULES
+from kerfwise.rules.rule import RuleSetting
+
+from .heat_section import Heat
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+    from .sections import Material
+
+T = TypeVar("T", bound="DataclassInstance")
+
+
+def plant_of(material: Material, heat: Heat, locks: tuple[Lock, ...]) -> Plant:
+    """What rules may know of these sections."""
+    return Plant(
+        thickness_mm=material.thickness_mm,
+        kerf_mm=material.kerf_mm,
+        ambient_c=heat.ambient_c,
+        heat_limit_c=heat.limit_c,
+        absorbed_power_w=heat.absorbed_power_w,
+        locks=locks,
+    )
+
+
+def filled_in(options: T, plant: Plant, rules: Mapping[str, RuleSetting]) -> T:
+    """The options with the fields that no key of their own sets, and lengths as they are for the sheet's thickness.
+
+    Raises
+    ------
+    KeyError
+        If neither `Plant` nor an option that a rule shares has the name of such a field: the rule's author is wrong.
+    """
+    fields = dataclasses.fields(options)
+    tables = {f.name: v for f in fields if isinstance(v := getattr(options, f.name), ThicknessTable)}
+    lengths = {name: table.at(plant.thickness_mm) for name, table in tables.items()}
+    unset = [f.name for f in fields if "kind" not in f.metadata]
+    if not unset:
+        return dataclasses.replace(options, **lengths)
+    known = {f.name: getattr(plant, f.name) for f in dataclasses.fields(plant)} | shared(rules)
+    return dataclasses.replace(options, **lengths, **{name: known[name] for name in unset})
+
+
+def shared(rules: Mapping[str, RuleSetting]) -> dict[str, object]:
+    """Name → value of the options that rules share with others."""
+    return {name: getattr(rules[id].options, name) for id, rule in RULES.items() for name in rule.shares}
