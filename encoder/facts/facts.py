@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from kerfwise.encoder.nest import Nest
 
 SIDES: tuple[Side, ...] = ("left", "right", "bottom", "top")
 Because = Literal["profile", "narrow-side", "long-parts", "offcut", "heat"]
+OrderFact = Literal["contains", "level_ahead", "in_hull"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,11 +39,7 @@ class FactOptions:
     zone_contours: int = 12
     square_ratio: float = 1.25
     zone_heat_kj: float | None = None
-    zone_respects: tuple[Literal["contains", "level_ahead", "in_hull"], ...] = (
-        "contains",
-        "level_ahead",
-        "in_hull",
-    )
+    zone_respects: frozenset[OrderFact] = frozenset(get_args(OrderFact))
     zone_pairs: tuple[tuple[str, str], ...] = ()
     zone_fixed: tuple[tuple[str, int], ...] = ()
     zone_places: tuple[tuple[str, int], ...] = ()

@@ -59,7 +59,7 @@ class HullBefore(OrderRule[NoOptions]):
             yield self.precede(facts, before, after)
 
     def fact_options(self, given: FactOptions, options: NoOptions, strength: Strength) -> FactOptions:
-        return replace(given, zone_respects=(*given.zone_respects, "in_hull")) if strength == "hard" else given
+        return replace(given, zone_respects=given.zone_respects | {"in_hull"}) if strength == "hard" else given
 
     def pairs(self, nest: Nest, cuts: CutSequence, options: NoOptions) -> list[Ids]:
         if not nest.parts:

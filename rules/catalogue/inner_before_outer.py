@@ -51,7 +51,7 @@ class InnerBeforeOuter(OrderRule[NoOptions]):
                 yield self.precede(facts, contour, around)
 
     def fact_options(self, given: FactOptions, options: NoOptions, strength: Strength) -> FactOptions:
-        return replace(given, zone_respects=(*given.zone_respects, "contains")) if strength == "hard" else given
+        return replace(given, zone_respects=given.zone_respects | {"contains"}) if strength == "hard" else given
 
     def pairs(self, nest: Nest, cuts: CutSequence, options: NoOptions) -> list[Ids]:
         within_part = [(c.id, part.outer.id) for part in nest.parts for c in (*part.marks, *part.holes)]

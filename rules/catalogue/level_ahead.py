@@ -60,7 +60,7 @@ class LevelAhead(OrderRule[NoOptions]):
             yield self.precede(facts, before, after)
 
     def fact_options(self, given: FactOptions, options: NoOptions, strength: Strength) -> FactOptions:
-        return replace(given, zone_respects=(*given.zone_respects, "level_ahead")) if strength == "hard" else given
+        return replace(given, zone_respects=given.zone_respects | {"level_ahead"}) if strength == "hard" else given
 
     def unjudged(self, nest: Nest, cuts: CutSequence, options: NoOptions) -> str | None:
         return None if cuts.start_side else "the side that cutting starts from is not stated"

@@ -192,7 +192,7 @@ class Profile:
         """
         own = own_pairs(self.own_rules, nest, self._thresholds()) if nest is not None else ()
         given = FactOptions(
-            zone_respects=(),
+            zone_respects=frozenset(),
             zone_pairs=(*((lock.contour, lock.before) for lock in self.locks if lock.contour and lock.before), *own),
             zone_places=self._zone_places(nest),
             zone_fixed=tuple((lock.part, lock.zone) for lock in self.locks if lock.part and lock.zone),

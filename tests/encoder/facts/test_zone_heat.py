@@ -90,14 +90,14 @@ def test_a_column_stays_whole_where_the_budget_has_room_for_it() -> None:
 def test_what_orders_raise_is_divided_again() -> None:
     """The first waits for the last: all would share its zone, but that has room for two."""
     raised: dict[str, object] = {"zone_pairs": (("e.outer", "a.outer"), ("e.outer", "b.outer")), "zone_contours": 2}
-    kept: dict[str, object] = {**raised, "zone_respects": ("contains",)}
+    kept: dict[str, object] = {**raised, "zone_respects": frozenset({"contains"})}
     assert zones(row("abcdef"), 10.0, **kept) == "cd|abef"
     assert zones(row("abcdef"), 10.0, **kept, zone_heat_kj=20.0) == "cd|ae|bf"
     assert zones(row("abcdef"), 10.0, **kept, zone_heat_kj=30.0) == "cd|abe|f"
 
 
 def test_parts_whose_orders_go_round_in_a_circle_stay_together_where_there_is_room() -> None:
-    free: dict[str, object] = {**CROSSED, "zone_contours": 1, "zone_respects": ("contains",)}
+    free: dict[str, object] = {**CROSSED, "zone_contours": 1, "zone_respects": frozenset({"contains"})}
     assert zones(row("abcd"), 10.0, **free) == "b|ac|d"
     assert zones(row("abcd"), 10.0, **free, zone_heat_kj=20.0) == "b|ac|d"
     assert zones(row("abcd"), 10.0, **free, zone_heat_kj=19.0) == "b|a|c|d"
@@ -107,13 +107,15 @@ def test_parts_whose_orders_go_round_in_a_circle_stay_together_where_there_is_ro
 
 def test_a_circle_stays_together_in_a_zone_that_is_divided() -> None:
     circle = (("d.outer", "a.outer"), ("a.outer", "d.outer"))
-    free: dict[str, object] = {"zone_pairs": circle, "zone_contours": 2, "zone_respects": ("contains",)}
+    free: dict[str, object] = {"zone_pairs": circle, "zone_contours": 2, "zone_respects": frozenset({"contains"})}
     assert zones(row("abcd"), 10.0, **free) == "b|acd"
     assert zones(row("abcd"), 10.0, **free, zone_heat_kj=20.0) == "b|ad|c"
 
 
 def test_locked_zones_stand_whatever_heat_that_brings_together() -> None:
-    found = facts(row("abcd"), 10.0, zone_heat_kj=10.0, zone_respects=("contains",), zone_fixed=(("d", 1), ("b", 1)))
+    found = facts(
+        row("abcd"), 10.0, zone_heat_kj=10.0, zone_respects=frozenset({"contains"}), zone_fixed=(("d", 1), ("b", 1))
+    )
     assert found.zone.tolist() == [1, 1, 2, 1]
     assert found.zone_heat_kj.tolist() == [30.0, 10.0]
 

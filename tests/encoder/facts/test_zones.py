@@ -67,7 +67,7 @@ def _three_marks(given_part: Part) -> tuple[Contour, ...]:
     return tuple(Contour(f"{name}.mark{k}", name, "mark", line) for k, line in enumerate(lines, 1))
 
 
-SQUARE_REST: dict[str, object] = {"zone_contours": 4, "square_ratio": 1.4, "zone_respects": ("contains",)}
+SQUARE_REST: dict[str, object] = {"zone_contours": 4, "square_ratio": 1.4, "zone_respects": frozenset({"contains"})}
 """Of 4 × 4 plates the first column goes first; the rest is 280 × 380 and made most square by taking a row."""
 
 
@@ -120,7 +120,7 @@ def test_a_long_part_is_raised_to_the_zone_of_what_lies_ahead_of_its_far_end() -
     long = part("L", [(10, 10), (590, 10), (590, 190), (595, 190), (595, 5), (10, 5)])
     given_nest = nest(600, 200, *short, long)
     assert zones(given_nest, zone_contours=2)["L"] == max(zones(given_nest, zone_contours=2).values())
-    assert zones(given_nest, zone_contours=2, zone_respects=("contains",))["L"] == 3
+    assert zones(given_nest, zone_contours=2, zone_respects=frozenset({"contains"}))["L"] == 3
 
 
 def test_pairs_of_contours_may_be_added() -> None:

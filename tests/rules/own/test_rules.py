@@ -69,7 +69,7 @@ def test_own_rules_do_not_give_way() -> None:
 
 def test_zones_follow_own_orders() -> None:
     profile = plant("- {name: far first, select: {part: P3}, before: {part: P0}}")
-    small = replace(profile.fact_options(ROW), zone_contours=1, zone_respects=())
+    small = replace(profile.fact_options(ROW), zone_contours=1, zone_respects=frozenset())
     zone = dict(zip([c.id for c in ROW.contours], compute_facts(ROW, small, ()).zone.tolist(), strict=True))
     assert zone["P3.outer"] <= zone["P0.outer"]
     assert profile.fact_options(ROW).zone_pairs == (("P3.outer", "P0.outer"),)

@@ -181,7 +181,7 @@ def test_options_of_the_encoder_follow_the_rules(tmp_path: Path) -> None:
     assert leads.directions == {"outer": ("cw",), "hole": ("cw", "ccw"), "mark": ("cw", "ccw")}
     assert leads.entry_points == {"P2.hole1": (3.0, 4.0)}
     assert (leads.pierce_clearance_mm, leads.kerf_mm) == (0.5, 0.2)
-    assert facts.zone_respects == ("contains",)
+    assert facts.zone_respects == {"contains"}
     assert facts.zone_pairs == (("P1.outer", "P2.outer"),)
     assert facts.zone_fixed == (("P3", 2),)
     assert (facts.start_side, facts.zone_contours, facts.zone_heat_kj) == ("top", 6, None)
