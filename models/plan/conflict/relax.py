@@ -42,7 +42,7 @@ def find_relaxation(
 
     `core_of` finds a contradiction among groups, None where there is none.
 
-    Each counts the same, as in the objective of the plan that is made then; what is let go last, such as locks, weighs
+    Each counts the same, as in the objective of the plan that is made then; what is relaxed last, such as locks, weighs
     more than everything else together. Found by implicit hitting sets (Davies and Bacchus 2011): contradictions are
     gathered, the fewest groups that hit each of them taken out, until no contradiction is left.
 
