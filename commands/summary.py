@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from kerfwise.models.plan.plan import Dropped, Plan
+from kerfwise.models.plan.plan import Dropped, Plan, SolveReport
 from kerfwise.postproc.check import CheckResult, report
 from kerfwise.postproc.report.legend import counted
 from kerfwise.rules.statements import EXEMPTION_MM, RELAXED_MM
@@ -12,11 +12,7 @@ def summary(plan: Plan, verdict: CheckResult) -> str:
     """The plan's totals, what is proven of it, and the verdict of the independent check on every rule."""
     totals, solve = plan.totals, plan.solve
     minutes, seconds = divmod(round(totals.time_s), 60)
-    proof = "no bound is proven"
-    if solve.status == "optimal":
-        proof = f"proven optimal (by {solve.proved_by})"
-    elif solve.bound is not None and solve.gap is not None:
-        proof = f"at most {solve.gap:.2%} above the best possible (bound {solve.bound / 1000:.3f} m)"
+    proof = _proof(solve, _heavy_mm(plan))
     lines = []
     if plan.already:
         again = "" if plan.broken_off is None else f", cut {plan.resumed_after + 1} is made again"
@@ -43,16 +39,43 @@ def summary(plan: Plan, verdict: CheckResult) -> str:
     return "\n".join([*lines, report(verdict)])
 
 
+def _heavy_mm(plan: Plan) -> float:
+    """What excuses and relaxed statements weigh in the objective: each more than any plan travels."""
+    excused_mm = plan.solve.excuses * EXEMPTION_MM
+    if not any(dropped.relaxed for dropped in plan.dropped):
+        return excused_mm
+    return excused_mm + (plan.solve.objective - excused_mm) // RELAXED_MM * RELAXED_MM
+
+
+def _proof(solve: SolveReport, heavy_mm: float) -> str:
+    """What is proven of the cost, and for what: plans within the same zones, by the same entries.
+
+    A bound beyond `heavy_mm` says that no plan has fewer excuses and relaxed statements; what is left of both is then a
+    bound on the rest.
+    """
+    if solve.status == "optimal":
+        return f"proven optimal within these zones and entries (by {solve.proved_by})"
+    if solve.bound is None or solve.gap is None:
+        return "no bound is proven"
+    said = f"at most {solve.gap:.2%} above the best possible"
+    if not heavy_mm:
+        return f"{said} within these zones and entries (bound {solve.bound / 1000:.3f} m)"
+    bound_mm, rest_mm = solve.bound - heavy_mm, solve.objective - heavy_mm
+    if bound_mm <= 0 or rest_mm <= 0:
+        return f"{said} with the weight of excuses; plans with fewer excuses are not ruled out"
+    return (
+        f"{said} with the weight of excuses, {(rest_mm - bound_mm) / rest_mm:.2%} without it "
+        f"(bound {bound_mm / 1000:.3f} m, no plan within these zones and entries has fewer excuses)"
+    )
+
+
 def _objective(plan: Plan) -> str:
     """What the plan costs; excuses and relaxed statements, which weigh more than any travel, are counted apart."""
-    excuses = plan.solve.excuses
-    rest_mm = plan.solve.objective - excuses * EXEMPTION_MM
-    relaxed = 0.0
-    if any(dropped.relaxed for dropped in plan.dropped):
-        relaxed, rest_mm = divmod(rest_mm, RELAXED_MM)
+    excuses, heavy_mm = plan.solve.excuses, _heavy_mm(plan)
+    rest_mm, relaxed = plan.solve.objective - heavy_mm, (heavy_mm - excuses * EXEMPTION_MM) / RELAXED_MM
     text = f"objective {rest_mm / 1000:.3f} m"
     if excuses:
-        fewest = ", the fewest there can be" if plan.solve.status == "optimal" else ""
+        fewest = ", the fewest within these zones and entries" if plan.solve.status == "optimal" else ""
         text += f" and {excuses} excuse{'s' if excuses > 1 else ''}{fewest}"
     if relaxed:
         text += f" and {relaxed:.0f} relaxed statement{'s' if relaxed > 1 else ''}"

@@ -76,12 +76,16 @@ class SolveReport:
 
 @dataclass(frozen=True, slots=True)
 class RuleReport:
-    """One rule of the profile: whether it holds in the plan, and where it was excused and why."""
+    """One rule of the profile: whether it holds in the plan, and where it was excused and why.
+
+    `breaches` are where a soft rule does not hold: the contours, and what is wrong there.
+    """
 
     id: str
     strength: str
     holds: bool
     exceptions: tuple[tuple[tuple[str, ...], str], ...] = ()
+    breaches: tuple[tuple[tuple[str, ...], str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,6 +186,7 @@ class Plan:
                     "holds": r.holds,
                     "exceptions": [{"contours": list(c), "why": w} for c, w in r.exceptions],
                 }
+                | ({"breaches": [{"contours": list(c), "why": w} for c, w in r.breaches]} if r.breaches else {})
                 for r in self.rules
             ],
             "dropped": [{"rule": d.rule, "contours": list(d.contours), "why": d.why} for d in self.dropped],

@@ -150,6 +150,7 @@ def _plan_of(data: dict[str, Any]) -> Plan:
                 r["strength"],
                 r["holds"],
                 tuple((tuple(e["contours"]), e["why"]) for e in r["exceptions"]),
+                tuple((tuple(b["contours"]), b["why"]) for b in r.get("breaches", ())),
             )
             for r in data["rules"]
         ),

@@ -100,10 +100,24 @@ def _totals(plan: Plan) -> list[str]:
     if plan.waits:
         facts.append(f"{duration(plan.wait_s)} of it waiting")
     if solve.status == "optimal":
-        return [*facts, "proven optimal"]
-    if solve.gap is None:
-        return [*facts, "no bound proven"]
-    return [*facts, f"at most {100 * solve.gap:.1f} % above the best possible"]
+        facts.append("proven optimal within these zones and entries")
+    elif solve.gap is None:
+        facts.append("no bound proven")
+    else:
+        facts.append(f"at most {100 * solve.gap:.1f} % above the best possible")
+    return [*facts, *_not_kept(plan)]
+
+
+def _not_kept(plan: Plan) -> list[str]:
+    """What the plan does not keep of its rules, counted: excuses, soft rules broken, statements left out."""
+    counts = {
+        "excuse": sum(len(rule.exceptions) for rule in plan.rules),
+        "soft breach": sum(len(rule.breaches) for rule in plan.rules),
+        "dropped order": sum(not dropped.relaxed for dropped in plan.dropped),
+        "RELAXED statement": sum(dropped.relaxed for dropped in plan.dropped),
+    }
+    plural = {"soft breach": "soft breaches"}
+    return [f"{k} {plural.get(name, name + 's') if k > 1 else name}" for name, k in counts.items() if k]
 
 
 def counted(number: int, word: str) -> str:

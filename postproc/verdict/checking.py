@@ -90,6 +90,7 @@ def report_of(result: CheckResult) -> tuple[RuleReport, ...]:
             judgement.strength,
             judgement.holds,
             tuple((excused.violation.contours, excused.why) for excused in judgement.excused),
+            tuple((v.contours, v.text) for v in judgement.violations if judgement.strength == "soft"),
         )
         for judgement in result.rules
         if (judgement.id in RULES or judgement.id.startswith(OWN)) and judgement.strength != "off"

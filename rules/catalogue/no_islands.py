@@ -119,7 +119,9 @@ class NoIslands(Rule[NoIslandsOptions]):
         joined, _ = holding(nest, options.web_mm, options.edge_band_mm, options.frame_share)
         number = next(k for k, part in enumerate(nest.parts) if part.outer.id == last)
         if {nest.parts[k].outer.id for k in joined[number]} <= forced(last):
-            return f"no order avoids it: the order rules put everything that {last} hangs on before it"
+            return (
+                f"within these zones no order avoids it: the order rules put everything that {last} hangs on before it"
+            )
         return f"the plan excuses it: what must be cut before {last} left nothing to hold it"
 
 

@@ -109,7 +109,7 @@ class NoNarrowStrips(Rule[NoNarrowStripsOptions]):
             return None
         out = frozenset(cuts[k - 1].contour for k in violation.cuts)
         if out <= forced(name):
-            return f"no order avoids it: the order rules put {_listed(sorted(out))} before {name}"
+            return f"within these zones no order avoids it: the order rules put {_listed(sorted(out))} before {name}"
         return f"the plan excuses it: what must be cut before {name} left nothing better"
 
 

@@ -161,8 +161,8 @@ class PartRigidity(Rule[PartRigidityOptions]):
             return None
         if (best := at_best(forced(name))) < options.rigid_min:
             return (
-                f"no order avoids it: with the neighbours out that the order rules put before {name}, no entry and "
-                f"direction ends along more than {best:.0%}"
+                "within these zones no order avoids it: with the neighbours out that the order rules put "
+                f"before {name}, no entry and direction ends along more than {best:.0%}"
             )
         return "the plan excuses it: what must be cut before it left nothing better"
 

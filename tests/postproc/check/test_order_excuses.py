@@ -62,7 +62,7 @@ def test_nothing_is_excused_without_need() -> None:
 
 def test_a_strip_that_no_order_avoids() -> None:
     last = Lock(contour="B.outer", position="last")
-    why = "no order avoids it: the order rules put A.outer, C.outer before B.outer"
+    why = "within these zones no order avoids it: the order rules put A.outer, C.outer before B.outer"
     assert reasons(LONG, "no-narrow-strips", last) == [(("B.outer",), why)]
     assert "(EXCUSED no-narrow-strips B.outer)" in made(LONG, "no-narrow-strips", last)[1].program
 
@@ -77,7 +77,7 @@ def test_a_strip_that_one_of_several_orders_makes() -> None:
 
 def test_an_island_that_no_order_avoids() -> None:
     last = Lock(contour="P4.outer", position="last")
-    why = "no order avoids it: the order rules put everything that P4.outer hangs on before it"
+    why = "within these zones no order avoids it: the order rules put everything that P4.outer hangs on before it"
     assert reasons(ROWS, "no-islands", last) == [(("P4.outer",), why)]
 
 
