@@ -35,7 +35,7 @@ def kept_with_nest(
 
     def keeping(function: Callable[Concatenate[Nest, Of], Answer]) -> Callable[Concatenate[Nest, Of], Answer]:
         @wraps(function)
-        def answer(nest: Nest, *args: Of.args, **kwargs: Of.kwargs) -> Answer:
+        def answer(nest: Nest, /, *args: Of.args, **kwargs: Of.kwargs) -> Answer:
             assert not kwargs, "given by position, since answers are kept by position"
             answers = nest.kept.setdefault(function, OrderedDict())
             if args in answers:
