@@ -119,7 +119,10 @@ def test_minizinc_finds_the_best_plan_or_says_that_it_has_no_words(example: Exam
     assert found.objective == pytest.approx(example.best_mm, abs=NEAR_MM)
 
 
-@every_hard_one
+@pytest.mark.parametrize(
+    "example",
+    [pytest.param(e, id=str(e), marks=[pytest.mark.slow] if str(e) == "lag of seconds, hard" else []) for e in HARD],
+)
 def test_a_conflict_names_it(example: Example) -> None:
     """Against it stands all that fixes one way to cut the row which breaks it."""
     breaking = next(way for way in ways() if _keeps_the_given(example, way) and math.isinf(example.price_mm(way)))
