@@ -47,17 +47,22 @@ def lightest_cut(links: Sequence[Link], weights: Sequence[int | None]) -> list[i
     return sorted(out)
 
 
+def some_cycles(links: Sequence[Link], among: Sequence[int]) -> list[list[int]]:
+    """Of the links numbered in `among`, for each that lies on a cycle a shortest one, as numbers of links in order."""
+    return [
+        _cycle_through(links, among[k], [among[m] for m in component])
+        for component in components([links[k] for k in among])
+        for k in component
+    ]
+
+
 def _exact(links: Sequence[Link], weights: Sequence[int | None], names: Sequence[int]) -> list[int]:
     """Covers the cycles found so far, looks for cycles that are left, and so on until there are none."""
     cycles: dict[frozenset[int], None] = {}
     out: set[int] = set()
     while True:
         left = [k for k in range(len(links)) if k not in out]
-        found = [
-            frozenset(_cycle_through(links, left[k], [left[m] for m in component]))
-            for component in components([links[k] for k in left])
-            for k in component
-        ]
+        found = [frozenset(cycle) for cycle in some_cycles(links, left)]
         if not found:
             return [names[k] for k in sorted(out)]
         cycles |= dict.fromkeys(found)

@@ -7,7 +7,7 @@ program, each inside the next; what is cut in one go is torn by no more of them 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, milp
@@ -20,6 +20,8 @@ from .cycles import Link
 
 MOST_ROWS = 300_000
 """Where the program had more rows, nothing is dropped: the contradiction is told as any other."""
+MOST_NODES = 2_000
+"""Nodes of the search after which it is not shown which links weigh least; most programs take one."""
 
 
 def positions(statements: Sequence[Statement], n: int) -> dict[int, int]:
@@ -103,11 +105,12 @@ def in_the_way(
     weights: Sequence[int | None],
     runs: Sequence[Sequence[int]],
     at: Mapping[int, int],
-) -> list[int]:
+    cycles: Collection[frozenset[int]] = (),
+) -> list[int] | None:
     """Numbers of the links (before, after) to drop so that the positions `at` can hold, of least total weight.
 
-    A weight of None is kept. Nothing where no drop helps, or none is needed. The links have no cycle; `runs` are
-    contours cut in one go.
+    A weight of None is kept. None where no drop helps, or it was not shown which weigh least. `runs` are contours cut
+    in one go. Without the links that are dropped there is no cycle, or of each one that is left `cycles` have some.
 
     Examples
     --------
@@ -119,7 +122,9 @@ def in_the_way(
     for run in runs:
         group[list(run)] = min(run)
     several = sorted({int(group[run[0]]) for run in runs if len(run) > 1})
-    if not sizes or len(sizes) * (len(links) + 2 * n) > MOST_ROWS:
+    if len(sizes) * (len(links) + 2 * n) > MOST_ROWS:
+        return None
+    if not sizes and not cycles:
         return []
     program = _Program(n, len(links), len(sizes), several)
     for k, size in enumerate(sizes):
@@ -151,6 +156,8 @@ def in_the_way(
                 if g != group[contour]:  # nothing comes between contours that are cut in one go
                     (low, high), (low_, high_) = (program.run(sizes.index(s), g) for s in (place - 1, place))
                     program.row([(high, 1), (low, -1), (high_, 1), (low_, -1)], -np.inf, 1)
+    for cycle in cycles:
+        program.row([(number, 1) for number in sorted(cycle) if weights[number] is not None], 1, np.inf)
     return program.least([w or 0 for w in weights])
 
 
@@ -176,9 +183,9 @@ class _Program:
         self.low.append(low)
         self.high.append(high)
 
-    def least(self, weights: Sequence[int]) -> list[int]:
-        """The links dropped at the least weight; none where nothing helps."""
-        rows, columns, signs = np.array(self.cells).T
+    def least(self, weights: Sequence[int]) -> list[int] | None:
+        """The links dropped at the least weight; None where nothing helps, or `MOST_NODES` do not show which."""
+        rows, columns, signs = np.array(self.cells).reshape(-1, 3).T
         matrix = coo_array((signs.astype(np.float64), (rows, columns)), shape=(len(self.low), self.columns))
         low, high = np.zeros(self.columns), np.ones(self.columns)
         for column, value in self.fixed.items():
@@ -190,5 +197,6 @@ class _Program:
             integrality=np.ones(self.columns),
             bounds=Bounds(low, high),
             constraints=LinearConstraint(matrix.tocsr(), self.low, self.high),
+            options={"node_limit": MOST_NODES},
         )
-        return [] if found.x is None else np.flatnonzero(found.x[: self.links] > 0.5).tolist()
+        return None if found.x is None or found.status else np.flatnonzero(found.x[: self.links] > 0.5).tolist()

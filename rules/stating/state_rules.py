@@ -13,10 +13,10 @@ from kerfwise.rules.options.yaml_positions import wrong_at
 from kerfwise.rules.own import OwnFile
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
-from kerfwise.rules.statements import EXEMPTION_MM, About, Contiguous, IdleTravel, Precede, Statement
+from kerfwise.rules.statements import EXEMPTION_MM, About, AtLeast, Contiguous, IdleTravel, Precede, Statement
 
 from .cycles import Link, components, contracted, path
-from .feedback import Unbreakable, lightest_cut
+from .feedback import Unbreakable, lightest_cut, some_cycles
 from .places import at_odds, in_the_way, positions
 from .remainder import Rest, of_what_is_left
 from .time_costs import slower_ways
@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 
 
 HOPELESS = "these hard rules cannot hold in any order"
+
+MOST_ROUNDS = 40
+"""Rounds in which cycles are gathered; after them it is not shown which orders are the lightest."""
 
 CONTRADICT = "these hard rules contradict each other; one must give way"
 
@@ -220,15 +223,14 @@ def resolve(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int
     dropped = []
     for k in out:
         against = path(distinct, kept, distinct[k][1], distinct[k][0]) or []
-        why = "cycle: " + ", ".join(_spoken(_firmest(asking[distinct[m]], gives_way)) for m in against)
+        why = _round_by([asking[distinct[m]] for m in against], gives_way)
         dropped += [DroppedStatement(order, why) for order in asking[distinct[k]]]
     late = _out_of_place(_without(statements, dropped), n, gives_way)
-    if late:  # what is out of place may have been all that an order on a cycle was dropped for
-        for d in sorted(dropped, key=lambda d: gives_way.get(d.rule, 0)):
-            others = [e for e in dropped if e is not d]
-            left = _without(statements, [*others, *late])
-            if not _closes_cycle(left, n) and not _out_of_place(left, n, gives_way):
-                dropped = others
+    if late and dropped:  # chosen one after the other they may be more than need be
+        jointly = _jointly(statements, n, gives_way)
+        if jointly is not None:
+            return Stated(tuple(_without(statements, jointly)), tuple(jointly))
+        dropped = [replace(d, why=f"{d.why}; whether others would be fewer was not shown") for d in dropped]
     return Stated(tuple(_without(statements, [*dropped, *late])), (*dropped, *late))
 
 
@@ -237,11 +239,52 @@ def _without(statements: Sequence[Statement], dropped: Sequence[DroppedStatement
     return [s for s in statements if id(s) not in gone]
 
 
-def _closes_cycle(statements: Sequence[Statement], n: int) -> bool:
-    kinds = by_kind(statements)
-    orders = [(s.before, s.after) for s in kinds.precede if s.weight is None]
-    runs = [s.contours for s in kinds.contiguous if s.weight is None]
-    return bool(components(contracted(n, orders, runs)))
+def _jointly(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int]) -> list[DroppedStatement] | None:
+    """The lightest orders without which there is no cycle and all firm positions can hold; None if not shown which.
+
+    Cycles are looked for in what the positions leave, and hit as well from then on, until none is left.
+    """
+    at, kinds = positions(statements, n), by_kind(statements)
+    asking = _asking(statements)
+    links, runs = list(asking), [s.contours for s in kinds.contiguous if s.weight is None]
+    weights = _weights(list(asking.values()), gives_way)
+    nodes = contracted(n, links, runs)
+    cycles: dict[frozenset[int], None] = {}
+    for _ in range(MOST_ROUNDS):
+        out = in_the_way(n, links, weights, runs, at, cycles)
+        if out is None:
+            return None
+        kept = sorted(set(range(len(links))) - set(out))
+        found = [frozenset(cycle) for cycle in some_cycles(nodes, kept)]
+        if not found:
+            break
+        cycles |= dict.fromkeys(found)
+    else:
+        return None
+    place, dropped = _place_because(kinds.at_least, n), []
+    for k in out:
+        against = path(nodes, kept, nodes[k][1], nodes[k][0])
+        said = place if against is None else _round_by([asking[links[m]] for m in against], gives_way)
+        dropped += [DroppedStatement(order, said) for order in asking[links[k]]]
+    return dropped
+
+
+def _asking(statements: Sequence[Statement]) -> dict[Link, list[Precede]]:
+    """The hard orders by their two contours."""
+    asking: dict[Link, list[Precede]] = {}
+    for s in by_kind(statements).precede:
+        if s.weight is None:
+            asking.setdefault((s.before, s.after), []).append(s)
+    return asking
+
+
+def _place_because(at_least: Sequence[AtLeast], n: int) -> str:
+    firm = [s.about for s in at_least if s.weight is None and len(s.literals) == n - 1]
+    return "place: " + "; ".join(dict.fromkeys(about.sentence for about in firm))
+
+
+def _round_by(against: Sequence[Sequence[Precede]], gives_way: Mapping[str, int]) -> str:
+    return "cycle: " + ", ".join(_spoken(_firmest(orders, gives_way)) for orders in against)
 
 
 def _out_of_place(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int]) -> list[DroppedStatement]:
@@ -250,16 +293,12 @@ def _out_of_place(statements: Sequence[Statement], n: int, gives_way: Mapping[st
     if not at:
         return []
     kinds = by_kind(statements)
-    asking: dict[Link, list[Precede]] = {}
-    for s in kinds.precede:
-        if s.weight is None:
-            asking.setdefault((s.before, s.after), []).append(s)
+    asking = _asking(statements)
     runs = [s.contours for s in kinds.contiguous if s.weight is None]
     links = list(asking)
-    out = in_the_way(n, links, _weights(list(asking.values()), gives_way), runs, at)
-    firm = [s.about for s in kinds.at_least if s.weight is None and len(s.literals) == n - 1]
-    why = "place: " + "; ".join(dict.fromkeys(about.sentence for about in firm))
-    return [DroppedStatement(order, why) for k in out for order in asking[links[k]]]
+    out = in_the_way(n, links, _weights(list(asking.values()), gives_way), runs, at) or []
+    place = _place_because(kinds.at_least, n)
+    return [DroppedStatement(order, place) for k in out for order in asking[links[k]]]
 
 
 def _weights(asking: Sequence[Sequence[Precede]], gives_way: Mapping[str, int]) -> list[int | None]:
