@@ -10,18 +10,18 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
-from scipy.optimize import Bounds, LinearConstraint, milp
-from scipy.sparse import coo_array
+from ortools.sat.python.cp_model import FEASIBLE, OPTIMAL, CpModel, CpSolver
 
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.statements import About, AtLeast, Before, Statement
 
 from .cycles import Link
 
-MOST_ROWS = 300_000
+MOST_ROWS = 100_000
 """Where the program had more rows, nothing is dropped: the contradiction is told as any other."""
-MOST_NODES = 2_000
-"""Nodes of the search after which it is not shown which links weigh least; most programs take one."""
+WORK = 1.0
+"""CP-SAT's deterministic seconds, after which it is not shown which links weigh least."""
+ANY = 1 << 40
 
 
 def positions(statements: Sequence[Statement], n: int) -> dict[int, int]:
@@ -106,16 +106,16 @@ def in_the_way(
     runs: Sequence[Sequence[int]],
     at: Mapping[int, int],
     cycles: Collection[frozenset[int]] = (),
-) -> list[int] | None:
+) -> tuple[list[int], bool] | None:
     """Numbers of the links (before, after) to drop so that the positions `at` can hold, of least total weight.
 
-    A weight of None is kept. None where no drop helps, or it was not shown which weigh least. `runs` are contours cut
-    in one go. Without the links that are dropped there is no cycle, or of each one that is left `cycles` have some.
+    And whether it was shown that they weigh least. None where no drop helps, or none was found. A weight of None is
+    kept. `runs` are contours cut in one go. Of each of the `cycles` some link is dropped; others are not looked for.
 
     Examples
     --------
     >>> in_the_way(3, [(0, 2), (1, 2)], [2, 1], [], {2: 2})
-    [1]
+    ([1], True)
     """
     sizes = sorted({size for place in at.values() for size in (place - 1, place)} - {0, n})
     group = np.arange(n)
@@ -125,27 +125,27 @@ def in_the_way(
     if len(sizes) * (len(links) + 2 * n) > MOST_ROWS:
         return None
     if not sizes and not cycles:
-        return []
+        return [], True
     program = _Program(n, len(links), len(sizes), several)
     for k, size in enumerate(sizes):
         program.row([(program.inside(k, c), 1) for c in range(n)], size, size)
         for run in runs:
             for c in run if len(run) > 1 else ():
                 low, high = program.run(k, int(group[c]))
-                program.row([(program.inside(k, c), 1), (low, -1)], 0, np.inf)
-                program.row([(high, 1), (program.inside(k, c), -1)], 0, np.inf)
+                program.row([(program.inside(k, c), 1), (low, -1)], 0, ANY)
+                program.row([(high, 1), (program.inside(k, c), -1)], 0, ANY)
         torn = [(column, sign) for g in several for column, sign in zip(program.run(k, g), (-1, 1), strict=True)]
         if torn:
-            program.row(torn, -np.inf, 1)
+            program.row(torn, -ANY, 1)
         for number, (a, b) in enumerate(links):
             apart = group[a] != group[b]
             early = program.run(k, int(group[a]))[0] if apart and group[a] in several else program.inside(k, a)
             late = program.run(k, int(group[b]))[1] if apart and group[b] in several else program.inside(k, b)
             row = [(early, 1), (late, -1)] + [(number, 1)] * (weights[number] is not None)
-            program.row(row, 0, np.inf)
+            program.row(row, 0, ANY)
     for k in range(len(sizes) - 1):
         for c in range(n):
-            program.row([(program.inside(k + 1, c), 1), (program.inside(k, c), -1)], 0, np.inf)
+            program.row([(program.inside(k + 1, c), 1), (program.inside(k, c), -1)], 0, ANY)
     for contour, place in at.items():
         if place - 1 in sizes:
             program.fixed[program.inside(sizes.index(place - 1), contour)] = 0
@@ -155,9 +155,9 @@ def in_the_way(
             for g in several:
                 if g != group[contour]:  # nothing comes between contours that are cut in one go
                     (low, high), (low_, high_) = (program.run(sizes.index(s), g) for s in (place - 1, place))
-                    program.row([(high, 1), (low, -1), (high_, 1), (low_, -1)], -np.inf, 1)
+                    program.row([(high, 1), (low, -1), (high_, 1), (low_, -1)], -ANY, 1)
     for cycle in cycles:
-        program.row([(number, 1) for number in sorted(cycle) if weights[number] is not None], 1, np.inf)
+        program.row([(number, 1) for number in sorted(cycle) if weights[number] is not None], 1, ANY)
     return program.least([w or 0 for w in weights])
 
 
@@ -167,9 +167,9 @@ class _Program:
     def __init__(self, n: int, links: int, sets: int, several: Sequence[int]) -> None:
         self.n, self.links, self.of_run = n, links, {g: links + sets * n + 2 * sets * k for k, g in enumerate(several)}
         self.columns = links + sets * n + 2 * sets * len(several)
-        self.cells: list[tuple[int, int, int]] = []
-        self.low: list[float] = []
-        self.high: list[float] = []
+        self.rows: list[list[tuple[int, int]]] = []
+        self.low: list[int] = []
+        self.high: list[int] = []
         self.fixed: dict[int, int] = {}
 
     def inside(self, k: int, contour: int) -> int:
@@ -178,25 +178,25 @@ class _Program:
     def run(self, k: int, group: int) -> tuple[int, int]:
         return self.of_run[group] + 2 * k, self.of_run[group] + 2 * k + 1
 
-    def row(self, cells: Sequence[tuple[int, int]], low: float, high: float) -> None:
-        self.cells += [(len(self.low), column, sign) for column, sign in cells]
+    def row(self, cells: list[tuple[int, int]], low: int, high: int) -> None:
+        self.rows.append(cells)
         self.low.append(low)
         self.high.append(high)
 
-    def least(self, weights: Sequence[int]) -> list[int] | None:
-        """The links dropped at the least weight; None where nothing helps, or `MOST_NODES` do not show which."""
-        rows, columns, signs = np.array(self.cells).reshape(-1, 3).T
-        matrix = coo_array((signs.astype(np.float64), (rows, columns)), shape=(len(self.low), self.columns))
-        low, high = np.zeros(self.columns), np.ones(self.columns)
+    def least(self, weights: Sequence[int]) -> tuple[list[int], bool] | None:
+        """The links dropped, at the least weight if `WORK` is enough to show that; None where nothing was found."""
+        model = CpModel()
+        columns = [model.new_bool_var("") for _ in range(self.columns)]
+        for row, low, high in zip(self.rows, self.low, self.high, strict=True):
+            model.add_linear_constraint(sum(sign * columns[column] for column, sign in row), low, high)
         for column, value in self.fixed.items():
-            low[column] = high[column] = value
-        costs = np.zeros(self.columns)
-        costs[: self.links] = weights
-        found = milp(
-            costs,
-            integrality=np.ones(self.columns),
-            bounds=Bounds(low, high),
-            constraints=LinearConstraint(matrix.tocsr(), self.low, self.high),
-            options={"node_limit": MOST_NODES},
-        )
-        return None if found.x is None or found.status else np.flatnonzero(found.x[: self.links] > 0.5).tolist()
+            model.add(columns[column] == value)
+        model.minimize(sum(weight * columns[k] for k, weight in enumerate(weights)))
+        solver = CpSolver()
+        solver.parameters.num_workers = 1
+        solver.parameters.random_seed = 1
+        solver.parameters.max_deterministic_time = WORK
+        status = solver.solve(model)
+        if status not in (OPTIMAL, FEASIBLE):
+            return None
+        return [k for k in range(self.links) if solver.boolean_value(columns[k])], status == OPTIMAL

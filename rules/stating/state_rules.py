@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 HOPELESS = "these hard rules cannot hold in any order"
 
+NOT_SHOWN = "; whether others would be fewer was not shown"
+
 MOST_ROUNDS = 40
 """Rounds in which cycles are gathered; after them it is not shown which orders are the lightest."""
 
@@ -230,7 +232,7 @@ def resolve(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int
         jointly = _jointly(statements, n, gives_way)
         if jointly is not None:
             return Stated(tuple(_without(statements, jointly)), tuple(jointly))
-        dropped = [replace(d, why=f"{d.why}; whether others would be fewer was not shown") for d in dropped]
+        dropped = [replace(d, why=f"{d.why}{NOT_SHOWN}") for d in dropped]
     return Stated(tuple(_without(statements, [*dropped, *late])), (*dropped, *late))
 
 
@@ -240,7 +242,7 @@ def _without(statements: Sequence[Statement], dropped: Sequence[DroppedStatement
 
 
 def _jointly(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int]) -> list[DroppedStatement] | None:
-    """The lightest orders without which there is no cycle and all firm positions can hold; None if not shown which.
+    """The lightest orders without which there is no cycle and all firm positions can hold; None if none were found.
 
     Cycles are looked for in what the positions leave, and hit as well from then on, until none is left.
     """
@@ -251,9 +253,10 @@ def _jointly(statements: Sequence[Statement], n: int, gives_way: Mapping[str, in
     nodes = contracted(n, links, runs)
     cycles: dict[frozenset[int], None] = {}
     for _ in range(MOST_ROUNDS):
-        out = in_the_way(n, links, weights, runs, at, cycles)
-        if out is None:
+        found_out = in_the_way(n, links, weights, runs, at, cycles)
+        if found_out is None:
             return None
+        out, shown = found_out
         kept = sorted(set(range(len(links))) - set(out))
         found = [frozenset(cycle) for cycle in some_cycles(nodes, kept)]
         if not found:
@@ -265,7 +268,7 @@ def _jointly(statements: Sequence[Statement], n: int, gives_way: Mapping[str, in
     for k in out:
         against = path(nodes, kept, nodes[k][1], nodes[k][0])
         said = place if against is None else _round_by([asking[links[m]] for m in against], gives_way)
-        dropped += [DroppedStatement(order, said) for order in asking[links[k]]]
+        dropped += [DroppedStatement(order, said if shown else f"{said}{NOT_SHOWN}") for order in asking[links[k]]]
     return dropped
 
 
@@ -296,8 +299,8 @@ def _out_of_place(statements: Sequence[Statement], n: int, gives_way: Mapping[st
     asking = _asking(statements)
     runs = [s.contours for s in kinds.contiguous if s.weight is None]
     links = list(asking)
-    out = in_the_way(n, links, _weights(list(asking.values()), gives_way), runs, at) or []
-    place = _place_because(kinds.at_least, n)
+    out, shown = in_the_way(n, links, _weights(list(asking.values()), gives_way), runs, at) or ([], True)
+    place = _place_because(kinds.at_least, n) + ("" if shown else NOT_SHOWN)
     return [DroppedStatement(order, place) for k in out for order in asking[links[k]]]
 
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.rules.statements import About, AtLeast, Before, Contiguous, Precede, Statement
+from kerfwise.rules.stating import places
 from kerfwise.rules.stating import state_rules as stating
 from kerfwise.rules.stating.state_rules import resolve
 
@@ -96,6 +97,14 @@ def test_where_it_takes_too_long_it_is_said(monkeypatch: pytest.MonkeyPatch) -> 
     one = Asked((("level-ahead", 0, 1), ("level-ahead", 1, 0), ("level-ahead", 3, 2)), ((2, 1),), ())
     whys = [d.why for d in resolve(one.statements(), N, GIVES_WAY).dropped]
     assert sum(why.endswith("whether others would be fewer was not shown") for why in whys) == 1
+
+
+def test_positions_alone_are_cut_short_and_said_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With next to no work there is no proof: what is dropped says so, or nothing is and the contradiction is told."""
+    one = Asked((("level-ahead", 0, 1), ("level-ahead", 3, 1), ("level-ahead", 2, 4)), ((1, 1), (4, 2)), ())
+    assert not any(stating.NOT_SHOWN in d.why for d in resolve(one.statements(), N, GIVES_WAY).dropped)
+    monkeypatch.setattr(places, "WORK", 1e-9)
+    assert all(stating.NOT_SHOWN in d.why for d in resolve(one.statements(), N, GIVES_WAY).dropped)
 
 
 def test_a_contradiction_that_nothing_mends_stays_one() -> None:
