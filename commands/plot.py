@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from .given import given_options, note_if_others, read_given
+from .given import given_options, read_given, tell_note
 
 
 @click.command()
@@ -16,6 +16,7 @@ from .given import given_options, note_if_others, read_given
 @click.option("-o", "--output", required=True, metavar="OUT.svg|.png|.html", help="Where to draw.")
 def command(plan: str | None, output: str, **given: Any) -> None:
     """Draw NEST, or the plan PLAN.json of it: order, zones, pierces, leads, directions and idle travel."""
+    from kerfwise.jobs.given import differences
     from kerfwise.models.plan.reader import read_plan
     from kerfwise.postproc.files import expect_outputs
     from kerfwise.postproc.report import expect_picture, plot
@@ -25,6 +26,7 @@ def command(plan: str | None, output: str, **given: Any) -> None:
     asked = read_given(**given)
     made = read_plan(plan) if plan else None
     if made is not None:
-        note_if_others(made, asked)
+        for text in differences(made, asked):
+            tell_note(text)
     profile = asked.profile if made is None else asked.profile.at_origin(made.origin)
     plot(asked.nest, made, output, profile.home_on(asked.nest))

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
-from types import FrameType
+from types import TracebackType
+from typing import Self
 
+from kerfwise.jobs.listening import Listener
 from kerfwise.models.problem.microns import UM_PER_MM
 
 
-class ProgressLine:
-    """Listens to the engines; answers False once the user has pressed Ctrl-C."""
+class ProgressLine(Listener):
+    """Listens to the engines and shows what they have reached; answers False once the user has pressed Ctrl-C."""
 
     def __init__(self) -> None:
-        self.interrupted = False
-        self.started = time.monotonic()
+        super().__init__()
         self.status = None
         if sys.stderr.isatty():
             from rich.console import Console
@@ -27,7 +25,20 @@ class ProgressLine:
     def __call__(self, engine: str, cost_um: int | None, bound_um: int | None) -> bool:
         if self.status is not None:
             self.status.update(self._line(engine, cost_um, bound_um))
-        return not self.interrupted
+        return super().__call__(engine, cost_um, bound_um)
+
+    def __enter__(self) -> Self:
+        super().__enter__()
+        if self.status is not None:
+            self.status.__enter__()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self.status is not None:
+            self.status.__exit__(kind, error, trace)
+        super().__exit__(kind, error, trace)
 
     def _line(self, engine: str, cost_um: int | None, bound_um: int | None) -> str:
         line = f"{time.monotonic() - self.started:5.1f} s  {engine}"
@@ -36,24 +47,3 @@ class ProgressLine:
         if bound_um:
             line += f"  bound {bound_um / UM_PER_MM / 1000:.3f} m"
         return line + "  (Ctrl-C keeps the best so far)"
-
-    def stop(self, signum: int, frame: FrameType | None) -> None:
-        """The first Ctrl-C asks the engines to stop; a second one aborts."""
-        if self.interrupted:
-            raise KeyboardInterrupt
-        self.interrupted = True
-
-
-@contextmanager
-def listening() -> Iterator[ProgressLine]:
-    """The progress of a solve, while it runs."""
-    line = ProgressLine()
-    before = signal.signal(signal.SIGINT, line.stop)
-    try:
-        if line.status is not None:
-            with line.status:
-                yield line
-        else:
-            yield line
-    finally:
-        signal.signal(signal.SIGINT, before)

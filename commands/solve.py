@@ -2,25 +2,17 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import click
 
-from kerfwise.encoder.errors import RulesConflict
 from kerfwise.models.engines.baselines import STRATEGIES
-from kerfwise.models.engines.names import member_of
 
 from .engine_choice import EngineChoice
-from .given import given_options, note_placing, read_given
+from .given import given_options, note_placing, read_given, tell_note
 from .numbers import AMOUNT_OVER_ZERO, Amount
-
-SAID_S = 5.0
-LEAST_SHARE = 0.2
-"""Share of a limit in seconds that is left for the plan where --relax has used all of it."""
 
 
 @click.command()
@@ -73,18 +65,16 @@ def command(
     **options: Any,
 ) -> int:
     """Turn NEST into a cutting program that keeps every hard rule of the profile, checked before it is written."""
-    from kerfwise.jobs.ask import ask, facts_of
-    from kerfwise.jobs.produce import produce
-    from kerfwise.models.engines.solution import SolveOptions
-    from kerfwise.models.physics.timing.choose import feeds_of
-    from kerfwise.postproc.dialects import fitting_dialect
+    from kerfwise.jobs.main_job import plan_nest
+    from kerfwise.jobs.no_plan import NoPlan
+    from kerfwise.jobs.solve_options import options_for
+    from kerfwise.jobs.stopped import already_cut
+    from kerfwise.jobs.summary import summary
     from kerfwise.postproc.files import write_files
     from kerfwise.postproc.report import draw
 
     from .conflict import tell_conflict
-    from .kept import again_first, already_cut
-    from .progress import listening
-    from .summary import summary
+    from .progress import ProgressLine
 
     file = Path(options["nest"])
     if output is plan_path is picture is None:
@@ -94,32 +84,21 @@ def command(
     _expect((output, plan_path, picture, conflict_picture), (picture, conflict_picture), (file, lock_from))
     given = read_given(**options)
     note_placing(given)
-    already = already_cut(given, lock_from, upto, redo_last)
-    nest, profile = given.nest, again_first(given.profile, already)
-    fitting_dialect(profile)  # a file of the plant's own may be wrong: better said now than at the end
-    limits = SolveOptions(
-        seed, work, time_limit, profile.home_on(nest), feeds_of(profile), gap, no_improvement, member_of(engine)
-    )
-    began_s = time.monotonic()
-    facts = facts_of(nest, profile, already)
-    _not_counted("the facts of the nest", time.monotonic() - began_s, time_limit)
-    if (time_limit or no_improvement) and engine != "minizinc":
-        _load_kernels()
+    already = already_cut(given, lock_from, upto, redo_last, tell_note)
+    limits = options_for(
+        given.nest, given.profile,
+        work=work, seed=seed, time_s=time_limit, gap=gap, no_improvement_s=no_improvement, engine=engine,
+    )  # fmt: skip
+    listener = ProgressLine()
     try:
-        began_s = time.monotonic()
-        asked = ask(facts, profile, relax, engine, limits)
-        left = limits
-        if time_limit:  # stating the rules is inside the limit; a plan gets its share all the same
-            spent_s = time.monotonic() - began_s
-            left = replace(limits, time_s=max(time_limit - spent_s, LEAST_SHARE * time_limit))
-        began_s = time.monotonic()
-        with listening() as progress:
-            made = produce(asked, profile, left, progress, engine, solver, strategy)
-    except RulesConflict as error:
-        return tell_conflict(facts, profile, error, conflict_picture, limits)
-    over_s = time.monotonic() - began_s - made.judging_s - (left.time_s or 0.0)
-    _not_counted("ending the planning", over_s, time_limit)
-    _not_counted("writing and checking the program", made.judging_s, time_limit)
+        done = plan_nest(
+            given, limits,
+            already=already, relax=relax, engine=engine, solver=solver, strategy=strategy,
+            listener=listener, tell=tell_note,
+        )  # fmt: skip
+    except NoPlan as no_plan:
+        return tell_conflict(no_plan, conflict_picture)
+    made = done.made
     if verbose:
         click.echo("\n".join(made.notes))
     click.echo(summary(made.plan, made.verdict))
@@ -132,27 +111,10 @@ def command(
     if plan_path:
         files[Path(plan_path)] = made.plan.to_json()
     if picture:
-        files[Path(picture)] = draw(nest, made.plan, Path(picture).suffix, profile.home_on(nest))
+        files[Path(picture)] = draw(given.nest, made.plan, Path(picture).suffix, given.profile.home_on(given.nest))
     write_files(files)
     click.echo("written: " + ", ".join(map(str, files)))
-    return 130 if progress.interrupted else 0
-
-
-def _not_counted(what: str, took_s: float, time_limit: float | None) -> None:
-    """Say what took long beside a limit in seconds."""
-    if time_limit and took_s > SAID_S:
-        click.echo(f"note: {what} took {took_s:.0f} s, which the limit does not count", err=True)
-
-
-def _load_kernels() -> None:
-    """Before the clock of a limit in seconds starts; said where it took long, as the first time it does."""
-    from kerfwise.models.engines.warm_up import load_kernels
-
-    started_s = time.monotonic()
-    load_kernels()
-    if (took_s := time.monotonic() - started_s) > SAID_S:
-        text = f"kernels were compiled first, which is done once: {took_s:.0f} s, not counted by the limit"
-        click.echo(f"note: {text}", err=True)
+    return 130 if listener.interrupted else 0
 
 
 def _expect(outputs: Iterable[str | None], pictures: Iterable[str | None], inputs: Iterable[str | Path | None]) -> None:

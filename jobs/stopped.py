@@ -3,19 +3,70 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
 
-from kerfwise.encoder.already_cut import AlreadyCut
+from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut, rest_of
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
+from kerfwise.models.plan.reader import read_plan
 from kerfwise.postproc.check.reader.on_machine import read_on_machine
 from kerfwise.postproc.check.rebuild import rebuild
 from kerfwise.postproc.verdict.of_nest import cuts_elsewhere
+from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile
+
+from .given import Given, Tell, is_plan_file, program_text, silent
 
 _OFF_MM = 1.0
 """How far from its contour the entry of an old cut may be: more, and the plan is one of another nest."""
+
+
+def already_cut(
+    given: Given,
+    old: Plan | str | Path | None,
+    upto: int | None,
+    redo_last: bool = False,
+    tell: Tell = silent,
+) -> AlreadyCut:
+    """What is cut already, by an old plan or program (or the file of one) as far as it has come.
+
+    Raises
+    ------
+    InputError
+        If one of the two is given without the other, the file cannot be read or does not fit the nest, or nothing is
+        left to cut.
+    """
+    if old is None and upto is None and not redo_last:
+        return NOTHING_CUT
+    if old is None or upto is None:
+        raise InputError(
+            "--lock-from OLD and --upto N go together: which plan or program was stopped, and how many of its cuts are "
+            "cut (--redo-last: the last of them broke off)"
+        )
+    file = "" if isinstance(old, Plan) else str(old)
+    if isinstance(old, Plan) or is_plan_file(old):
+        plan = old if isinstance(old, Plan) else read_plan(old)
+        if plan.nest.get("sha256") != given.nest.sha256:
+            tell(f"the nest is not the one {file or 'the old plan'} was made with (its sha256 differs)")
+        already = stopped_plan(plan, given.nest, upto, redo_last, file)
+    else:
+        already = stopped_program(program_text(old), given.nest, given.profile, upto, redo_last, file)
+    if not rest_of(given.nest, already.contours).contours:
+        raise InputError(f"--upto {upto}: every contour of the nest is cut, nothing is left; no program is written")
+    return already
+
+
+def again_first(profile: Profile, already: AlreadyCut) -> Profile:
+    """The profile with a lock on the cut that broke off: it comes first of what is left."""
+    cut = already.broken_off
+    if cut is None:
+        return profile
+    place = len(already.cuts) + 1
+    lock = Lock(contour=cut.contour, position=place, reason=f"it broke off as cut {place} and is cut again")
+    return replace(profile, locks=(*profile.locks, lock))
 
 
 def stopped_plan(plan: Plan, nest: Nest, upto: int, redo_last: bool = False, file: str = "") -> AlreadyCut:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.engines.solution import Progress, SolveOptions
 from kerfwise.models.physics.heat import simulate
@@ -12,9 +15,16 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.clock.heat_path import path_of_plan
 from kerfwise.rules.profile.profile import Profile
 
-from .ask import ask
+from .ask import ask, facts_of
+from .given import Given
+from .listening import Listener
+from .picture import Picture
 from .priced_heat import cooler_orders
 from .produce import Produced, produce
+from .table import frame_of
+
+if TYPE_CHECKING:
+    import pandas
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -100,3 +110,144 @@ def front(trades: Sequence[Trade]) -> list[Trade]:
         if not kept or trade.overheats < kept[-1].overheats:
             kept.append(trade)
     return kept
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Offer:
+    """Plans of one nest at several prices of an overheat, each simulated.
+
+    Attributes
+    ----------
+    trades
+        The plans, by price.
+    limit_c
+        Above this metal is too hot, °C.
+    name
+        That of the nest.
+    interrupted
+        Whether Ctrl-C ended the look: the plans found so far are here.
+    refused
+        Why a price left no plan, where one did; None otherwise.
+    """
+
+    trades: tuple[Trade, ...]
+    limit_c: float
+    name: str = ""
+    interrupted: bool = False
+    refused: RulesConflict | None = None
+
+    @property
+    def front(self) -> tuple[Trade, ...]:
+        """Those that no other beats in idle travel and in overheats, by idle travel."""
+        return tuple(front(self.trades))
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A row for each plan, as `kerfwise pareto --json` prints them."""
+        best = self.front
+        return [
+            {
+                "price_mm": trade.price_mm,
+                "overheats": trade.overheats,
+                "peak_c": round(trade.peak_c, 1),
+                "idle_mm": round(trade.idle_mm, 1),
+                "time_s": round(trade.plan.totals.time_s, 1),
+                "lawful": trade.lawful,
+                "front": trade in best,
+            }
+            for trade in self.trades
+        ]
+
+    def files(self) -> Mapping[str, str]:
+        """Name → content of the plan and the program of each price that the check takes."""
+        return {
+            f"price-{trade.price_mm:.12g}.{suffix}": content
+            for trade in self.trades
+            if trade.lawful
+            for suffix, content in (("plan.json", trade.plan.to_json()), ("nc", trade.made.program))
+        }
+
+    def picture(self) -> Picture:
+        """A PNG of every plan as a point; those on the front are joined by steps."""
+        from .front_plot import front_png
+
+        return Picture(front_png(self.trades, self.limit_c, self.name), "png")
+
+    def to_frame(self) -> pandas.DataFrame:
+        """`rows` as a table.
+
+        Raises
+        ------
+        InputError
+            If pandas is not installed.
+        """
+        return frame_of(self.rows())
+
+    def save(self, folder: str | Path) -> tuple[Path, ...]:
+        """Write the plan and the program of each price to a folder, all or none; the check must take them.
+
+        Raises
+        ------
+        InputError
+            If they cannot be written.
+        """
+        from kerfwise.postproc.files import make_folder, write_files
+
+        make_folder(Path(folder))
+        files: dict[Path, str | bytes] = {Path(folder) / name: content for name, content in self.files().items()}
+        write_files(files)
+        return tuple(files)
+
+    def __str__(self) -> str:
+        over = f"over {self.limit_c:g} °C"
+        lines = [f"{'price, mm':>10} {over:>14} {'peak, °C':>9} {'idle, m':>9} {'time, s':>9}"]
+        for row in self.rows():
+            mark = "" if row["front"] else "   no better than another"
+            mark = mark if row["lawful"] else "   the check refuses it: not written"
+            lines.append(
+                f"{row['price_mm']:10g} {row['overheats']:14d} {row['peak_c']:9.1f} {row['idle_mm'] / 1000:9.3f} "
+                f"{row['time_s']:9.1f}{mark}"
+            )
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        return self.picture().html()
+
+
+def trade_off(
+    given: Given,
+    prices_mm: Sequence[float],
+    limits: SolveOptions,
+    new_listener: Callable[[], Listener] = Listener,
+    name: str = "",
+) -> Offer:
+    """A plan at each price, the lowest first. After Ctrl-C, or where a price leaves no plan, those found so far.
+
+    Raises
+    ------
+    InputError
+        If a lock names what the nest does not have, or a contour cannot be cut.
+    RulesConflict
+        If not even the first price leaves a plan.
+    KeyboardInterrupt
+        If Ctrl-C was pressed before there was any.
+    """
+    limit_c = given.profile.heat.limit_c
+    offered = TradeOff(facts_of(given.nest, given.profile), given.profile, limits)
+    trades: list[Trade] = []
+    try:
+        for price_mm in sorted(set(prices_mm)):
+            if price_mm:
+                offered.fit()  # Ctrl-C meanwhile ends the job at once: there is no better plan in it to keep
+            with new_listener() as listener:
+                trades.append(offered.at(price_mm, listener))
+            if listener.stopped:
+                return Offer(tuple(trades), limit_c, name, interrupted=True)
+    except RulesConflict as error:
+        if not trades:
+            raise
+        return Offer(tuple(trades), limit_c, name, refused=error)
+    except KeyboardInterrupt:
+        if not trades:
+            raise
+        return Offer(tuple(trades), limit_c, name, interrupted=True)
+    return Offer(tuple(trades), limit_c, name)

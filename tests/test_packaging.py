@@ -50,6 +50,7 @@ def test_nothing_that_is_shipped_needs_the_tests() -> None:
 
 
 @pytest.mark.parametrize("name", modules())
-def test_examples_in_docstrings_run(name: str) -> None:
+def test_examples_in_docstrings_run(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)  # some read nests of examples/
     result = doctest.testmod(importlib.import_module(name))
     assert result.failed == 0

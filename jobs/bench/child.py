@@ -33,7 +33,7 @@ class _Outcome(NamedTuple):
 def run(job: Job) -> Result:
     """Run a job in this process."""
     options = SolveOptions(seed=job.seed, work=job.work, time_s=job.time_s, member=member_of(job.engine))
-    outcome = _route(job, options) if is_instance(job.path) else _nest(job, options)
+    outcome = _route(job, options) if is_instance(job.path) else _nest(job)
     return Result(
         instance=outcome.instance,
         engine=job.engine,
@@ -77,19 +77,18 @@ def _small() -> Instance:
     return Instance("small", cost, ((0,), (1, 2), (3,), (4,), (5,)), ((0, 1), (1, 2)), start=0, closed=True)
 
 
-def _nest(job: Job, options: SolveOptions) -> _Outcome:
-    from dataclasses import replace
+def _nest(job: Job) -> _Outcome:
     from pathlib import Path
 
     from kerfwise.encoder.readers import read_nest
     from kerfwise.jobs.ask import ask, facts_of
     from kerfwise.jobs.produce import produce
-    from kerfwise.models.physics.timing.choose import feeds_of
+    from kerfwise.jobs.solve_options import options_for
     from kerfwise.rules.profile.profile import load_profile
 
     profile = load_profile(job.profile) if job.profile else load_profile()
     nest = read_nest(job.path, profile.read_options())
-    limits = replace(options, home_mm=profile.home_on(nest), feeds=feeds_of(profile))
+    limits = options_for(nest, profile, work=job.work, seed=job.seed, time_s=job.time_s, engine=job.engine)
     load_kernels()
     started = time.perf_counter()
     try:

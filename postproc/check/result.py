@@ -78,3 +78,8 @@ class CheckResult:
     def broken(self) -> tuple[str, ...]:
         """Ids of the hard rules that are broken."""
         return tuple(j.id for j in self.rules if j.strength == "hard" and not j.holds)
+
+    def __str__(self) -> str:
+        from .report import report
+
+        return report(self)

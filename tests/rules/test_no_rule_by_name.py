@@ -27,8 +27,8 @@ ALLOWED = {
 WORDS = {
     "locks": {"rules/profile/checks.py", "rules/profile/reader.py", "rules/profile/schema.py"},
     "pierce": {
-        "commands/summary.py",
-        "commands/time.py",
+        "jobs/summary.py",
+        "jobs/times.py",
         "encoder/candidates/no_room.py",
         "encoder/facts/write_json.py",
         "models/plan/plan.py",

@@ -62,6 +62,9 @@ class Conflict:
         """The ids of the contours in conflict, each once."""
         return tuple(dict.fromkeys(name for about in self.clash for name in about.contours))
 
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
     def lines(self) -> Iterator[str]:
         """The conflict in a planner's words."""
         if self.alone:

@@ -52,6 +52,11 @@ class Explanation:
     zone_budget_kj: float | None = None
     small: str = ""
 
+    def __str__(self) -> str:
+        from .words import as_text
+
+        return as_text(self)
+
 
 def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour: str) -> Explanation:
     """Explain one contour of a plan under the facts and statements as they are now.

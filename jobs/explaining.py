@@ -1,0 +1,52 @@
+"""Why the contours of a plan are cut where they are: what the rules state is worked out once, and asked many times."""
+
+from __future__ import annotations
+
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.models.plan.conflict import state_relaxed
+from kerfwise.models.plan.explain import Explanation, explain
+from kerfwise.models.plan.plan import Plan
+from kerfwise.rules.stating.state_rules import state_rules
+
+from .ask import facts_of
+from .given import Given
+from .priced_heat import with_heat_prices
+from .stopped import again_first
+
+
+class Explainer:
+    """Explains the contours of one plan.
+
+    Parameters
+    ----------
+    given
+        The nest, and the profile that the plan is explained by.
+    plan
+        What was planned.
+    facts
+        Of what the plan cuts, where they are known.
+
+    Raises
+    ------
+    InputError
+        If a lock of the profile names what the nest does not have, or a contour cannot be cut.
+    """
+
+    def __init__(self, given: Given, plan: Plan, facts: Facts | None = None) -> None:
+        profile = again_first(given.profile.at_origin(plan.origin), plan.already)
+        facts = facts or facts_of(given.nest, profile, plan.already)
+        state = state_relaxed if any(dropped.relaxed for dropped in plan.dropped) else state_rules
+        stated = state(facts, profile, reads_files=True)
+        if profile.objective.heat:
+            stated = with_heat_prices(facts, profile, stated)
+        self._facts, self._profile, self._stated, self._plan = facts, profile, stated, plan
+
+    def explain(self, contour: str) -> Explanation:
+        """What holds the contour in its place, why it is entered so, and what moving it would cost.
+
+        Raises
+        ------
+        InputError
+            If the plan does not cut such a contour; the nearest id is named.
+        """
+        return explain(self._facts, self._profile, self._stated, self._plan, contour)

@@ -1,0 +1,155 @@
+"""What a job is given: a nest and the profile it is to be cut by, as files, names or objects."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.profile.machine_section import Origin
+from kerfwise.rules.profile.profile import DEFAULT, Profile, load_profile
+
+if TYPE_CHECKING:
+    from kerfwise.encoder.readers.options import Frame
+    from kerfwise.models.plan.plan import Plan
+    from kerfwise.postproc.check.reader.program import NcProgram
+
+NestLike = Nest | str | Path
+"""A nest, or the path of its file."""
+ProfileLike = Profile | str | Path
+"""A profile, the name of a shipped one, or the path of its file."""
+Tell = Callable[[str], None]
+"""Called with a sentence that the user should read while a job runs."""
+
+
+def silent(text: str) -> None:
+    """Tells nobody."""
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """A nest, as the profile has it cut, and the profile."""
+
+    nest: Nest
+    profile: Profile
+
+
+def plant_of(profile: ProfileLike = DEFAULT) -> Profile:
+    """The profile itself, the shipped one of that name, or the one in that file.
+
+    Raises
+    ------
+    InputError
+        If there is none (with the nearest name), or it is wrong anywhere: with file, line and column.
+    """
+    if isinstance(profile, Profile):
+        return profile
+    return load_profile(_path("profile", profile, "a Profile, a name or a path"))
+
+
+def drawn_nest(
+    nest: NestLike,
+    profile: Profile,
+    *,
+    units: str | None = None,
+    sheet_mm: tuple[float, float] | None = None,
+    frame: Frame | None = None,
+    repair: bool = False,
+) -> Nest:
+    """The nest as it is drawn, read as the profile's section `drawing` says, unless it is said here.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or what it holds cannot be cut.
+    """
+    if isinstance(nest, Nest):
+        return nest
+    from kerfwise.encoder.readers import read_nest
+
+    options = profile.read_options()
+    options = replace(
+        options,
+        units=units or options.units,
+        sheet_size_mm=sheet_mm or options.sheet_size_mm,
+        frame=frame or options.frame,
+        repair=repair,
+    )
+    return read_nest(_path("nest", nest, "a Nest or a path"), options)
+
+
+def given_of(nest: NestLike, profile: ProfileLike = DEFAULT, origin: Origin | None = None) -> Given:
+    """Both, read where they are not objects yet.
+
+    Raises
+    ------
+    InputError
+        As `plant_of` and `drawn_nest` do.
+    """
+    plant = plant_of(profile)
+    plant = plant.at_origin(origin) if origin else plant
+    return Given(plant.as_cut(drawn_nest(nest, plant)), plant)
+
+
+def differences(plan: Plan, given: Given) -> Iterator[str]:
+    """A sentence for each thing that is not as it was when the plan was made: nest, profile, the machine's zero."""
+    for what, stands, now in (("nest", plan.nest, given.nest.sha256), ("profile", plan.profile, given.profile.sha256)):
+        if stands.get("sha256") != now:
+            yield f"the {what} is not the one the plan was made with (its sha256 differs)"
+    if plan.origin != given.profile.machine.origin:
+        yield f"the plan's origin is {plan.origin}, here it is {given.profile.machine.origin}: the plan's counts"
+
+
+def is_plan_file(path: str | Path) -> bool:
+    """Whether a file is read as a plan; any other is read as an NC program."""
+    return str(path).lower().endswith(".json")
+
+
+def read_program_of(path: str | Path, given: Given, tell: Tell = silent) -> NcProgram:
+    """An NC program of the nest; cuts that are along none of its contours are told.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read or understood, or is one of another nest.
+    """
+    from kerfwise.postproc.clock.timed import read_program
+    from kerfwise.postproc.verdict.of_nest import cuts_elsewhere
+
+    program = read_program(program_text(path), given.nest, given.profile, str(path))
+    if elsewhere := cuts_elsewhere(program, given.nest, given.profile.material.kerf_mm, str(path)):
+        tell(f"{elsewhere} of {len(program.burns)} cuts of the program run along no contour of the nest")
+    return program
+
+
+def program_text(path: str | Path) -> str:
+    """The text of an NC program, its line ends as they are in the file.
+
+    Raises
+    ------
+    InputError
+        If there is none to read; with the place, if it is not UTF-8.
+    """
+    try:
+        data = Path(path).read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot read the program: {error.strerror}", file=path) from None
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        before = data[: error.start]
+        raise InputError(
+            f"not an NC program: byte 0x{data[error.start]:02X} is not UTF-8; save the program as UTF-8 or ASCII",
+            file=path,
+            line=before.count(b"\n") + 1,
+            column=len(before[before.rfind(b"\n") + 1 :].decode("utf-8")) + 1,
+        ) from None
+
+
+def _path(what: str, given: object, expected: str) -> str | Path:
+    if isinstance(given, str | Path):
+        return given
+    raise InputError(f"{what}: expected {expected}, got {type(given).__name__}")

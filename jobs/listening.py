@@ -1,0 +1,99 @@
+"""Who listens while a plan is made: told what the engines have reached; Ctrl-C keeps the best plan so far."""
+
+from __future__ import annotations
+
+import signal
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import FrameType, TracebackType
+from typing import Any, Self
+
+from kerfwise.models.problem.microns import UM_PER_MM
+
+
+@dataclass(frozen=True, slots=True)
+class Reached:
+    """What the engines have reached so far.
+
+    Attributes
+    ----------
+    engine
+        The one that speaks.
+    objective_mm, bound_mm
+        Cost of the best plan and what is proven of it, mm of idle travel; None where there is none yet.
+    seconds
+        Since the engines began.
+    """
+
+    engine: str
+    objective_mm: float | None
+    bound_mm: float | None
+    seconds: float
+
+
+OnProgress = Callable[[Reached], object]
+"""Called now and then; if it answers False, the engines stop with the best plan so far."""
+
+
+class Listener:
+    """Listens to the engines, and answers False once the user has had enough.
+
+    As a context, it takes Ctrl-C for the time of a solve where it is entered in the main thread: the first asks the
+    engines to stop, the second aborts. What `on_progress` raises stops the engines too; a KeyboardInterrupt counts
+    as Ctrl-C, everything else comes out at the end of the context.
+
+    Attributes
+    ----------
+    interrupted
+        Whether the user pressed Ctrl-C.
+    stopped
+        Whether the engines were asked to stop, for whatever reason.
+    """
+
+    def __init__(self, on_progress: OnProgress | None = None) -> None:
+        self.interrupted = self.stopped = False
+        self.started = time.monotonic()
+        self._on_progress = on_progress
+        self._failure: BaseException | None = None
+        self._before: Any = None
+
+    def __call__(self, engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+        """What an engine has reached, µm; whether to go on."""
+        if self._on_progress is not None and not self.stopped:
+            seconds = time.monotonic() - self.started
+            try:
+                going = self._on_progress(Reached(engine, _mm(cost_um), _mm(bound_um), seconds))
+            except KeyboardInterrupt:
+                self.interrupted = self.stopped = True
+            except BaseException as failure:  # an engine's thread would swallow it
+                self._failure, self.stopped = failure, True
+            else:
+                self.stopped = self.stopped or going is False
+        return not self.stopped
+
+    def stop(self, signum: int, frame: FrameType | None) -> None:
+        """The first Ctrl-C asks the engines to stop; a second one aborts."""
+        if self.interrupted:
+            raise KeyboardInterrupt
+        self.interrupted = self.stopped = True
+
+    def __enter__(self) -> Self:
+        self.started = time.monotonic()
+        if threading.current_thread() is threading.main_thread():
+            self._before = signal.signal(signal.SIGINT, self.stop)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._before is not None:
+            signal.signal(signal.SIGINT, self._before)
+            self._before = None
+        if self._failure is not None:
+            raise self._failure
+
+
+def _mm(um: int | None) -> float | None:
+    return um / UM_PER_MM if um else None

@@ -1,0 +1,127 @@
+"""The main job: a nest and a profile become a plan, its program and the verdict on both."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+
+from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
+from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.models.engines.baselines import Strategy
+from kerfwise.models.engines.names import Engine
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.postproc.dialects import fitting_dialect
+
+from .ask import ask, facts_of
+from .given import Given, Tell, silent
+from .listening import Listener
+from .no_plan import NoPlan
+from .produce import Produced, produce
+from .stopped import again_first
+
+SAID_S = 5.0
+"""What takes longer beside a limit in seconds is told."""
+LEAST_SHARE = 0.2
+"""Share of a limit in seconds that is left for the plan where what gives way was looked for all the time."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Finished:
+    """What the main job has made: of which nest and profile, of which facts, and what came of them.
+
+    The profile has a lock on a cut that broke off, where the program goes on after a stop.
+    """
+
+    given: Given
+    facts: Facts
+    made: Produced
+
+
+def plan_nest(
+    given: Given,
+    limits: SolveOptions,
+    *,
+    already: AlreadyCut = NOTHING_CUT,
+    relax: bool = False,
+    engine: Engine = "portfolio",
+    solver: str = "gecode",
+    strategy: Strategy = "ours",
+    listener: Listener | None = None,
+    tell: Tell = silent,
+) -> Finished:
+    """Plan a nest, or what is left of it, write the program, and judge both.
+
+    Parameters
+    ----------
+    given
+        Nest and profile.
+    limits
+        Of the plan, as `options_for` makes them.
+    already
+        What a stopped program has cut.
+    relax
+        Where hard rules clash, the cheapest statements give way, marked in the plan.
+    engine, solver, strategy
+        Who plans; `solver` is that of the engine minizinc.
+    listener
+        Listens while the plan is made.
+    tell
+        Told what took long beside a limit in seconds.
+
+    Raises
+    ------
+    InputError
+        If a lock names what the nest does not have, the dialect does not fit, or a contour cannot be cut.
+    RulesConflict
+        If contours cannot be cut and hard rules cannot hold in any order.
+    NoPlan
+        If the hard rules cannot all hold, or no plan was found. What contradicts what is looked for within `limits`
+        once more, unless the user has interrupted.
+    """
+    nest, profile = given.nest, again_first(given.profile, already)
+    fitting_dialect(profile)  # a file of the plant's own may be wrong: better said now than at the end
+    limit_s, listener = limits.time_s, listener or Listener()
+    began_s = time.monotonic()
+    facts = facts_of(nest, profile, already)
+    _not_counted("the facts of the nest", time.monotonic() - began_s, limit_s, tell)
+    if (limit_s or limits.no_improvement_s) and engine != "minizinc":
+        _load_kernels(tell)
+    try:
+        began_s = time.monotonic()
+        asked = ask(facts, profile, relax, engine, limits)
+        left = limits
+        if limit_s:  # stating the rules is inside the limit; a plan gets its share all the same
+            spent_s = time.monotonic() - began_s
+            left = replace(limits, time_s=max(limit_s - spent_s, LEAST_SHARE * limit_s))
+        began_s = time.monotonic()
+        with listener:
+            made = produce(asked, profile, left, listener, engine, solver, strategy)
+    except RulesConflict as error:
+        from kerfwise.models.plan.conflict import NotAnswered, Purse, find_conflict
+
+        try:
+            conflict = None if listener.interrupted else find_conflict(facts, profile, Purse.of(limits))
+        except NotAnswered:
+            raise NoPlan(error, facts, profile, within_limit=False) from error
+        raise NoPlan(error, facts, profile, conflict) from error
+    over_s = time.monotonic() - began_s - made.judging_s - (left.time_s or 0.0)
+    _not_counted("ending the planning", over_s, limit_s, tell)
+    _not_counted("writing and checking the program", made.judging_s, limit_s, tell)
+    return Finished(Given(nest, profile), facts, made)
+
+
+def _not_counted(what: str, took_s: float, limit_s: float | None, tell: Tell) -> None:
+    """Say what took long beside a limit in seconds."""
+    if limit_s and took_s > SAID_S:
+        tell(f"{what} took {took_s:.0f} s, which the limit does not count")
+
+
+def _load_kernels(tell: Tell) -> None:
+    """Before the clock of a limit in seconds starts; said where it took long, as the first time it does."""
+    from kerfwise.models.engines.warm_up import load_kernels
+
+    started_s = time.monotonic()
+    load_kernels()
+    if (took_s := time.monotonic() - started_s) > SAID_S:
+        tell(f"kernels were compiled first, which is done once: {took_s:.0f} s, not counted by the limit")

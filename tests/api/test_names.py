@@ -1,0 +1,47 @@
+"""What `import kerfwise` gives, and that it costs next to nothing until it is used."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+import kerfwise
+from kerfwise import api
+
+MOST_MODULES = 5
+"""Of kerfwise itself and of the standard library, beyond what Python has loaded by itself."""
+
+
+def run(script: str) -> str:
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    return done.stdout.strip()
+
+
+def test_import_loads_next_to_nothing() -> None:
+    script = (
+        "import sys, typing, __future__\nbefore = set(sys.modules)\n"
+        "import kerfwise\nkerfwise.__version__, dir(kerfwise)\n"
+        "print(*sorted(set(sys.modules) - before))"
+    )
+    assert len(run(script).split()) <= MOST_MODULES
+    used = script.replace("dir(kerfwise)", "kerfwise.solve")
+    assert len(run(used).split()) > 100  # so that the count above can fail
+
+
+def test_names_are_those_of_the_interface() -> None:
+    assert {*kerfwise.__all__} - {"__version__"} == {*api.__all__}
+    assert dir(kerfwise) == sorted(kerfwise.__all__)
+    for name in api.__all__:
+        assert getattr(kerfwise, name) is getattr(api, name)
+        assert getattr(api, name).__doc__, name
+
+
+def test_an_unknown_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="has no attribute 'solv'"):
+        kerfwise.solv  # type: ignore[attr-defined]  # noqa: B018
+
+
+def test_subpackages_are_not_hidden() -> None:
+    assert run("import kerfwise.jobs.given, kerfwise.api; print(kerfwise.jobs.given.__name__)") == "kerfwise.jobs.given"
