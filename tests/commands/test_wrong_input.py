@@ -89,7 +89,7 @@ def test_a_picture_of_no_known_type_is_refused_before_the_work(tmp_path: Path) -
 
 def test_a_program_that_cannot_be_read_is_named(tmp_path: Path) -> None:
     (tmp_path / "cut.nc").write_text("G21\nG0 X\n")
-    refused(kerfwise("check", NEST, tmp_path / "cut.nc"), "cut.nc:2: cannot read 'X'")
+    refused(kerfwise("check", NEST, tmp_path / "cut.nc"), "cut.nc:2:4: cannot read 'X'")
 
 
 def test_a_program_where_a_plan_is_expected(tmp_path: Path) -> None:
