@@ -11,8 +11,9 @@ import shapely
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Contour, Nest
-from kerfwise.rules.options.kinds import DURATION, LENGTH, Number
 from kerfwise.rules.options.option import option
+from kerfwise.rules.options.plain_values import Number
+from kerfwise.rules.options.quantities import DURATION, LENGTH
 from kerfwise.rules.rule import Rule, Violation
 from kerfwise.rules.statements import Lag
 

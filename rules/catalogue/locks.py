@@ -11,8 +11,8 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.rules.lock import Lock, check_locks
-from kerfwise.rules.options.kinds import LENGTH
 from kerfwise.rules.options.option import option
+from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.options.yaml_positions import wrong_at
 from kerfwise.rules.rule import Ids, Rule, Violation
 from kerfwise.rules.statements import AtLeast, Before, Forbid, Precede, Statement

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.holding import clusters, cut_off, holding
-from kerfwise.rules.options.kinds import Number
 from kerfwise.rules.options.option import option
+from kerfwise.rules.options.plain_values import Number
 from kerfwise.rules.rule import Forced, Rule, Violation
 from kerfwise.rules.statements import AtLeast, Before, Literal
 

@@ -12,8 +12,9 @@ import numpy as np
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.rigidity import rigid_at_best, rigid_at_the_end
-from kerfwise.rules.options.kinds import LENGTH, Number
 from kerfwise.rules.options.option import option
+from kerfwise.rules.options.plain_values import Number
+from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.rule import Forced, Rule, Strength, Violation
 from kerfwise.rules.statements import About, AtLeast, Before
 

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.options.kinds import LENGTH, Choice, Number
 from kerfwise.rules.options.option import option
+from kerfwise.rules.options.plain_values import Choice, Number
+from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.rule import Rule, Strength, Violation
 from kerfwise.rules.statements import Statement
 

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence, HotSpot
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.options.kinds import DURATION, TEMPERATURE, Flag, OrWord
 from kerfwise.rules.options.option import option
+from kerfwise.rules.options.plain_values import Flag
+from kerfwise.rules.options.quantities import DURATION, TEMPERATURE, OrWord
 from kerfwise.rules.plant import Plant
 from kerfwise.rules.rule import Rule, RuleSetting, Violation
 from kerfwise.rules.statements import Statement

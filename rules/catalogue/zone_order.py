@@ -13,8 +13,9 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.placement import host_holes
 from kerfwise.rules.judging.zone_budget import ALLOWANCE, HotZone, hot_zones
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.options.kinds import ENERGY, Number, OrWord, over_zero
 from kerfwise.rules.options.option import option
+from kerfwise.rules.options.plain_values import Number
+from kerfwise.rules.options.quantities import ENERGY, OrWord, over_zero
 from kerfwise.rules.rule import Forced, Ids, Rule, Strength, Violation
 from kerfwise.rules.statements import About, Precede
 

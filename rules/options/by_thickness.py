@@ -8,7 +8,8 @@ from typing import Any
 
 import yaml
 
-from .kinds import LENGTH, Kind, Unfit
+from .kind import Kind, Unfit
+from .quantities import LENGTH
 from .yaml_positions import shape
 
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)"

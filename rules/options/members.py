@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from .kinds import Kind
+from .kind import Kind
 from .option import options_of
 
 

@@ -11,7 +11,9 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from .kinds import Kind, Number, Quantity
+from .kind import Kind
+from .plain_values import Number
+from .quantities import Quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +42,7 @@ def options_of(owner: Any) -> tuple[Option, ...]:
 
     Examples
     --------
-    >>> from kerfwise.rules.options.kinds import LENGTH
+    >>> from kerfwise.rules.options.quantities import LENGTH
     >>> @dataclass(frozen=True)
     ... class Demo:
     ...     reach_mm: float = dataclasses.field(default=25.0, metadata=option(LENGTH, "how far it looks"))

@@ -8,7 +8,8 @@ from typing import Any
 
 import yaml
 
-from .kinds import LENGTH, Quantity, Unfit, over_zero
+from .kind import Unfit
+from .quantities import LENGTH, Quantity, over_zero
 
 _THICKNESS = over_zero(LENGTH)
 

@@ -10,8 +10,10 @@ import shapely
 import yaml
 
 from kerfwise.encoder.cut import CutSequence
-from kerfwise.rules.options.kinds import DURATION, LENGTH, Number, Unfit
+from kerfwise.rules.options.kind import Unfit
 from kerfwise.rules.options.option import option, options_of
+from kerfwise.rules.options.plain_values import Number
+from kerfwise.rules.options.quantities import DURATION, LENGTH
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.yaml_positions import Problems, entries
 from kerfwise.rules.statements import Lag

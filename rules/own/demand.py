@@ -12,7 +12,8 @@ import yaml
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.options.kinds import Flag, Unfit
+from kerfwise.rules.options.kind import Unfit
+from kerfwise.rules.options.plain_values import Flag
 from kerfwise.rules.options.yaml_positions import Problems
 from kerfwise.rules.statements import About, Statement
 

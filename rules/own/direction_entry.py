@@ -11,7 +11,8 @@ import yaml
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.options.kinds import Choice, Unfit
+from kerfwise.rules.options.kind import Unfit
+from kerfwise.rules.options.plain_values import Choice
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.yaml_positions import Problems, entries, is_empty, shape
 from kerfwise.rules.statements import Forbid

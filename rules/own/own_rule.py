@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from kerfwise.rules.options.kinds import LENGTH
+from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.options.yaml_positions import Place as FilePlace
 from kerfwise.rules.rule import Strength
 

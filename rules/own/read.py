@@ -7,7 +7,9 @@ from typing import Any
 
 import yaml
 
-from kerfwise.rules.options.kinds import LENGTH, Choice, Kind, Text, Unfit
+from kerfwise.rules.options.kind import Kind, Unfit
+from kerfwise.rules.options.plain_values import Choice, Text
+from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.yaml_positions import Problems, entries, items
 from kerfwise.rules.rule import Strength

@@ -7,7 +7,8 @@ from typing import Any
 
 import yaml
 
-from kerfwise.rules.options.kinds import Choice, Kind
+from kerfwise.rules.options.kind import Kind
+from kerfwise.rules.options.plain_values import Choice
 
 from .named_facts import ATTRIBUTE, Known
 

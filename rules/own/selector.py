@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from kerfwise.rules.options.kinds import Unfit
+from kerfwise.rules.options.kind import Unfit
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.yaml_positions import Problems, entries, is_empty, shape
 

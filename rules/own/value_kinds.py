@@ -10,7 +10,9 @@ from typing import Any
 
 import yaml
 
-from kerfwise.rules.options.kinds import LENGTH, Choice, Kind, Number, Unfit
+from kerfwise.rules.options.kind import Kind, Unfit
+from kerfwise.rules.options.plain_values import Choice, Number
+from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.options.yaml_positions import is_empty, shape
 
 from .criterion import AnyOf, Criterion, Pattern, Span, Truth

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.options.kinds import LENGTH
 from kerfwise.rules.options.option import options_of
+from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule, Strength

@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from kerfwise.rules.options.kinds import Choice
+from kerfwise.rules.options.plain_values import Choice
 
 ENDINGS = (".yaml", ".yml")
 

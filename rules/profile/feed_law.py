@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from kerfwise.rules.options.kinds import SPEED
+from kerfwise.rules.options.quantities import SPEED
 
 LONGEST = 100_000
 """Blocks up to which a polynomial may hold: beyond it nothing has been measured."""

@@ -10,7 +10,9 @@ from typing import Any
 
 import yaml
 
-from kerfwise.rules.options.kinds import SPEED, Choice, Kind, Number, Text, Unfit
+from kerfwise.rules.options.kind import Kind, Unfit
+from kerfwise.rules.options.plain_values import Choice, Number, Text
+from kerfwise.rules.options.quantities import SPEED
 from kerfwise.rules.options.suggest import unknown
 
 from .feed_law import LONGEST, FeedLaw, Piece

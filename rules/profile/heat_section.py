@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from kerfwise.rules.options.kinds import DURATION, LENGTH, Choice, Number, over_zero
 from kerfwise.rules.options.option import option
+from kerfwise.rules.options.plain_values import Choice, Number
+from kerfwise.rules.options.quantities import DURATION, LENGTH, over_zero
 
 from .materials import MATERIALS
 

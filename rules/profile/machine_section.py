@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.rules.options.kinds import DURATION, SPEED, Choice, Flag, PointXY, Span
 from kerfwise.rules.options.option import option
+from kerfwise.rules.options.plain_values import Choice, Flag
+from kerfwise.rules.options.quantities import DURATION, SPEED, PointXY, Span
 
 from .dialect_kind import DialectName
 

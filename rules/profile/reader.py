@@ -10,9 +10,11 @@ import yaml
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.options.kinds import LENGTH, Choice, Text, Unfit
+from kerfwise.rules.options.kind import Unfit
 from kerfwise.rules.options.members import Members
 from kerfwise.rules.options.option import options_of
+from kerfwise.rules.options.plain_values import Choice, Text
+from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.yaml_positions import Problems, compose, entries, is_empty, items
 from kerfwise.rules.own import read_own_rules

@@ -10,9 +10,10 @@ import sys
 from typing import Any
 
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.options.kinds import LENGTH, Choice, Text
 from kerfwise.rules.options.members import Members
 from kerfwise.rules.options.option import options_of
+from kerfwise.rules.options.plain_values import Choice, Text
+from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.own import own_rules_definitions, own_rules_schema
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule

@@ -10,9 +10,10 @@ from kerfwise.encoder.candidates.candidate import LeadKind
 from kerfwise.encoder.readers.layers import DEFAULT as LAYERS
 from kerfwise.encoder.readers.options import Frame, OpenLines
 from kerfwise.encoder.readers.units import MM_PER
-from kerfwise.rules.options.kinds import LENGTH, Choice, Flag, Number, Text, over_zero
 from kerfwise.rules.options.members import Members
 from kerfwise.rules.options.option import option
+from kerfwise.rules.options.plain_values import Choice, Flag, Number, Text
+from kerfwise.rules.options.quantities import LENGTH, over_zero
 from kerfwise.rules.options.thickness_table import LENGTH_OR_TABLE, LengthOf
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import RuleSetting

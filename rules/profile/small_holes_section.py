@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 
 from kerfwise.encoder.small_holes import HoleLimits, Under
 from kerfwise.rules.options.by_thickness import ByThickness, LengthByThickness
-from kerfwise.rules.options.kinds import LENGTH, Choice, Number, over_zero
 from kerfwise.rules.options.option import option
+from kerfwise.rules.options.plain_values import Choice, Number
+from kerfwise.rules.options.quantities import LENGTH, over_zero
 
 _LENGTH = LengthByThickness()
 

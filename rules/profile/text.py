@@ -8,9 +8,10 @@ from typing import Any
 import yaml
 
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.options.kinds import LENGTH, Text
 from kerfwise.rules.options.members import Members
 from kerfwise.rules.options.option import options_of
+from kerfwise.rules.options.plain_values import Text
+from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.registry import RULES
 
 from .profile import Profile

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from kerfwise.rules.options.kinds import ACCELERATION, LENGTH, Choice, Number, Text, over_zero
 from kerfwise.rules.options.option import option
+from kerfwise.rules.options.plain_values import Choice, Number, Text
+from kerfwise.rules.options.quantities import ACCELERATION, LENGTH, over_zero
 
 from .feed_law import FeedLaw
 from .feed_law_kind import LawKind

@@ -9,7 +9,7 @@ import yaml
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.options.by_thickness import ByThickness, LengthByThickness
-from kerfwise.rules.options.kinds import Unfit
+from kerfwise.rules.options.kind import Unfit
 from kerfwise.rules.profile.profile import load_profile
 
 KIND = LengthByThickness()

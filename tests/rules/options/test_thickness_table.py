@@ -10,7 +10,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.rules.options.kinds import Unfit
+from kerfwise.rules.options.kind import Unfit
 from kerfwise.rules.options.thickness_table import LENGTH_OR_TABLE, ThicknessTable, length_at
 from kerfwise.rules.profile.profile import load_profile, shipped_profiles
 from kerfwise.rules.profile.text import profile_yaml

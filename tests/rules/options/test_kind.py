@@ -10,20 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.rules.lock import Position
-from kerfwise.rules.options.kinds import (
-    ACCELERATION,
-    DURATION,
-    LENGTH,
-    SPEED,
-    Choice,
-    Flag,
-    Kind,
-    Number,
-    PointXY,
-    Text,
-    Unfit,
-    over_zero,
-)
+from kerfwise.rules.options.kind import Kind, Unfit
+from kerfwise.rules.options.plain_values import Choice, Flag, Number, Text
+from kerfwise.rules.options.quantities import ACCELERATION, DURATION, LENGTH, SPEED, PointXY, over_zero
 
 
 def read(kind: Kind, text: str) -> Any:

@@ -1,0 +1,179 @@
+"""Quantities: bare numbers in the unit of the kind, or text with a unit of its own: `1.5`, `"1.5 mm"`, `0.1 m/s`."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import yaml
+
+from .kind import NUMBER, Kind, Unfit, digits, scalar_text
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity(Kind):
+    """A number with a unit: `units` are their sizes in the program's own, `bare` is that of a bare number.
+
+    Every quantity has an end, `at_most`, far beyond what any plant has: sums of costs then fit the engines' integers.
+    """
+
+    name: str
+    units: Mapping[str, Fraction]
+    bare: str
+    at_most: float
+    at_least: float | None = 0.0
+    above: float | None = None
+    example: str = "1.5"
+
+    def read(self, node: yaml.Node) -> float:
+        found = re.fullmatch(rf"\s*({NUMBER})\s*((?:[a-z/%°][A-Za-z0-9/%]*)?)\s*", digits(node, self))
+        if found is None:
+            raise self.refuse(node)
+        number, unit = found[1], found[2] or self.bare
+        if unit not in self.units:
+            raise Unfit(f"unknown unit {unit!r} in {found[0]!r}: expected {self.expected()}", node)
+        value = float(Fraction(number) * self.units[unit])
+        if (self.at_least is not None and value < self.at_least) or (self.above is not None and value <= self.above):
+            raise self.refuse(node)
+        if abs(value) > self.at_most:
+            most = f"{self._most():g} {self.bare}"
+            raise Unfit(f"expected {self.expected()}, and no more than {most}, got {found[0].strip()!r}", node)
+        return value
+
+    def _most(self) -> float:
+        return float(Fraction(self.at_most) / self.units[self.bare])
+
+    def write(self, value: float) -> str:
+        base = next(unit for unit, size in self.units.items() if size == 1)
+        text = f"{float(Fraction(value) / self.units[self.bare]):.12g}"
+        exact = float(Fraction(text) * self.units[self.bare]) == value
+        return f"{text} {self.bare}" if exact else f"{value!r} {base}"
+
+    def schema(self) -> dict[str, Any]:
+        number: dict[str, Any] = {"type": "number", "maximum": self._most()}
+        if self.at_least is not None:
+            number["minimum"] = self.at_least
+        if self.above is not None:
+            number["exclusiveMinimum"] = self.above
+        pattern = rf"^\s*{NUMBER}\s*({'|'.join(self.units)})?\s*$"
+        return {"anyOf": [number, {"type": "string", "pattern": pattern}]}
+
+    def expected(self) -> str:
+        least = "" if self.at_least is None else f" of at least {self.at_least:g}"
+        least = f" over {self.above:g}" if self.above is not None else least
+        others = ", ".join(u for u in self.units if u != self.bare)
+        also = f" (also {others})" if others else ""
+        return f"{self.name}{least} such as {self.example} or '{self.example} {self.bare}'{also}"
+
+
+LENGTH = Quantity(
+    "a length",
+    {"mm": Fraction(1), "cm": Fraction(10), "m": Fraction(1000), "in": Fraction("25.4")},
+    "mm",
+    at_most=1e6,
+)
+SPEED = Quantity(
+    "a speed",
+    {
+        "mm/min": Fraction(1, 60),
+        "mm/s": Fraction(1),
+        "m/min": Fraction(1000, 60),
+        "m/s": Fraction(1000),
+        "in/min": Fraction("25.4") / 60,
+    },
+    "mm/min",
+    at_most=1e5,
+    at_least=None,
+    above=0.0,
+    example="2500",
+)
+ACCELERATION = Quantity(
+    "an acceleration",
+    {"mm/s2": Fraction(1), "m/s2": Fraction(1000), "g": Fraction("9806.65")},
+    "m/s2",
+    at_most=1e8,
+    at_least=None,
+    above=0.0,
+)
+TEMPERATURE = Quantity("a temperature", {"°C": Fraction(1)}, "°C", at_most=1e5, at_least=-273.15, example="115")
+DURATION = Quantity(
+    "a time", {"s": Fraction(1), "ms": Fraction(1, 1000), "min": Fraction(60)}, "s", at_most=1e5, example="0.5"
+)
+ENERGY = Quantity("an energy", {"kJ": Fraction(1)}, "kJ", at_most=1e9, example="300")
+
+
+def over_zero(quantity: Quantity) -> Quantity:
+    """The same quantity, but zero is refused."""
+    return dataclasses.replace(quantity, at_least=None, above=0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class OrWord(Kind):
+    """A quantity, or the word that stands for None: what the profile says elsewhere."""
+
+    quantity: Quantity
+    none: str
+
+    def read(self, node: yaml.Node) -> float | None:
+        return None if scalar_text(node, self).strip() == self.none else self.quantity.read(node)
+
+    def write(self, value: float | None) -> str:
+        return self.none if value is None else self.quantity.write(value)
+
+    def schema(self) -> dict[str, Any]:
+        return {"anyOf": [{"const": self.none}, *self.quantity.schema()["anyOf"]]}
+
+    def expected(self) -> str:
+        return f"{self.quantity.expected()}, or {self.none!r}"
+
+
+@dataclass(frozen=True, slots=True)
+class PointXY(Kind):
+    """A point [x, y] in mm."""
+
+    def read(self, node: yaml.Node) -> tuple[float, float]:
+        if not isinstance(node, yaml.SequenceNode) or len(node.value) != 2:
+            raise self.refuse(node)
+        signed = dataclasses.replace(LENGTH, at_least=None)
+        x, y = (signed.read(member) for member in node.value)
+        return x, y
+
+    def write(self, value: tuple[float, float]) -> str:
+        return f"[{value[0]!r}, {value[1]!r}]"
+
+    def schema(self) -> dict[str, Any]:
+        member = dataclasses.replace(LENGTH, at_least=None).schema()
+        return {"type": "array", "items": member, "minItems": 2, "maxItems": 2}
+
+    def expected(self) -> str:
+        return "a point [x, y] in mm"
+
+
+@dataclass(frozen=True, slots=True)
+class Span(Kind):
+    """Two lengths [least, most], the first less than the second; `none` is the word for not known."""
+
+    none: str
+
+    def read(self, node: yaml.Node) -> tuple[float, float] | None:
+        if isinstance(node, yaml.ScalarNode) and node.value == self.none:
+            return None
+        if not isinstance(node, yaml.SequenceNode) or len(node.value) != 2:
+            raise self.refuse(node)
+        low, high = PointXY().read(node)
+        if low >= high:
+            raise Unfit(f"expected {self.expected()}, got {low:g} and {high:g}", node)
+        return low, high
+
+    def write(self, value: tuple[float, float] | None) -> str:
+        return self.none if value is None else PointXY().write(value)
+
+    def schema(self) -> dict[str, Any]:
+        return {"anyOf": [{"const": self.none}, PointXY().schema()]}
+
+    def expected(self) -> str:
+        return f"[least, most] in mm, the least first, or {self.none!r}"
