@@ -70,7 +70,7 @@ def rest_of(nest: Nest, gone: frozenset[str]) -> Nest:
         return tuple(c for c in contours if c.id not in gone)
 
     parts: list[Part] = [
-        replace(part, holes=left(part.holes), marks=left(part.marks))
+        replace(part, holes=left(part.holes), marks=left(part.marks), slits=left(part.slits))
         for part in nest.parts
         if part.outer.id not in gone
     ]

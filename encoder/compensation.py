@@ -13,7 +13,7 @@ from .nest import Contour
 
 @lru_cache(maxsize=1 << 15)
 def compensated(contour: Contour, kerf_mm: float) -> Curve:
-    """The closed path of the torch's centre: half the kerf outside an outer contour, inside a hole; a mark is itself.
+    """The path of the torch's centre: half the kerf outside an outer contour, inside a hole, on marks and slits.
 
     Runs the same way round as the contour is drawn. Answers are kept, since candidates, plans and programs all ask.
 
@@ -28,7 +28,7 @@ def compensated(contour: Contour, kerf_mm: float) -> Curve:
     >>> compensated(hole, 2.0).as_rows()
     [[1.0, 1.0], [8.0, 1.0], [8.0, 8.0], [1.0, 8.0]]
     """
-    if contour.kind == "mark" or kerf_mm == 0:
+    if not contour.encloses or kerf_mm == 0:
         return contour.curve
     try:
         return offset_curve(contour.curve, kerf_mm / 2 if contour.kind == "outer" else -kerf_mm / 2)

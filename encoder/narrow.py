@@ -56,7 +56,9 @@ class Lost:
 MOST_TOLD = 6
 
 
-def said_of(name: str, lost: Sequence[Lost], kerf_mm: float) -> str:
+def said_of(
+    name: str, lost: Sequence[Lost], kerf_mm: float, what_to_do: str = "change the drawing, or the kerf"
+) -> str:
     """The features that a contour would lose, in one sentence, the first few of them with their places.
 
     Examples
@@ -66,7 +68,7 @@ def said_of(name: str, lost: Sequence[Lost], kerf_mm: float) -> str:
     """
     told = "; ".join(one.sentence() for one in lost[:MOST_TOLD])
     more = f"; and {len(lost) - MOST_TOLD} more" if len(lost) > MOST_TOLD else ""
-    return f"{name}: a kerf of {kerf_mm:g} mm does not enter {told}{more}; change the drawing, or the kerf"
+    return f"{name}: a kerf of {kerf_mm:g} mm does not enter {told}{more}; {what_to_do}"
 
 
 def lost_features(
@@ -83,15 +85,32 @@ def lost_features(
     >>> lost_features([Contour("P.outer", "P", "outer", Curve.of(slot))], 1.5)["P.outer"][0].sentence()
     'the slot, notch or neck at (30.5, 30.0), 1.00 mm wide and 20.0 mm deep'
     """
-    cut = [c for c in contours if c.kind != "mark"]
+    walls = lost_walls(contours, kerf_mm, paths)
+    return {name: tuple(one for one, _ in of) for name, of in walls.items()}
+
+
+def lost_walls(
+    contours: Sequence[Contour],
+    kerf_mm: float,
+    paths: Mapping[str, Curve] | None = None,
+    slits: Mapping[str, Sequence[Curve]] | None = None,
+) -> dict[str, tuple[tuple[Lost, shapely.LineString], ...]]:
+    """Contour id → the features that a kerf would lose, each with the stretch of the contour that is its wall.
+
+    `slits` are paths that the torch follows besides, by the contour whose features they keep.
+    """
+    cut = [c for c in contours if c.encloses]
     if kerf_mm <= 0 or not cut:
         return {}
     half_mm, more_mm = kerf_mm / 2, tolerance_mm(kerf_mm)
     lines = np.array([c.curve.line(CHORD_MM) for c in cut], dtype=object)
-    known = paths or {}
-    rings = np.array([known[c.id].line(CHORD_MM) if c.id in known else _ring(c, half_mm) for c in cut], dtype=object)
+    known, more = paths or {}, slits or {}
+    rings = np.array([known[c.id].line(CHORD_MM) if c.id in known else ring_of(c, half_mm) for c in cut], dtype=object)
+    for k, contour in enumerate(cut):
+        if contour.id in more and not rings[k].is_empty:
+            rings[k] = shapely.union_all([rings[k], *(path.line(CHORD_MM) for path in more[contour.id])])
     beyond = shapely.difference(lines, shapely.buffer(rings, half_mm + more_mm, quad_segs=QUARTER))
-    found: dict[str, tuple[Lost, ...]] = {}
+    found: dict[str, tuple[tuple[Lost, shapely.LineString], ...]] = {}
     for k in np.flatnonzero(~shapely.is_empty(beyond) & ~shapely.is_empty(rings)).tolist():
         contour, near = cut[k], shapely.buffer(rings[k], half_mm + NEAR_MM, quad_segs=QUARTER)
         right = contour.curve.is_ccw == (contour.kind == "outer")
@@ -102,7 +121,7 @@ def lost_features(
     return found
 
 
-def _ring(contour: Contour, half_mm: float) -> shapely.Geometry:
+def ring_of(contour: Contour, half_mm: float) -> shapely.Geometry:
     """The ring around the largest piece of what a contour encloses, grown or shrunk; pockets are left out."""
     area = shapely.make_valid(contour.curve.polygon(CHORD_MM))
     pieces = shapely.get_parts(
@@ -121,11 +140,11 @@ def _pieces(left: shapely.Geometry) -> list[shapely.LineString]:
 def _lost(
     piece: shapely.LineString,
     walls: Sequence[shapely.LineString],
-    path: shapely.LineString,
+    path: shapely.Geometry,
     half_mm: float,
     more_mm: float,
     right: bool,
-) -> Lost | None:
+) -> tuple[Lost, shapely.LineString] | None:
     """The feature that a stretch belongs to, None if no more is left of it than of a corner."""
     points = shapely.get_coordinates(piece)
     left_mm = float(shapely.distance(path, shapely.points(points)).max()) - half_mm
@@ -135,13 +154,14 @@ def _lost(
     by_nature_mm = max([half_mm * (math.sqrt(2) - 1), *natural])
     if left_mm <= min(by_nature_mm + more_mm, most_mm):
         return None
-    wall = shapely.get_coordinates(min(walls, key=lambda wall: shapely.distance(wall, piece)))
+    nearest = min(walls, key=lambda wall: shapely.distance(wall, piece))
+    wall = shapely.get_coordinates(nearest)
     (ax, ay), (bx, by) = wall[0].tolist(), wall[-1].tolist()
     width_mm, depth_mm = _size(wall)
     if opening > CORNER_RAD and abs(opening - sharpest) < CORNER_RAD:
         x, y = points[int(np.argmax(shapely.distance(path, shapely.points(points))))].tolist()
-        return Lost((x, y), width_mm, depth_mm, left_mm, math.degrees(min(opening, sharpest)))
-    return Lost(((ax + bx) / 2, (ay + by) / 2), width_mm, depth_mm, left_mm)
+        return Lost((x, y), width_mm, depth_mm, left_mm, math.degrees(min(opening, sharpest))), nearest
+    return Lost(((ax + bx) / 2, (ay + by) / 2), width_mm, depth_mm, left_mm), nearest
 
 
 def _size(wall: Floats) -> tuple[float, float]:

@@ -5,21 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import shapely
 
 from kerfwise.encoder.geometry.curve import Curve
 
-Kind = Literal["outer", "hole", "mark"]
+Kind = Literal["outer", "hole", "mark", "slit"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
 Severity = Literal["warning", "repaired"]
 
 
 @dataclass(frozen=True, eq=False)
 class Contour:
-    """One curve that the torch follows once; `id` is `<part>.outer`, `<part>.hole1`… or `<part>.mark1`…
+    """One curve that the torch follows once; `id` is `<part>.outer`, `<part>.hole1`…, `<part>.mark1`…, `<part>.slit1`…
 
-    It is cut at `feed_share` of the machine's cut feed, which is less than 1 in small holes.
+    It is cut at `feed_share` of the machine's cut feed, which is less than 1 in small holes. Outer contours and holes
+    enclose an area; a mark may be open and is not cut through; a slit is an open line that the torch's centre follows
+    as it is drawn, from its start, along the middle of a slot of the contour `slot_of`.
     """
 
     id: str
@@ -27,6 +30,12 @@ class Contour:
     kind: Kind
     curve: Curve
     feed_share: float = 1.0
+    slot_of: str = ""
+
+    @property
+    def encloses(self) -> bool:
+        """Whether it goes round an area; the kerf is then beside it, else on it."""
+        return self.kind in ("outer", "hole")
 
     @cached_property
     def polygon(self) -> shapely.Polygon:
@@ -41,13 +50,14 @@ class Contour:
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """One outer contour, its holes and its marks; `attributes` are free keys of the nest file (priority, order…)."""
+    """One outer contour, its holes, marks and slits; `attributes` are free keys of the nest file (priority, order…)."""
 
     id: str
     outer: Contour
     holes: tuple[Contour, ...] = ()
     marks: tuple[Contour, ...] = ()
     attributes: dict[str, object] = field(default_factory=dict)
+    slits: tuple[Contour, ...] = ()
 
     @cached_property
     def polygon(self) -> shapely.Polygon:
@@ -55,8 +65,8 @@ class Part:
         return shapely.Polygon(self.outer.curve.flatten(), [h.curve.flatten() for h in self.holes])
 
     def __iter__(self) -> Iterator[Contour]:
-        """Marks, then holes, then the outer contour: the natural cutting order."""
-        yield from (*self.marks, *self.holes, self.outer)
+        """Marks, slits, holes, then the outer contour: the natural cutting order."""
+        yield from (*self.marks, *self.slits, *self.holes, self.outer)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,8 +116,8 @@ class Note:
 class Nest:
     """A sheet with its parts; made by a reader, which validates it once.
 
-    `contours` lists every contour, part by part in file order, each part's marks, holes, then outer. A nest as it is
-    cut keeps the one that was read as `drawn` (see `small_holes.as_cut`).
+    `contours` lists every contour, part by part in file order, each part's marks, slits, holes, then outer. A nest as
+    it is cut keeps the one that was read as `drawn` (see `small_holes.as_cut` and `slits.with_slits`).
     """
 
     sheet: Sheet

@@ -19,7 +19,7 @@ def again_as_it_was(nest: Nest, cut: Cut | None, tried: Tried, kerf_mm: float) -
     if cut is None or (contour := nest.contour(cut.contour)).kind == "mark":
         return []
     number = nest.index[cut.contour]
-    if number not in tried.bare:
+    if number not in tried.bare and number not in tried.shut:
         return []
     ring = compensated(contour, kerf_mm)
     entry_mm, _ = contour.curve.project(cut.entry)

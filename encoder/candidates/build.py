@@ -72,12 +72,18 @@ def build_candidates(
     around = Surroundings.of(nest, Void.of(nest, already, options.kerf_mm, options.splash_mm or 0.0))
     tried = try_options(nest, left, around, options)
     again = again_as_it_was(nest, already.broken_off, tried, options.kerf_mm)
-    tried = replace(tried, bare=tuple(k for k in tried.bare if all(k != c.contour for c in again)))
+    redone = {c.contour for c in again}
+    shut = {k: why for k, why in tried.shut.items() if k not in redone}
+    tried = replace(tried, bare=tuple(k for k in tried.bare if k not in redone), shut=shut)
     if tried.faulty:
         raise refusal(nest, tried, around, options)
     to_mark = [(k, nest.contours[k]) for k in left if nest.contours[k].kind == "mark"]
     marks = [c for k, m in to_mark for c in mark_candidates(k, m, options)]
-    reached = [*within_reach(_candidates(tried.found, tried.outlines, around, options), options.reach), *again]
+    reached = [
+        *within_reach(_candidates(tried.found, tried.outlines, around, options), options.reach),
+        *tried.slits,
+        *again,
+    ]
     if lost := sorted(set(tried.outlines) - {c.contour for c in reached}):
         details = tuple(f"{nest.contours[k].id}: no lead to it stays within the machine's travel" for k in lost)
         raise InputError(cannot_be_cut(len(lost)), file=nest.file or None, details=details)

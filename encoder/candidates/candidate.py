@@ -9,10 +9,11 @@ from typing import Literal
 from kerfwise.encoder.cut import Direction
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.encoder.nest import Kind
+from kerfwise.encoder.nest import KINDS, Kind
 from kerfwise.encoder.small_holes import HoleLimits
 
 LeadKind = Literal["line", "arc", "none"]
+Narrow = Literal["refuse", "slit"]
 
 LEAST_WASTE_MM = 0.01
 """Waste between the kerf of a pierce and every contour, at the least."""
@@ -43,7 +44,7 @@ class LeadOptions:
     torch may come in from the edge of the sheet where that is within `2 * lead_in_mm`; never from an edge that was only
     assumed (`Sheet.stated`), and only where `reach` says that the machine gets there. `entry_points` are entries that
     must be among the candidates, at the point of the contour nearest to the one given. Holes under the limit of
-    `holes` are refused.
+    `holes` are refused, and so are slots that the kerf would lose: `narrow` says whether a slit could keep them.
     """
 
     entries: int = 8
@@ -59,10 +60,11 @@ class LeadOptions:
     edge_start: bool = False
     reach: tuple[float, float, float, float] | None = None
     directions: Mapping[Kind, tuple[Direction, ...]] = field(
-        default_factory=lambda: {"outer": ("cw", "ccw"), "hole": ("cw", "ccw"), "mark": ("cw", "ccw")}
+        default_factory=lambda: dict.fromkeys(KINDS, ("cw", "ccw"))
     )
     entry_points: Mapping[str, Point] = field(default_factory=dict)
     holes: HoleLimits = field(default_factory=HoleLimits)
+    narrow: Narrow = "refuse"
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -73,8 +75,8 @@ class Candidate:
     `end` the point where the torch is switched off. `edge_start` says that the torch comes in from the sheet edge
     and nothing is pierced. `cut_mm` is the torch-on path length, leads and overcut included.
 
-    `lead_out` begins where `lead_in` ends; for an open mark it is the far end of the line alone. `leaves` says that its
-    last piece is a lead into the waste; else it is overcut, if anything.
+    `lead_out` begins where `lead_in` ends; for an open mark or a slit it is the far end of the line alone. `leaves`
+    says that its last piece is a lead into the waste; else it is overcut, if anything.
     """
 
     contour: int

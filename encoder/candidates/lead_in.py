@@ -55,20 +55,21 @@ def lead_ins(
         found = around.clear_pierces(at, clearance_mm, not_own=ways.joints.contour)
         # Without a kerf either the pierce is on the contour itself: look a little beside it.
         found &= around.in_waste(at + 2 * CHORD_MM * ways.joints.out)
+        found &= _off_slits(at, around, options)
         return Approaches(ways.take(found), leads.take(found), np.full(int(found.sum()), False))
     pierce, bulge, length_mm = np.zeros((m, 2)), np.zeros(m), np.zeros(m)
 
     def clear_of_contours(leads: Leads, contour: Ints) -> Bools:
         return around.clear_leads(leads, contour, options.kerf_mm / 2)
 
-    for asks, shape in product(_wishes(around, options), shapes(options, patient)):
+    for asks, shape in product(wishes(around, options), shapes(options, patient)):
         rows = np.flatnonzero(~found)
         if len(rows) == 0:
             break
         left = ways.take(rows)
         leads = shaped(shape, left.joints, left.along, longest_mm[rows], options.lead_in_min_mm)
         clear = around.clear_pierces(leads.pierce, clearance_mm) & around.in_waste(leads.pierce)
-        clear &= around.inside_edges(leads)
+        clear &= around.inside_edges(leads) & _off_slits(leads.pierce, around, options)
         for grants in (asks, clear_of_contours):
             clear[clear] = grants(leads.take(clear), left.joints.contour[clear])
         done = rows[clear]
@@ -79,7 +80,14 @@ def lead_ins(
     return Approaches(kept, leads, np.full(len(kept), False))
 
 
-def _wishes(around: Surroundings, options: LeadOptions) -> list[Callable[[Leads, Ints], Bools]]:
+def _off_slits(points: Floats, around: Surroundings, options: LeadOptions) -> Bools:
+    """Pierces that keep from the kerfs of slits as from those of older cuts."""
+    if options.splash_mm is None:
+        return np.full(len(points), True)
+    return around.off_slits(points, options.kerf_mm + options.splash_mm)
+
+
+def wishes(around: Surroundings, options: LeadOptions) -> list[Callable[[Leads, Ints], Bools]]:
     """What to ask of leads for the sake of older kerfs, the most first and nothing last."""
 
     def nothing(leads: Leads, contour: Ints) -> Bools:

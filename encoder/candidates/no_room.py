@@ -19,7 +19,7 @@ from .search import dense, longest_lead_mm
 from .surroundings import Surroundings
 from .tried import Tried
 
-ALONE = ("reach", "narrow")
+ALONE = ("reach", "narrow", "slit")
 """Causes that are told of each contour by itself: how far it is out, or which places of it."""
 
 WITHOUT_ROOM = ("pierce", "lead", "path")
@@ -49,6 +49,7 @@ def reasons(tried: Tried, around: Surroundings, options: LeadOptions) -> dict[in
     said |= {k: Reason(text, "kerf") for k, text in tried.uncut.items()}
     said |= {k: Reason(text, "narrow") for k, text in tried.narrow.items()}
     said |= {k: Reason(text, "reach") for k, text in tried.beyond.items()}
+    said |= {k: Reason(text, "slit") for k, text in tried.shut.items()}
     if tried.bare:
         joints = Joints.joined([dense(tried.outlines[k], _LOOKS) for k in tried.bare])
         burnt = _but_for_what_is_cut(tried, around, options)

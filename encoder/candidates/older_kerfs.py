@@ -31,7 +31,9 @@ class OlderKerfs:
 
     `rings` (k, 2) are rows (candidate, contour): the candidate's pierce or a lead of it meets the kerf of that contour.
     `leads` (l, 2) are rows (later, earlier) of candidates: the pierce or a lead of the later meets the kerf of a lead
-    of the earlier. Both sorted, each row once, and between two parts: the metal of one part keeps its own cuts apart.
+    of the earlier. Both sorted, each row once, and between two parts: the metal of one part keeps its own cuts apart,
+    but for slits, which begin in the waste beside them. A slit is cut before the contour that its slot is of, and never
+    meets that one's.
     """
 
     rings: Ints
@@ -63,16 +65,22 @@ def older_kerfs(nest: Nest, candidates: Sequence[Candidate], kerf_mm: float, spl
     if not burning:
         return OlderKerfs.none()
     number = {part.id: k for k, part in enumerate(nest.parts)}
-    part = np.array([number[c.part] for c in nest.contours], dtype=np.int64)
+    part = np.array(
+        [len(nest.parts) + k if c.kind == "slit" else number[c.part] for k, c in enumerate(nest.contours)],
+        dtype=np.int64,
+    )
     paths = _Paths.of(burning, candidates, part, kerf_mm)
-    return OlderKerfs(_ring_rows(nest, paths, part, kerf_mm, splash_mm), _lead_rows(paths, kerf_mm, splash_mm))
+    rings, leads = _ring_rows(nest, paths, part, kerf_mm, splash_mm), _lead_rows(paths, kerf_mm, splash_mm)
+    of = np.array([c.contour for c in candidates], dtype=np.int64)
+    around = np.array([nest.index.get(c.slot_of, -1) for c in nest.contours], dtype=np.int64)
+    return OlderKerfs(rings[around[of[rings[:, 0]]] != rings[:, 1]], leads[around[of[leads[:, 0]]] != of[leads[:, 1]]])
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Paths:
     """Pierces, leads, and the leads without what lies beside their own contour; `_of` tells whose each row is.
 
-    `part` numbers the part of each candidate.
+    `part` numbers the part of each candidate, with a number of its own for each slit.
     """
 
     part: Ints
@@ -131,13 +139,30 @@ def _lead_ends(number: int, candidate: Candidate) -> list[tuple[int, tuple[float
 
 
 def _ring_rows(nest: Nest, paths: _Paths, part: Ints, kerf_mm: float, splash_mm: float) -> Ints:
-    """Rows (candidate, contour). A kerf's far edge lies one kerf from its contour, on the side that is waste."""
-    contours = [(k, c) for k, c in enumerate(nest.contours) if c.kind != "mark"]
+    """Rows (candidate, contour).
+
+    A kerf's far edge lies one kerf from its contour, on the side that is waste, and half a kerf from a slit.
+    """
+    rings = _met(nest, [k for k, c in enumerate(nest.contours) if c.encloses], kerf_mm, paths, part, kerf_mm, splash_mm)
+    slits = [k for k, c in enumerate(nest.contours) if c.kind == "slit"]
+    if not slits:
+        return rings
+    met = np.concatenate([rings, _met(nest, slits, kerf_mm / 2, paths, part, kerf_mm, splash_mm)])
+    return np.unique(met, axis=0)
+
+
+def _met(
+    nest: Nest, numbers: Sequence[int], far_mm: float, paths: _Paths, part: Ints, kerf_mm: float, splash_mm: float
+) -> Ints:
+    """Rows (candidate, contour) of some contours, whose kerf reaches so far from them."""
+    if not numbers:
+        return np.empty((0, 2), dtype=np.int64)
+    contours = [(k, nest.contours[k]) for k in numbers]
     points, of = shapely.get_coordinates([c.line for _, c in contours], return_index=True)
     follows = np.flatnonzero(of[1:] == of[:-1])
     chords = shapely.linestrings(np.stack([points[follows], points[follows + 1]], axis=1))
     contour = np.array([k for k, _ in contours], dtype=np.int64)[of[follows]]
-    return paths.met(chords, contour, part[contour], 1.5 * kerf_mm + splash_mm, kerf_mm)
+    return paths.met(chords, contour, part[contour], far_mm + kerf_mm / 2 + splash_mm, far_mm)
 
 
 def _lead_rows(paths: _Paths, kerf_mm: float, splash_mm: float) -> Ints:

@@ -29,13 +29,16 @@ Lines = NDArray[np.object_]
 class Surroundings:
     """Every contour of a nest, also in chords (`contour` tells whose each is), the parts' metal and the sheet.
 
-    `part` numbers the part of each contour, `through` says that it is cut through, which a mark is not.
+    `part` numbers the part of each contour, `through` says that it is cut through, which a mark is not. `around` is the
+    contour that the slot of a slit is of, else a contour itself.
     `void` is what a stopped program has already burnt away, where there was one.
     """
 
     contours: tuple[Contour, ...]
     part: Ints
     through: Bools
+    slit: Bools
+    around: Ints
     chords: shapely.STRtree
     contour: Ints
     metal: shapely.STRtree
@@ -61,6 +64,8 @@ class Surroundings:
             nest.contours,
             np.array([number[c.part] for c in nest.contours], dtype=np.int64),
             np.array([c.kind != "mark" for c in nest.contours], dtype=np.bool_),
+            np.array([c.kind == "slit" for c in nest.contours], dtype=np.bool_),
+            np.array([nest.index.get(c.slot_of, k) for k, c in enumerate(nest.contours)], dtype=np.int64),
             shapely.STRtree(chords),
             of[follows],
             shapely.STRtree(metal),
@@ -70,11 +75,16 @@ class Surroundings:
         )
 
     def clear_leads(self, leads: Leads, contour: Ints, half_kerf_mm: float) -> Bools:
-        """Leads whose kerf touches no contour but their own, and that one only where they join it."""
+        """Leads whose kerf touches no contour but their own, and that one only where they join it.
+
+        A slit is led into where it meets the path of the contour that its slot is of: that is its own one here.
+        """
         reach_mm = max(half_kerf_mm, CHORD_MM)
         lines = shapely.linestrings(leads.points())
         row, chord = self.chords.query(lines, predicate="dwithin", distance=reach_mm + CHORD_MM)
-        own = self.contour[chord] == contour[row]
+        follows = (self.contour[chord] == contour[row]) & self.slit[contour[row]]
+        row, chord = row[~follows], chord[~follows]
+        own = self.contour[chord] == self.around[contour[row]]
         clear = np.full(len(contour), True)
         clear[row[~own]] = False
         own &= clear[row]
@@ -88,13 +98,14 @@ class Surroundings:
     def clear_pierces(self, points: Floats, clearance_mm: float, not_own: Ints | None = None) -> Bools:
         """Points of the sheet that keep clear of every contour and edge.
 
-        With `not_own` (m,) each point may be near that contour.
+        With `not_own` (m,) or (m, k) each point may be near these contours.
         """
         at = shapely.points(points)
         clear = np.asarray(self.in_sheet(points) & ~shapely.dwithin(self.edges, at, clearance_mm - _EXACT_MM))
         row, chord = self.chords.query(at, predicate="dwithin", distance=clearance_mm + CHORD_MM)
         if not_own is not None:
-            others = self.contour[chord] != not_own[row]
+            own = not_own[:, None] if not_own.ndim == 1 else not_own
+            others = (self.contour[chord][:, None] != own[row]).all(axis=1)
             row, chord = row[others], chord[others]
         near = shapely.distance(at[row], self.chords.geometries[chord]) < clearance_mm - CHORD_MM
         clear[row[near]] = False
@@ -105,13 +116,23 @@ class Surroundings:
                 clear[i] = False
         return clear if self.void is None else clear & self.void.clear_pierces(points)
 
+    def off_slits(self, points: Floats, distance_mm: float, not_own: Ints | None = None) -> Bools:
+        """Points that are so far from every slit but their own: all of these are cut first, so that they are void."""
+        clear = np.full(len(points), True)
+        slits = np.flatnonzero(self.slit)
+        if len(slits):
+            lines = shapely.STRtree([self.contours[k].line for k in slits.tolist()])
+            row, k = lines.query(shapely.points(points), predicate="dwithin", distance=distance_mm - _EXACT_MM)
+            clear[row if not_own is None else row[slits[k] != not_own[row]]] = False
+        return clear
+
     def own_half(self, leads: Leads, contour: Ints, apart_mm: float) -> Bools:
         """Leads whose pierce is nearer to its own contour, by `apart_mm`, than to any of another part.
 
         Two such pierces of two contours are `apart_mm` apart at the least, wherever they are in the street.
         """
         lines = np.array([c.line for c in self.contours], dtype=object)
-        own_mm = np.asarray(shapely.distance(shapely.points(leads.pierce), lines[contour]))
+        own_mm = np.asarray(shapely.distance(shapely.points(leads.pierce), lines[self.around[contour]]))
         return ~self._near_others(shapely.points(leads.pierce), contour, own_mm + apart_mm)
 
     def off_kerfs(self, leads: Leads, contour: Ints, kerf_mm: float, splash_mm: float) -> Bools:

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.narrow import lost_features, said_of
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.narrow import lost_walls, said_of
+from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.encoder.slits import Unfit, in_the_way, slits_of
 from kerfwise.encoder.small_holes import HoleLimits, diameter_under, kept_because, too_small
 
 from .approaches import Approaches
-from .candidate import LeadOptions
+from .candidate import Candidate, LeadOptions
 from .joints import Joints, Outline
 from .search import approaches_to
+from .slits import no_room, slit_candidates
 from .surroundings import Surroundings
-from .within_reach import out_of_reach
+from .within_reach import out_of_reach, within_reach
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -27,8 +30,8 @@ class Tried:
 
     By contour number, `small` says what is wrong with holes that are too small, `uncut` with contours that the kerf
     cannot follow, `narrow` with those of which it would lose a feature, `beyond` with those that the machine does not
-    reach, marks included. `bare` are contours without any
-    approach, `unmet` the rows of `locked` without one.
+    reach, marks included. `slits` are the candidates of slits, `shut` says why others have none. `bare` are contours
+    without any approach, `unmet` the rows of `locked` without one.
     """
 
     outlines: Mapping[int, Outline]
@@ -38,6 +41,8 @@ class Tried:
     uncut: Mapping[int, str]
     narrow: Mapping[int, str]
     beyond: Mapping[int, str]
+    slits: tuple[Candidate, ...]
+    shut: Mapping[int, str]
     bare: tuple[int, ...]
     unmet: tuple[int, ...]
 
@@ -45,11 +50,11 @@ class Tried:
     def faulty(self) -> frozenset[int]:
         """Every contour that cannot be cut as the options ask."""
         unmet = (int(self.locked.contour[i]) for i in self.unmet)
-        return frozenset((*self.small, *self.uncut, *self.narrow, *self.beyond, *self.bare, *unmet))
+        return frozenset((*self.small, *self.uncut, *self.narrow, *self.beyond, *self.shut, *self.bare, *unmet))
 
 
 def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, options: LeadOptions) -> Tried:
-    """Look for approaches to the contours of these numbers; marks need none."""
+    """Look for approaches to the contours of these numbers; marks need none, those of slits are whole candidates."""
     chosen = list(contours)
     small = _small_holes(nest, chosen, options.holes)
     outlines: dict[int, Outline] = {}
@@ -59,7 +64,7 @@ def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, optio
         contour = nest.contours[k]
         path = contour.curve
         try:
-            if contour.kind != "mark":
+            if contour.encloses:
                 path = compensated(contour, options.kerf_mm)
                 outlines[k] = Outline.of(k, contour, path, options.kerf_mm / 2)
         except InputError as error:
@@ -67,7 +72,7 @@ def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, optio
             continue
         if far := out_of_reach(contour, path, options.reach):
             beyond[k] = far
-    narrow = _narrow(nest, [k for k in chosen if k not in small], outlines, options.kerf_mm)
+    narrow = _narrow(nest, [k for k in chosen if k not in small], outlines, options)
     for k in narrow:
         outlines.pop(k, None)
         uncut.pop(k, None)
@@ -78,14 +83,41 @@ def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, optio
     bare = tuple(sorted(set(outlines) - {k for k, _ in led}))
     asked = zip(locked.contour.tolist(), locked.entry_mm.tolist(), strict=True)
     unmet = tuple(i for i, (k, entry_mm) in enumerate(asked) if k not in bare and (k, entry_mm) not in led)
-    return Tried(outlines, found, locked, small, uncut, narrow, beyond, bare, unmet)
+    ways_in = {k: slit_candidates(k, around, options) for k in chosen if nest.contours[k].kind == "slit"}
+    slits = tuple(c for of in ways_in.values() for c in within_reach(of, options.reach))
+    led_in = {c.contour for c in slits}
+    shut = {k: no_room(k, around, options) for k in ways_in if k not in led_in and k not in beyond}
+    return Tried(outlines, found, locked, small, uncut, narrow, beyond, slits, shut, bare, unmet)
 
 
-def _narrow(nest: Nest, contours: Iterable[int], outlines: Mapping[int, Outline], kerf_mm: float) -> dict[int, str]:
+def _narrow(
+    nest: Nest, contours: Iterable[int], outlines: Mapping[int, Outline], options: LeadOptions
+) -> dict[int, str]:
     """Contours of which the kerf would lose a slot, notch, neck or corner, and which."""
     paths = {outline.contour.id: outline.path for outline in outlines.values()}
-    lost = lost_features([nest.contours[k] for k in contours], kerf_mm, paths)
-    return {nest.index[name]: said_of(name, features, kerf_mm) for name, features in lost.items()}
+    slits: dict[str, list[Curve]] = {}
+    for slit in (c for c in nest.contours if c.kind == "slit"):
+        slits.setdefault(slit.slot_of, []).append(slit.curve)
+    lost = lost_walls([nest.contours[k] for k in contours], options.kerf_mm, paths, slits)
+    found = {nest.index[name]: [one for one, _ in of] for name, of in lost.items()}
+    said = {}
+    for k in (k for k in contours if k in found or nest.contours[k].encloses):
+        contour = nest.contours[k]
+        burnt = in_the_way(nest, contour, options.kerf_mm) if contour.id in slits else []
+        if k in found or burnt:
+            features = [*found.get(k, ()), *(one.slot for one in burnt)]
+            said[k] = said_of(contour.id, features, options.kerf_mm, _what_to_do(contour, burnt, options))
+    return said
+
+
+def _what_to_do(contour: Contour, burnt: Sequence[Unfit], options: LeadOptions) -> str:
+    """What a planner can do about slots that would be lost, and why slits do not help."""
+    change = "change the drawing, or the kerf"
+    unfit = slits_of(contour, options.kerf_mm)[1]
+    if options.narrow == "refuse":
+        return change if unfit else f"{change}, or let a slit open it (cuts.narrow: slit)"
+    whys = dict.fromkeys(one.why for one in (*unfit, *burnt))
+    return f"no slit opens it: {', '.join(whys) or 'metal of it would be left'}; {change}"
 
 
 def _small_holes(nest: Nest, contours: Iterable[int], limits: HoleLimits) -> dict[int, str]:

@@ -25,8 +25,9 @@ SAME_SHARE = 1e-6
 class Outlines:
     """Contours flattened within 0.01 mm. n contours, indexed like `Nest.contours`; m chords, contour after contour.
 
-    `polygon` is the area inside an outer contour or a hole, None for a mark; `centroid` its centre of mass
-    (Pristupov 2016), nan for a mark. `own_outer` is the outer contour of the part that a contour belongs to.
+    `polygon` is the area inside an outer contour or a hole, None for what encloses none; `centroid` its centre of mass
+    (Pristupov 2016), else nan. `own_outer` is the outer contour of the part that a contour belongs to, `around` for
+    a slit the contour that its slot is of, else the same.
     `length_mm` is exact on arcs. `chord_start`, `chord_end` (m, 2) and `chord_contour` (m,) are the chords.
     """
 
@@ -39,7 +40,9 @@ class Outlines:
     is_ccw: Bools
     is_outer: Bools
     is_mark: Bools
+    encloses: Bools
     own_outer: Ints
+    around: Ints
     chord_start: Floats
     chord_end: Floats
     chord_contour: Ints
@@ -60,13 +63,13 @@ def outlines_of(nest: Nest) -> Outlines:
     contours = nest.contours
     n = len(contours)
     line: Geometries = np.array([c.line for c in contours], dtype=object)
-    is_mark = np.array([c.kind == "mark" for c in contours], dtype=bool)
+    encloses = np.array([c.encloses for c in contours], dtype=bool)
     points, contour_of_point = shapely.get_coordinates(line, return_index=True)
 
     polygon: Geometries = np.full(n, None, dtype=object)
-    enclosing = ~is_mark[contour_of_point]
-    polygon[~is_mark] = shapely.polygons(
-        shapely.linearrings(points[enclosing], indices=(np.cumsum(~is_mark) - 1)[contour_of_point[enclosing]])
+    enclosing = encloses[contour_of_point]
+    polygon[encloses] = shapely.polygons(
+        shapely.linearrings(points[enclosing], indices=(np.cumsum(encloses) - 1)[contour_of_point[enclosing]])
     )
     centroid = shapely.centroid(polygon)
 
@@ -83,8 +86,10 @@ def outlines_of(nest: Nest) -> Outlines:
         area_mm2=np.nan_to_num(shapely.area(polygon)),
         is_ccw=summed_by(of, cross, n) > 0,
         is_outer=np.array([c.kind == "outer" for c in contours], dtype=bool),
-        is_mark=is_mark,
+        is_mark=np.array([c.kind == "mark" for c in contours], dtype=bool),
+        encloses=encloses,
         own_outer=np.array([outer_at[c.part] for c in contours], dtype=np.int64),
+        around=np.array([nest.index.get(c.slot_of, outer_at[c.part]) for c in contours], dtype=np.int64),
         chord_start=start,
         chord_end=end,
         chord_contour=of,

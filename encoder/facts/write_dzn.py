@@ -13,11 +13,11 @@ import numpy as np
 
 from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import KINDS
 
 from .facts import SIDES, Facing, Facts, Stretch
 
 CONTOURS_MAX = 2000
-KINDS = ("outer", "hole", "mark")
 
 HEADER = """\
 % Facts of a nest for MiniZinc (kerfwise-facts/1). Contours 1..n_contours, candidates 1..n_candidates.
@@ -26,7 +26,7 @@ HEADER = """\
 %   n_contours                number of contours
 %   contour_id[i]             id of contour i, as in plans and reports
 %   part[i]                   number of the part of i, in the order of the nest
-%   kind[i]                   1 outer, 2 hole, 3 mark
+%   kind[i]                   1 outer, 2 hole, 3 mark, 4 slit
 %   parent[i]                 the contour that immediately contains i, 0 if none does
 %   zone[i]                   zone of i, from 1
 %   long[i]                   i is an outer contour, one side at least long_ratio times the other
@@ -50,7 +50,7 @@ HEADER = """\
 %   cand_contour[c]           the contour it cuts
 %   cand_x[c], cand_y[c]      where it pierces: idle travel arrives here
 %   cand_end_x[c], cand_end_y[c]   where the torch goes off: idle travel leaves from here
-%   cand_ccw[c]               it runs counter-clockwise (an open mark: along the drawn line)
+%   cand_ccw[c]               it runs counter-clockwise (an open mark or a slit: along its line)
 %   cand_cut_length[c]        torch-on path, leads and overcut included
 %   cand_edge_start[c]        it comes in from the edge of the sheet and nothing is pierced
 %   head_length[c]            the first stretch of its path round the contour, of which

@@ -10,6 +10,7 @@ from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Contour
+from kerfwise.encoder.slits import slit_because
 from kerfwise.encoder.small_holes import not_cut_because
 from kerfwise.models.engines.solution import Solution
 from kerfwise.models.physics.timing.choose import feeds_of
@@ -39,6 +40,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
     excuses = excused(facts, stated, solution.route)
     why = reasons(facts, stated, solution.route, home)
     small = not_cut_because(facts.whole_nest, profile.hole_limits())
+    told = small | slit_because(facts.whole_nest, profile.material.kerf_mm)
     cuts = tuple(
         PlannedCut(
             Cut(
@@ -56,7 +58,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
             contour.part,
             contour.kind,
             candidate.cut_mm,
-            (small[contour.id], *because) if contour.id in small else because,
+            (told[contour.id], *because) if contour.id in told else because,
         )
         for candidate, contour, (begin, end), because in zip(candidates, contours, times, why, strict=True)
     )

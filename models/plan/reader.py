@@ -16,6 +16,7 @@ from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.json_words import said
+from kerfwise.encoder.nest import KINDS
 from kerfwise.encoder.readers.json_place import places
 from kerfwise.encoder.readers.limits import LIMIT_MM, checked_curve
 from kerfwise.models.physics.timing.report import TimeReport
@@ -111,7 +112,7 @@ def _plain(cut: object) -> bool:
         return False
     texts = [*cut["because"], *(cut.get("excused", ()) if isinstance(cut.get("excused", ()), list | tuple) else (0,))]
     return (
-        cut["kind"] in ("outer", "hole", "mark")
+        cut["kind"] in KINDS
         and cut["direction"] in ("cw", "ccw")
         and 0 <= cut["zone"] <= LIMIT_MM
         and all(len(cut[key]) == 2 and _plain_row(cut[key]) for key in ("entry", "pierce"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
@@ -22,6 +23,7 @@ from .relaxed import Relaxed, read_relaxed, relaxed_warnings
 from .result import CheckResult, Judgement, Measured
 from .running import judge_running
 from .runs_from_cuts import runs_from_cuts
+from .slits import Slots, misplaced, passes_of_cuts, passes_of_program, slits_of_made, told_of_slots, with_passes
 from .small_holes import Judged, judged_nest, small_holes, told_of_small_holes
 from .torch_run import TorchRun
 from .totals import Claims, claims_kept, idle_mm, totals
@@ -43,9 +45,9 @@ def check_cuts(
     says are relaxed. Without a thermometer no temperature is judged.
     """
     judged_by = judged_nest(nest, profile)
-    nest = judged_by.nest
+    nest, slots = with_passes(judged_by.nest, passes_of_cuts(cuts), profile)
     runs, faults = runs_from_cuts(nest, cuts, profile.material.kerf_mm)
-    judged, warnings = _judge_paths(judged_by, cuts, runs, faults, profile, relaxed)
+    judged, warnings = _judge_paths(replace(judged_by, nest=nest), slots, cuts, runs, faults, profile, relaxed)
     felt = measured(once_each(nest, cuts), heatings_of_cuts(nest, cuts, runs, profile), thermometer)
     rules = judge(nest, felt, profile, relaxed)
     warnings += relaxed_warnings(relaxed)
@@ -71,10 +73,14 @@ def check_program(
     program = read_on_machine(nc_text, nest, profile, file)
     told = list(other_origin(program, profile))
     profile = on_its_origin(program, profile)
+    nest, slots = with_passes(nest, passes_of_program(nest, program, profile), profile)
+    judged_by = replace(judged_by, nest=nest)
     built = rebuild(nest, program, profile.material.kerf_mm, profile.home_on(nest))
     astray = rapids_beyond_travel(nest, program, profile)
     relaxed = read_relaxed(nest, program.comments)
-    judged, warnings = _judge_paths(judged_by, built.cuts, built.runs, built.violations, profile, relaxed, astray)
+    judged, warnings = _judge_paths(
+        judged_by, slots, built.cuts, built.runs, built.violations, profile, relaxed, astray
+    )
     judged += judge_running(nest, program, profile, built.runs, judged_by.shares)
     felt = measured(once_each(nest, built.cuts), heatings_of_program(program), thermometer)
     rules = judge(nest, felt, profile, relaxed)
@@ -84,6 +90,7 @@ def check_program(
 
 def _judge_paths(
     judged_by: Judged,
+    slots: Slots,
     cuts: CutSequence,
     runs: Sequence[TorchRun],
     faults: Sequence[Violation],
@@ -92,8 +99,9 @@ def _judge_paths(
     astray: Iterable[Violation] = (),
 ) -> tuple[list[Judgement], list[str]]:
     """What is wrong with the paths of cuts; `astray` are ways without torch that leave the machine's travel."""
-    nest = judged_by.nest
-    found = gouges(nest, runs, profile.material.kerf_mm, _sharing(nest, profile, relaxed))
+    nest, kerf_mm = judged_by.nest, profile.material.kerf_mm
+    losses_mm = {name: slot.loss_mm(kerf_mm) for name, slot in slots.items()}
+    found = gouges(nest, runs, kerf_mm, _sharing(nest, profile, relaxed), losses_mm)
     runs_up = forbidden(nest, profile) is None
     margin_mm = profile.material.kerf_mm + (profile.length_mm(profile.leads.lead_in_mm) if runs_up else 0.0)
     judged = [
@@ -103,7 +111,13 @@ def _judge_paths(
         ),
         judgement("small-holes", small_holes(judged_by, cuts, runs, profile)),
         judgement("contour-geometry", _of("contour-geometry", faults)),
-        judgement("features-kept", features_lost(runs, profile.material.kerf_mm, _at_fault(faults))),
+        judgement(
+            "features-kept",
+            [
+                *features_lost(runs, kerf_mm, _at_fault(faults), slits_of_made(nest, cuts)),
+                *misplaced(slots, cuts, kerf_mm),
+            ],
+        ),
         judgement("kerf-side", _of("kerf-side", faults)),
         judgement("on-sheet", off_sheet(nest, runs, margin_mm)),
         judgement("edge-start", edge_starts(nest, runs, profile)),
@@ -111,7 +125,12 @@ def _judge_paths(
     ]
     if profile.reach_on(nest) is not None:
         judged.append(judgement("within-travel", [*beyond_travel(nest, cuts, runs, profile), *astray]))
-    return judged, [*_resumed(cuts), *told_of_small_holes(judged_by, profile), *found.warnings]
+    return judged, [
+        *_resumed(cuts),
+        *told_of_small_holes(judged_by, profile),
+        *told_of_slots(nest, slots, kerf_mm),
+        *found.warnings,
+    ]
 
 
 def _resumed(cuts: CutSequence) -> list[str]:

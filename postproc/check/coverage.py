@@ -47,7 +47,7 @@ def _dropped(nest: Nest, contours: Sequence[str], made: Set[str]) -> bool:
     if len(contours) != 2 or not {*contours} <= nest.index.keys() or contours[1] not in made:
         return False
     inner, outer = (nest.contour(name) for name in contours)
-    return outer.kind != "mark" and bool(outer.polygon.covers(inner.line))
+    return outer.encloses and bool(outer.polygon.covers(inner.line))
 
 
 def _done(kind: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import shapely
 
 from kerfwise.encoder.cut import Cut, Direction
@@ -26,12 +27,14 @@ def cut_from_burn(
 ) -> Found:
     """The cut that a burn makes of the contour it matches, its path taken apart, and what is wrong with it."""
     marks = burn.tool != 0
-    pieces = split(burn.path, match.ring.length) if contour.kind != "mark" else None
-    pieces = pieces or _whole(burn.path)
+    if contour.kind == "slit":
+        pieces = _at_mouth(burn.path, contour.curve)
+    else:
+        pieces = (split(burn.path, match.ring.length) if contour.encloses else None) or _whole(burn.path)
     loop = line_of(pieces.loop) or path
     join = _xy(pieces.loop, 0)
     along_mm, _ = contour.curve.project(join)
-    entry = join if contour.kind == "mark" else contour.curve.point_at(along_mm)
+    entry = join if not contour.encloses else contour.curve.point_at(along_mm)
     lead_in = pieces.lead_in if pieces.lead_in.segments else None
     cut = Cut(
         contour.id, entry, _direction(contour, pieces.loop), _xy(burn.path, 0), lead_in, pieces.lead_out, zone,
@@ -63,7 +66,7 @@ def _wrong(
     off_mm = max(match.deviation_mm, _farthest(loop, match.ring))
     if off_mm > allowed:
         found.append(("contour-geometry", f"the torch is up to {off_mm:.2f} mm off where {name} asks for it"))
-    again = split(pieces.lead_out, match.ring.length) if contour.kind != "mark" else None
+    again = split(pieces.lead_out, match.ring.length) if contour.encloses else None
     if again is not None and again.gap_mm <= allowed:
         found.append(("contour-geometry", f"the torch goes round {name} more than once"))
     return found
@@ -88,6 +91,14 @@ def _direction(contour: Contour, loop: Curve) -> Direction:
 def _xy(curve: Curve, k: int) -> Point:
     x, y = curve.vertices[k, :2].tolist()
     return x, y
+
+
+def _at_mouth(path: Curve, slit: Curve) -> Pieces:
+    """A path along a slit, taken apart at its vertex nearest to where the slit begins; all after that is the slit."""
+    away_mm = np.hypot(*(path.vertices[:-1, :2] - slit.vertices[0, :2]).T)
+    k = int(np.argmin(away_mm))
+    lead_in, along = Curve(path.vertices[: k + 1], closed=False), Curve(path.vertices[k:], closed=False)
+    return Pieces(lead_in, along, Curve(path.vertices[-1:], closed=False), 0.0)
 
 
 def _whole(path: Curve) -> Pieces:

@@ -87,6 +87,9 @@ def _in_order(run: TorchRun, cut: Cut) -> Iterator[shapely.LineString]:
     if run.lead_in is not None:
         yield run.lead_in
     ring = run.loop
+    if run.contour is not None and not run.contour.curve.closed:
+        yield ring
+        return
     if shapely.is_ccw(shapely.LinearRing(ring)) != (cut.direction == "ccw"):
         ring = ring.reverse()
     first = shapely.get_point(run.lead_in, -1) if run.lead_in is not None else shapely.Point(cut.pierce)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,19 +41,26 @@ class _Burn:
     lead: bool
 
 
-def gouges(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float, shared: Pairs | None = frozenset()) -> Gouges:
+def gouges(
+    nest: Nest,
+    runs: Sequence[TorchRun],
+    kerf_mm: float,
+    shared: Pairs | None = frozenset(),
+    losses_mm: Mapping[str, float] | None = None,
+) -> Gouges:
     """Where the kerf, half its width to each side of the torch, reaches more than the tolerance into a part's metal.
 
     `shared` are pairs of parts whose metal the rounds of each may burn: those that the plan says are relaxed, or all
     (None) where the rule shared-metal is off. Where all may, a warning names those that do. What a lead burns beyond
-    its round is a gouge there too.
+    its round is a gouge there too. `losses_mm` are what parts may lose besides to passes along slots of their own, by
+    the contour id of the pass.
     """
     half_mm, allowed_mm = kerf_mm / 2, tolerance_mm(kerf_mm) + SLACK_MM
     burns = [_Burn(run, run.loop, False) for run in runs if not run.marks]
     burns += [_Burn(run, lead, True) for run in runs if not run.marks for lead in run.leads]
     if kerf_mm <= 0 or not burns or not nest.parts:
         return Gouges((), ())
-    metal = np.array([_metal(part) for part in nest.parts], dtype=object)
+    metal = np.array([metal_of(part) for part in nest.parts], dtype=object)
     lines = np.array([burn.line for burn in burns], dtype=object)
     rows, parts = shapely.STRtree(metal).query(lines, predicate="dwithin", distance=max(half_mm - allowed_mm, 0.0))
     violations: list[Violation] = []
@@ -63,10 +70,12 @@ def gouges(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float, shared: Pairs |
         own = burn.run.contour.part if burn.run.contour is not None else part
         pair = (min(own, part), max(own, part))
         let = own != part and (shared is None or frozenset(pair) in shared)
-        if let and burn.lead:  # near its join a lead runs in the round's own kerf
+        slit = burn.run.contour is not None and burn.run.contour.kind == "slit"
+        if (let or slit) and burn.lead:  # near its join a lead runs in the kerf of the round, or of the slit
             struck = shapely.difference(struck, shapely.buffer(burn.run.loop, half_mm))
         depth_mm, place = _deepest(burn.line, struck, half_mm)
-        if depth_mm <= allowed_mm:
+        lost_mm = (losses_mm or {}).get(burn.run.name, 0.0) if own == part and not burn.lead else 0.0
+        if depth_mm <= allowed_mm + lost_mm:
             continue
         if let and not burn.lead:
             warned[pair] = max(warned.get(pair, 0.0), depth_mm)
@@ -80,7 +89,7 @@ def gouges(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float, shared: Pairs |
     return Gouges(tuple(violations), tuple(warnings) if shared is None else ())
 
 
-def _metal(part: Part) -> shapely.Geometry:
+def metal_of(part: Part) -> shapely.Geometry:
     """The metal of a part in fine chords, whether shapely calls its rings valid or not."""
     areas = [shapely.make_valid(c.curve.polygon(_CHORD_MM)) for c in (part.outer, *part.holes)]
     return shapely.difference(areas[0], shapely.union_all(areas[1:])) if part.holes else areas[0]

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.rule import Violation
 
@@ -31,6 +32,9 @@ _LEAD = re.compile(
     rf"(?P<how>OUT|BROKEN) (?P<order>\d{{1,9}}) LEAD (?P<which>IN|OUT) (?P<rows>{_NUMBER}(?: {_NUMBER})*)",
     re.IGNORECASE,
 )
+
+
+_SLIT = re.compile(r"\.slit\d+$", re.IGNORECASE)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -76,6 +80,22 @@ def read_resumed(nest: Nest, comments: Iterable[str]) -> Resumed:
         wrong.append(f"it goes on after cut {after}, but lists {len(cuts)} cuts that are out")
     told = tuple(Violation(_RULE, (), text) for text in wrong)
     return Resumed(tuple(cuts[k] for k in sorted(cuts)), broken_off, told)
+
+
+def told_ends(comments: Iterable[str]) -> Iterator[tuple[str, Point, Point]]:
+    """Name, where its lead-in ends and where the torch went off, of each slit that comments say is already cut."""
+    said = list(comments)
+    leads: dict[tuple[str, str], list[float]] = defaultdict(list)
+    for found in filter(None, map(_LEAD.fullmatch, said)):
+        leads[f"{found['how']} {found['order']}".upper(), found["which"].upper()] += map(float, found["rows"].split())
+    for found in filter(None, map(_OUT.fullmatch, said)):
+        head, name = f"OUT {found['order']}", found["contour"]
+        lead_in, lead_out = (_lead(leads.get((head, which), [])) for which in ("IN", "OUT"))
+        if found["how"].upper() == "OUT" and _SLIT.search(name) and lead_out is not None:
+            pierce = (float(found["x"]), float(found["y"]))
+            start = pierce if lead_in is None else lead_in.vertices[-1, :2].tolist()
+            x, y = lead_out.vertices[-1, :2].tolist()
+            yield name, (start[0], start[1]), (x, y)
 
 
 def _lead(numbers: list[float]) -> Curve | None:

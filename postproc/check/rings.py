@@ -19,7 +19,7 @@ def torch_rings(
     """The line the torch's centre follows around each contour; None where the kerf leaves nothing.
 
     "right" is half the kerf outside an outer contour and inside a hole, "wrong" the other way round, "on" the contour
-    itself. A mark is its own line. Chords lie within 0.006 mm of the true curve.
+    itself. Marks and slits are their own lines. Chords lie within 0.006 mm of the true curve.
 
     Examples
     --------
@@ -31,7 +31,7 @@ def torch_rings(
     half = {"right": kerf_mm / 2, "wrong": -kerf_mm / 2, "on": 0.0}[side]
     rings: list[shapely.LinearRing | shapely.LineString | None] = []
     for contour in contours:
-        if contour.kind == "mark" or half == 0:
+        if not contour.encloses or half == 0:
             rings.append(contour.curve.line(_CHORD_MM))
             continue
         area = shapely.make_valid(contour.curve.polygon(_CHORD_MM))

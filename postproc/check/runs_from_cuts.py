@@ -70,6 +70,11 @@ def _faults(
         if math.dist(cut.pierce, begins) > allowed:
             geometry("marking does not start where the line does")
         return found
+    if contour.kind == "slit":
+        begins = cut.pierce if cut.lead_in is None else _xy(cut.lead_in, -1)
+        if cut.direction != "ccw" or math.dist(begins, _xy(contour.curve, 0)) > allowed:
+            geometry("a slit is cut from its mouth on")
+        return found
     start = cut.pierce if cut.lead_in is None else join
     off_mm = shapely.Point(start).distance(ring)
     if off_mm > allowed:

@@ -2,7 +2,7 @@
 
 A round kerf leaves something of every inner corner. What is left of a contour is measured from the contour to the edge
 of what is burnt: as much as of a right angle may be left anywhere, of a sharper corner as much as is left by nature but
-no more than half the kerf, and 0.05 mm more.
+no more than half the kerf, and 0.05 mm more. A pass along a slot reaches for the contour that the slot is of.
 """
 
 from __future__ import annotations
@@ -15,9 +15,11 @@ import numpy as np
 import shapely
 
 from kerfwise.arrays import Floats
+from kerfwise.encoder.nest import Contour
 from kerfwise.rules.rule import Violation
 
 from .program_rules import tolerance_mm
+from .slits import burns_in
 from .torch_run import TorchRun
 
 SLACK_MM = 0.01
@@ -27,18 +29,25 @@ _STEP_MM = 0.05
 _SLOT_RAD = math.radians(15)
 
 
-def features_lost(runs: Sequence[TorchRun], kerf_mm: float, skipped: frozenset[int] = frozenset()) -> list[Violation]:
-    """Where contours are left uncut, those of runs at the positions `skipped` aside: their paths are wrong anyway."""
+def features_lost(
+    runs: Sequence[TorchRun], kerf_mm: float, skipped: frozenset[int] = frozenset(), opened: Sequence[Contour] = ()
+) -> list[Violation]:
+    """Where contours are left uncut, those of runs at the positions `skipped` aside: their paths are wrong anyway.
+
+    `opened` are slits that were cut before the runs.
+    """
     cut = [
         run
         for run in runs
-        if run.contour is not None and run.contour.kind != "mark" and not run.marks and run.position not in skipped
+        if run.contour is not None and run.contour.encloses and not run.marks and run.position not in skipped
     ]
     if kerf_mm <= 0 or not cut:
         return []
     within_mm = kerf_mm / 2 + tolerance_mm(kerf_mm) + SLACK_MM
     contours = np.array([run.contour.curve.line(_CHORD_MM) for run in cut if run.contour is not None], dtype=object)
-    paths = np.array([shapely.union_all([run.loop, *run.leads]) for run in cut], dtype=object)
+    paths = np.array(
+        [shapely.union_all([run.loop, *run.leads, *burns_in(runs, opened, run.name)]) for run in cut], dtype=object
+    )
     left = shapely.difference(contours, shapely.buffer(paths, within_mm, quad_segs=24))
     found: list[Violation] = []
     for k in np.flatnonzero(~shapely.is_empty(left)).tolist():

@@ -59,6 +59,9 @@ def _header(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect) -> Itera
         yield comment(dialect, f"WAITS FOR METAL TO COOL {len(plan.waits)}, {seconds_text(plan.wait_s)}")
     if nest.spotted:
         yield comment(dialect, f"SMALL HOLES MARKED AT THEIR MIDDLE {len(nest.spotted)}")
+    slits = sum(planned.kind == "slit" for planned in (*plan.already_cut, *plan.cuts))
+    if slits:
+        yield comment(dialect, f"NARROW SLOTS OPENED BY ONE PASS {slits}")
     for k, left in enumerate(plan.left_out, 1):
         yield comment(dialect, f"LEFT OUT {k}", left.contour)
     yield comment(dialect, f"START SIDE {plan.start_side.upper()}")

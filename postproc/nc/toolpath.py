@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
 from kerfwise.encoder.compensation import compensated
@@ -33,7 +33,7 @@ def torch_path(contour: Contour, cut: Cut, kerf_mm: float) -> Curve:
     Returns
     -------
     Open curve without segments of no length. An open mark is followed along its line ("ccw") or against it ("cw"), a
-    closed one once round from its entry.
+    closed one once round from its entry; a slit along its line from the end of its lead-in.
 
     Raises
     ------
@@ -48,10 +48,16 @@ def torch_path(contour: Contour, cut: Cut, kerf_mm: float) -> Curve:
     [[5.0, 4.0], [5.0, 1.0], [9.0, 1.0], [9.0, 9.0], [1.0, 9.0], [1.0, 1.0], [5.0, 1.0]]
     """
     if not contour.curve.closed:
-        return contour.curve if cut.direction == "ccw" else contour.curve.reversed()
+        line = contour.curve if cut.direction == "ccw" else contour.curve.reversed()
+        return line if cut.lead_in is None else _joined((cut.lead_in, line))
     ring = compensated(contour, kerf_mm).towards(cut.direction)
     once_round = ring.opened_at(ring.project(_join(cut))[0])
-    rows = [row for path in (cut.lead_in, once_round, cut.lead_out) if path is not None for row in _rows(path)]
+    return _joined(path for path in (cut.lead_in, once_round, cut.lead_out) if path is not None)
+
+
+def _joined(paths: Iterable[Curve]) -> Curve:
+    """One open path of several that follow each other."""
+    rows = [row for path in paths for row in _rows(path)]
     kept = [a for a, b in pairwise(rows) if math.dist(a[:2], b[:2]) > _SPECK_MM]
     return Curve.of([*kept, rows[-1]], closed=False)
 

@@ -59,7 +59,7 @@ def _panel(panel: Panel, top: float) -> tuple[list[str], float]:
     lines.append(_path(panel.nest.sheet.outline.line(), place, INK, METAL, 1))
     for contour in _largest_first(panel.nest):
         ink = RED if contour.id in wrong else INK
-        fill = {"outer": "#ffffff", "hole": METAL, "mark": "none"}[contour.kind]
+        fill = {"outer": "#ffffff", "hole": METAL, "mark": "none", "slit": "none"}[contour.kind]
         lines.append(_path(contour.line, place, ink, fill, 2 if contour.id in wrong else 1))
     for contour in panel.nest.contours:
         if contour.id in at:
@@ -76,7 +76,7 @@ def _panel(panel: Panel, top: float) -> tuple[list[str], float]:
 
 def _largest_first(nest: Nest) -> Iterator[Contour]:
     """The contours in the order that paints what lies inside over what lies around it."""
-    yield from sorted(nest.contours, key=lambda c: -c.polygon.area if c.kind != "mark" else 1.0)
+    yield from sorted(nest.contours, key=lambda c: -c.polygon.area if c.encloses else 1.0)
 
 
 def _path(line: shapely.LineString, place: Place, ink: str, fill: str, width: float) -> str:

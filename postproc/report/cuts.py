@@ -11,13 +11,16 @@ import shapely
 
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.encoder.nest import KINDS, Contour, Nest
 
 from . import colours
 from .scene import Dot, Item, Layer, Shape, Style, Text
 from .text_room import Place
 from .view import View
 
+INKS: Mapping[str, str] = {
+    "outer": colours.OUTER, "hole": colours.HOLE, "mark": colours.MARK, "slit": colours.SLIT,
+}  # fmt: skip
 _ARROW_EVERY = 260.0  # page units along a contour
 
 
@@ -32,9 +35,7 @@ def contour_layer(
 
     Small holes that are not cut are dashed.
     """
-    plain = sorted(
-        (c for c in nest.contours if c.id not in alert), key=lambda c: ("outer", "hole", "mark").index(c.kind)
-    )
+    plain = sorted((c for c in nest.contours if c.id not in alert), key=lambda c: KINDS.index(c.kind))
     dots = (2 * view.line_width, 2 * view.line_width)
     gone = Style(stroke=colours.FAINT, width=0.7 * view.line_width, dash=dots)
     items = [
@@ -48,7 +49,7 @@ def contour_layer(
 
 
 def _ink(contour: Contour) -> str:
-    return {"outer": colours.OUTER, "hole": colours.HOLE, "mark": colours.MARK}[contour.kind]
+    return INKS[contour.kind]
 
 
 def _pen(contour: Contour, view: View) -> float:

@@ -76,8 +76,8 @@ def _place_part(
     outer_first: bool,
 ) -> dict[str, Place]:
     """The labels of one part, each in what the ones before it leave of the metal (or anywhere, if they leave none)."""
-    whole = metal
-    contours = (part.outer, *part.holes, *part.marks) if outer_first else (*part.holes, part.outer, *part.marks)
+    whole, open_lines = metal, (*part.marks, *part.slits)
+    contours = (part.outer, *part.holes, *open_lines) if outer_first else (*part.holes, part.outer, *open_lines)
     places: dict[str, Place] = {}
     for contour in contours:
         if contour.id not in labels:
@@ -85,7 +85,7 @@ def _place_part(
         label = labels[contour.id]
         if contour.kind == "outer":
             place = find_room(whole if metal.is_empty else metal, label.text, wanted_mm, _point(label), bold=True)
-        elif contour.kind == "mark":
+        elif not contour.encloses:
             place = find_room(whole if metal.is_empty else metal, label.text, wanted_mm, contour.line)
         else:
             area = _seen(contour.polygon, wanted_mm, window)

@@ -12,6 +12,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
 
 from . import colours
+from .cuts import INKS
 from .scene import Dot, Item, Layer, Shape, Style, Text, text_width
 from .view import FOOTER, HEADER, MARGIN, View
 
@@ -194,6 +195,7 @@ def _key(items: list[Item], x: float, end: float, y: float, kinds: frozenset[str
         ("outer", "outer contour"),
         ("hole", "hole"),
         ("mark", "mark"),
+        ("slit", "slit along a narrow slot"),
         ("small", "small hole, not cut"),
         ("home", "home"),
         ("out", "out already"),
@@ -224,6 +226,6 @@ def _sample(kind: str, x: float, y: float) -> list[Item]:
         return [Shape((line,), Style(stroke=colours.FAINT, width=1.4, dash=(4, 3)), closed=False)]
     if kind == "out":
         return [Shape((line,), Style(stroke=colours.FAINT, width=1.0, dash=(2.0, 2.0)), closed=False)]
-    ink = {"pierce": colours.PIERCE, "outer": colours.OUTER, "hole": colours.HOLE, "mark": colours.MARK}[kind]
+    ink = {"pierce": colours.PIERCE, **INKS}[kind]
     sample: list[Item] = [Shape((line,), Style(stroke=ink, width=1.4), closed=False)]
     return [*sample, Dot(x + 2, y, 3, Style(fill=ink))] if kind == "pierce" else sample

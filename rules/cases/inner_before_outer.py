@@ -1,6 +1,7 @@
 """Cases of rule inner-before-outer."""
 
 from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.encoder.slits import with_slits
 from kerfwise.rules.case import Case, in_order
 from kerfwise.rules.rule import Violation
 
@@ -10,7 +11,26 @@ HOSTED = nest(300, 200, RING, part("G", rect(50, 50, 40, 40)))
 TOUCHING = nest(300, 200, RING, part("G", rect(30, 30, 110, 50)))
 BESIDE = nest(300, 200, RING, part("G", rect(160, 10, 40, 40)))
 
+SLOT = [(10, 10), (110, 10), (110, 60), (60.5, 60), (60.5, 30), (59.5, 30), (59.5, 60), (10, 60)]
+SLOTTED = with_slits(nest(300, 200, part("P1", SLOT)), 1.5)
+
 CASES = (
+    Case("a slit before the contour that its slot is of", "passes", SLOTTED, in_order(SLOTTED, "P1.slit1 P1.outer")),
+    Case(
+        "a slit after the contour that its slot is of",
+        "fails",
+        SLOTTED,
+        in_order(SLOTTED, "P1.outer P1.slit1"),
+        (
+            Violation(
+                "inner-before-outer",
+                ("P1.slit1", "P1.outer"),
+                "P1.slit1 (cut 2) must be cut before P1.outer (cut 1): it opens a slot beside metal that cutting "
+                "P1.outer frees",
+                (1, 2),
+            ),
+        ),
+    ),
     Case("hole and mark before the outline", "passes", PLATE, in_order(PLATE, "P1.hole1 P1.mark1 P1.outer")),
     Case("guest before the hole it lies in", "passes", HOSTED, in_order(HOSTED, "G.outer H.hole1 H.outer")),
     Case(

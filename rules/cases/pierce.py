@@ -5,6 +5,7 @@ from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.slits import with_slits
 from kerfwise.rules.case import Case, CaseKind
 from kerfwise.rules.catalogue.pierce import PierceOptions
 from kerfwise.rules.rule import Violation
@@ -33,6 +34,18 @@ CORNERS = nest(
 IN_THE_MIDDLE = (("A.outer", (90, 90), (92, 92), (90.53, 90.53)), ("D.outer", (94, 94), (92, 92), (93.47, 93.47)))
 
 
+SLOT = [(50, 50), (150, 50), (150, 150), (100.5, 150), (100.5, 120), (99.5, 120), (99.5, 150), (50, 150)]
+SLOTTED = with_slits(nest(400, 300, part("A", SLOT)), 1.5)
+A_SLIT = Cut(
+    "A.slit1",
+    (100, 150.559),
+    "ccw",
+    (100, 156),
+    Curve.of([(100, 156), (100, 150.559)], closed=False),
+    Curve.of([(100, 120.75)], closed=False),
+)
+
+
 def from_the_right(pierce_x: float) -> tuple[str, Point, Point, Point]:
     """A's outline, entered from the street between A and B."""
     return ("A.outer", (150, 100), (pierce_x, 100), (150.75, 100))
@@ -59,6 +72,33 @@ def case(name: str, kind: CaseKind, where: Nest, cuts: CutSequence, *violations:
 
 
 CASES = (
+    case("a slit before its mouth, its contour elsewhere", "passes", SLOTTED, sequence(A_SLIT, A_FROM_BELOW)),
+    case(
+        "a contour in the kerf of the lead of its slit",
+        "fails",
+        SLOTTED,
+        sequence(A_SLIT, ("A.outer", (102, 150), (100, 156), (102, 150.75))),
+        broken(
+            (1, 2),
+            ("A.outer", "A.slit1"),
+            "A.outer (cut 2) is pierced in the kerf of the lead-in of A.slit1 (cut 1), where there is no metal, at "
+            "(100.00, 156.00)",
+        ),
+        broken(
+            (1, 2),
+            ("A.outer", "A.slit1"),
+            "the lead-in of A.outer (cut 2) crosses the kerf of the lead-in of A.slit1 (cut 1)",
+        ),
+    ),
+    case(
+        "a slit pierced in its slot",
+        "fails",
+        SLOTTED,
+        sequence(
+            Cut("A.slit1", (100, 150.559), "ccw", (100, 130), Curve.of([(100, 130), (100, 150.559)], closed=False))
+        ),
+        broken((1,), ("A.slit1", "A.outer"), "A.slit1 (cut 1) is pierced 0.50 mm from A.outer, less than 1.5 mm"),
+    ),
     case("in waste and clear", "passes", PLATE, sequence(A_HOLE, A_FROM_BELOW, B_FROM_BELOW)),
     case("a guest before the hole it is pierced in", "passes", HOST, sequence(G_OUTER, H_HOLE, H_OUTER)),
     case(

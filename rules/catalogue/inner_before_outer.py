@@ -22,8 +22,9 @@ class InnerBeforeOuter(OrderRule[NoOptions]):
 
     ## What it does
 
-    The holes and marks of a part come before its outer contour; a part that lies in a hole of another comes before
-    that hole. It is stated for each contour and the one immediately around it; the rest follows.
+    The holes, marks and slits of a part come before its outer contour; a part that lies in a hole of another comes
+    before that hole, and a slit before the contour that its slot is of. It is stated for each contour and the one
+    immediately around it; the rest follows.
 
     ## Why
 
@@ -55,8 +56,11 @@ class InnerBeforeOuter(OrderRule[NoOptions]):
 
     def pairs(self, nest: Nest, cuts: CutSequence, options: NoOptions) -> list[Ids]:
         within_part = [(c.id, part.outer.id) for part in nest.parts for c in (*part.marks, *part.holes)]
+        within_part += [(slit.id, slit.slot_of) for part in nest.parts for slit in part.slits]
         nested = [(nest.part_of[guest].outer.id, hole.id) for guest, hole in host_holes(nest).items()]
         return within_part + nested
 
     def reason(self, before: str, after: str, start_side: Side | None) -> str:
+        if before.rpartition(".")[2].startswith("slit"):
+            return f"it opens a slot beside metal that cutting {after} frees"
         return f"it lies inside it, and cutting {after} frees the metal it is in"

@@ -64,7 +64,7 @@ class MarksFirst(Rule[MarksFirstOptions]):
         if options.scope == "part":
             for part in facts.nest.parts:
                 for mark in part.marks:
-                    for cut in (*part.holes, part.outer):
+                    for cut in (*part.slits, *part.holes, part.outer):
                         sentence = f"{mark.id} is made before {cut.id}: {WHY}"
                         yield Precede(index[mark.id], index[cut.id], self.about((mark.id, cut.id), sentence))
             return
@@ -96,7 +96,12 @@ class MarksFirst(Rule[MarksFirstOptions]):
 
     def pairs(self, nest: Nest, cuts: CutSequence, options: MarksFirstOptions) -> list[Ids]:
         if options.scope == "part":
-            return [(m.id, cut.id) for part in nest.parts for m in part.marks for cut in (*part.holes, part.outer)]
+            return [
+                (mark.id, cut.id)
+                for part in nest.parts
+                for mark in part.marks
+                for cut in (*part.slits, *part.holes, part.outer)
+            ]
         marks = _marks(nest)[:1]  # the others come with it: they are one run
         return [(mark, c.id) for mark in marks for c in nest.contours if c.kind != "mark"]
 

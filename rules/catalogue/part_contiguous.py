@@ -36,7 +36,7 @@ class PartContiguous(Rule[PartContiguousOptions]):
 
     ## What it does
 
-    A part is cut in one go: its holes in any order, its outer contour last, and no contour of another part in
+    A part is cut in one go: its holes and slits in any order, its outer contour last, and no contour of another part in
     between. Marks are left out unless `marks: together` (which needs `marks-first: {scope: part}`). What is left of a
     part when a program goes on after a stop is cut in one go as well, whenever its turn comes.
 
@@ -123,4 +123,4 @@ class PartContiguous(Rule[PartContiguousOptions]):
 def _run(part: Part, options: PartContiguousOptions) -> tuple[Contour, ...]:
     """The contours of a part that follow each other, its outer contour last."""
     marks = part.marks if options.marks == "together" else ()
-    return (*marks, *part.holes, part.outer)
+    return (*marks, *part.slits, *part.holes, part.outer)

@@ -101,7 +101,7 @@ def near_contours(facts: Facts, kerf_mm: float) -> list[tuple[int, int, float, P
     """
     reach_mm = kerf_mm - tolerance_mm(kerf_mm)
     contours = facts.nest.contours
-    cut = np.array([k for k, c in enumerate(contours) if c.kind != "mark"], dtype=np.int64)
+    cut = np.array([k for k, c in enumerate(contours) if c.encloses], dtype=np.int64)
     if reach_mm <= 0 or len(cut) < 2:
         return []
     lines = np.array([contours[k].curve.line(CHORD_MM) for k in cut], dtype=object)

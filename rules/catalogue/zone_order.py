@@ -166,7 +166,7 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
 
     def _split(self, nest: Nest, stated: dict[str, tuple[int, int]]) -> list[Violation]:
         """Contours whose zone is not that of the contour around them."""
-        around = [(hole.id, part.outer.id) for part in nest.parts for hole in part.holes]
+        around = [(hole.id, part.outer.id) for part in nest.parts for hole in (*part.slits, *part.holes)]
         around += [(nest.part_of[guest].outer.id, hole.id) for guest, hole in host_holes(nest).items()]
         found = []
         for inner, outer in around:

@@ -33,7 +33,7 @@ def burnt_parts(nest: Nest, cut: Collection[str], kerf_mm: float) -> list[Burnt]
     Each pair once, in the order of the nest.
     """
     reach_mm = kerf_mm - tolerance_mm(kerf_mm) - SLACK_MM
-    cutting = [c for c in nest.contours if c.id in cut and c.kind != "mark"]
+    cutting = [c for c in nest.contours if c.id in cut and c.encloses]
     if reach_mm <= 0 or not cutting or len(nest.parts) < 2:
         return []
     metal = np.array([metal_of(part) for part in nest.parts], dtype=object)

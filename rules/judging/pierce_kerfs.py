@@ -40,8 +40,8 @@ class _Lead:
 def over_older_kerfs(nest: Nest, cuts: CutSequence, kerf_mm: float, splash_mm: float) -> Iterator[Finding]:
     """Pierces nearer than half the kerf and the splash to the kerf of an earlier cut, and leads that cross one.
 
-    The kerf of a contour reaches from it one kerf into its waste, that of a lead half a kerf to both sides. A part's
-    own metal lies between its contours, so that they are not looked at against each other.
+    The kerf of a contour reaches from it one kerf into its waste, that of a lead or a slit half a kerf to both sides. A
+    part's own metal lies between its contours, so that they are not looked at against each other, but for slits.
     """
     through = [(k, c, nest.contour(c.contour)) for k, c in enumerate(cuts, 1) if _burns(nest, c)]
     if not through:
@@ -85,12 +85,13 @@ def _pierces(nest: Nest, cut: Cut) -> bool:
 
 
 def _older(burn: _Burn, position: int, contour: Contour) -> bool:
-    return burn.position < position and burn.contour.part != contour.part
+    both_in_waste = burn.contour.part != contour.part or "slit" in (burn.contour.kind, contour.kind)
+    return burn.position < position and both_in_waste
 
 
 def _burns_of(through: list[tuple[int, Cut, Contour]], kerf_mm: float) -> Iterator[_Burn]:
     for k, cut, contour in through:
-        yield _Burn(k, contour, f"{contour.id} (cut {k})", contour.line, kerf_mm)
+        yield _Burn(k, contour, f"{contour.id} (cut {k})", contour.line, kerf_mm if contour.encloses else kerf_mm / 2)
         for name, lead in _named_leads(cut):
             yield _Burn(k, contour, f"the {name} of {contour.id} (cut {k})", lead.line(), kerf_mm / 2)
 

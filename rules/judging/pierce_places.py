@@ -31,16 +31,17 @@ class PiercePlaces:
             (k, cut, contour) for k, cut in enumerate(cuts, 1) if (contour := nest.contour(cut.contour)).kind != "mark"
         ]
         self.through = [c for c in nest.contours if c.kind != "mark"]
+        self.rings = [c for c in nest.contours if c.encloses]
         self.points: Any = shapely.points(np.array([cut.pierce for _, cut, _ in self.cuts]).reshape(-1, 2))
         self.lines = shapely.STRtree([c.line for c in self.through])
         self.enclosing = self._enclosing()
 
     def _enclosing(self) -> list[set[str]]:
         """For each cut, the contours that its pierce lies inside."""
-        rows, inside = shapely.STRtree([c.polygon for c in self.through]).query(self.points, "intersects")
+        rows, inside = shapely.STRtree([c.polygon for c in self.rings]).query(self.points, "intersects")
         found: list[set[str]] = [set() for _ in self.cuts]
         for row, k in zip(rows.tolist(), inside.tolist(), strict=True):
-            found[row].add(self.through[k].id)
+            found[row].add(self.rings[k].id)
         return found
 
     def misplaced(self) -> Iterator[Finding]:
@@ -50,6 +51,14 @@ class PiercePlaces:
                 yield (k,), (contour.id,), f"{contour.id} (cut {k}) is pierced outside itself, at {spot(cut)}"
             elif contour.kind == "outer" and contour.id in inside:
                 yield (k,), (contour.id,), f"{contour.id} (cut {k}) is pierced inside itself, at {spot(cut)}"
+            elif contour.kind == "slit" and (self.nest.contour(contour.slot_of).kind == "hole") != (
+                contour.slot_of in inside
+            ):
+                yield (
+                    (k,),
+                    (contour.id, contour.slot_of),
+                    f"{contour.id} (cut {k}) is not pierced in the waste of {contour.slot_of}, at {spot(cut)}",
+                )
             for outline in sorted(inside - {self.nest.part_of[contour.part].outer.id}):
                 owner = self.nest.part_of[self.nest.contour(outline).part]
                 if outline == owner.outer.id and not any(hole.id in inside for hole in owner.holes):
@@ -66,6 +75,8 @@ class PiercePlaces:
         rows = np.flatnonzero(pierced & ~on_edge)
         for row, k in pairs_found(self.lines.query(self.points[rows], "dwithin", distance=clearance_mm - SLACK_MM)):
             (at, _, contour), near = self.cuts[rows[row]], self.through[k]
+            if near is contour and contour.kind == "slit":
+                continue
             gap = shapely.distance(self.points[rows[row]], near.line)
             text = f"{contour.id} (cut {at}) is pierced {gap:.2f} mm from {near.id}, less than {clearance_mm:g} mm"
             yield (at,), tuple(dict.fromkeys((contour.id, near.id))), text
@@ -92,7 +103,7 @@ class PiercePlaces:
         drawn = np.array([line for *_, line in leads], dtype=object)
         for row, j in pairs_found(self.lines.query(drawn, "intersects")):
             (k, contour, name, line), met = leads[row], self.through[j]
-            if met is contour and not _strays(line, contour):
+            if met is contour and (contour.kind == "slit" or not _strays(line, contour)):
                 continue
             other = "its own contour" if met is contour else met.id
             ids = (contour.id,) if met is contour else (contour.id, met.id)

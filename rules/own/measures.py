@@ -36,8 +36,8 @@ def measured(nest: Nest, cuts: CutSequence | None, long_ratio: float, web_mm: fl
 
 
 def areas_mm2(nest: Nest) -> list[float]:
-    """Area inside every contour, 0 for a mark."""
-    return [0.0 if c.kind == "mark" else float(c.polygon.area) for c in nest.contours]
+    """Area inside every contour, 0 for a mark or a slit."""
+    return [float(c.polygon.area) if c.encloses else 0.0 for c in nest.contours]
 
 
 def lengths_mm(nest: Nest) -> list[float]:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import KINDS, Nest
 
 from . import measures
 from .measures import Measured
@@ -70,10 +70,10 @@ def _neighbour_counts(facts: Facts) -> list[int]:
 
 
 _TABLE = (
-    _own("kind", WordKind(("outer", "hole", "mark")), "what the contour is", lambda n: [c.kind for c in n.contours]),
+    _own("kind", WordKind(KINDS), "what the contour is", lambda n: [c.kind for c in n.contours]),
     _own("part", TextKind(), "id of its part", lambda n: [c.part for c in n.contours]),
     _own("id", TextKind(), "its own id, `<part>.outer`, `<part>.hole1` …", lambda n: [c.id for c in n.contours]),
-    _own("area_mm2", AREAS, "area inside it, 0 for a mark", measures.areas_mm2),
+    _own("area_mm2", AREAS, "area inside it, 0 for a mark or a slit", measures.areas_mm2),
     _own("length_mm", LENGTHS, "its length", measures.lengths_mm),
     _own("width_mm", LENGTHS, "its extent along x", lambda n: measures.sizes_mm(n, 0)),
     _own("height_mm", LENGTHS, "its extent along y", lambda n: measures.sizes_mm(n, 1)),

@@ -18,6 +18,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Kind, Nest
 from kerfwise.encoder.readers.layers import Layers
 from kerfwise.encoder.readers.options import ReadOptions
+from kerfwise.encoder.slits import with_slits
 from kerfwise.encoder.small_holes import HoleLimits, as_cut
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.option import options_of
@@ -25,6 +26,7 @@ from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.thickness_table import LengthOf, length_at
 from kerfwise.rules.own import Own, Thresholds, as_rule, own_pairs
 from kerfwise.rules.plant import Plant
+from kerfwise.rules.profile.cuts_section import Cuts
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule, Strength
 from kerfwise.rules.temperature_limit import TemperatureLimit
@@ -68,6 +70,7 @@ class Profile:
     prices: Prices = field(default_factory=Prices)
     heat: Heat = field(default_factory=Heat)
     small_holes: SmallHoles = field(default_factory=SmallHoles)
+    cuts: Cuts = field(default_factory=Cuts)
     sha256: str = field(default="", compare=False)
     file: str = field(default="", compare=False)
 
@@ -143,6 +146,7 @@ class Profile:
             reach=None if nest is None else self.reach_on(nest),
             entry_points={lock.contour: lock.entry for lock in self.locks if lock.contour and lock.entry},
             holes=self.hole_limits(),
+            narrow=self.cuts.narrow,
         )
 
     def _asked_of_leads(self) -> LeadOptions:
@@ -182,8 +186,9 @@ class Profile:
         return self.small_holes.limits(self.material.thickness_mm, clearance_mm)
 
     def as_cut(self, nest: Nest) -> Nest:
-        """The nest as this plant cuts it: small holes are marks or gone, and others know their feed."""
-        return as_cut(nest, self.hole_limits())
+        """The nest as this plant cuts it: small holes are marks or gone, others know their feed, slots have slits."""
+        made = as_cut(nest, self.hole_limits())
+        return with_slits(made, self.material.kerf_mm) if self.cuts.narrow == "slit" else made
 
     def fact_options(self, nest: Nest | None = None) -> FactOptions:
         """The thresholds of the facts, as the rules and the locks say.

@@ -15,6 +15,7 @@ from kerfwise.rules.options.option import option
 from kerfwise.rules.options.plain_values import Choice, Flag, Number, Text
 from kerfwise.rules.options.quantities import LENGTH, over_zero
 from kerfwise.rules.options.thickness_table import LENGTH_OR_TABLE, LengthOf
+from kerfwise.rules.profile.cuts_section import Cuts
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import RuleSetting
 
@@ -125,6 +126,7 @@ SECTIONS: Mapping[str, type] = {
     "material": Material,
     "leads": Leads,
     "small_holes": SmallHoles,
+    "cuts": Cuts,
     "drawing": Drawing,
     "objective": Objective,
     "time": Time,

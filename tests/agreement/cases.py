@@ -11,13 +11,16 @@ import numpy as np
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.facts import compute_facts
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.encoder.slits import with_slits
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.plan.make import feeds_of
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStripsOptions
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.cuts_section import Cuts
+from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.tests.models.engines.minizinc.cases import Case, lead_options, random_nest, random_profile
 
@@ -27,17 +30,53 @@ FIRM = ("inner-before-outer", "level-ahead", "zone-order")
 """Rules that are always hard on the larger nests, so that few enough orders are left to judge one by one."""
 
 
-def judged_case(seed: int) -> Case:
-    """A nest of 5 to 9 contours under a random mixture of rules; the same for the same seed."""
-    rng = np.random.default_rng([seed, 3])
-    contours = 5 + seed % 5
+def judged_case(seed: int, slits: bool = False) -> Case:
+    """A nest of 5 to 9 contours under a random mixture of rules; the same for the same seed.
+
+    With `slits` one or two of 5 to 8 contours are slits.
+    """
+    rng = np.random.default_rng([seed, 4 if slits else 3])
+    contours = 4 + seed % 3 if slits else 5 + seed % 5
     drawn = random_nest(rng, contours, contours)
+    if slits:
+        drawn = with_slits(slotted(rng, drawn, 1 + seed % 2), load_profile().material.kerf_mm)
+        contours = len(drawn.contours)
     profile = _visible(rng, random_profile(rng, drawn))
+    profile = replace(profile, cuts=Cuts("slit" if slits else "refuse"))
     if contours > 7:
         profile = replace(profile, rules=dict(profile.rules) | {rule: _hard(profile, rule) for rule in FIRM})
     candidates = _thinned(rng, drawn, build_candidates(drawn, lead_options(profile, seed)), ROUTES[contours])
     facts = compute_facts(drawn, profile.fact_options(drawn), candidates)
     return Case(facts, profile, SolveOptions(work=10, home_mm=profile.machine.home, feeds=feeds_of(profile)))
+
+
+def slotted(rng: np.random.Generator, drawn: Nest, most: int) -> Nest:
+    """The nest with slots narrower than the kerf in some of its rectangles, which stand on corners 0 to 3."""
+    rings = [
+        c for c in drawn.contours if c.encloses and len(c.curve.vertices) == 4 and not c.curve.vertices[:, 2].any()
+    ]
+    chosen = {rings[k].id: _with_slot(rng, rings[k]) for k in rng.permutation(len(rings))[:most].tolist()}
+    parts = [
+        replace(
+            part,
+            outer=chosen.get(part.outer.id, part.outer),
+            holes=tuple(chosen.get(hole.id, hole) for hole in part.holes),
+        )
+        for part in drawn.parts
+    ]
+    return replace(drawn, parts=tuple(parts))
+
+
+def _with_slot(rng: np.random.Generator, ring: Contour) -> Contour:
+    """A rectangle with a slot from the middle of one of its sides into the part."""
+    corners = ring.curve.towards("ccw").vertices[:, :2]
+    k, wide, deep = int(rng.integers(4)), float(rng.choice([0.5, 1.0, 1.3])), float(rng.choice([2, 4]))
+    a, b = corners[k], corners[(k + 1) % 4]
+    along = (b - a) / np.hypot(*(b - a))
+    into = np.array([-along[1], along[0]]) * (1 if ring.kind == "outer" else -1)
+    mouth = [(a + b) / 2 - along * wide / 2, (a + b) / 2 + along * wide / 2]
+    rows = [*corners[: k + 1], mouth[0], mouth[0] + into * deep, mouth[1] + into * deep, mouth[1], *corners[k + 1 :]]
+    return replace(ring, curve=Curve.of([(float(x), float(y)) for x, y in rows]))
 
 
 def _visible(rng: np.random.Generator, profile: Profile) -> Profile:

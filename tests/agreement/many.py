@@ -14,13 +14,14 @@ from kerfwise.tests.agreement.agree import Agreement, agreement
 @click.command()
 @click.option("--nests", default=500, show_default=True, help="How many.")
 @click.option("--first", default=0, show_default=True, help="Seed of the first.")
-def main(nests: int, first: int) -> None:
+@click.option("--slits", is_flag=True, help="Nests with slots narrower than the kerf, which slits open.")
+def main(nests: int, first: int, slits: bool) -> None:
     """Hold the engines against every plan tried by the check; exit code 1 where they differ."""
     counts: Counter[str] = Counter()
     pairs: Counter[str] = Counter()
     started = time.monotonic()
     for seed in range(first, first + nests):
-        found = agreement(seed)
+        found = agreement(seed, slits)
         _count(counts, pairs, found)
         for line in found.differ:
             click.echo(f"seed {seed}: {line}")

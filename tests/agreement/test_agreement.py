@@ -36,6 +36,14 @@ def test_the_engines_and_the_check_agree(seed: int) -> None:
     assert found.differ == ()
 
 
+@pytest.mark.parametrize("seed", [0, 2, 4, 8, 12])
+def test_they_agree_on_nests_with_slits(seed: int) -> None:
+    assert any(c.kind == "slit" for c in judged_case(seed, slits=True).facts.nest.contours)
+    found = agreement(seed, slits=True)
+    assert found.outcome in ("solved", "infeasible")
+    assert found.differ == ()
+
+
 def test_the_cases_are_of_every_size_and_every_rule() -> None:
     cases = [judged_case(seed) for seed in range(30)]
     assert {case.facts.n for case in cases} == {5, 6, 7, 8, 9}

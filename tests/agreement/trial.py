@@ -72,9 +72,12 @@ class Trial:
         return found
 
     def leads_near(self, options: PierceOptions) -> bool:
-        """Whether any ways of two parts have leads so near each other that one might meet the kerf of the other."""
+        """Whether any ways of two parts have leads so near each other that one might meet the kerf of the other.
+
+        A slit is like a part of its own there.
+        """
         leads = [
-            (self.nest.contour(cut.contour).part, lead.line())
+            (cut.contour if "slit" in cut.contour else self.nest.contour(cut.contour).part, lead.line())
             for own in self.ways
             for cut in own
             for lead in (cut.lead_in, cut.lead_out)

@@ -67,9 +67,11 @@ def test_all_faults_of_a_nest_are_one_message() -> None:
     assert str(error.value) == (
         "2 contours of the nest cannot be cut as the options ask; `material.kerf: 0.375 mm` frees all of them\n"
         "  - A.outer: a kerf of 1.5 mm does not enter the slot, notch or neck at (50.0, 120.0), 1.00 mm wide and "
-        "80.0 mm deep; change the drawing, or the kerf; `material.kerf: 0.75 mm` frees it\n"
+        "80.0 mm deep; change the drawing, or the kerf, or let a slit open it (cuts.narrow: slit); "
+        "`material.kerf: 0.75 mm` frees it\n"
         "  - C.outer: a kerf of 1.5 mm does not enter the slot, notch or neck at (450.0, 120.0), 0.60 mm wide and "
-        "5.0 mm deep; change the drawing, or the kerf; `material.kerf: 0.375 mm` frees it"
+        "5.0 mm deep; change the drawing, or the kerf, or let a slit open it (cuts.narrow: slit); "
+        "`material.kerf: 0.375 mm` frees it"
     )
 
 

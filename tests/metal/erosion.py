@@ -10,13 +10,15 @@ import shapely
 from kerfwise.tests.metal.burns import Burn
 from kerfwise.tests.metal.drawing import Drawing
 from kerfwise.tests.metal.findings import Finding
+from kerfwise.tests.metal.slots import Slots
 from kerfwise.tests.metal.tolerances import RING_MM
 
 
 class PartMetal:
     """The metal of every part, that no burn may reach into by more than the allowance."""
 
-    def __init__(self, drawing: Drawing, kerf_mm: float, touching: bool = False) -> None:
+    def __init__(self, drawing: Drawing, kerf_mm: float, touching: bool = False, slots: Slots | None = None) -> None:
+        self.slots = slots or Slots(drawing, kerf_mm, opened=False)
         self.drawing, self.kerf_mm, self.touching = drawing, kerf_mm, touching
         self.ids = list(drawing.parts)
         self.areas = np.array(list(drawing.parts.values()), dtype=object)
@@ -32,7 +34,7 @@ class PartMetal:
             line = burn.line
             if self.touching and burn.contour is not None and burn.contour.part != self.ids[k]:
                 line = burn.off_ring
-            if shapely.dwithin(self.areas[k], line, within):
+            if shapely.dwithin(self.areas[k], line, within - self.slots.allowance(burn, self.ids[k])):
                 yield from self._eroded(burn, line, k)
 
     def _eroded(self, burn: Burn, line: shapely.Geometry, k: int) -> Iterator[Finding]:

@@ -28,7 +28,7 @@ PLANS_PER_PROCESS = 40
 @click.command()
 @click.option("--nests", default=300, show_default=True, help="How many.")
 @click.option("--first", default=0, show_default=True, help="Seed of the first.")
-@click.option("--profiles", default="all", show_default=True, help="Names, with commas between.")
+@click.option("--profiles", default="all", show_default=True, help="Names or files, with commas between.")
 @click.option("--time", "time_s", type=float, help="Seconds for each plan, instead of work.")
 @click.option("--work", default=2.0, show_default=True, help="Deterministic limit for each plan.")
 @click.option("--processes", default=2, show_default=True, help="How many plan at the same time.")
@@ -49,7 +49,7 @@ def main(
     each: bool,
 ) -> None:
     """Plan made nests under profiles and judge every program by what it burns."""
-    names = shipped_profiles() if profiles == "all" else tuple(profiles.split(","))
+    names = tuple(shipped_profiles()) if profiles == "all" else tuple(map(_profile, profiles.split(",")))
     effort = ("--time-limit", str(time_s)) if time_s else ("--work", str(work))
     tasks = [(seed, name, effort, rests) for seed, name in product(range(first, first + nests), names)]
     started, tally = time.monotonic(), Tally()
@@ -64,6 +64,11 @@ def main(
         tally.save(save)
     click.echo(f"minutes: {(time.monotonic() - started) / 60:.1f}", err=True)
     sys.exit(1 if tally.faulty else 0)
+
+
+def _profile(name: str) -> str:
+    """A profile's name, or the whole path of its file."""
+    return str(Path(name).resolve()) if Path(name).is_file() else name
 
 
 def _run(tasks: list[Task], processes: int) -> Iterator[tuple[Tried, ...]]:
@@ -141,7 +146,7 @@ class Tally:
         yield f"programs burnt: {self.programs.total()}, cuts: {self.cuts.total()}, findings: {self.found.total()}"
         for name in profiles:
             counts = f"programs {self.programs[name]:4d}  cuts {self.cuts[name]:6d}  findings {self.found_by[name]:5d}"
-            yield f"  {name:22s} {counts}"
+            yield f"  {Path(name).stem:22s} {counts}"
         for kind in KINDS:
             if kind in self.smallest:
                 size, done = self.smallest[kind]

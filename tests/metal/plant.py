@@ -19,4 +19,5 @@ def plant(profile: Profile) -> dict[str, Any]:
         "kerf_mm": profile.material.kerf_mm,
         "edge_starts": profile.leads.edge_start,
         "touching": shared is not None and shared.strength == "off",
+        "slits": profile.cuts.narrow == "slit",
     }

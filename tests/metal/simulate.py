@@ -17,6 +17,7 @@ from kerfwise.tests.metal.erosion import PartMetal
 from kerfwise.tests.metal.findings import KINDS, Finding
 from kerfwise.tests.metal.pieces import Pieces
 from kerfwise.tests.metal.program import Path, Program, read_program
+from kerfwise.tests.metal.slots import Slots
 from kerfwise.tests.metal.stock import not_free, off_sheet, on_loose, twice
 from kerfwise.tests.metal.void import OlderKerfs
 
@@ -33,6 +34,7 @@ def simulate(
     splash_mm: float = 0.0,
     edge_starts: bool = False,
     touching: bool = False,
+    slits: bool = False,
     excused: Collection[str] = (),
 ) -> list[Finding]:
     """Burn a program and say what is wrong with it.
@@ -53,6 +55,8 @@ def simulate(
         Whether a cut may begin off the sheet and run in over its edge.
     touching
         Whether parts may touch, as in wood: a ring may then take as much of a neighbour as its kerf is wide.
+    slits
+        Whether a slot narrower than the kerf may be opened by one pass along its middle, as wide as the kerf.
     excused
         Ids of contours that are not to be cut (small holes that are skipped or only spotted).
 
@@ -82,7 +86,8 @@ def simulate(
     paths = [*history, *_on_drawing(now, drawing)]
     burns = burns_of(paths, drawing, kerf_mm)
     first = sum(path.burns for path in history)
-    pieces, metal = Pieces(drawing.sheet), PartMetal(drawing, kerf_mm, touching)
+    slots = Slots(drawing, kerf_mm, slits)
+    pieces, metal = Pieces(drawing.sheet), PartMetal(drawing, kerf_mm, touching, slots)
     kerfs = OlderKerfs(burns, drawing.sheet, kerf_mm, splash_mm)
     for k, burn in enumerate(burns):
         if k >= first:
@@ -93,6 +98,7 @@ def simulate(
         pieces.burn(burn.kerf(kerf_mm / 2))
     findings += [found for k, found in twice(burns) if k >= first]
     findings += uncut(drawing, burns, kerf_mm, excused)
+    findings += slots.shut(burns)
     findings += unmarked(drawing, paths)
     findings += not_free(drawing, pieces, {b.contour.id for b in burns if b.contour is not None})
     return findings

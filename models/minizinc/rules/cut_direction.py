@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from kerfwise.encoder.nest import KINDS
 from kerfwise.models.minizinc.dzn import Fields, flags
 from kerfwise.models.minizinc.twin import Case, Twin
 from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
@@ -11,7 +12,7 @@ class CutDirectionTwin(Twin[CutDirectionOptions]):
     """Which ways round each kind of contour is cut."""
 
     def data(self, case: Case, options: CutDirectionOptions) -> Fields:
-        allowed = [options.allowed(kind) for kind in ("outer", "hole", "mark")]
+        allowed = [options.allowed(kind) for kind in KINDS]
         return [
             ("cut_direction_cw", flags("cw" in ways for ways in allowed)),
             ("cut_direction_ccw", flags("ccw" in ways for ways in allowed)),

@@ -7,6 +7,7 @@ import shapely
 
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.nest import Contour
 from kerfwise.models.minizinc.dzn import Fields, numbers
 from kerfwise.models.minizinc.twin import Case, Twin
 from kerfwise.rules.catalogue.pierce import PierceOptions
@@ -47,21 +48,31 @@ def met_kerfs(facts: Facts, kerf_mm: float, splash_mm: float) -> tuple[list[tupl
     kerfs, leads = [], []
     drawn = [c for c in range(len(facts.candidates)) if facts.nest.contours[facts.candidates[c].contour].kind != "mark"]
     for c in drawn:
-        part = facts.nest.contours[facts.candidates[c].contour].part
+        own = facts.nest.contours[facts.candidates[c].contour]
         for k, contour in enumerate(facts.nest.contours):
+            reach_mm = kerf_mm if contour.encloses else kerf_mm / 2
             if (
                 contour.kind != "mark"
-                and contour.part != part
-                and _meets(facts.candidates[c], contour.line, kerf_mm, kerf_mm, splash_mm)
+                and _beside(own, contour)
+                and _meets(facts.candidates[c], contour.line, reach_mm, kerf_mm, splash_mm)
             ):
                 kerfs.append((c, k))
         for d in drawn:
             older = facts.candidates[d]
-            if facts.nest.contours[older.contour].part != part and any(
+            if _beside(own, facts.nest.contours[older.contour]) and any(
                 _meets(facts.candidates[c], lead, kerf_mm / 2, kerf_mm, splash_mm) for lead in _leads(older, 0.0)
             ):
                 leads.append((c, d))
     return kerfs, leads
+
+
+def _beside(one: Contour, other: Contour) -> bool:
+    """Whether a contour may be cut after another in the same waste: those of two parts, and one beside a slit.
+
+    A slit never comes after the contour that its slot is of.
+    """
+    beside = one is not other and one.slot_of != other.id and "slit" in (one.kind, other.kind)
+    return one.part != other.part or beside
 
 
 def _meets(candidate: Candidate, line: shapely.LineString, reach_mm: float, kerf_mm: float, splash_mm: float) -> bool:

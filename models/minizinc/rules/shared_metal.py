@@ -36,7 +36,7 @@ def same_waste(facts: Facts, kerf_mm: float) -> list[tuple[int, int, int]]:
 
     A line that the nest gives to two parts stands for both.
     """
-    cut = [(k, c) for k, c in enumerate(facts.nest.contours) if c.kind != "mark"]
+    cut = [(k, c) for k, c in enumerate(facts.nest.contours) if c.encloses]
     inside = {(int(i), int(j)) for i, j in facts.contains}
     lines = {k: shapely.LinearRing(c.curve.flatten(FINE_MM)) for k, c in cut}
     found = []

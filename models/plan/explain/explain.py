@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.slits import slit_because
 from kerfwise.encoder.small_holes import not_cut_because
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.options.suggest import unknown
@@ -28,7 +29,7 @@ class Explanation:
     it, nearest first; the chains lead on from there to the ends of the plan. `also` are statements of other kinds,
     `heat` prices on orders and entries that overheat metal. The torch waits for `dwell_s` before the contour is cut,
     and why. Where zones have a budget of heat, `zone_heat_kj` says how much goes into this one at the most. `small`
-    says why a small hole is not cut but marked.
+    says why a small hole is not cut but marked, `slit` what a slit opens and costs.
     """
 
     contour: str
@@ -51,6 +52,7 @@ class Explanation:
     zone_heat_kj: float | None = None
     zone_budget_kj: float | None = None
     small: str = ""
+    slit: str = ""
 
     def __str__(self) -> str:
         from .words import as_text
@@ -101,4 +103,5 @@ def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour:
         None if budget_kj is None else float(facts.zone_heat_kj[facts.zone[number] - 1]),
         budget_kj,
         not_cut_because(facts.whole_nest, profile.hole_limits()).get(contour, ""),
+        slit_because(facts.whole_nest, profile.material.kerf_mm).get(contour, ""),
     )

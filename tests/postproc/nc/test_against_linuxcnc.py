@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +12,9 @@ from hypothesis import strategies as st
 
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.produce import produce
+from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.clock.timed import read_program
 from kerfwise.postproc.dialects import load_dialect
@@ -18,6 +22,7 @@ from kerfwise.postproc.nc.blocks import path_blocks
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.nc.toolpath import torch_path
 from kerfwise.rules.profile.profile import Profile, load_profile, shipped_profiles
+from kerfwise.tests.nests import nest, part
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 from kerfwise.tests.tools import canon
 
@@ -126,6 +131,19 @@ def test_every_shipped_profile_has_a_program_that_linuxcnc_reads(name: str) -> N
     assert [b.path.length_mm for b in program.burns] == pytest.approx([b.length_mm for b in run.burns], abs=1e-2)
     (home,) = [c for c in run.comments if c.startswith("PIERCE DELAY")]
     assert home.endswith("MACHINE" if run.dwell_s == 0 else "PROGRAM")
+
+
+def test_linuxcnc_reads_a_program_with_slits() -> None:
+    """A plate with a slot 1 mm wide: the slit is led into, runs along the slot, and then the contour is cut."""
+    plant = load_profile(Path(__file__).parents[3] / "examples" / "profiles" / "narrow-slots.yaml")
+    rows = [(20, 20), (100, 20), (100, 120), (60.5, 120), (60.5, 60), (59.5, 60), (59.5, 120), (20, 120)]
+    drawn = nest(120, 150, part("P", rows))
+    asked = ask(facts_of(drawn, plant), plant)
+    made = produce(asked, plant, SolveOptions(work=1, home_mm=plant.machine.home))
+    run = canon.run(made.program)
+    assert [planned.kind for planned in made.plan.cuts] == ["slit", "outer"]
+    assert differences(made.plan, plant.as_cut(drawn), plant, run) == []
+    assert run.burns[0].points[-1] == pytest.approx((60, 60.75), abs=1e-3)
 
 
 bulges = st.one_of(

@@ -1,0 +1,204 @@
+"""Slits: slots narrower than the kerf, opened by one pass of the torch along their middle.
+
+A slit is an open cut of its own. It begins where the torch's path round the contour closes over the mouth of the slot,
+or beside that where the mouth is open to one side only, as of a bend relief. It runs along the middle, and ends half a
+kerf from the slot's end. The slot becomes as wide as the kerf: the part loses half the difference to each side. What
+has no straight middle is not slit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import shapely
+
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
+
+from .kept import kept_with_nest
+from .narrow import CHORD_MM, CORNER_RAD, NEAR_MM, Lost, lost_walls, ring_of
+from .nest import Contour, Nest, Part
+from .slot_middle import STRAIGHT_MM, Middle, middle_of_slot
+from .tolerance import tolerance_mm
+
+_OPENS = 2 * math.tan(CORNER_RAD / 2)
+"""Sides that open by more are those of a corner."""
+_MOUTH_KERFS = 3.0
+"""So many kerfs of a contour on either side of a slot belong to its mouth."""
+
+
+@dataclass(frozen=True, slots=True)
+class Slit:
+    """A slot of a contour that one pass opens: `line` is that of the torch's centre, `width_mm` where it is narrowest.
+
+    The part loses `loss_mm` at each side.
+    """
+
+    contour: str
+    slot: Lost
+    line: Curve
+    width_mm: float
+    loss_mm: float
+
+    def sentence(self, name: str, kerf_mm: float) -> str:
+        """What is done with the slot, and what that costs."""
+        x, y = self.slot.place
+        return (
+            f"{name} opens the slot of {self.contour} at ({x:z.1f}, {y:z.1f}), {self.width_mm:.2f} mm wide and "
+            f"{self.slot.depth_mm:.1f} mm deep, in one pass: it becomes {kerf_mm:g} mm wide, the part loses "
+            f"{self.loss_mm:.2f} mm at each side (cuts.narrow: slit)"
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Unfit:
+    """A feature that the kerf would lose and no pass along its middle keeps, and why."""
+
+    slot: Lost
+    why: str
+
+
+@kept_with_nest(most=8)
+def with_slits(nest: Nest, kerf_mm: float) -> Nest:
+    """The nest with a slit for every slot that one pass opens; it keeps the nest as drawn.
+
+    Slits are numbered in each part, those of its holes first, along each contour.
+
+    Examples
+    --------
+    >>> from kerfwise.encoder.by_hand import nest, part
+    >>> outline = [(50, 50), (110, 50), (110, 80), (81, 80), (81, 60), (80, 60), (80, 80), (50, 80)]
+    >>> made = with_slits(nest(200, 200, part("A", outline)), 1.5)
+    >>> [(c.id, c.slot_of) for c in made.contours], made.contour("A.slit1").curve.as_rows()[-1]
+    ([('A.slit1', 'A.outer'), ('A.outer', '')], [80.5, 60.75])
+    """
+    parts = tuple(_slit(part, kerf_mm) for part in nest.parts)
+    same = all(new is old for new, old in zip(parts, nest.parts, strict=True))
+    return nest if same else replace(nest, parts=parts, drawn=nest.drawn or nest)
+
+
+def _slit(part: Part, kerf_mm: float) -> Part:
+    found = [slit for contour in _cut(part) for slit in slits_of(contour, kerf_mm)[0]]
+    slits = tuple(
+        Contour(f"{part.id}.slit{k}", part.id, "slit", slit.line, slot_of=slit.contour)
+        for k, slit in enumerate(found, 1)
+    )
+    return replace(part, slits=slits) if slits else part
+
+
+def slit_because(nest: Nest, kerf_mm: float) -> dict[str, str]:
+    """For every slit of a nest as it is cut, what it is for and what it costs."""
+    told: dict[str, str] = {}
+    for part in nest.parts:
+        if part.slits:
+            of = {slit.line: slit for contour in _cut(part) for slit in slits_of(contour, kerf_mm)[0]}
+            told |= {c.id: of[c.curve].sentence(c.id, kerf_mm) for c in part.slits if c.curve in of}
+    return told
+
+
+def in_the_way(nest: Nest, contour: Contour, kerf_mm: float) -> list[Unfit]:
+    """The slots of a contour that are slit, but whose slits would burn what is beside them: webs that are too thin."""
+    part = nest.part_of[contour.part]
+    own = {slit.line: slit for slit in slits_of(contour, kerf_mm)[0]}
+    found = []
+    for one in (c for c in part.slits if c.curve in own):
+        line, half_mm = one.curve.line(CHORD_MM), kerf_mm / 2 - tolerance_mm(kerf_mm)
+        near = [c.id for c in _cut(part) if c is not contour and c.line.dwithin(line, half_mm)]
+        near += [c.id for c in part.slits if c is not one and c.line.dwithin(line, kerf_mm)]
+        if near:
+            found.append(Unfit(own[one.curve].slot, f"the pass would burn through the web to {near[0]}"))
+    return found
+
+
+def _cut(part: Part) -> Iterator[Contour]:
+    yield from (*part.holes, part.outer)
+
+
+@lru_cache(maxsize=1 << 15)
+def slits_of(contour: Contour, kerf_mm: float) -> tuple[tuple[Slit, ...], tuple[Unfit, ...]]:
+    """The slots of a contour that one pass opens, along the contour; and features that it would lose all the same."""
+    slits: list[tuple[float, Slit]] = []
+    unfit: list[Unfit] = []
+    walls = {wall: lost for lost, wall in lost_walls([contour], kerf_mm).get(contour.id, ())}
+    fitted = {wall: _fitted(contour, lost, wall, kerf_mm) for wall, lost in walls.items()}
+    passes = [made.line for made in fitted.values() if isinstance(made, Slit)]
+    left = lost_walls([contour], kerf_mm, None, {contour.id: passes}).get(contour.id, ()) if passes else ()
+    for wall, made in fitted.items():
+        if isinstance(made, str):
+            unfit.append(Unfit(walls[wall], made))
+        elif any(rest.dwithin(wall, NEAR_MM) for _, rest in left):
+            unfit.append(Unfit(walls[wall], "it forks or bends: one pass would leave some of it"))
+        else:
+            at_mm = contour.curve.project(made.line.vertices[-1, :2].tolist())[0]
+            slits.append((at_mm, made))
+    return tuple(slit for _, slit in sorted(slits, key=lambda row: row[0])), tuple(unfit)
+
+
+def _fitted(contour: Contour, lost: Lost, wall: shapely.LineString, kerf_mm: float) -> Slit | str:
+    """The slit of a slot, or why there is none."""
+    middle = middle_of_slot(shapely.get_coordinates(wall))
+    if middle is None:
+        return "it has no straight middle"
+    if middle.widths_mm.max() > kerf_mm + STRAIGHT_MM:
+        return "it is wider than the kerf behind its mouth"
+    if abs(middle.opening) > _OPENS:
+        return "its sides open like a corner's"
+    half_mm = kerf_mm / 2
+    ends_mm = middle.bottom_mm - half_mm
+    starts_mm = _start_mm(ring_of(contour, half_mm), middle, kerf_mm)
+    if starts_mm is None or ends_mm - starts_mm < tolerance_mm(kerf_mm):
+        return "its mouth is not open to waste"
+    line = Curve.of([middle.point(starts_mm), middle.point(ends_mm)], closed=False)
+    width_mm = middle.narrowest_mm(ends_mm)
+    loss_mm = max((kerf_mm - width_mm) / 2, 0.0)
+    if _burnt_mm(contour, line, half_mm) > loss_mm + STRAIGHT_MM:
+        return "it narrows too much, or its end is not square to its middle"
+    if _reaches_elsewhere(contour, wall, line, half_mm - tolerance_mm(kerf_mm), kerf_mm):
+        return "the pass would burn the contour beside the slot"
+    return Slit(contour.id, lost, line, width_mm, loss_mm)
+
+
+def _start_mm(path: shapely.Geometry, middle: Middle, kerf_mm: float) -> float | None:
+    """How far along a slot's middle the torch's path round the contour crosses it, outside the mouth.
+
+    Where one side of the slot goes on beyond the other, the path runs beside the middle: then it is as far outside as
+    if the mouth were open to both sides.
+    """
+    reach = shapely.LineString([middle.point(middle.mouth_mm), middle.point(middle.mouth_mm - 2 * kerf_mm)])
+    points = shapely.get_coordinates(shapely.intersection(path, reach))
+    if len(points):
+        return float(((points - middle.origin) @ middle.along).max())
+    width_mm = float(middle.widths_mm[0])
+    outside_mm = middle.mouth_mm - math.sqrt(max(kerf_mm**2 - width_mm**2, 0.0)) / 2
+    beside_mm = shapely.distance(path, shapely.Point(middle.point(outside_mm)))
+    return outside_mm if beside_mm < (kerf_mm - width_mm) / 2 + tolerance_mm(kerf_mm) else None
+
+
+def _burnt_mm(contour: Contour, line: Curve, half_mm: float) -> float:
+    """How deep a pass along a line burns into the part that a contour bounds."""
+    burnt = shapely.buffer(line.line(CHORD_MM), half_mm, quad_segs=32)
+    area = shapely.make_valid(contour.curve.polygon(CHORD_MM))
+    lost = burnt & area if contour.kind == "outer" else burnt - area
+    points = shapely.points(shapely.get_coordinates(shapely.segmentize(lost, half_mm / 4)))
+    return float(shapely.distance(shapely.boundary(area), points).max()) if len(points) else 0.0
+
+
+def _reaches_elsewhere(
+    contour: Contour, wall: shapely.LineString, line: Curve, reach_mm: float, kerf_mm: float
+) -> bool:
+    """Whether a pass burns its own contour where the slot and its mouth are not."""
+    curve, more_mm = contour.curve, _MOUTH_KERFS * kerf_mm
+    ends: list[Point] = [(float(x), float(y)) for x, y in shapely.get_coordinates(wall)[[0, -1]].tolist()]
+    one_mm, other_mm = (curve.project(end)[0] for end in ends)
+    around_mm = curve.length_mm
+    forward_mm = (other_mm - one_mm) % around_mm
+    if abs(forward_mm - wall.length) > abs(around_mm - forward_mm - wall.length):
+        other_mm, forward_mm = one_mm, around_mm - forward_mm
+    left_mm = around_mm - forward_mm - 2 * more_mm
+    if left_mm <= 0:
+        return False
+    rest = curve.between((other_mm + more_mm) % around_mm, left_mm).line(CHORD_MM)
+    return bool(rest.dwithin(line.line(CHORD_MM), reach_mm))

@@ -1,0 +1,160 @@
+"""Slots narrower than the kerf, by the command line: opened by slits where the profile says so, else refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from kerfwise.tests.commands.run_cli import Ended, kerfwise
+
+PROFILE = Path(__file__).parents[2] / "examples" / "profiles" / "narrow-slots.yaml"
+Row = list[list[float]]
+
+
+def slotted(x: float, y: float, width_mm: float, depth_mm: float) -> Row:
+    """A plate of 100 x 120 mm with a slot in the middle of its upper side."""
+    left, right, top, low = x + 50 - width_mm / 2, x + 50 + width_mm / 2, y + 120, y + 120 - depth_mm
+    return [[x, y], [x + 100, y], [x + 100, top], [right, top], [right, low], [left, low],
+            [left, top], [x, top]]  # fmt: skip
+
+
+RELIEF = [[30, 30], [130, 30], [130, 60], [60, 60], [60, 54], [59, 54], [59, 130], [30, 130]]
+ROUND = [[30, 30], [130, 30], [130, 130], [30, 130]]
+HOLE = [[50, 50], [80, 50], [80, 64.5], [110, 64.5], [110, 65.5], [80, 65.5], [80, 80], [50, 80]]
+TWO = [[30, 30], [130, 30], [130, 150], [100.5, 150], [100.5, 70], [99.5, 70], [99.5, 150], [60.7, 150], [60.7, 140],
+       [59.3, 140], [59.3, 150], [30, 150]]  # fmt: skip
+BENT = [[30, 30], [130, 30], [130, 150], [80.5, 150], [80.5, 121], [100, 121], [100, 120], [79.5, 120], [79.5, 150],
+        [30, 150]]  # fmt: skip
+
+LEANING = [
+    [30, 30],
+    [130, 30],
+    [130, 150],
+    [80.5774, 150],
+    [60.433, 115.109],
+    [59.567, 115.609],
+    [79.4226, 150],
+    [30, 150],
+]
+"""A slot 40 mm deep that leans by 30°."""
+
+OPENED: dict[str, tuple[list[dict[str, Any]], list[tuple[str, float]]]] = {
+    "0.5 mm wide, 80 mm deep": ([{"id": "A", "outer": slotted(30, 30, 0.5, 80)}], [("A.slit1", 0.5)]),
+    "1 mm wide, 80 mm deep": ([{"id": "A", "outer": slotted(30, 30, 1.0, 80)}], [("A.slit1", 0.25)]),
+    "1.4 mm wide, 80 mm deep": ([{"id": "A", "outer": slotted(30, 30, 1.4, 80)}], [("A.slit1", 0.05)]),
+    "leaning": ([{"id": "A", "outer": LEANING}], [("A.slit1", 0.25)]),
+    "a bend relief": ([{"id": "A", "outer": RELIEF}], [("A.slit1", 0.25)]),
+    "in a hole": ([{"id": "A", "outer": ROUND, "holes": [HOLE]}], [("A.slit1", 0.25)]),
+    "two of them": ([{"id": "A", "outer": TWO}], [("A.slit1", 0.25), ("A.slit2", 0.05)]),
+    "two parts": (
+        [{"id": "A", "outer": slotted(30, 30, 1.0, 80)}, {"id": "B", "outer": slotted(140, 30, 1.0, 40)}],
+        [("A.slit1", 0.25), ("B.slit1", 0.25)],
+    ),
+}
+
+
+def nest_file(folder: Path, parts: list[dict[str, Any]]) -> Path:
+    nest = {"format": "kerfwise-nest/1", "units": "mm", "sheet": {"width": 300, "height": 200}, "parts": parts}
+    (folder / "nest.json").write_text(json.dumps(nest), encoding="utf-8")
+    return folder / "nest.json"
+
+
+def solve(nest: Path, *words: str | Path) -> Ended:
+    folder = nest.parent
+    return kerfwise(
+        "solve", nest, "-p", PROFILE, "-o", folder / "nest.nc", "--plan", folder / "nest.plan.json", "--work", "1",
+        "--conflict-picture", folder / "c.svg", *words,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("case", OPENED)
+def test_a_slit_opens_the_slot_before_its_contour_and_says_what_that_costs(tmp_path: Path, case: str) -> None:
+    """Each program is burnt by the simulation, too: nothing more is lost, and the slots are open to their end."""
+    parts, slits = OPENED[case]
+    nest = nest_file(tmp_path, parts)
+    done = solve(nest)
+    assert done.code == 0, done.err
+    plan = json.loads((tmp_path / "nest.plan.json").read_text(encoding="utf-8"))
+    order = {cut["contour"]: cut["order"] for cut in plan["cuts"]}
+    for name, loss_mm in slits:
+        (cut,) = (cut for cut in plan["cuts"] if cut["contour"] == name)
+        of = name.replace("slit1", "hole1") if case == "in a hole" else name.partition(".")[0] + ".outer"
+        assert cut["kind"] == "slit"
+        assert order[name] < order[of]
+        assert f"the part loses {loss_mm:.2f} mm at each side (cuts.narrow: slit)" in cut["because"][0]
+        assert f"warning: {name} opens a slot of {of} at (" in done.out
+        assert f"the part loses {loss_mm:.2f} mm at each side" in done.out
+    program = (tmp_path / "nest.nc").read_text(encoding="utf-8")
+    assert f"(NARROW SLOTS OPENED BY ONE PASS {len(slits)})" in program
+    for file in ("nest.nc", "nest.plan.json"):
+        checked = kerfwise("check", nest, tmp_path / file, "-p", PROFILE)
+        assert checked.code == 0, checked.out
+        assert "opens a slot of" in checked.out
+
+
+def test_a_profile_that_refuses_names_the_slot_and_the_key(tmp_path: Path) -> None:
+    nest = nest_file(tmp_path, [{"id": "A", "outer": slotted(30, 30, 1.0, 80)}])
+    done = kerfwise("solve", nest, "-o", tmp_path / "nest.nc")
+    assert done.code == 2
+    assert (
+        "A.outer: a kerf of 1.5 mm does not enter the slot, notch or neck at (80.0, 150.0), 1.00 mm wide and 80.0 mm "
+        "deep; change the drawing, or the kerf, or let a slit open it (cuts.narrow: slit)"
+    ) in done.err
+
+
+def test_a_profile_that_refuses_does_not_pass_a_program_with_slits(tmp_path: Path) -> None:
+    nest = nest_file(tmp_path, [{"id": "A", "outer": slotted(30, 30, 1.0, 80)}])
+    assert solve(nest).code == 0
+    checked = kerfwise("check", nest, tmp_path / "nest.nc")
+    assert checked.code == 1
+    assert "FAILED: 3 hard rules broken: every-contour-once, features-kept, no-gouging" in checked.out
+
+
+def test_a_slot_with_a_bend_is_refused_with_place_width_and_why(tmp_path: Path) -> None:
+    done = solve(nest_file(tmp_path, [{"id": "A", "outer": BENT}]))
+    assert done.code == 2
+    assert (
+        "A.outer: a kerf of 1.5 mm does not enter the slot, notch or neck at (80.0, 150.0), 1.00 mm wide and 30.0 mm "
+        "deep; no slit opens it: it forks or bends: one pass would leave some of it; change the drawing, or the kerf"
+    ) in done.err
+
+
+def test_a_slot_without_room_for_a_pierce_before_it_is_refused_with_why(tmp_path: Path) -> None:
+    """The neighbour stands 2.4 mm before the mouth."""
+    wall = [[30, 152.4], [130, 152.4], [130, 180], [30, 180]]
+    done = solve(nest_file(tmp_path, [{"id": "A", "outer": slotted(30, 30, 1.0, 80)}, {"id": "B", "outer": wall}]))
+    assert done.code == 2
+    assert (
+        "A.outer: the slot with its mouth at (80.0, 150.6) cannot be opened by a slit: the waste before it has no room "
+        "for a pierce"
+    ) in done.err
+
+
+@pytest.mark.parametrize(("upto", "again"), [(1, False), (1, True), (2, False)])
+@pytest.mark.parametrize("old", ["nest.nc", "nest.plan.json"])
+def test_work_with_slits_goes_on_after_a_stop(tmp_path: Path, old: str, upto: int, again: bool) -> None:
+    nest = nest_file(tmp_path, OPENED["two of them"][0])
+    assert solve(nest).code == 0
+    words = ["--lock-from", str(tmp_path / old), "--upto", str(upto), *(["--redo-last"] if again else [])]
+    done = solve(nest, *words, "-o", tmp_path / "rest.nc", "--plan", tmp_path / "rest.plan.json")
+    assert done.code == 0, done.err + done.out
+    for file in ("rest.nc", "rest.plan.json"):
+        checked = kerfwise("check", nest, tmp_path / file, "-p", PROFILE)
+        assert checked.code == 0, checked.out
+
+
+def test_explain_says_what_a_slit_is_for(tmp_path: Path) -> None:
+    nest = nest_file(tmp_path, OPENED["1 mm wide, 80 mm deep"][0])
+    assert solve(nest).code == 0
+    told = kerfwise("explain", nest, tmp_path / "nest.plan.json", "A.slit1", "-p", PROFILE)
+    assert "A.slit1 opens the slot of A.outer at (80.0, 150.0), 1.00 mm wide and 80.0 mm deep, in one pass" in told.out
+    assert "it opens a slot beside metal that cutting A.outer frees" in told.out
+
+
+def test_pictures_name_slits_in_their_key(tmp_path: Path) -> None:
+    nest = nest_file(tmp_path, OPENED["1 mm wide, 80 mm deep"][0])
+    assert solve(nest, "--picture", tmp_path / "nest.svg").code == 0
+    assert "slit along a narrow slot" in (tmp_path / "nest.svg").read_text(encoding="utf-8")
