@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from kerfwise.encoder.candidates.candidate import Narrow
-from kerfwise.rules.options.kinds import Choice
+from kerfwise.rules.options.plain_values import Choice
 from kerfwise.rules.options.option import option
 
 

@@ -36,6 +36,7 @@ def test_the_engines_and_the_check_agree(seed: int) -> None:
     assert found.differ == ()
 
 
+@pytest.mark.minizinc
 @pytest.mark.parametrize("seed", [0, 2, 4, 8, 12])
 def test_they_agree_on_nests_with_slits(seed: int) -> None:
     assert any(c.kind == "slit" for c in judged_case(seed, slits=True).facts.nest.contours)
