@@ -56,7 +56,7 @@ class Judge:
     Hard rules are judged by `violations`; one that is excusable costs EXEMPTION_MM a violation. A soft rule costs its
     weight for each violation, but for those that order pairs or keep runs together: each pair that stands the wrong way
     round costs, and each piece of a run beyond the first. `dropped` are the orders (rule, contours) that contradict
-    others and that the planner has let go.
+    others and those that are relaxed.
     """
 
     def __init__(self, trial: Trial, dropped: Let) -> None:
