@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from kerfwise.encoder.candidates.candidate import Narrow
-from kerfwise.rules.options.plain_values import Choice
 from kerfwise.rules.options.option import option
+from kerfwise.rules.options.plain_values import Choice
 
 
 @dataclass(frozen=True, slots=True)
