@@ -9,7 +9,7 @@ import pytest
 
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.models.engines import rounds
+from kerfwise.models.engines import portfolio, rounds
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.watch import Watch
 from kerfwise.rules.profile.profile import load_profile
@@ -71,7 +71,7 @@ def test_time_is_kept_for_a_look_that_is_known_to_be_long(
 ) -> None:
     """The first round ends in time for the look; a fifth of the limit it has in any case."""
     rounds_s: list[float | None] = []
-    run = rounds.run_portfolio
+    run = portfolio.run_portfolio
 
     def noted(problem: Any, options: SolveOptions, *rest: Any) -> Any:
         rounds_s.append(options.time_s)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import pytest
 
 from kerfwise.jobs.ask import facts_of
@@ -20,7 +22,7 @@ def test_a_look_takes_about_as_long_as_its_beginning_tells(monkeypatch: pytest.M
     looked = [0]
     cut = strips.Metal.cut
 
-    def counted(metal: strips.Metal, p: int):
+    def counted(metal: strips.Metal, p: int) -> Iterator[tuple[str, list[int], list[int]]]:
         looked[0] += 1
         return cut(metal, p)
 
