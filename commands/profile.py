@@ -17,10 +17,10 @@ def command() -> None:
 @click.argument("profile", metavar="PROFILE")
 def check(profile: str) -> None:
     """Say whether PROFILE can be used, and if not, where it is wrong."""
-    from kerfwise.postproc.dialects import fitting_dialect
+    from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 
     loaded = load_profile(profile)
-    fitting_dialect(loaded)
+    trusted_dialect(loaded)
     strengths = [setting.strength for setting in loaded.settings().values()]
     hard, soft = strengths.count("hard"), strengths.count("soft")
     click.echo(f"{loaded.name}: fine, {hard} hard and {soft} soft rules")

@@ -11,7 +11,7 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.engines.baselines import Strategy
 from kerfwise.models.engines.names import Engine
 from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.postproc.dialects import fitting_dialect
+from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 
 from .ask import ask, facts_of
 from .given import Given, Tell, silent
@@ -80,7 +80,7 @@ def plan_nest(
         once more, unless the user has interrupted.
     """
     nest, profile = given.nest, again_first(given.profile, already)
-    fitting_dialect(profile)  # a file of the plant's own may be wrong: better said now than at the end
+    trusted_dialect(profile)  # a file of the plant's own may be wrong: better said now than at the end
     limit_s, listener = limits.time_s, listener or Listener()
     began_s = time.monotonic()
     facts = facts_of(nest, profile, already)

@@ -21,6 +21,9 @@ from kerfwise.rules.profile.profile import Profile
 ControlName = Literal["linuxcnc-qtplasmac", "linuxcnc"]
 HOLES = {"feed": "mm_min", "dwell": "seconds", "comment": "text"}
 LEAST = {"decimals": 2, "max_line": 80}
+MOST = {"decimals": 6, "max_line": 255}
+"""More decimals than a control keeps, and lines that LinuxCNC cuts off, are refused."""
+MOST_COUNT = 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,25 +176,36 @@ def _value(key: str, value: object, hint: Any) -> Any:
             raise ValueError(f"lists of comments under {', '.join(PROCESSES)} or marks")
         return {of: _value(of, told, tuple[str, ...]) for of, told in value.items()}
     elif get_origin(hint) is tuple:
-        if not isinstance(value, list) or not all(isinstance(v, str) for v in value):
-            raise ValueError("a list of blocks")
+        if not isinstance(value, list) or not all(isinstance(v, str) and v.isprintable() for v in value):
+            raise ValueError("a list of blocks, a line each")
         return tuple(value)
     elif hint is str:
         if not isinstance(value, str) or not value:
             raise ValueError("text")
-        if key in HOLES and [f for _, f, _, _ in string.Formatter().parse(value) if f is not None] != [HOLES[key]]:
-            raise ValueError(f"one {{{HOLES[key]}}}")
+        if not value.isprintable():
+            raise ValueError("one line of text")
+        if key in HOLES and _holes(value) != [(HOLES[key], "", None)]:
+            raise ValueError(f"one {{{HOLES[key]}}}, and no other brace")
     elif hint is int:
         least = LEAST.get(key, 0)
-        if type(value) is not int or value < least:
-            raise ValueError(f"a whole number of at least {least}")
+        most = MOST[key]
+        if type(value) is not int or not least <= value <= most:
+            raise ValueError(f"a whole number from {least} to {most}")
     elif value is not None:
         names = {f.name for f in dataclasses.fields(LineNumbers)}
         if (
             not isinstance(value, dict)
             or set(value) != names
-            or not all(type(v) is int and v > 0 for v in value.values())
+            or not all(type(v) is int and 0 < v <= MOST_COUNT for v in value.values())
         ):
-            raise ValueError("{start: 10, step: 10} or null")
+            raise ValueError(f"{{start: 10, step: 10}} (each up to {MOST_COUNT}) or null")
         return LineNumbers(**value)
     return value
+
+
+def _holes(text: str) -> list[tuple[str, str | None, str | None]]:
+    """The `{name}`s of a text, each with its format and conversion; ("", …) where its braces do not match."""
+    try:
+        return [(name, spec, turn) for _, name, spec, turn in string.Formatter().parse(text) if name is not None]
+    except ValueError:
+        return [("", None, None)]

@@ -46,10 +46,14 @@ def test_a_plant_brings_its_own(tmp_path: Path) -> None:
     [
         ("torch_on: M3", "torchon: M3", r"shop.yaml:\d+:1: unknown key 'torchon': did you mean 'torch_on'"),
         ("dwell: G4 P{seconds}\n", "", "lacks dwell$"),
-        ("decimals: 4", "decimals: four", r":35:11: decimals: expected a whole number of at least 2, got 'four'"),
-        ("decimals: 4", "decimals: yes", "expected a whole number of at least 2, got 'yes'"),
+        ("decimals: 4", "decimals: four", r":35:11: decimals: expected a whole number from 2 to 6, got 'four'"),
+        ("decimals: 4", "decimals: yes", "expected a whole number from 2 to 6, got 'yes'"),
         ("pierce_dwell: machine", "pierce_dwell: never", "pierce_dwell: expected machine or program, got 'never'"),
-        ("{start: 10, step: 10}", "{start: 10}", r"line_numbers: expected \{start: 10, step: 10\} or null"),
+        (
+            "{start: 10, step: 10}",
+            "{start: 10}",
+            r"line_numbers: expected \{start: 10, step: 10\} \(each up to 1000\) or null",
+        ),
         (
             "processes: [plasma]",
             "processes: [lasers]",
@@ -58,7 +62,13 @@ def test_a_plant_brings_its_own(tmp_path: Path) -> None:
         ("control: linuxcnc-qtplasmac", "control: cnc", "control: expected linuxcnc-qtplasmac or linuxcnc, got 'cnc'"),
         ("  marks:", "  mark:", "assumes: expected lists of comments under plasma, oxyfuel, laser, water-jet or marks"),
         ("feed: F{mm_min}", "feed: F{inch_min}", r"feed: expected one \{mm_min\}"),
-        ("max_line: 255", "max_line: 20", "max_line: expected a whole number of at least 80, got '20'"),
+        ("feed: F{mm_min}", "feed: F{mm_min:.0f}", r"feed: expected one \{mm_min\}, and no other brace"),
+        ("dwell: G4 P{seconds}", "dwell: G4 P{seconds!r}", r"dwell: expected one \{seconds\}, and no other brace"),
+        ("comment: ({text})", "comment: '({text}) {'", r"comment: expected one \{text\}, and no other brace"),
+        ("comment: ({text})", "comment: '({text.__class__})'", r"comment: expected one \{text\}, and no other brace"),
+        ("decimals: 4", "decimals: 30", r":\d+:11: decimals: expected a whole number from 2 to 6, got '30'"),
+        ("torch_off: M5 $0", 'torch_off: "M5 $0\\nM3 $0 S1"', r"torch_off: expected one line of text"),
+        ("max_line: 255", "max_line: 20", "max_line: expected a whole number from 80 to 255, got '20'"),
         ("  - G21", "  - [", "not YAML"),
     ],
 )

@@ -1,0 +1,174 @@
+"""A dialect is tried before anything is planned: a program of one cut and one mark is written in it and read back.
+
+A file of a plant's own may be sound as YAML and yet name words that the control does not know, or knows as something
+else. Then every plan would fail in the check. So each word is looked at by what the check's own reader makes of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.postproc.check.reader.controls import CONTROLS
+from kerfwise.postproc.check.reader.program import Burn, NcProgram
+from kerfwise.postproc.check.reader.reader import read_nc
+from kerfwise.postproc.dialects import Dialect, fitting_dialect
+from kerfwise.postproc.nc.blocks import comment, number, numbered, path_blocks, rapid_block
+from kerfwise.rules.options.yaml_positions import place_in, wrong_at
+from kerfwise.rules.profile.dialect_kind import ENDINGS
+from kerfwise.rules.profile.profile import Profile
+
+_CUT = Curve.of([(20.0, 10.0, 0.0), (30.0, 10.0, 0.3), (40.0, 20.0, -0.4), (55.0, 25.0, 0.0)], closed=False)
+_MARK = Curve.of([(60.0, 5.0, 0.0), (70.0, 5.0, 0.0)], closed=False)
+_FEED_MM_S, _DWELL_S = 12.5, 1.5
+_NEAR_MM, _SHARE = 0.02, 1e-3
+_INCH_MM = 25.4
+_SAID = "KERFWISE READS THIS BACK"
+_HOME = (0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    """A block, and the key of the dialect that it comes of."""
+
+    key: str
+    block: str
+
+
+def trusted_dialect(profile: Profile) -> Dialect:
+    """The dialect of the profile's machine, once a small program in it has been read back as it was meant.
+
+    Raises
+    ------
+    InputError
+        As `fitting_dialect`; and where a word does not do on the control what it is there for: with the key, and its
+        place in the dialect's file.
+    """
+    dialect = fitting_dialect(profile)
+    read_back(dialect, profile.machine.dialect)
+    return dialect
+
+
+def read_back(dialect: Dialect, name: str) -> None:
+    """Write the small program in a dialect and read it; `name` is what a profile calls the dialect by.
+
+    Raises
+    ------
+    InputError
+        For the first word that the control does not know, or knows as something else.
+
+    Examples
+    --------
+    >>> from kerfwise.postproc.dialects import dialect_names, load_dialect
+    >>> for name in dialect_names():
+    ...     read_back(load_dialect(name), name)
+    """
+    lines = [*_header(dialect), *_run("torch", _CUT, dialect), *_run("mark", _MARK, dialect), *_footer(dialect)]
+    text = "\n".join([*numbered([line.block for line in lines], dialect), ""])
+    control = CONTROLS[dialect.control]
+
+    def wrong(key: str, what: str) -> InputError:
+        place = place_in(name, (key,)) if name.endswith(ENDINGS) else None
+        told = f"{key}: {what} (the dialect {dialect.name} says that its control is {control.title})"
+        return wrong_at(place, told) if place is not None else InputError(f"dialect {name}: {told}")
+
+    try:
+        program = read_nc(text, control=control, home=_HOME)
+    except InputError as error:
+        line = lines[min(error.line or len(lines), len(lines)) - 1]
+        raise wrong(line.key, f"{line.block!r} cannot be read: {error.message}") from None
+    for key, what in _misread(program, lines, dialect):
+        raise wrong(key, what)
+
+
+def _header(dialect: Dialect) -> Iterator[_Line]:
+    yield _Line("comment", comment(dialect, _SAID))
+    yield from (_Line("header", block) for block in dialect.header)
+
+
+def _run(tool: str, path: Curve, dialect: Dialect) -> Iterator[_Line]:
+    """Travel to a path, the tool on, a wait, the path, the tool off."""
+    yield _Line("rapid", rapid_block(path.point_at(0.0), dialect))
+    yield _Line(f"{tool}_on", dialect.torch_on if tool == "torch" else dialect.mark_on)
+    yield _Line("dwell", dialect.dwell.format(seconds=number(_DWELL_S, 3)))
+    words = ["line", "arc_ccw", "arc_cw", "line"] if tool == "torch" else ["line"]
+    blocks = path_blocks(path, _FEED_MM_S, dialect)
+    yield from (_Line(word, block) for word, block in zip(words, blocks, strict=False))
+    yield _Line(f"{tool}_off", dialect.torch_off if tool == "torch" else dialect.mark_off)
+
+
+def _footer(dialect: Dialect) -> Iterator[_Line]:
+    yield _Line("rapid", rapid_block(_HOME, dialect))
+    yield from (_Line("footer", block) for block in dialect.footer)
+
+
+def _misread(program: NcProgram, lines: list[_Line], dialect: Dialect) -> Iterator[tuple[str, str]]:
+    """Keys whose words are read as something else, and what is read."""
+    if not any(_SAID in told for told in program.comments):
+        yield "comment", f"{lines[0].block!r} is not read as a comment"
+    begun = {lines[burn.line - 1].key: burn for burn in program.burns}
+    for tool, number_of, path in (("torch", 0, _CUT), ("mark", 1, _MARK)):
+        on, off = getattr(dialect, f"{tool}_on"), getattr(dialect, f"{tool}_off")
+        burn = begun.get(f"{tool}_on")
+        if burn is None:
+            yield f"{tool}_on", f"{on!r} does not start the {_spoken(tool)}"
+        elif (burn.tool == 0) != (number_of == 0):
+            yield f"{tool}_on", f"{on!r} starts what {'cuts' if burn.tool == 0 else 'marks'}"
+        elif (moves := _after(program, lines, f"{tool}_off")) is not None:
+            yield f"{tool}_off", f"{off!r} does not stop the {_spoken(tool)}: it is still on at {moves!r}"
+        else:
+            yield from _moved_wrong(burn, path, dialect)
+    for stretch in program.slow_travel:
+        line = lines[stretch.line - 1]
+        yield line.key, f"{line.block!r} moves at the feed of a cut with nothing on"
+    for fault in program.faults:
+        at = lines[min(max(fault.line, 1), len(lines)) - 1]
+        key = "header" if fault.rule == "program-state" and "before it has said" in fault.text else at.key
+        yield key, f"of {at.block!r} the check says: {fault.text}"
+    if np.hypot(program.end[0] - _HOME[0], program.end[1] - _HOME[1]) > _NEAR_MM:
+        yield "footer", "the program ends elsewhere than it is sent to"
+
+
+def _after(program: NcProgram, lines: list[_Line], off: str) -> str | None:
+    """The block after the word `off` that moves with a tool on, None where none does."""
+    at = next(k for k, line in enumerate(lines, 1) if line.key == off)
+    following = next((k for k in range(at + 1, len(lines) + 1) if lines[k - 1].key == "rapid"), len(lines))
+    hot = any(stretch.line == following for stretch in program.hot_rapids)
+    return lines[following - 1].block if hot else None
+
+
+def _moved_wrong(burn: Burn, path: Curve, dialect: Dialect) -> Iterator[tuple[str, str]]:
+    """What is wrong with one burn's wait, feed and path."""
+    if abs(burn.path.length_mm - _INCH_MM * path.length_mm) < _NEAR_MM * _INCH_MM:
+        yield "header", "it leaves the control in inches: programs are in millimetres"
+    if abs(burn.pierce_s - _DWELL_S) > _SHARE:
+        yield "dwell", f"a wait of {_DWELL_S:g} s is read as one of {burn.pierce_s:g} s"
+    if any(abs(feed - _FEED_MM_S) > _SHARE * _FEED_MM_S for feed in burn.feeds_mm_s):
+        feeds = ", ".join(f"{feed * 60:g}" for feed in burn.feeds_mm_s)
+        yield "feed", f"a feed of {_FEED_MM_S * 60:g} mm/min is read as {feeds} mm/min"
+    words = {0.0: "line", 1.0: "arc_ccw", -1.0: "arc_cw"}
+    for asked, read in zip(path.segments, burn.path.segments, strict=False):
+        word = words[float(np.sign(asked.bulge))]
+        if abs(asked.bulge - read.bulge) > _SHARE or _far(asked.end, read.end) or _far(asked.start, read.start):
+            spelt = getattr(dialect, word)
+            what = "a line" if not read.bulge else f"an arc {'counter-clockwise' if read.bulge > 0 else 'clockwise'}"
+            yield word, f"{spelt!r} makes {what} from {_at(read.start)} to {_at(read.end)}, not what was meant"
+    if len(burn.path.segments) != len(path.segments):
+        yield "line", f"a path of {len(path.segments)} lines and arcs is read as one of {len(burn.path.segments)}"
+
+
+def _far(one: Point, other: Point) -> bool:
+    return float(np.hypot(one[0] - other[0], one[1] - other[1])) > _NEAR_MM
+
+
+def _at(point: Point) -> str:
+    return f"({point[0]:.2f}, {point[1]:.2f})"
+
+
+def _spoken(tool: str) -> str:
+    return "torch" if tool == "torch" else "marking tool"
