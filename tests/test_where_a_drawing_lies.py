@@ -135,6 +135,7 @@ def test_plan_is_the_same_after_a_shift(given_nest: Nest, dx: float, dy: float) 
     assert sequence(moved(given_nest, dx, dy), profile, (dx, dy)) == one
 
 
+@pytest.mark.slow
 @given(given_nest=nests(), dx=SHIFTS, dy=SHIFTS)
 @settings(max_examples=100, deadline=None)
 def test_planner_and_check_find_the_same_after_a_shift(given_nest: Nest, dx: float, dy: float) -> None:
@@ -148,6 +149,7 @@ def test_planner_and_check_find_the_same_after_a_shift(given_nest: Nest, dx: flo
         assert set(seen) == {(shifted.contours[a].id, shifted.contours[b].id) for a, b in pairs.tolist()}
 
 
+@pytest.mark.slow
 @given(given_nest=nests(), dx=SHIFTS, dy=SHIFTS)
 @settings(max_examples=100, deadline=None)
 def test_the_side_is_mirrored_with_the_nest(given_nest: Nest, dx: float, dy: float) -> None:

@@ -166,6 +166,7 @@ def test_what_a_program_says_is_out_is_held_against_the_nest(old: Path, tmp_path
     assert f"{last} is cut again as cut" in twice.out
 
 
+@pytest.mark.slow
 def test_a_contour_without_metal_left_to_pierce_is_named(tmp_path: Path) -> None:
     """Two parts 3 mm apart in a hole, 3 mm from its edge: their kerfs leave the hole nothing to be pierced in."""
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from kerfwise.encoder.readers import read_nest
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import produce
@@ -17,6 +19,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 STIFF = ("no-islands", "no-narrow-strips", "part-rigidity")
 
 
+@pytest.mark.slow
 def test_a_plate_without_an_exception() -> None:
     profile = load_profile(EXAMPLES / "profiles" / "strict.yaml")
     sheet = read_nest(EXAMPLES / "nests" / "plate40.json", profile.read_options())

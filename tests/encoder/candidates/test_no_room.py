@@ -20,6 +20,7 @@ def told(plate: Nest, options: LeadOptions) -> str:
     return str(caught.value)
 
 
+@pytest.mark.slow
 def test_a_contour_without_room_is_named_with_its_place_and_what_would_free_it() -> None:
     drawn = nest(400, 300, part("A", rect(100, 100, 80, 80), [circle(140, 140, 20), circle(115, 115, 1.9)]))
     assert told(drawn, LeadOptions(pierce_clearance_mm=2.0)) == (
@@ -59,6 +60,7 @@ def test_a_hole_too_small_for_the_kerf_is_named() -> None:
     assert "A.hole1 at (139.3, 140.0) cannot be cut with a kerf of 1.5 mm" in told(drawn, LeadOptions())
 
 
+@pytest.mark.slow
 def test_a_contour_that_others_enclose_needs_room() -> None:
     host = part("H", rect(100, 100, 100, 100), [rect(110, 110, 80, 80)])
     drawn = nest(400, 300, host, part("G", rect(110, 110, 80, 80)))

@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 import ezdxf
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -91,6 +92,7 @@ def test_files_cut_short(suffix: str, share: float, closed: bool, repair: bool) 
     survives(data + b"\n  0\nEOF\n" * (closed and suffix == ".dxf"), suffix, repair)
 
 
+@pytest.mark.slow
 @settings(max_examples=250, deadline=None)
 @given(
     st.sampled_from([".json", ".dxf", ".svg"]),
@@ -105,6 +107,7 @@ def test_files_with_bytes_changed(suffix: str, changes: list[tuple[float, int, b
     survives(data, suffix, repair)
 
 
+@pytest.mark.slow
 @settings(max_examples=80, deadline=None)
 @given(st.data(), st.booleans())
 def test_dxf_numbers_changed(data: st.DataObject, repair: bool) -> None:

@@ -35,6 +35,7 @@ def test_every_member_finds_the_best_of_a_small_problem(member: Member | None) -
     assert known.proven == (member != "search")
 
 
+@pytest.mark.slow
 def test_a_forced_member_is_the_only_one_that_speaks() -> None:
     six = scattered(2, contours=6, sites=2)
     assert [note.split(":")[0] for note in found(six, "ideals").notes] == ["ideals"]
@@ -42,6 +43,7 @@ def test_a_forced_member_is_the_only_one_that_speaks() -> None:
     assert found(six, "search").proved_by == ""
 
 
+@pytest.mark.slow
 def test_it_says_how_many_sets_there_are_and_what_it_makes_of_that() -> None:
     few = found(problem([[(float(x), 0.0)] for x in range(5)]))
     assert few.notes == [
@@ -77,6 +79,7 @@ def test_what_sets_cannot_tell_is_left_out_of_the_sets_and_a_plan_that_keeps_it_
     assert (known.incumbent.cost, known.bound_um, known.proved_by) == (best.cost, best.cost, "ideals")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pair", [(0, 1), (0, 5), (2, 3)])
 def test_where_the_best_plan_of_the_sets_breaks_the_rest_it_is_a_bound_only(pair: tuple[int, int]) -> None:
     six = scattered(2, contours=6, sites=2, pairs=3)

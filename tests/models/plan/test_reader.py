@@ -74,6 +74,7 @@ def test_the_line_is_told(tmp_path: Path) -> None:
 VALUES = st.sampled_from([None, True, -1, 0.5, 1e308, float("nan"), "", "x", [], {}, [1], [[0, 0]], {"a": 1}, 10**30])
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(st.data())
 def test_any_value_in_any_place(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:

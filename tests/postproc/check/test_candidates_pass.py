@@ -45,6 +45,7 @@ def one_of_each(sheet: Nest, candidates: Sequence[Candidate], choose: int) -> li
     return cuts
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("lead", "lead_out"), [("line", "none"), ("line", "line"), ("arc", "arc"), ("none", "none")])
 def test_on_the_plate(lead: LeadKind, lead_out: LeadKind) -> None:
     sheet = plate()
@@ -70,6 +71,7 @@ def sheets(draw: st.DrawFn) -> Nest:
     return nest(x, 140, *parts)
 
 
+@pytest.mark.slow
 @settings(max_examples=20, deadline=None)
 @given(sheets(), st.sampled_from([0.0, 0.1, 0.7, 1.5, 3.0]), st.integers(0, 30))
 def test_on_any_row_of_parts(sheet: Nest, kerf_mm: float, choose: int) -> None:

@@ -154,6 +154,7 @@ bulges = st.one_of(
 steps = st.one_of(st.floats(-300, 300), st.floats(-0.02, 0.02), st.just(0.0))
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(
     st.tuples(st.floats(-5000, 5000), st.floats(-5000, 5000)),

@@ -47,6 +47,7 @@ def field(hot_points: int) -> NDArray[np.float32]:
     return made
 
 
+@pytest.mark.slow
 def test_what_is_too_hot_is_blue_and_as_large_as_it_is() -> None:
     picture = HeatPicture(PLATE, GRID, 20.0, 100.0)
     none, few, many = (count(picture.png(field(n), "t", GRID.metal), HOT) for n in (0, 4, 8))
@@ -61,6 +62,7 @@ def test_a_frame_has_the_limit_as_a_line() -> None:
     assert count(picture.png(field(8), "t"), BAND) == 0
 
 
+@pytest.mark.slow
 def test_the_kerfs_band_and_scrap_are_grey_in_the_map_of_a_program() -> None:
     ring = PLATE.contour("A.hole1").curve.flatten(0.2)
     path = in_order([torch_on("A.hole1", np.concatenate([ring, ring[:1]]), 0.0, 5.0)], 5.0)

@@ -80,6 +80,7 @@ sets = st.lists(contours, min_size=2, max_size=N, unique=True).flatmap(
 statements = st.one_of(pairs.map(lambda p: Precede(*p, ABOUT)), at_leasts(), sets)
 
 
+@pytest.mark.slow
 @settings(max_examples=400, deadline=None)
 @given(statements, st.permutations(range(2)), st.integers(1, 2))
 def test_what_is_left_asks_what_the_whole_does(s: Statement, order: list[int], made: int) -> None:

@@ -159,6 +159,7 @@ def test_sets_of_the_same_hash_are_told_apart(monkeypatch: pytest.MonkeyPatch) -
     assert beam(plain) == right
 
 
+@pytest.mark.slow
 def test_forgetting_what_leads_nowhere_keeps_the_route(monkeypatch: pytest.MonkeyPatch) -> None:
     plain = scattered(7, 40, 2, pairs=60)
     kept = beam(plain, last_width=200)

@@ -26,6 +26,7 @@ def best_of(tiny: Problem) -> Incumbent:
     return best
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(problems(contours=5))
 def test_no_plan_costs_less(tiny: Problem) -> None:
@@ -35,6 +36,7 @@ def test_no_plan_costs_less(tiny: Problem) -> None:
         assert flow_bound(tiny, dear, 1.0).bound <= best.cost
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(problems(contours=5), st.integers(0, 2**32 - 1))
 def test_no_plan_costs_less_where_moves_cost_what_they_will(tiny: Problem, seed: int) -> None:
@@ -45,6 +47,7 @@ def test_no_plan_costs_less_where_moves_cost_what_they_will(tiny: Problem, seed:
         assert flow_bound(drawn, replace(best, cost=best.cost + 10**9), 1.0).bound <= best.cost
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(problems(contours=5), st.integers(0, 2**32 - 1))
 def test_cuts_hold_for_every_plan(tiny: Problem, seed: int) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given, settings
 
 from kerfwise.models.engines.cpsat import solve_cpsat
@@ -13,6 +14,7 @@ from kerfwise.tests.models.problems import problems
 ENOUGH = SolveOptions(work=20.0)
 
 
+@pytest.mark.slow
 @given(problems())
 @settings(max_examples=60, deadline=None)
 def test_same_optimum_as_by_trying_every_route(drawn: Problem) -> None:

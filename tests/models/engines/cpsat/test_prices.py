@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given, settings
 
 from kerfwise.models.engines.cpsat.arcs import site_arcs
@@ -42,6 +43,7 @@ def test_contours_that_no_step_joins_have_no_assignment() -> None:
     assert priced_bound(problem([[(1.0, 0.0)], [(2.0, 0.0)]], lags=[Lag(0, 1, ABOUT, cuts=1)])) >= NEVER
 
 
+@pytest.mark.slow
 @given(problems())
 @settings(max_examples=40, deadline=None)
 def test_no_route_is_cheaper_than_the_bound(drawn: Problem) -> None:

@@ -50,6 +50,7 @@ def test_an_incumbent_changes_nothing_but_the_work(drawn: Problem) -> None:
     assert prove(tiny, dearer, work=10) == free
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(problems())
 def test_with_and_without_the_bound_by_walks_it_finds_the_same(drawn: Problem) -> None:

@@ -47,6 +47,7 @@ def test_one_contour_locked_at_two_positions_is_refused_before_any_plan() -> Non
     ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_two_positions_at_odds_are_named_and_one_is_let_go() -> None:
     facts, profile = locked(Lock(contour="P1.outer", position=5), Lock(contour="P2.outer", position=5))
     conflict = find_conflict(facts, profile, Purse(work=10.0))
@@ -81,6 +82,7 @@ def test_a_way_out_is_priced_without_moves_where_there_is_no_time_to_look_at_the
     assert [rule for rule, _ in problem.left_out] == ["no-tip-travel"]
 
 
+@pytest.mark.slow
 def test_ways_out_that_there_is_no_time_to_compare_are_said_to_be_so(monkeypatch: pytest.MonkeyPatch) -> None:
     facts, profile = locked(Lock(contour="P1.outer", position=5), Lock(contour="P2.outer", position=5))
     monkeypatch.setattr(conflict_module, "PLANS", 1e9)
