@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -21,6 +22,7 @@ from kerfwise.rules.profile.profile import load_profile
 from kerfwise.tests.encoder.facts.random_nests import nests
 
 
+@pytest.mark.slow
 @given(nest=nests(), data=st.data())
 @settings(max_examples=15, deadline=None)
 def test_a_locked_position_is_kept_and_passes_the_check(nest: Nest, data: st.DataObject) -> None:

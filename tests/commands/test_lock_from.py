@@ -43,6 +43,7 @@ def numbers(program: str) -> list[int]:
     return [int(k) for k in re.findall(r"^\((?:CUT|MARK) (\d+) \S+ ZONE", program, re.MULTILINE)]
 
 
+@pytest.mark.slow
 def test_only_the_rest_is_planned_and_written(old: Path, tmp_path: Path) -> None:
     new, nc, picture = tmp_path / "new.json", tmp_path / "new.nc", tmp_path / "new.svg"
     files = ("--plan", new, "-o", nc, "--picture", picture)
@@ -78,6 +79,7 @@ def test_the_old_program_tells_as_much_as_its_plan(old: Path, tmp_path: Path) ->
         assert a["entry"] == pytest.approx(b["entry"], abs=1e-2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["json", "nc"])
 def test_a_program_that_was_resumed_may_be_stopped_again(old: Path, tmp_path: Path, kind: str) -> None:
     first, again = tmp_path / "first.json", tmp_path / "again.json"

@@ -41,6 +41,7 @@ def test_wrong_plot_is_refused(tmp_path: Path) -> None:
     assert (done.code, "give a name ending in .png" in done.err) == (2, True)
 
 
+@pytest.mark.slow
 def test_after_ctrl_c_what_was_found_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """While the prices are being found there is one plan already; the outputs are named after the nest."""
 

@@ -197,6 +197,7 @@ def test_every_option_that_is_said_to_free_a_group_leaves_others_only(
             assert not named(line) & {name for other in left.splitlines()[1:] for name in named(other)}, (advice, left)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("advice", ["rules.pierce.clearance: 1.48 mm", "small_holes.under: skip"])
 def test_a_nest_solves_after_the_advice(advice: str, tmp_path: Path) -> None:
     nest = written(tmp_path, perforated(2.96, count=6))

@@ -108,6 +108,7 @@ def test_wrong_usage() -> None:
     refused(kerfwise("rules", "level-ahead", "--picture", "cases.gif"), ".svg")
 
 
+@pytest.mark.slow
 def test_rules_that_clash_are_named_and_drawn_and_give_way_only_when_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

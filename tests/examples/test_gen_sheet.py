@@ -15,6 +15,7 @@ from kerfwise.examples import gen_sheet
 from kerfwise.examples.gen_sheet import contour_count, make_sheet, sheet_size_mm
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("contours", [1, 60, 400, 10_000])
 def test_makes_as_many_contours_as_asked(contours: int) -> None:
     sheet = make_sheet(1, contours)

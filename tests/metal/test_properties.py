@@ -52,6 +52,7 @@ def test_more_cuts_leave_no_more_uncut(made: list[tuple[str, Blocks]]) -> None:
     assert {f.contours for f in judged(made) if f.kind == "left-uncut"} <= before
 
 
+@pytest.mark.slow
 @given(cuts(), st.floats(0, 3), st.floats(0, 3))
 @settings(max_examples=30, deadline=None)
 def test_a_wider_splash_finds_no_less(made: list[tuple[str, Blocks]], one: float, other: float) -> None:

@@ -89,7 +89,7 @@ def test_the_reference_prices_every_way_as_by_hand(example: Example) -> None:
 @pytest.mark.parametrize("member", MEMBERS)
 @every_example
 def test_every_engine_finds_the_best_plan(example: Example, member: Member | None) -> None:
-    options = SolveOptions(work=0.4, home_mm=HOME, feeds=FEEDS, member=member)
+    options = SolveOptions(work=0.15, home_mm=HOME, feeds=FEEDS, member=member)
     alone = (member, example.name) not in NOT_ALONE
     try:
         found = solve(FACTS, example.statements, options)
@@ -167,7 +167,7 @@ def test_explain_says_that_an_entry_is_forbidden() -> None:
 def _setting(example: Example) -> Setting:
     """The best plan of an example, as explain sees it."""
     stated = Stated(example.statements, ())
-    options = SolveOptions(work=0.4, home_mm=HOME, feeds=FEEDS)
+    options = SolveOptions(work=0.15, home_mm=HOME, feeds=FEEDS)
     plan = make_plan(FACTS, PROFILE, stated, solve(FACTS, example.statements, options), "portfolio", 1)
     return make_setting(FACTS, PROFILE, stated, plan)
 

@@ -36,6 +36,7 @@ def cut_of(sheet: Nest, candidate: Candidate) -> Cut:
     return Cut(name, candidate.entry, candidate.direction, candidate.pierce, candidate.lead_in, candidate.lead_out)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sheet", SHEETS)
 @pytest.mark.parametrize("leads", LEADS)
 def test_two_cuts_in_either_order(leads: str, sheet: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -29,6 +30,7 @@ def holds(statement: AtLeast, at: Sequence[int]) -> bool:
     return sum(w for w, true in zip(statement.weights, kept, strict=True) if true) >= statement.bound
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=60)
 @given(st.one_of(st.just(DISCS), sheets()), st.data())
 def test_statements_and_geometry_agree(sheet: Nest, data: st.DataObject) -> None:

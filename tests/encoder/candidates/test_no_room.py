@@ -36,6 +36,7 @@ def framed(gap_mm: float) -> Nest:
     return nest(400, 300, part("H", rect(100, 100, 100, 100), [rect(110, 110, 80, 80)]), part("G", inner))
 
 
+@pytest.mark.slow
 def test_a_gap_is_told_once_for_both_of_its_sides() -> None:
     assert told(framed(2.1), LeadOptions()) == (
         "2 contours of the nest cannot be cut as the options ask; "
@@ -47,6 +48,7 @@ def test_a_gap_is_told_once_for_both_of_its_sides() -> None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("clearance_mm", "key"), [(1.0, "pierce_clearance_mm"), (1.0, "lead_in_min_mm")])
 def test_what_is_said_to_free_it_does(clearance_mm: float, key: str) -> None:
     options = LeadOptions(pierce_clearance_mm=clearance_mm)
@@ -55,6 +57,7 @@ def test_what_is_said_to_free_it_does(clearance_mm: float, key: str) -> None:
     assert build_candidates(framed(2.1), dataclasses.replace(options, **{key: value}))
 
 
+@pytest.mark.slow
 def test_a_hole_too_small_for_the_kerf_is_named() -> None:
     drawn = nest(400, 300, part("A", rect(100, 100, 80, 80), [circle(140, 140, 0.7)]))
     assert "A.hole1 at (139.3, 140.0) cannot be cut with a kerf of 1.5 mm" in told(drawn, LeadOptions())

@@ -208,6 +208,7 @@ def test_a_sheet_too_small_for_its_part(tmp_path: Path) -> None:
     assert error.value.details[0].startswith("P1.outer reaches 20.000 mm off the sheet at ")
 
 
+@pytest.mark.slow
 def test_remarks_of_the_dxf_library_stay_off_the_terminal(tmp_path: Path) -> None:
     path = save_dxf(tmp_path, lambda s: lines(s, square(10, 10, 50)), version="R12")
     path.write_text(path.read_text().replace("LINE\n", "LINE\n  5\nno handle\n"))

@@ -112,6 +112,7 @@ def test_the_problem_costs_what_the_judge_says(tmp_path: Path) -> None:
     assert route_cost(four.problem, (1, 0, 2)) == 10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ["portfolio", "search", "ideals", "beam", "cp-sat-alone"])
 def test_every_engine_finds_the_best_of_all_tours(engine: Engine) -> None:
     nine = read_instance(EXAMPLES / "nine.pcglns")

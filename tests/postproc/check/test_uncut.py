@@ -54,6 +54,7 @@ def test_a_plan_over_a_slot_fails_the_check() -> None:
     assert told.text.endswith("beside the kerf: a slot, notch, neck or corner that is too narrow for it")
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(
     st.lists(st.tuples(st.floats(12, 40), st.floats(0.6, 1.4)), min_size=4, max_size=14),

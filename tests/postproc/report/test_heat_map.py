@@ -55,6 +55,7 @@ def test_what_is_too_hot_is_blue_and_as_large_as_it_is() -> None:
     assert (many - none) / (few - none) == pytest.approx(64 / 16, rel=0.15)
 
 
+@pytest.mark.slow
 def test_a_frame_has_the_limit_as_a_line() -> None:
     picture = HeatPicture(PLATE, GRID, 20.0, 100.0)
     none, some = (bluish(picture.png(field(n), "t")) for n in (0, 8))

@@ -43,6 +43,7 @@ def test_a_png_opens_and_has_a_sensible_size(plate: Nest, tmp_path: Path) -> Non
     assert pixels.std() > 0.05
 
 
+@pytest.mark.slow
 def test_a_png_grows_with_the_number_of_contours(plate: Nest) -> None:
     few, many = (draw(n, plausible_plan(n), ".png") for n in (plate, crowded(400)))
     widths = [int.from_bytes(data[16:20], "big") for data in (few, many)]

@@ -55,6 +55,7 @@ def facts_of(sheet: Nest, candidates: Any = ()) -> Facts:
     return compute_facts(sheet, FactOptions(zone_contours=3), candidates)
 
 
+@pytest.mark.slow
 @given(sheets())
 def test_facts_are_as_measured(sheet: Nest) -> None:
     facts = facts_of(sheet)

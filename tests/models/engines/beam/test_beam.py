@@ -139,6 +139,7 @@ def test_proves_more_contours_than_a_word_has_bits() -> None:
     assert found.bound == proof.incumbent.cost
 
 
+@pytest.mark.slow
 def test_same_states_however_a_layer_is_shared_out(monkeypatch: pytest.MonkeyPatch) -> None:
     plain = scattered(4, 30, 2, pairs=40)
     alone = beam(plain, last_width=500)
@@ -167,6 +168,7 @@ def test_forgetting_what_leads_nowhere_keeps_the_route(monkeypatch: pytest.Monke
     assert beam(plain, last_width=200) == kept
 
 
+@pytest.mark.slow
 def test_equal_work_gives_equal_answers() -> None:
     large = scattered(8, 90, 2, pairs=300)
     first, second = beam(large, work=0.2), beam(large, work=0.2)

@@ -47,6 +47,7 @@ def test_no_plan_costs_less_from_any_state_on(tiny: Problem, neighbours: int) ->
             assert spent(tiny, route, k) + to_go(bound, tiny, route, k) <= route_cost(tiny, route)
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(problems(contours=4))
 def test_contours_for_all_their_sites_cost_no_more(tiny: Problem) -> None:

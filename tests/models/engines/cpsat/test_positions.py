@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+import pytest
 from hypothesis import given, settings
 
 from kerfwise.models.engines.cpsat.positions import distances, windows, windows_of_steps
@@ -25,6 +26,7 @@ def test_what_must_lie_between_keeps_apart() -> None:
     assert apart[0].tolist() == [0, 1, 1, 3, 0]
 
 
+@pytest.mark.slow
 @given(problems())
 @settings(max_examples=40, deadline=None)
 def test_every_lawful_order_keeps_them(drawn: Problem) -> None:

@@ -147,6 +147,7 @@ def test_what_geometry_adds_afterwards_is_kept(tmp_path: Path) -> None:
     assert THREE.contours[facts.candidates[found.route[0]].contour].part == "B"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [2, 5, 18, 30])
 def test_rules_stated_in_words_give_the_same_optimum(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     drawn = case(seed)

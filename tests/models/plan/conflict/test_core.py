@@ -95,6 +95,7 @@ def test_what_may_never_give_way_leaves_no_way_out() -> None:
     assert relaxation(inner) is None
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(statements())
 def test_found_where_there_is_one_and_minimal(asked: list[Asked]) -> None:

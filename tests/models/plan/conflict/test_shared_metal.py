@@ -62,6 +62,7 @@ def test_a_hundred_pairs_are_all_named() -> None:
     assert len({about.contours for about in conflict.clash}) == 100
 
 
+@pytest.mark.slow
 def test_pairs_are_named_where_contours_have_no_room_for_leads_either() -> None:
     grid = nest(
         180, 180, *(part(f"P{x}{y}", rect(20 + 41 * x, 20 + 41 * y, 40, 40)) for x in range(3) for y in range(3))

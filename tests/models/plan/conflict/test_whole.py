@@ -125,6 +125,7 @@ def test_pauses_that_no_order_has(profile_of) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_the_way_out_is_taken_and_told(profile_of) -> None:
     profile = profile_of(*HEAD_DOWN)
     limits = SolveOptions(work=2.0, home_mm=profile.machine.home, feeds=feeds_of(profile))

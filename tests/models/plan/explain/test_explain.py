@@ -106,6 +106,7 @@ def plates(draw: st.DrawFn) -> Nest:
     return nest(440, 220, *parts)
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(plates(), st.sampled_from(["level-ahead", "zone-order"]), st.data())
 def test_every_difference_is_that_of_the_best_entries(plate: Nest, off: str, data: st.DataObject) -> None:
