@@ -27,7 +27,7 @@ def facts_json(facts: Facts) -> str:
     head: dict[str, Any] = {
         "format": FORMAT,
         "nest": {"file": nest.file, "sha256": nest.sha256},
-        "options": {f.name: getattr(options, f.name) for f in dataclasses.fields(options)},
+        "options": {f.name: _plain(getattr(options, f.name)) for f in dataclasses.fields(options)},
         "sheet_bounds_mm": [_mm(v) for v in nest.sheet.bounds],
         "start_side": facts.start_side,
         "start_side_because": facts.start_side_because,
@@ -47,6 +47,11 @@ def facts_json(facts: Facts) -> str:
     lines += [f' "zones": {_rows(_zone_rows(facts))}']
     lines += [f' "contours": {_rows(_contour_rows(facts))}', f' "candidates": {_rows(_candidate_rows(facts))}']
     return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def _plain(value: Any) -> Any:
+    """A set as a sorted list: the same facts give the same text."""
+    return sorted(value) if isinstance(value, frozenset) else value
 
 
 def _zone_rows(facts: Facts) -> list[dict[str, Any]]:
