@@ -21,7 +21,7 @@ from kerfwise.rules.profile.profile import Profile
 from .explaining import Explainer
 from .given import Given
 from .picture import Picture, PictureKind
-from .summary import summary
+from .summary import proof_of, summary
 from .table import CUT_COLUMNS, cut_rows, frame_of
 
 if TYPE_CHECKING:
@@ -158,13 +158,12 @@ class Result:
 
     def _repr_html_(self) -> str:
         totals = self.plan.totals
-        proof = "nothing is proven" if self.gap is None else f"at most {self.gap:.2%} above the best possible"
         rows = {
             "contours": str(len(self.plan.cuts)),
             "cut": f"{totals.cut_mm / 1000:.3f} m",
             "idle": f"{totals.idle_mm / 1000:.3f} m",
             "time": f"{totals.time_s:.0f} s",
-            "plan": "proven optimal" if self.status == "optimal" else proof,
+            "plan": proof_of(self.plan),
             "check": "every hard rule holds" if self.ok else f"broken: {', '.join(self.verdict.broken())}",
         }
         cells = "".join(f"<tr><th>{head}</th><td>{html.escape(text)}</td></tr>" for head, text in rows.items())

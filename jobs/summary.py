@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from kerfwise.models.plan.plan import Dropped, Plan, SolveReport
+from kerfwise.models.plan.plan import Dropped, Plan
 from kerfwise.postproc.check import CheckResult, report
 from kerfwise.postproc.report.legend import counted
 from kerfwise.rules.statements import EXEMPTION_MM, RELAXED_MM
@@ -12,7 +12,7 @@ def summary(plan: Plan, verdict: CheckResult) -> str:
     """The plan's totals, what is proven of it, and the verdict of the independent check on every rule."""
     totals, solve = plan.totals, plan.solve
     minutes, seconds = divmod(round(totals.time_s), 60)
-    proof = _proof(solve, _heavy_mm(plan))
+    proof = proof_of(plan)
     lines = []
     if plan.already:
         again = "" if plan.broken_off is None else f", cut {plan.resumed_after + 1} is made again"
@@ -47,12 +47,13 @@ def _heavy_mm(plan: Plan) -> float:
     return excused_mm + (plan.solve.objective - excused_mm) // RELAXED_MM * RELAXED_MM
 
 
-def _proof(solve: SolveReport, heavy_mm: float) -> str:
+def proof_of(plan: Plan) -> str:
     """What is proven of the cost, and for what: plans within the same zones, by the same entries.
 
     A bound beyond `heavy_mm` says that no plan has fewer excuses and relaxed statements; what is left of both is then a
     bound on the rest.
     """
+    solve, heavy_mm = plan.solve, _heavy_mm(plan)
     if solve.status == "optimal":
         return f"proven optimal within these zones and entries (by {solve.proved_by})"
     if solve.bound is None or solve.gap is None:
