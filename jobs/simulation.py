@@ -33,7 +33,7 @@ _POINT_STEPS_A_SECOND, _LONG_S = 5e8, 60.0
 """What one core of a usual machine simulates at the least, and how long goes without saying."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Simulation:
     """The heat that a plan or a program leaves in the sheet.
 
@@ -98,6 +98,9 @@ class Simulation:
                 for p in found.parts
             ],
         }
+
+    def __repr__(self) -> str:
+        return f"<Simulation: peak {self.peak_c:.1f} °C, {self.overheats} overheats>"
 
     def __str__(self) -> str:
         found, grid_mm = self.found, self.found.grid.step_mm

@@ -112,7 +112,7 @@ def front(trades: Sequence[Trade]) -> list[Trade]:
     return kept
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Offer:
     """Plans of one nest at several prices of an overheat, each simulated.
 
@@ -196,6 +196,9 @@ class Offer:
         files: dict[Path, str | bytes] = {Path(folder) / name: content for name, content in self.files().items()}
         write_files(files)
         return tuple(files)
+
+    def __repr__(self) -> str:
+        return f"<Offer: {len(self.trades)} plans, {len(self.front)} on the front>"
 
     def __str__(self) -> str:
         over = f"over {self.limit_c:g} °C"

@@ -30,7 +30,7 @@ def test_the_example_of_the_readme(
     exec(compile(example, "README.md", "exec"), {})
     said = capsys.readouterr().out
     assert said.startswith("optimal ")
-    assert "\nP3.outer is cut " in said
+    assert "\nP5.outer is cut " in said
     named = re.findall(r"# out/(\S+), (\S+), (\S+):", example)[0]
     stem = named[0].removesuffix(".nc")
     assert sorted(file.name for file in (tmp_path / "out").iterdir()) == sorted(
