@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import sys
+from typing import Any
 
 import click
 
@@ -25,8 +26,22 @@ VERBS = {
 }
 
 
+WRONG_INPUT, UNFORESEEN, INTERRUPTED = 2, 70, 130
+
+
+class Unforeseen(Exception):
+    """Carries, as its cause, what click would take for the end of input, a reader that has gone, or a way to leave."""
+
+
 class Verbs(click.Group):
     """Knows the verbs by name and imports the one that is asked for."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Call the verb; an exception of its own keeps its name."""
+        try:
+            return super().invoke(ctx)
+        except (EOFError, OSError, SystemExit) as error:
+            raise Unforeseen from error
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """The verbs, in the order a new user needs them."""
@@ -65,32 +80,44 @@ class Verbs(click.Group):
 def program() -> None:
     """Sequence the cuts of a nest: every rule held, idle travel as low as can be, and the proof.
 
-    Exit codes: 0 done, 1 the rules cannot be met or are broken, 2 wrong usage or unreadable input, 130 interrupted
-    (the best plan so far is written).
+    Exit codes: 0 done, 1 the rules cannot be met or are broken, 2 wrong usage or unreadable input, 70 a fault of
+    kerfwise itself (a report is written), 130 interrupted (the best plan so far is written).
     """
 
 
 def main(argv: list[str] | None = None) -> None:
     """Run the command line and leave with its exit code."""
+    from kerfwise.commands.terminal import terminal
+
+    with terminal():
+        code = _ended(argv)
+    sys.exit(code)
+
+
+def _ended(argv: list[str] | None) -> int:
+    """The exit code; whatever goes wrong is told in words."""
     from kerfwise.encoder.errors import InputError, RulesConflict
 
     try:
         code = program.main(argv, prog_name="kerfwise", standalone_mode=False)
     except click.ClickException as error:
         error.show()
-        code = 2
-    except click.exceptions.Abort:
-        code = 130
+        return WRONG_INPUT
+    except (click.exceptions.Abort, KeyboardInterrupt):
+        return INTERRUPTED
     except InputError as error:
         click.echo(f"kerfwise: {error}", err=True)
-        code = 2
+        return WRONG_INPUT
     except RulesConflict as error:
         click.echo(f"kerfwise: {error}", err=True)
-        code = 1
-    except BrokenPipeError:
-        sys.stderr.close()
-        code = 0
-    sys.exit(code if isinstance(code, int) else 0)
+        return 1
+    except BaseException as error:
+        from kerfwise.commands.unforeseen import arguments, told
+
+        fault = error.__cause__ if isinstance(error, Unforeseen) and error.__cause__ else error
+        click.echo(f"kerfwise: {told(fault, arguments(argv))}", err=True)
+        return UNFORESEEN
+    return code if isinstance(code, int) else 0
 
 
 if __name__ == "__main__":

@@ -9,7 +9,8 @@ import click
 
 from kerfwise.encoder.errors import InputError
 
-from .given import given_options, read_given
+from .given import given_options, protect, read_given
+from .terminal import expect_printed
 
 
 @click.command()
@@ -27,8 +28,10 @@ def command(output: str | None, **given: Any) -> None:
 
     expect_outputs([Path(output)] if output else [], [Path(given["nest"])])
     asked = read_given(**given)
+    protect(asked, given["nest"], [output])
     facts = facts_of(asked.nest, asked.profile)
     if output is None:
         click.echo(facts_json(facts), nl=False)
+        expect_printed()
     else:
         write_files({Path(output): facts_dzn(facts) if output.endswith(".dzn") else facts_json(facts)})

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from functools import wraps
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.jobs.given import Given, drawn_nest, plant_of
 from kerfwise.rules.profile.machine_section import ORIGINS, Origin
-from kerfwise.rules.profile.profile import DEFAULT
+from kerfwise.rules.profile.profile import DEFAULT, files_of
 
 if TYPE_CHECKING:
     from kerfwise.encoder.readers.options import Frame
@@ -24,7 +26,8 @@ def tell_note(text: str) -> None:
 
 
 def given_options(verb: Verb) -> Verb:
-    """Add NEST and the options that decide how it is read."""
+    """Add NEST and the options that decide how it is read; messages that name no file name the nest."""
+    verb = _naming_the_nest(verb)
     for add in (
         click.option(
             "--origin", type=click.Choice(list(ORIGINS)), help="The machine's zero, instead of machine.origin."
@@ -46,6 +49,21 @@ def given_options(verb: Verb) -> Verb:
     return verb
 
 
+def _naming_the_nest(verb: Verb) -> Verb:
+    @wraps(verb)
+    def named(*args: Any, **options: Any) -> Any:
+        try:
+            return verb(*args, **options)
+        except InputError as error:
+            if error.file is not None or error.message.startswith("-"):  # what an option says stands in no file
+                raise
+            raise InputError(error.message, file=options["nest"], details=error.details) from error
+        except RulesConflict as error:
+            raise RulesConflict(f"{options['nest']}: {error.message}", error.reasons) from error
+
+    return named
+
+
 def read_given(
     nest: str,
     profile: str,
@@ -63,6 +81,20 @@ def read_given(
     for note in read.notes:
         click.echo(f"{note.severity}: {note.text}", err=True)
     return Given(plant.as_cut(read), plant)
+
+
+def protect(given: Given, nest: str, outputs: Iterable[str | Path | None], *others: str | Path | None) -> None:
+    """Say before the work that a file would be written over which is read: the nest, the profile's, or others.
+
+    Raises
+    ------
+    InputError
+        Naming the file.
+    """
+    from kerfwise.postproc.files import expect_outputs
+
+    read = (Path(nest), *files_of(given.profile), *(Path(other) for other in others if other))
+    expect_outputs((Path(output) for output in outputs if output), read)
 
 
 def note_placing(given: Given) -> None:

@@ -10,7 +10,7 @@ import click
 
 from kerfwise.encoder.errors import InputError
 
-from .given import given_options, read_given, tell_note
+from .given import given_options, protect, read_given, tell_note
 
 FRAMES = 60
 
@@ -34,11 +34,14 @@ def command(made: str, model: Any, as_json: bool, output: str | None, frames: st
     if frames:
         expect_place(Path(frames))
 
-    found = simulate_made(read_given(**given), made, model, tell_note, frames=FRAMES if frames else 0)
+    asked = read_given(**given)
+    protect(asked, given["nest"], [output], made)
+    found = simulate_made(asked, made, model, tell_note, frames=FRAMES if frames else 0)
     files: dict[Path, str | bytes] = {Path(frames or "") / name: png for name, png in found.frames.items()}
     if output:
         files[Path(output)] = found.picture().content
     if frames:
         make_folder(Path(frames))
+    protect(asked, given["nest"], files, made)
     write_files(files)
     click.echo(json.dumps(found.as_json()) if as_json else found)

@@ -11,7 +11,7 @@ import click
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.prices import PRICES_MM
 
-from .given import given_options, note_placing, read_given
+from .given import given_options, note_placing, protect, read_given
 from .numbers import AMOUNT, AMOUNT_OVER_ZERO
 
 
@@ -50,6 +50,7 @@ def command(
     if plans:
         expect_place(Path(plans))
     given = read_given(**options)
+    protect(given, options["nest"], [output])
     note_placing(given)
     limits = options_for(given.nest, given.profile, work=work, seed=seed)
     offer = trade_off(given, prices, limits, ProgressLine, Path(options["nest"]).name)
@@ -61,6 +62,7 @@ def command(
         files |= {Path(plans) / name: content for name, content in offer.files().items()}
     if output:
         files[Path(output)] = offer.picture().content
+    protect(given, options["nest"], files)
     write_files(files)
     click.echo(json.dumps(offer.rows()) if as_json else offer)
     if not as_json:

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from .given import given_options, read_given, tell_note
+from .given import given_options, protect, read_given, tell_note
 
 
 @click.command()
@@ -24,6 +24,7 @@ def command(plan: str | None, output: str, **given: Any) -> None:
     expect_picture(Path(output).suffix)
     expect_outputs([Path(output)], [Path(given["nest"])])
     asked = read_given(**given)
+    protect(asked, given["nest"], [output], plan)
     made = read_plan(plan) if plan else None
     if made is not None:
         for text in differences(made, asked):

@@ -7,6 +7,8 @@ import click
 from kerfwise.rules.profile.profile import load_profile
 from kerfwise.rules.profile.text import profile_yaml
 
+from .terminal import expect_printed
+
 
 @click.group()
 def command() -> None:
@@ -31,3 +33,4 @@ def check(profile: str) -> None:
 def show(profile: str) -> None:
     """Print PROFILE as YAML with every default filled in."""
     click.echo(profile_yaml(load_profile(profile)), nl=False)
+    expect_printed()

@@ -20,7 +20,9 @@ class ProgressLine(Listener):
         if sys.stderr.isatty():
             from rich.console import Console
 
-            self.status = Console(stderr=True).status("starting")
+            from .terminal import bare
+
+            self.status = Console(file=bare(sys.stderr)).status("starting")
 
     def __call__(self, engine: str, cost_um: int | None, bound_um: int | None) -> bool:
         if self.status is not None:

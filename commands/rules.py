@@ -65,7 +65,7 @@ def page(rule: str, picture: str | None, profile: str) -> None:
 
 
 def _draw(rule: str, path: Path) -> None:
-    from kerfwise.postproc.files import write_files
+    from kerfwise.postproc.files import expect_outputs, write_files
     from kerfwise.postproc.report.case_picture import Panel, case_picture
     from kerfwise.rules.run_cases import cases_of
 
@@ -73,6 +73,7 @@ def _draw(rule: str, path: Path) -> None:
         raise InputError(f"cannot draw a case as {path.suffix or str(path)!r}: give a name ending in .svg")
     chosen = [next(case for case in cases_of(rule) if case.kind == kind) for kind in ("fails", "passes")]
     panels = [Panel(f"{rule}: {case.name}", case.nest, case.cuts, case.violations) for case in chosen]
+    expect_outputs([path], [])
     write_files({path: case_picture(panels)})
     click.echo(f"written: {path}")
 

@@ -10,8 +10,9 @@ import click
 
 from kerfwise.models.engines.baselines import STRATEGIES
 
+from .default_names import expect_own
 from .engine_choice import EngineChoice
-from .given import given_options, note_placing, read_given, tell_note
+from .given import given_options, note_placing, protect, read_given, tell_note
 from .numbers import AMOUNT_OVER_ZERO, Amount
 
 
@@ -77,12 +78,16 @@ def command(
     from .progress import ProgressLine
 
     file = Path(options["nest"])
-    if output is plan_path is picture is None:
+    if named_after := output is plan_path is picture is None:
         beside = f"{file.stem}.plan.svg" if file.suffix.lower() == ".svg" else f"{file.stem}.svg"
         output, plan_path, picture = f"{file.stem}.nc", f"{file.stem}.plan.json", beside
     conflict_picture = conflict_picture or f"{file.stem}.conflict.svg"
-    _expect((output, plan_path, picture, conflict_picture), (picture, conflict_picture), (file, lock_from))
+    outputs = (output, plan_path, picture, conflict_picture)
+    _expect(outputs, (picture, conflict_picture), (file, lock_from))
+    if named_after:
+        expect_own(file, Path(str(output)), Path(str(plan_path)), Path(str(picture)))
     given = read_given(**options)
+    protect(given, options["nest"], outputs, lock_from)
     note_placing(given)
     already = already_cut(given, lock_from, upto, redo_last, tell_note)
     limits = options_for(
@@ -99,20 +104,21 @@ def command(
     except NoPlan as no_plan:
         return tell_conflict(no_plan, conflict_picture)
     made = done.made
+    files: dict[Path, str | bytes] = {}
+    if made.verdict.ok:
+        if output:
+            files[Path(output)] = made.program
+        if plan_path:
+            files[Path(plan_path)] = made.plan.to_json()
+        if picture:
+            files[Path(picture)] = draw(given.nest, made.plan, Path(picture).suffix, given.profile.home_on(given.nest))
+        write_files(files)
     if verbose:
         click.echo("\n".join(made.notes))
     click.echo(summary(made.plan, made.verdict))
     if not made.verdict.ok:
         click.echo("kerfwise: the check refuses this plan; nothing was written", err=True)
         return 1
-    files: dict[Path, str | bytes] = {}
-    if output:
-        files[Path(output)] = made.program
-    if plan_path:
-        files[Path(plan_path)] = made.plan.to_json()
-    if picture:
-        files[Path(picture)] = draw(given.nest, made.plan, Path(picture).suffix, given.profile.home_on(given.nest))
-    write_files(files)
     click.echo("written: " + ", ".join(map(str, files)))
     return 130 if listener.interrupted else 0
 

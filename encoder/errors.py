@@ -1,11 +1,14 @@
 """The one family of errors that kerfwise raises on purpose.
 
-The command line turns an `InputError` into one message and exit code 2, a `RulesConflict` into exit code 1.
+The command line turns an `InputError` into one message and exit code 2, a `RulesConflict` into exit code 1, and
+whatever else is raised into a report and exit code 70.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
+
+from .shown import shown
 
 MOST_DETAILS = 20
 """Lines of a list that are shown; one cause makes hundreds of the same."""
@@ -46,11 +49,11 @@ class InputError(KerfwiseError):
         super().__init__(self._text())
 
     def _text(self) -> str:
-        place = ":".join(str(p) for p in (self.file, self.line, self.column) if p is not None)
-        head = f"{place}: {self.message}" if place else self.message
-        shown = [f"  - {d}" for d in self.details[:MOST_DETAILS]]
-        rest = len(self.details) - len(shown)
-        return "\n".join([head, *shown, *([f"  … and {rest} more"] if rest else [])])
+        place = ":".join(shown(str(p)) for p in (self.file, self.line, self.column) if p is not None)
+        head = f"{place}: {shown(self.message)}" if place else shown(self.message)
+        listed = [f"  - {shown(d)}" for d in self.details[:MOST_DETAILS]]
+        rest = len(self.details) - len(listed)
+        return "\n".join([head, *listed, *([f"  … and {rest} more"] if rest else [])])
 
 
 class RulesConflict(KerfwiseError):
@@ -58,4 +61,4 @@ class RulesConflict(KerfwiseError):
 
     def __init__(self, message: str, reasons: tuple[str, ...] = ()) -> None:
         self.message, self.reasons = message, reasons
-        super().__init__("\n".join([message, *(f"  - {r}" for r in reasons)]))
+        super().__init__("\n".join([shown(message), *(f"  - {shown(r)}" for r in reasons)]))

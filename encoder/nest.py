@@ -10,6 +10,7 @@ from typing import Any, Literal, get_args
 import shapely
 
 from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.shown import shown
 
 Kind = Literal["outer", "hole", "mark", "slit"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
@@ -110,6 +111,9 @@ class Note:
     text: str
     contours: tuple[str, ...] = ()
     common: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "text", shown(self.text))
 
 
 @dataclass(frozen=True, eq=False)

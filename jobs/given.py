@@ -137,6 +137,8 @@ def program_text(path: str | Path) -> str:
         data = Path(path).read_bytes()
     except OSError as error:
         raise InputError(f"cannot read the program: {error.strerror}", file=path) from None
+    except ValueError as error:  # a NUL, or half a character
+        raise InputError(f"cannot read the program: no file can have this name ({error})", file=path) from None
     try:
         return data.decode("utf-8")
     except UnicodeDecodeError as error:

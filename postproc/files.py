@@ -1,13 +1,21 @@
-"""Output files appear whole or not at all: written beside, then renamed."""
+"""Output files appear whole, all of them or none: written beside their places, which they then take together."""
 
 from __future__ import annotations
 
+import contextlib
 import os
+import secrets
+import shutil
+import stat
 import tempfile
+import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.shown import shown
+
+from .swap import LIST, Move, remove, swap
 
 
 def expect_folders(paths: Iterable[Path]) -> None:
@@ -19,7 +27,11 @@ def expect_folders(paths: Iterable[Path]) -> None:
         Naming the file.
     """
     for path in paths:
-        if not path.parent.is_dir():
+        try:
+            is_folder = path.parent.is_dir() and path.resolve().parent.is_dir()
+        except (OSError, ValueError, RuntimeError) as error:  # too long, a NUL, a link to itself
+            raise InputError(f"cannot write: no file can have this name ({error})", file=path) from None
+        if not is_folder:
             raise InputError(f"cannot write: there is no folder {str(path.parent)!r}", file=path)
 
 
@@ -31,18 +43,50 @@ def expect_outputs(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
     InputError
         Naming the file.
     """
-    read = {path.resolve() for path in inputs}
+    read = {place for path in inputs if (place := _resolved(path)) is not None}
     written: set[Path] = set()
     for path in outputs:
         expect_folders([path])
         place = path.resolve()
-        if path.is_dir():
-            raise InputError("cannot write: this is a folder; give the name of a file", file=path)
-        if place in read:
+        _expect_regular(path)
+        if place in read or _same_file(path, read):
             raise InputError("would be written over, and is read from: give the output another name", file=path)
         if place in written:
             raise InputError("two outputs have this name: give each its own", file=path)
         written.add(place)
+
+
+def _expect_regular(path: Path) -> None:
+    """Refuse what is there and no regular file: a folder, a device, a pipe."""
+    try:
+        kind = path.stat().st_mode
+    except FileNotFoundError:
+        return
+    except (OSError, ValueError) as error:
+        raise InputError(f"cannot write: no file can have this name ({_words(error)})", file=path) from None
+    if stat.S_ISDIR(kind):
+        raise InputError("cannot write: this is a folder; give the name of a file", file=path)
+    if not stat.S_ISREG(kind):
+        raise InputError("cannot write: this is a device or a pipe; give the name of a file", file=path)
+
+
+def _resolved(path: Path) -> Path | None:
+    """Where a file really is; None for a name that no file can have."""
+    try:
+        return path.resolve()
+    except (OSError, ValueError, RuntimeError):
+        return None
+
+
+def _same_file(path: Path, others: Iterable[Path]) -> bool:
+    """Whether a file is one of others by another name: a second name on disk, or other capitals where these are one."""
+    if not path.exists():
+        return False
+    for other in others:
+        with contextlib.suppress(OSError):
+            if os.path.samefile(path, other):
+                return True
+    return False
 
 
 def expect_place(folder: Path) -> None:
@@ -73,28 +117,75 @@ def make_folder(path: Path) -> None:
 
 
 def write_files(contents: Mapping[Path, str | bytes]) -> None:
-    """Write all files, or none: each is written beside its place and renamed once all are on disk.
+    """Write all files, or none: each is written beside its place, and all take their places once they are on disk.
+
+    A link is followed: the file that it leads to is written. Whoever kills the command meanwhile finds all files as
+    they were, or all new (see `swap`).
 
     Raises
     ------
     InputError
-        If a folder does not exist or may not be written.
+        If a folder does not exist or may not be written, the disk is full, or a place is no regular file.
     """
-    beside: dict[Path, Path] = {}
+    moves: list[Move] = []
     try:
         for path, content in contents.items():
-            handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-            beside[path] = Path(name)
+            _expect_regular(path)
+            place = path.resolve()
+            _clear(place.parent)
+            data = content if isinstance(content, bytes) else content.encode("utf-8")
+            handle, name = tempfile.mkstemp(prefix=BESIDE, dir=place.parent)
+            moves.append((name, str(place), None))
             with os.fdopen(handle, "wb") as file:
-                file.write(content if isinstance(content, bytes) else content.encode("utf-8"))
+                file.write(data)
+                file.flush()
+                os.fsync(file.fileno())
             os.chmod(name, 0o666 & ~_umask())
-        for path, temporary in beside.items():
-            temporary.replace(path)
-    except OSError as error:
-        raise InputError(f"cannot write: {error.strerror}", file=path) from None
+        if len(moves) > 1:
+            for k, (name, there, _) in enumerate(moves):
+                moves[k] = (name, there, _second_name(Path(there)))
+        if moves:
+            swap(moves)
+    except UnicodeEncodeError as error:
+        wrong = shown(error.object[error.start : error.end])
+        raise InputError(f"cannot write: {wrong} is half a character, which no file can hold", file=path) from None
+    except (OSError, ValueError) as error:
+        named = getattr(error, "filename2", None) or path
+        raise InputError(f"cannot write: {_words(error)}", file=named) from None
     finally:
-        for temporary in beside.values():
-            temporary.unlink(missing_ok=True)
+        remove(name for move in moves for name in (move[0], move[2]))
+
+
+BESIDE = ".kerfwise-"
+_LEFT_S = 86400.0
+"""What a command that was killed left beside its files is cleared away by another a day later."""
+
+
+def _second_name(place: Path) -> str | None:
+    """A second name for what stands at a place, so that it can be put back; None where nothing does."""
+    for _ in range(100):
+        name = place.parent / f"{BESIDE}{secrets.token_hex(6)}"
+        try:
+            os.link(place, name)
+        except FileNotFoundError:
+            return None
+        except FileExistsError:
+            continue
+        except OSError:  # a file system without second names
+            shutil.copy2(place, name)
+        return str(name)
+    raise OSError("no free name beside it")
+
+
+def _clear(folder: Path) -> None:
+    for left in folder.glob(f"{BESIDE}*"):
+        with contextlib.suppress(OSError):
+            if left.name != LIST and time.time() - max(left.stat().st_mtime, left.stat().st_ctime) > _LEFT_S:
+                left.unlink()
+
+
+def _words(error: OSError | ValueError) -> str:
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)
 
 
 def _umask() -> int:

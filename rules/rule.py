@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, TypeVar
 
 from kerfwise.encoder.cut import CutSequence, Side
+from kerfwise.encoder.faults import naming_the_rule
 from kerfwise.encoder.nest import Nest
 
 from .plant import Plant
@@ -105,6 +107,13 @@ class Rule(ABC, Generic[OptionsT]):
     guards_metal: ClassVar[bool] = False
     makes_zones: ClassVar[bool] = False
     shares: ClassVar[tuple[str, ...]] = ()
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        """What a rule raises that nobody foresaw names the rule."""
+        super().__init_subclass__(**options)
+        for name, hook in list(vars(cls).items()):
+            if inspect.isfunction(hook) and not name.startswith("__"):
+                setattr(cls, name, naming_the_rule(hook))
 
     @abstractmethod
     def statements(self, facts: Facts, options: OptionsT) -> Iterable[Statement]:

@@ -69,7 +69,8 @@ def measure(job: Job) -> Result:
             child.kill()
             raise
     if child.returncode == 2:
-        raise InputError(said.strip())
+        message, *details = said.strip().splitlines() or ["the file cannot be read"]
+        raise InputError(message, details=tuple(line.removeprefix("  - ") for line in details))
     if child.returncode != 0:
         last = said.strip().splitlines()[-1:] or [f"exit code {child.returncode}"]
         raise InputError(f"the engine {job.engine} ended with an error: {last[0]}", file=job.path)

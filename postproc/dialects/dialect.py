@@ -133,6 +133,8 @@ def load_dialect(name: str) -> Dialect:
             raise InputError(f"cannot read the dialect: {error.strerror}", file=name) from None
         except UnicodeDecodeError:
             raise InputError("not a dialect: the file is not UTF-8 text", file=name) from None
+        except ValueError as error:  # a NUL, or half a character
+            raise InputError(f"cannot read the dialect: no file can have this name ({error})", file=name) from None
         return parse_dialect(text, name)
     if name not in dialect_names():
         raise InputError(f"{unknown('dialect', name, dialect_names())}; the file of a plant's own ends in .yaml")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -70,8 +71,15 @@ def thermometer_of(nest: Nest, profile: Profile) -> Thermometer | None:
 
 
 def judge(nest: Nest, plan: Plan, program: str, profile: Profile) -> CheckResult:
-    """Judge a plan and the program written from it: a rule holds if it holds in both."""
-    planned, written = check_plan(nest, plan, profile), check_program(nest, program, profile)
+    """Judge a plan and the program written from it: a rule holds if it holds in both.
+
+    Raises
+    ------
+    InputError
+        If the program that the profile's dialect makes of the plan cannot be read back: with the block, for nobody has
+        the program.
+    """
+    planned, written = check_plan(nest, plan, profile), _check_written(nest, program, profile)
     of_program = {judgement.id: judgement for judgement in written.rules}
     rules = []
     for judgement in planned.rules:
@@ -79,7 +87,34 @@ def judge(nest: Nest, plan: Plan, program: str, profile: Profile) -> CheckResult
         more = () if other is None else other.violations
         rules.append(replace(judgement, violations=judgement.violations or more))
     warnings = tuple(dict.fromkeys(planned.warnings + written.warnings))
-    return CheckResult((*of_program.values(), *rules), warnings, written.measured)
+    result = CheckResult((*of_program.values(), *rules), warnings, written.measured)
+    return result if result.ok else _by_block(result, program)
+
+
+def _check_written(nest: Nest, program: str, profile: Profile) -> CheckResult:
+    try:
+        return check_program(nest, program, profile)
+    except InputError as error:
+        block = f" ({_block(program, error.line)})" if error.line is not None else ""
+        message = f"the program that dialect {profile.machine.dialect} makes here cannot be read back{block}"
+        raise InputError(f"{message}: {error.message}; nothing is written", file=profile.file or None) from error
+
+
+def _by_block(result: CheckResult, program: str) -> CheckResult:
+    """The verdict on a program that is not written: for its lines, the blocks themselves."""
+
+    def told(text: str) -> str:
+        return re.sub(r"\bline (\d+)", lambda found: _block(program, int(found.group(1))), text)
+
+    rules = tuple(
+        replace(j, violations=tuple(replace(v, text=told(v.text)) for v in j.violations)) for j in result.rules
+    )
+    return replace(result, rules=rules, warnings=tuple(map(told, result.warnings)))
+
+
+def _block(program: str, line: int) -> str:
+    lines = program.split("\n")
+    return f"block {lines[line - 1].strip()!r}" if 0 < line <= len(lines) else f"line {line}"
 
 
 def report_of(result: CheckResult) -> tuple[RuleReport, ...]:

@@ -46,7 +46,7 @@ def new_rule(name: str, root: Path) -> tuple[Path, ...]:
     folder = resources.files(__package__) / "templates"
     for template, path in paths.items():
         text = Template((folder / template).read_text(encoding="utf-8")).substitute(words)
-        path.write_text(text, encoding="utf-8")
+        path.write_text(text, encoding="utf-8", newline="\n")
     return tuple(paths.values())
 
 

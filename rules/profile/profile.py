@@ -24,7 +24,7 @@ from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.thickness_table import LengthOf, length_at
-from kerfwise.rules.own import Own, Thresholds, as_rule, own_pairs
+from kerfwise.rules.own import Own, OwnFile, Thresholds, as_rule, own_pairs
 from kerfwise.rules.plant import Plant
 from kerfwise.rules.profile.cuts_section import Cuts
 from kerfwise.rules.registry import RULES
@@ -48,7 +48,8 @@ DEFAULT = "plasma-carbon-steel"
 class Profile:
     """Everything a plant fixes beforehand.
 
-    `sha256` is that of the profile's file; it and `file` do not make two profiles differ.
+    `sha256` is that of the profile's file, `read_from` are the places of that file and of those it is based on; they
+    and `file` do not make two profiles differ.
 
     Examples
     --------
@@ -73,6 +74,7 @@ class Profile:
     cuts: Cuts = field(default_factory=Cuts)
     sha256: str = field(default="", compare=False)
     file: str = field(default="", compare=False)
+    read_from: tuple[str, ...] = field(default=(), compare=False)
 
     def settings(self) -> dict[str, RuleSetting]:
         """The rules that are on, by id, with what their options take from the rest of the profile.
@@ -256,7 +258,7 @@ def load_profile(name_or_path: str | Path = DEFAULT) -> Profile:
 
 
 def _load(name: str, folder: Path, chain: tuple[str, ...]) -> Profile:
-    file, content = _content(name, folder)
+    file, place, content = _content(name, folder)
     if file in chain:
         raise InputError(f"based_on goes in a circle: {' → '.join((*chain, file))}", file=file)
     try:
@@ -268,21 +270,31 @@ def _load(name: str, folder: Path, chain: tuple[str, ...]) -> Profile:
         return _fields(_load(of, Path(file).parent, (*chain, file)))
 
     given = read_given(text, file, _fields(Profile(Path(file).stem)), base)
-    return Profile(**given | {"sha256": hashlib.sha256(content).hexdigest(), "file": file})
+    read_from = (*given.get("read_from", ()), place)
+    return Profile(**given | {"sha256": hashlib.sha256(content).hexdigest(), "file": file, "read_from": read_from})
+
+
+def files_of(profile: Profile) -> tuple[Path, ...]:
+    """Every file that a profile is made of: its own and those it is based on, its dialect's, and those of its rules."""
+    dialect = (profile.machine.dialect,) if profile.machine.dialect.endswith((".yaml", ".yml")) else ()
+    rules = (rule.path for rule in profile.own_rules if isinstance(rule, OwnFile))
+    return (*map(Path, profile.read_from), *map(Path, dialect), *rules)
 
 
 def _fields(profile: Profile) -> Given:
     return {f.name: getattr(profile, f.name) for f in dataclasses.fields(profile)}
 
 
-def _content(name: str, folder: Path) -> tuple[str, bytes]:
-    """File name and bytes of a profile given by shipped name or path."""
+def _content(name: str, folder: Path) -> tuple[str, str, bytes]:
+    """File name, place and bytes of a profile given by shipped name or path."""
     shipped = shipped_profiles()
     if name in shipped:
-        return f"kerfwise/rules/profile/shipped/{name}.yaml", shipped[name].read_bytes()
+        return f"kerfwise/rules/profile/shipped/{name}.yaml", str(shipped[name]), shipped[name].read_bytes()
     path = folder / name
     try:
-        return str(path), path.read_bytes()
+        return str(path), str(path), path.read_bytes()
+    except ValueError as error:  # a NUL, or half a character
+        raise InputError(f"cannot read the profile: no file can have this name ({error})", file=path) from None
     except OSError as error:
         if path.suffix or len(Path(name).parts) > 1:
             raise InputError(f"cannot read the profile: {error.strerror}", file=path) from None

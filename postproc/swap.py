@@ -1,0 +1,195 @@
+"""Files take the place of others all together: what is to be done is written down first, and then done to the end.
+
+A set of files cannot be renamed in one step, so whoever is killed between two of them would leave a program of one
+generation beside a plan of another. Here a list of the moves is written first, beside the files; from then on whoever
+comes by brings it to the end: a process of its own, which a kill of the command does not reach, the command itself, and
+else the next command that writes there. The list is also what keeps two commands from moving at once.
+
+This file is run as a program by that process, without the rest of kerfwise: it imports nothing of it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterable, Sequence
+
+LIST = ".kerfwise-moves.json"
+PATIENCE_S = 10.0
+"""How long another's list may stand before it is taken over: moving takes milliseconds."""
+HELPER_S = 10.0
+
+Move = tuple[str, str, "str | None"]
+"""The new content beside its place, the place, and a second name of what stands there now (None where nothing does)."""
+
+
+def swap(moves: Sequence[Move]) -> None:
+    """Make every move, or none.
+
+    Raises
+    ------
+    OSError
+        If a place cannot be taken, for instance because another program holds the file open; all is as before then.
+    """
+    if len(moves) == 1:
+        os.replace(*moves[0][:2])
+        sync_folders(moves)
+        return
+    path = os.path.join(os.path.dirname(os.path.abspath(moves[0][1])), LIST)
+    write_list(path, moves)
+    try:
+        if not _helped(path):
+            make(moves)
+    except OSError:
+        undo(moves)
+        raise
+    except BaseException:
+        make(moves)
+        raise
+    finally:
+        remove([path, *(before for _, _, before in moves)])
+
+
+def write_list(path: str, moves: Sequence[Move]) -> None:
+    """Write the list of moves, once no other is in its place; one that stands too long is taken over.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
+    since_s = time.monotonic()
+    while True:
+        try:
+            handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+            break
+        except FileExistsError:
+            if time.monotonic() - since_s > PATIENCE_S or _age_s(path) > PATIENCE_S:
+                take_over(path)
+            time.sleep(0.01)
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8", errors="surrogateescape", newline="\n") as file:
+            json.dump([[_absolute(name) for name in move] for move in moves], file, ensure_ascii=False)
+            file.write("\n")  # says that the list is whole
+            file.flush()
+            os.fsync(file.fileno())
+    except BaseException:
+        remove([path])
+        raise
+    sync_folders(moves)
+
+
+def take_over(path: str) -> None:
+    """Bring to its end what another command has begun; what it has only written down has not begun."""
+    try:
+        moves = read_list(path)
+    except (OSError, ValueError):
+        moves = []
+    if any(not os.path.exists(new) for new, _, _ in moves):
+        make(moves)
+        remove(before for _, _, before in moves)
+    else:
+        remove(new for new, _, _ in moves)
+    remove([path])
+
+
+def read_list(path: str) -> list[Move]:
+    """The moves of a list.
+
+    Raises
+    ------
+    OSError
+        If there is none.
+    ValueError
+        If it is not whole.
+    """
+    with open(path, encoding="utf-8", errors="surrogateescape") as file:
+        text = file.read()
+    if not text.endswith("\n"):
+        raise ValueError("the list is not whole")
+    return [(new, place, before) for new, place, before in json.loads(text)]
+
+
+def make(moves: Sequence[Move]) -> None:
+    """Make the moves that are still to be made.
+
+    Raises
+    ------
+    OSError
+        If one cannot be made.
+    """
+    for new, place, _ in moves:
+        with contextlib.suppress(FileNotFoundError):  # made already
+            os.replace(new, place)
+    sync_folders(moves)
+
+
+def remove(paths: Iterable[str | None]) -> None:
+    """Take files away, where they are still there."""
+    for path in paths:
+        if path is not None:
+            with contextlib.suppress(OSError):
+                os.unlink(path)
+
+
+def undo(moves: Iterable[Move]) -> None:
+    """Put back what stood there before the moves that were made."""
+    for new, place, before in moves:
+        if os.path.exists(new):
+            continue
+        with contextlib.suppress(OSError):
+            if before is None:
+                os.unlink(place)
+            else:
+                os.replace(before, place)
+
+
+def sync_folders(moves: Iterable[Sequence[str | None]]) -> None:
+    """Have the names on disk, where the system can."""
+    for folder in sorted({os.path.dirname(os.path.abspath(str(move[1]))) for move in moves}):
+        with contextlib.suppress(OSError):
+            handle = os.open(folder, os.O_RDONLY)
+            try:
+                os.fsync(handle)
+            finally:
+                os.close(handle)
+
+
+def _helped(path: str) -> bool:
+    """Whether a process of its own has made the moves; False where there can be none, or it has died of something."""
+    python = sys.executable or ""
+    if not os.path.basename(python).lower().startswith(("python", "pypy")):
+        return False
+    try:
+        with subprocess.Popen(
+            [python, "-I", "-S", os.path.abspath(__file__), path],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        ) as helper:
+            return helper.wait(HELPER_S) == 0
+    except (OSError, subprocess.TimeoutExpired):
+        return False
+
+
+def _age_s(path: str) -> float:
+    try:
+        return time.time() - os.stat(path).st_mtime
+    except OSError:
+        return 0.0
+
+
+def _absolute(path: str | None) -> str | None:
+    return path if path is None else os.path.abspath(path)
+
+
+if __name__ == "__main__":
+    try:
+        make(read_list(sys.argv[1]))
+    except (OSError, ValueError):
+        sys.exit(1)

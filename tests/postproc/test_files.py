@@ -1,0 +1,240 @@
+"""A set of files is written whole or not at all, whatever becomes of the command meanwhile."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.postproc import files, swap
+from kerfwise.postproc.files import expect_outputs, write_files
+
+NAMES = ("out.nc", "out.plan.json", "out.svg")
+WRITER = """
+import os, signal, sys
+from pathlib import Path
+from kerfwise.postproc.files import write_files
+moment, count = int(sys.argv[1]), 0
+def counted(call):
+    def then(*args, **named):
+        global count
+        count += 1
+        if count == moment:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return call(*args, **named)
+    return then
+for name in ("open", "fsync", "chmod", "link", "replace", "unlink", "fdopen"):
+    setattr(os, name, counted(getattr(os, name)))
+import subprocess
+subprocess.Popen = counted(subprocess.Popen)
+write_files({Path(name): "new " + name for name in sys.argv[2:]})
+print("done")
+"""
+
+
+def folder_with_old(folder: Path) -> Path:
+    folder.mkdir()
+    for name in NAMES:
+        (folder / name).write_text(f"old {name}")
+    return folder
+
+
+def generation(folder: Path) -> str:
+    """The one generation that all files are of."""
+    found = {(folder / name).read_text().split()[0] for name in NAMES}
+    assert len(found) == 1, found
+    return found.pop()
+
+
+def killed(moment: int, folder: Path, code: str = WRITER) -> str:
+    """What a run says that is killed at that moment, once whoever goes on after it is done."""
+    ended = subprocess.run(
+        [sys.executable, "-c", code, str(moment), *NAMES], cwd=folder, capture_output=True, text=True, check=False
+    )
+    assert ended.returncode in (0, -9), ended.stderr
+    until = time.monotonic() + 5
+    moving = folder / swap.LIST
+    while moving.exists() and time.monotonic() < until and any(new_is_gone(moving)):
+        time.sleep(0.01)
+    time.sleep(0.05)
+    return ended.stdout
+
+
+def new_is_gone(path: Path) -> list[bool]:
+    try:
+        moves = swap.read_list(str(path))
+    except (OSError, ValueError):
+        return []
+    gone = [not Path(new).exists() for new, _, _ in moves]
+    return [] if all(gone) else gone
+
+
+@pytest.mark.skipif(os.name != "posix", reason="SIGKILL")
+def test_a_kill_at_any_moment_leaves_one_generation(tmp_path: Path) -> None:
+    outcomes = []
+    for moment in range(1, 64):
+        folder = folder_with_old(tmp_path / str(moment))
+        said = killed(moment, folder)
+        outcomes.append(generation(folder))
+        if said:
+            break
+    assert said == "done\n"
+    assert outcomes.count("old") >= 12
+    assert outcomes[-1] == "new"
+    assert "new" in outcomes[:-1]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="SIGKILL")
+@pytest.mark.parametrize("moves_made", [0, 1, 2, 3])
+def test_both_killed_is_put_right_by_the_next_command(moves_made: int, tmp_path: Path) -> None:
+    folder = folder_with_old(tmp_path / "both")
+    moves = []
+    for name in NAMES:
+        (folder / f"{files.BESIDE}{name}").write_text(f"new {name}")
+        moves.append((str(folder / f"{files.BESIDE}{name}"), str(folder / name), None))
+    swap.write_list(str(folder / swap.LIST), moves)
+    for new, place, _ in moves[:moves_made]:
+        os.replace(new, place)
+    long_ago_s = time.time() - 100
+    os.utime(folder / swap.LIST, (long_ago_s, long_ago_s))
+    write_files({folder / "other.nc": "other", folder / "other.svg": "other"})
+    assert generation(folder) == ("new" if moves_made else "old")
+    assert sorted(p.name for p in folder.iterdir()) == sorted((*NAMES, "other.nc", "other.svg"))
+
+
+def test_where_no_process_can_be_started_the_moves_are_made_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for k, python in enumerate(("", "/usr/bin/freecad", "/nowhere/python3")):
+        folder = folder_with_old(tmp_path / str(k))
+        monkeypatch.setattr(sys, "executable", python)
+        write_files({folder / name: f"new {name}" for name in NAMES})
+        assert generation(folder) == "new"
+        assert sorted(p.name for p in folder.iterdir()) == sorted(NAMES)
+
+
+@pytest.mark.parametrize("moves_made", [0, 1, 2, 3])
+def test_the_process_that_moves_is_killed(moves_made: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def dies(path: str) -> bool:
+        swap.make(swap.read_list(path)[:moves_made])
+        return False
+
+    folder = folder_with_old(tmp_path / "dies")
+    monkeypatch.setattr(swap, "_helped", dies)
+    write_files({folder / name: f"new {name}" for name in NAMES})
+    assert generation(folder) == "new"
+    assert sorted(p.name for p in folder.iterdir()) == sorted(NAMES)
+
+
+def test_ctrl_c_while_files_are_moved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def pressed(path: str) -> bool:
+        swap.make(swap.read_list(path)[:1])
+        raise KeyboardInterrupt
+
+    folder = folder_with_old(tmp_path / "pressed")
+    monkeypatch.setattr(swap, "_helped", pressed)
+    with pytest.raises(KeyboardInterrupt):
+        write_files({folder / name: f"new {name}" for name in NAMES})
+    assert generation(folder) == "new"
+
+
+@pytest.mark.parametrize("moment", range(1, 13))
+def test_a_disk_that_is_full_at_any_moment(moment: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = folder_with_old(tmp_path / "full")
+    count = 0
+
+    for name in ("fsync", "link", "replace", "fdopen"):
+        call = getattr(os, name)
+
+        def full(*args: object, call: object = call, **named: object) -> object:
+            nonlocal count
+            count += 1
+            if count == moment:
+                raise OSError(28, "No space left on device")
+            return call(*args, **named)  # type: ignore[operator]
+
+        monkeypatch.setattr(os, name, full)
+    monkeypatch.setattr(swap, "_helped", lambda path: False)
+    expected, said = "new", ""  # a folder whose names could not be synced, or a copy in place of a link
+    try:
+        write_files({folder / name: f"new {name}" for name in NAMES})
+    except InputError as error:
+        expected, said = "old", str(error)
+    monkeypatch.undo()
+    assert generation(folder) == expected
+    assert (expected == "old") == ("cannot write: No space left on device" in said)
+    assert sorted(p.name for p in folder.iterdir()) == sorted(NAMES)
+
+
+def test_two_commands_at_once_leave_the_files_of_one(tmp_path: Path) -> None:
+    folder = folder_with_old(tmp_path / "two")
+
+    def write(number: int) -> None:
+        write_files({folder / name: f"{number} {name}" for name in NAMES})
+
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(write, range(12)))
+    generation(folder)
+    assert sorted(p.name for p in folder.iterdir()) == sorted(NAMES)
+
+
+def test_a_link_is_followed_and_a_device_refused(tmp_path: Path) -> None:
+    place = tmp_path / "place.nc"
+    place.write_text("old")
+    link = tmp_path / "link.nc"
+    link.symlink_to(place)
+    write_files({link: "new"})
+    assert link.is_symlink()
+    assert place.read_text() == "new"
+    pipe = tmp_path / "pipe.nc"
+    os.mkfifo(pipe)
+    for path, words in (
+        (pipe, "device or a pipe"),
+        (Path("/dev/null"), "device or a pipe"),
+        (tmp_path, "a folder"),
+        (tmp_path / ("n" * 300), "no file can have this name"),
+        (tmp_path / "a\0b.nc", "no file can have this name"),
+        (tmp_path / "a\ud800.nc", "no file can have this name"),
+    ):
+        for write in (lambda p: expect_outputs([p], []), lambda p: write_files({p: "new"})):
+            with pytest.raises(InputError, match=words):
+                write(path)
+    loop = tmp_path / "loop.nc"
+    loop.symlink_to(loop)
+    with pytest.raises(InputError, match="no file can have this name"):
+        expect_outputs([loop], [])
+
+
+def test_what_is_read_is_known_by_any_of_its_names(tmp_path: Path) -> None:
+    read = tmp_path / "plant.yaml"
+    read.write_text("name: plant")
+    (tmp_path / "link").symlink_to(read)
+    (tmp_path / "second").hardlink_to(read)
+    for name in ("plant.yaml", "link", "second"):
+        with pytest.raises(InputError, match="is read from"):
+            expect_outputs([tmp_path / name], [read])
+
+
+def test_a_name_as_long_as_the_system_allows(tmp_path: Path) -> None:
+    path = tmp_path / ("n" * 252 + ".nc")
+    write_files({path: "new"})
+    assert path.read_text() == "new"
+    with pytest.raises(InputError, match="half a character"):
+        write_files({tmp_path / "a.nc": "\ud800"})
+
+
+def test_what_a_kill_left_is_cleared_away_a_day_later(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    left = tmp_path / f"{files.BESIDE}abc"
+    left.write_text("half")
+    write_files({tmp_path / "a.nc": "new"})
+    assert left.exists()
+    now_s = time.time()
+    monkeypatch.setattr(files.time, "time", lambda: now_s + 2 * 86400)
+    write_files({tmp_path / "a.nc": "new"})
+    assert not left.exists()
