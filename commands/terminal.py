@@ -13,7 +13,7 @@ from kerfwise.encoder.shown import shown_lines
 
 
 class Stream:
-    """Standard output or error: text is written as long as there is somebody to read it, and let go after that.
+    """Standard output or error: text is written as long as there is somebody to read it, and discarded after that.
 
     `lost` says why nothing more can be written, once that is so.
     """
