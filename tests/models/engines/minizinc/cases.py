@@ -7,11 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
+from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest, Part
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.physics.timing.constant import Feeds
+from kerfwise.postproc.clock.contour_heat import contour_heat_kj
 from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.catalogue.marks_first import MarksFirstOptions
@@ -24,6 +27,7 @@ from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.registry import RULES
+from kerfwise.tests.drawn_options import with_drawn_options
 from kerfwise.tests.nests import circle, nest, part, rect
 
 PITCH = 110
@@ -46,6 +50,20 @@ def case(seed: int, contours: int = 7) -> Case:
     facts = compute_facts(drawn, profile.fact_options(drawn), candidates)
     feeds = Feeds(profile.machine.cut_feed_mm_s, profile.machine.mark_feed_mm_s, profile.machine.travel_mm_s, 0.5, 0.2)
     return Case(facts, profile, SolveOptions(work=60, home_mm=profile.machine.home, feeds=feeds))
+
+
+def drawn_case(seed: int, contours: int = 6) -> Case | None:
+    """As `case`, with each option of each rule drawn from what it declares; None where no contour could be entered."""
+    rng = np.random.default_rng([seed, 11])
+    drawn = random_nest(rng, contours)
+    profile = with_drawn_options(random_profile(rng, drawn), rng)
+    try:
+        candidates = build_candidates(drawn, lead_options(profile, seed))
+    except InputError:
+        return None
+    heat_kj = contour_heat_kj(drawn, candidates, profile)
+    facts = compute_facts(drawn, profile.fact_options(drawn), candidates, heat_kj)
+    return Case(facts, profile, SolveOptions(work=60, home_mm=profile.machine.home, feeds=feeds_of(profile)))
 
 
 def lead_options(profile: Profile, seed: int) -> LeadOptions:
