@@ -28,6 +28,7 @@ from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.ask import Asked, facts_of
 from kerfwise.jobs.priced_heat import cooler_orders, solve_priced
+from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.engines.baselines.random_order import random_order
 from kerfwise.models.engines.baselines.realtime import realtime_order
 from kerfwise.models.engines.rounds import solve
@@ -79,7 +80,7 @@ class Bench:
 
     def solve(self, work: float, stated: Stated) -> Solution:
         """A plan by statements."""
-        options = SolveOptions(work=work, home_mm=self.profile.home_on(self.facts.nest), feeds=feeds_of(self.profile))
+        options = options_for(self.facts.nest, self.profile, work=work)
         return solve(self.facts, stated.statements, options)
 
     def idle_mm(self, route: Sequence[int]) -> float:

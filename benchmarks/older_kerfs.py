@@ -22,9 +22,8 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.engines.rounds import solve
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.plan.make import make_plan
 from kerfwise.postproc.clock.contour_heat import contour_heat_kj
 from kerfwise.rules.judging.pierce_kerfs import over_older_kerfs
@@ -75,7 +74,7 @@ def planned(nest: Nest, profile: Profile, work: float, minding: bool) -> Planned
     """The best plan found."""
     facts = facts_of(nest, profile, minding)
     stated = state_rules(facts, profile)
-    options = SolveOptions(work=work, home_mm=profile.home_on(nest), feeds=feeds_of(profile))
+    options = options_for(nest, profile, work=work)
     solution = solve(facts, stated.statements, options, refine=afterthoughts(facts, profile))
     plan = make_plan(facts, profile, stated, solution, "portfolio", options.seed)
     splash_mm = profile.lead_options(nest).splash_mm or 0.0

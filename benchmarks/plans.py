@@ -23,9 +23,9 @@ from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.ask import facts_of
+from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.engines.rounds import solve
-from kerfwise.models.engines.solution import Solution, SolveOptions
-from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.models.engines.solution import Solution
 from kerfwise.models.plan.make import make_plan
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.stating.lazy import afterthoughts
@@ -87,7 +87,7 @@ def plan(name: str, nest: Nest, profile: Profile, work: float) -> Row:
     facts = facts_of(nest, profile)
     stated = state_rules(facts, profile)
     between = time.perf_counter()
-    options = SolveOptions(work=work, home_mm=profile.home_on(nest), feeds=feeds_of(profile))
+    options = options_for(nest, profile, work=work)
     solution = solve(facts, stated.statements, options, refine=afterthoughts(facts, profile))
     took = time.perf_counter() - between
     made = make_plan(facts, profile, stated, solution, "portfolio", options.seed)

@@ -13,8 +13,7 @@ from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import produce
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.jobs.solve_options import options_for
 from kerfwise.postproc.check import report
 from kerfwise.rules.catalogue.pierce import PierceOptions
 from kerfwise.rules.profile.profile import Profile, load_profile, shipped_profiles
@@ -41,7 +40,7 @@ def test_every_plan_passes_the_check(profile_name: str, nest: Nest, seed: int, b
         assume("cannot be cut" not in refused.message)
         raise
     try:
-        made = produce(asked, profile, SolveOptions(seed, 2.0, None, profile.machine.home, feeds_of(profile)))
+        made = produce(asked, profile, options_for(nest, profile, seed=seed, work=2.0))
     except RulesConflict:
         assume(not _a_street_without_metal(nest, profile))
         raise

@@ -13,8 +13,7 @@ from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import produce
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.plan.conflict import find_conflict
 from kerfwise.postproc.check import report
 from kerfwise.rules.lock import Lock
@@ -38,7 +37,7 @@ def test_a_locked_position_is_kept_and_passes_the_check(nest: Nest, data: st.Dat
     except InputError:
         assume(False)
     try:
-        made = produce(ask(facts, profile), profile, SolveOptions(1, 2.0, None, (0.0, 0.0), feeds_of(profile)))
+        made = produce(ask(facts, profile), profile, options_for(nest, profile, work=2))
     except RulesConflict:
         conflict = find_conflict(facts, profile)
         assert conflict is not None
@@ -57,8 +56,6 @@ def test_marks_that_come_first_leave_no_room_either() -> None:
     ]
     row = nest(480, 360, part("C", channel), part("G", rect(16, 16, 10, 10)), *marked)
     profile = replace(load_profile(), locks=(Lock(contour="C.outer", position=4),))
-    made = produce(
-        ask(facts_of(row, profile), profile), profile, SolveOptions(1, 2.0, None, (0.0, 0.0), feeds_of(profile))
-    )
+    made = produce(ask(facts_of(row, profile), profile), profile, options_for(row, profile, work=2))
     assert made.verdict.ok, report(made.verdict)
     assert [e.violation.contours for j in made.verdict.rules for e in j.excused] == [("G.outer", "C.outer")]

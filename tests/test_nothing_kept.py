@@ -10,8 +10,7 @@ from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import produce
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.jobs.solve_options import options_for
 from kerfwise.rules.profile.profile import load_profile
 from kerfwise.tests.nests import circle, nest, part, rect
 
@@ -31,7 +30,7 @@ def planned(k: int) -> weakref.ref[Nest]:
     profile = load_profile()
     profile = replace(profile, small_holes=replace(profile.small_holes, under="spot"))
     asked = ask(facts_of(made, profile), profile)
-    options = SolveOptions(1, 0.2, None, profile.home_on(made), feeds_of(profile))
+    options = options_for(made, profile, work=0.2)
     assert produce(asked, profile, options).verdict.ok
     return weakref.ref(made)
 

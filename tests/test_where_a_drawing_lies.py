@@ -20,8 +20,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Part, Sheet
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import produce
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.jobs.solve_options import options_for
 from kerfwise.postproc.check import report
 from kerfwise.rules.catalogue.hull_before import HullBefore
 from kerfwise.rules.catalogue.level_ahead import LevelAhead
@@ -76,7 +75,7 @@ def sequence(given_nest: Nest, profile: Profile, home: tuple[float, float]) -> t
     """The start side and the cuts of the plan, each by contour, direction, zone and its entry as seen from home."""
     there = replace(profile, machine=replace(profile.machine, home=home))
     asked = ask(facts_of(given_nest, there), there)
-    made = produce(asked, there, SolveOptions(1, 1.0, None, home, feeds_of(there)))
+    made = produce(asked, there, options_for(given_nest, there, work=1))
     assert made.verdict.ok, report(made.verdict)
     cuts = [c.cut for c in made.plan.cuts]
     entries = np.round(np.array([c.entry for c in cuts]) - home, 3) + 0.0

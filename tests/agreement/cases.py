@@ -14,8 +14,7 @@ from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.slits import with_slits
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.plan.make import feeds_of
+from kerfwise.jobs.solve_options import options_for
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStripsOptions
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
@@ -47,7 +46,7 @@ def judged_case(seed: int, slits: bool = False) -> Case:
         profile = replace(profile, rules=dict(profile.rules) | {rule: _hard(profile, rule) for rule in FIRM})
     candidates = _thinned(rng, drawn, build_candidates(drawn, lead_options(profile, seed)), ROUTES[contours])
     facts = compute_facts(drawn, profile.fact_options(drawn), candidates)
-    return Case(facts, profile, SolveOptions(work=10, home_mm=profile.machine.home, feeds=feeds_of(profile)))
+    return Case(facts, profile, options_for(drawn, profile, work=10))
 
 
 def slotted(rng: np.random.Generator, drawn: Nest, most: int) -> Nest:

@@ -9,8 +9,7 @@ import pytest
 from kerfwise.encoder.readers import read_nest
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import produce
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.jobs.solve_options import options_for
 from kerfwise.rules.catalogue.part_rigidity import ALLOWANCE, PartRigidityOptions
 from kerfwise.rules.judging.rigidity import rigid_at_the_end
 from kerfwise.rules.profile.profile import load_profile
@@ -23,7 +22,7 @@ STIFF = ("no-islands", "no-narrow-strips", "part-rigidity")
 def test_a_plate_without_an_exception() -> None:
     profile = load_profile(EXAMPLES / "profiles" / "strict.yaml")
     sheet = read_nest(EXAMPLES / "nests" / "plate40.json", profile.read_options())
-    limits = SolveOptions(work=10.0, home_mm=profile.machine.home, feeds=feeds_of(profile))
+    limits = options_for(sheet, profile, work=10)
     made = produce(ask(facts_of(sheet, profile), profile), profile, limits)
     settings, book = profile.settings(), profile.rulebook()
     cuts = made.plan.sequence(profile.machine.home)

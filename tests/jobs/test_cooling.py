@@ -18,11 +18,10 @@ from kerfwise.encoder.readers import read_nest
 from kerfwise.jobs import cooling
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import Produced, produce
+from kerfwise.jobs.solve_options import options_for
 from kerfwise.jobs.t_max_refused import too_hot
-from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.pacing import Heated, Pace, pace
-from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.plan.reader import read_plan
 from kerfwise.postproc.clock.heat_path import path_of_plan
 from kerfwise.postproc.clock.timed import job_of_program, read_program, time_job
@@ -48,7 +47,7 @@ def plant(limit_c: float, dwells: bool = False, longest_s: float = 600.0) -> Pro
 
 
 def made(sheet: Nest, profile: Profile) -> Produced:
-    limits = SolveOptions(work=0.2, home_mm=profile.machine.home, feeds=feeds_of(profile))
+    limits = options_for(sheet, profile, work=0.2)
     return produce(ask(facts_of(sheet, profile), profile), profile, limits)
 
 
@@ -149,7 +148,7 @@ def test_no_other_order_is_asked_for_once_somebody_has_had_enough() -> None:
         return engine != "t-max"
 
     profile = HOT
-    limits = SolveOptions(work=0.2, home_mm=profile.machine.home, feeds=feeds_of(profile))
+    limits = options_for(PAIR, profile, work=0.2)
     found = produce(ask(facts_of(PAIR, profile), profile), profile, limits, enough)
     assert found.verdict.ok
     assert asked.count("t-max") == 1

@@ -9,8 +9,9 @@ import pytest
 from kerfwise.jobs.ask import Asked
 from kerfwise.jobs.priced_heat import solve_priced
 from kerfwise.jobs.produce import produce
+from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.engines.rounds import solve
-from kerfwise.models.engines.solution import Solution, SolveOptions
+from kerfwise.models.engines.solution import Solution
 from kerfwise.models.heat_prices.priced_statements import HEAT
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.route_path import RoutePaths
@@ -21,7 +22,7 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import Stated
 from kerfwise.tests.models.heat_prices.plate import PLATE, facts, plant, posed, stated
 
-LIMITS = SolveOptions(work=2.0, home_mm=plant().machine.home, feeds=feeds_of(plant()))
+LIMITS = options_for(PLATE, plant(), work=2.0)
 
 
 @pytest.fixture(autouse=True)

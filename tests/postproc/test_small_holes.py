@@ -13,8 +13,7 @@ import pytest
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import Produced, produce
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.plan.reader import validator
 from kerfwise.postproc.verdict.checking import check_plan, check_program
 from kerfwise.rules.options.by_thickness import ByThickness
@@ -41,7 +40,7 @@ def plant(under: str = "spot", least_mm: float = 6.0, **changes: object) -> Prof
 def made(under: str = "spot", least_mm: float = 6.0) -> Produced:
     """The plate planned and written."""
     profile = plant(under, least_mm)
-    options = SolveOptions(work=2, home_mm=profile.machine.home, feeds=feeds_of(profile))
+    options = options_for(PLATE, profile, work=2)
     return produce(ask(facts_of(PLATE, profile), profile), profile, options)
 
 

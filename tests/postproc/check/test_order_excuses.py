@@ -9,8 +9,7 @@ from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import Produced, produce
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.jobs.solve_options import options_for
 from kerfwise.postproc.check import check_program
 from kerfwise.postproc.check.judge import judge
 from kerfwise.postproc.check.relaxed import Relaxed
@@ -41,7 +40,7 @@ def strict(rule: str, *locks: Lock) -> Profile:
 @cache
 def made(sheet: Nest, rule: str, *locks: Lock) -> tuple[Profile, Produced]:
     profile = strict(rule, *locks)
-    limits = SolveOptions(work=4.0, home_mm=profile.machine.home, feeds=feeds_of(profile))
+    limits = options_for(sheet, profile, work=4)
     return profile, produce(ask(facts_of(sheet, profile), profile), profile, limits)
 
 

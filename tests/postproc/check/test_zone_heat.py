@@ -8,8 +8,7 @@ from functools import cache
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import Produced, produce
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.jobs.solve_options import options_for
 from kerfwise.postproc.check import check_program
 from kerfwise.postproc.verdict.checking import check_plan
 from kerfwise.rules.lock import Lock
@@ -34,7 +33,7 @@ def budget(kj: float, *locks: Lock) -> Profile:
 @cache
 def made(profile_kj: float, *locks: Lock) -> Produced:
     profile = budget(profile_kj, *locks)
-    limits = SolveOptions(work=1.0, home_mm=profile.machine.home, feeds=feeds_of(profile))
+    limits = options_for(PLATE, profile, work=1)
     return produce(ask(facts_of(PLATE, profile), profile), profile, limits)
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import produce
-from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.physics.heat.route_path import RoutePaths
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.postproc.clock.heat_path import path_of_plan
@@ -23,7 +23,7 @@ def test_it_agrees_with_the_plan() -> None:
         part("B", rect(200, 20, 160, 160)),
     )
     facts, machine = facts_of(plate, profile), profile.machine
-    limits = SolveOptions(work=1.0, home_mm=machine.home, feeds=feeds_of(profile))
+    limits = options_for(plate, profile, work=1)
     plan = produce(ask(facts, profile), profile, limits).plan
     route = [
         next(

@@ -12,8 +12,7 @@ from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import produce
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.physics.timing.choose import feeds_of
+from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.plan.conflict import state_relaxed
 from kerfwise.models.plan.conflict.group import hard_groups
 from kerfwise.models.plan.conflict.relax import LAST, may_give_way, soften
@@ -94,6 +93,6 @@ def test_the_plan_of_a_way_out_passes_the_check() -> None:
     for seed in range(24):
         profile = contradictory(seed)
         facts = facts_of(ROW, profile)
-        options = SolveOptions(1, 2.0, None, (0.0, 0.0), feeds_of(profile))
+        options = options_for(ROW, profile, work=2)
         verdict = produce(ask(facts, profile, relax=True), profile, options).verdict
         assert verdict.ok, report(verdict)

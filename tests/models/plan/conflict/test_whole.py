@@ -10,7 +10,7 @@ import pytest
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import produce
-from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.plan.conflict import Conflict, find_conflict, state_relaxed
 from kerfwise.models.plan.conflict.group import Group, hard_groups
@@ -128,7 +128,7 @@ def test_pauses_that_no_order_has(profile_of) -> None:
 @pytest.mark.slow
 def test_the_way_out_is_taken_and_told(profile_of) -> None:
     profile = profile_of(*HEAD_DOWN)
-    limits = SolveOptions(work=2.0, home_mm=profile.machine.home, feeds=feeds_of(profile))
+    limits = options_for(PLATES, profile, work=2)
     made = produce(ask(facts_of(PLATES, profile), profile, relax=True), profile, limits)
     assert made.verdict.ok
     assert [(d.rule, d.contours) for d in made.plan.dropped if d.relaxed] == [("no-tip-travel", ("B.outer",))]
