@@ -37,6 +37,8 @@ _SLIT = re.compile(r"(?P<part>.+)\.slit\d+", re.IGNORECASE)
 _STEP_MM = 0.25
 _LEAST = 17
 _SLACK_MM = 0.01
+_AS_WIDE_MM = 0.03
+"""A slot as wide as the kerf is one that no round enters; so much more is what drawings leave."""
 _MOST_TOLD = 5
 
 
@@ -144,7 +146,7 @@ def _measured(start: Floats, end: Floats, metal: shapely.Geometry, kerf_mm: floa
     at_mm = np.linspace(0, length_mm + before_mm, max(_LEAST, int(length_mm / _STEP_MM)))[:-1]
     at = start + at_mm[:, None] * along
     left, right = (_gaps(at, sign * aside, metal, kerf_mm) for sign in (1, -1))
-    width_mm, within = left + right, left + right < kerf_mm - _SLACK_MM
+    width_mm, within = left + right, left + right < kerf_mm + _AS_WIDE_MM
     beyond_mm = max(kerf_mm / 2 - before_mm, 0.0)
     if not within.any():
         return Slot(None, 0.0, _xy(start), 0.0, beyond_mm)

@@ -38,7 +38,10 @@ def judged_case(seed: int, slits: bool = False) -> Case:
     contours = 4 + seed % 3 if slits else 5 + seed % 5
     drawn = random_nest(rng, contours, contours)
     if slits:
-        drawn = with_slits(slotted(rng, drawn, 1 + seed % 2), load_profile().material.kerf_mm)
+        kerf_mm = load_profile().material.kerf_mm
+        while (made := with_slits(slotted(rng, drawn, 1 + seed % 2), kerf_mm)) is drawn or made.drawn is None:
+            drawn = random_nest(rng, contours, contours)  # without a rectangle that could have a slot
+        drawn = made
         contours = len(drawn.contours)
     profile = _visible(rng, random_profile(rng, drawn))
     profile = replace(profile, cuts=Cuts("slit" if slits else "refuse"))

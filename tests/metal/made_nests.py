@@ -14,9 +14,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.tests.metal.narrow_nests import narrow_nest
 
 GAPS_MM = (0.0, 0.01, 0.5, 1.0, 1.39, 1.5, 1.6, 2.0, 2.3, 2.6, 3.0, 3.5, 4.0, 5.0, 6.0, 8.0, 10.0)
 SLOTS_MM = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
+NARROW_FROM = 10_000
 HOLES_MM = (1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 12.0)
 Row = tuple[float, ...]
 Rows = list[Row]
@@ -44,8 +46,10 @@ class Made:
 
 
 def made(seed: int) -> Made:
-    """The nest of a seed: the same for the same seed."""
+    """The nest of a seed: the same for the same seed. From `NARROW_FROM` on they are plates with narrow slots."""
     rnd = random.Random(seed)
+    if seed >= NARROW_FROM:
+        return Made(seed, "narrow", "slots of 0.1 to 2 mm", narrow_nest(rnd))
     family = list(FAMILIES)[seed % len(FAMILIES)]
     gap, slot = rnd.choice(GAPS_MM), rnd.choice(SLOTS_MM)
     if family == "mixed":

@@ -130,8 +130,8 @@ def test_the_same_slot_is_cut_once() -> None:
     assert "P.slit1 is cut again as cut 2" in told(result, "every-contour-once")
 
 
-@pytest.mark.parametrize("width_mm", [0.5, 1.0, 1.4])
-def test_every_width_under_the_kerf_has_its_loss(width_mm: float) -> None:
+@pytest.mark.parametrize("width_mm", [0.5, 1.0, 1.4, 1.5])
+def test_every_width_up_to_the_kerf_has_its_loss(width_mm: float) -> None:
     result = judged(a_pass(), width_mm=width_mm)
     assert result.broken() == ()
     assert any(f"loses {(1.5 - width_mm) / 2:.2f} mm at each side" in text for text in result.warnings)
