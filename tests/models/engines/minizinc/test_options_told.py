@@ -36,7 +36,7 @@ from kerfwise.tests.drawn_options import contradicts, drawn_value
 from kerfwise.tests.models.engines.minizinc.cases import random_nest
 
 EACH = [(name, option) for name, rule in RULES.items() for option in options_of(rule.Options)]
-TRIES = 12
+TRIES = 40
 STATE_NOTHING = {"no-narrow-strips", "t-max"}
 """Rules whose options are looked at by geometry or by simulation alone, once there is an order."""
 NOT_SHOWN = {
@@ -72,13 +72,13 @@ def test_an_option_that_minizinc_ignores_is_noticed(monkeypatch: pytest.MonkeyPa
 def untold(rule: str, option: Option) -> list[bool]:
     """For each try in which the option changes facts or statements, whether it changes what MiniZinc is given."""
     seen: list[bool] = []
-    for seed in range(TRIES):
+    for seed in range(TRIES if rule not in STATE_NOTHING else 1):
         rng = np.random.default_rng([seed, 7])
-        nest = random_nest(rng, 7)
+        nest = random_nest(rng, 8)
         base = alone(rule, nest.contours[-1].id)
         profiles = []
-        for _ in range(2):
-            options = replace(base.rules[rule].options, **{option.name: drawn_value(option, rng)})
+        for value in two_values(option, rng):
+            options = replace(base.rules[rule].options, **{option.name: value})
             rules = dict(base.rules) | {rule: replace(base.rules[rule], options=options)}
             if not contradicts(rule, base, rules):
                 profiles.append(replace(base, rules=rules))
@@ -93,6 +93,14 @@ def untold(rule: str, option: Option) -> list[bool]:
         if len(seen) > 2:
             break
     return seen
+
+
+def two_values(option: Option, rng: np.random.Generator) -> tuple[object, object]:
+    """Two different values of an option."""
+    one = other = drawn_value(option, rng)
+    while one == other:
+        other = drawn_value(option, rng)
+    return one, other
 
 
 def alone(rule: str, locked: str) -> Profile:
