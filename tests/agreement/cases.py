@@ -49,7 +49,7 @@ def judged_case(seed: int, slits: bool = False) -> Case:
         profile = replace(profile, rules=dict(profile.rules) | {rule: _hard(profile, rule) for rule in FIRM})
     candidates = _thinned(rng, drawn, build_candidates(drawn, lead_options(profile, seed)), ROUTES[contours])
     facts = compute_facts(drawn, profile.fact_options(drawn), candidates)
-    return Case(facts, profile, options_for(drawn, profile, work=10))
+    return Case(facts, profile, options_for(drawn, profile, work=40))
 
 
 def slotted(rng: np.random.Generator, drawn: Nest, most: int) -> Nest:
