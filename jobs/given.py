@@ -139,6 +139,11 @@ def program_text(path: str | Path) -> str:
         raise InputError(f"cannot read the program: {error.strerror}", file=path) from None
     except ValueError as error:  # a NUL, or half a character
         raise InputError(f"cannot read the program: no file can have this name ({error})", file=path) from None
+    return decoded(data, path)
+
+
+def decoded(data: bytes, path: str | Path) -> str:
+    """The text of a program's bytes; InputError with the place, if they are not UTF-8."""
     try:
         return data.decode("utf-8")
     except UnicodeDecodeError as error:

@@ -17,7 +17,7 @@ from kerfwise.rules.rule import Violation
 
 from .cut_from_burn import cut_from_burn
 from .matching import Matcher
-from .names import folded
+from .names import folded, ids_by_name
 from .resumed import read_resumed
 from .torch_run import TorchRun, line_of
 
@@ -52,10 +52,11 @@ def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point) -> Rebu
     burns = program.burns
     paths = [line_of(burn.path) or _dot(burn) for burn in burns]
     told = [_CUT.search(burn.comment) for burn in burns]
-    ids = {folded(c.id): k for k, c in enumerate(nest.contours)}
-    named = [ids.get(folded(words["contour"])) if words else None for words in told]
+    ids = ids_by_name(nest, program.comments)
+    names = [ids.get(folded(words["contour"])) if words else None for words in told]
+    named = [None if name is None else nest.index[name] for name in names]
     matches = Matcher(nest, kerf_mm).match(paths, [burn.tool != 0 for burn in burns], named)
-    excused = _excused(program)
+    excused = _excused(program, ids)
     before = read_resumed(nest, program.comments)
     cuts: list[Cut] = list(before.cuts)
     runs: list[TorchRun] = []
@@ -71,7 +72,7 @@ def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point) -> Rebu
             warnings.append(f"line {burn.line}: the comment names {nest.contours[name].id}, but {contour.id} is cut")
         zone = int(words["zone"]) if words else 0
         cut, run, wrong = cut_from_burn(burn, path, contour, match, kerf_mm, zone, len(cuts) + 1)
-        cuts.append(replace(cut, excused=excused[folded(contour.id)]))
+        cuts.append(replace(cut, excused=excused[contour.id]))
         runs.append(run)
         violations += wrong
     side = next((_SIDES[found[1].upper()] for found in map(_SIDE.search, program.comments) if found), None)
@@ -79,12 +80,12 @@ def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point) -> Rebu
     return Rebuilt(sequence, tuple(runs), tuple(violations), tuple(warnings), before.broken_off)
 
 
-def _excused(program: NcProgram) -> Mapping[str, tuple[str, ...]]:
-    """Folded contour id → rules that the program's comments excuse it from."""
+def _excused(program: NcProgram, ids: Mapping[str, str]) -> Mapping[str, tuple[str, ...]]:
+    """Contour id → rules that the program's comments excuse it from; `ids` are by folded name."""
     told: dict[str, tuple[str, ...]] = defaultdict(tuple)
     for found in map(_EXCUSED.fullmatch, program.comments):
-        if found:
-            told[folded(found["contour"])] += (found["rule"].lower(),)
+        if found and (name := ids.get(folded(found["contour"]))) is not None:
+            told[name] += (found["rule"].lower(),)
     return told
 
 

@@ -16,7 +16,7 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Ids, Violation
 from kerfwise.rules.stating.cycles import path
 
-from .names import folded
+from .names import folded, ids_by_name
 from .result import Excused, Judgement
 
 WHY = "relaxed: the hard rules cannot all hold"
@@ -33,7 +33,8 @@ class Relaxed:
 
 def read_relaxed(nest: Nest, comments: Iterable[str]) -> tuple[Relaxed, ...]:
     """What the comments of a program say is relaxed; contours that the nest does not have are left out."""
-    ids = {folded(c.id): c.id for c in nest.contours}
+    comments = tuple(comments)
+    ids = ids_by_name(nest, comments)
     found: dict[tuple[int, str], list[str]] = {}
     for words in filter(None, map(_RELAXED.fullmatch, comments)):
         names = (ids.get(folded(name)) for name in words["contours"].split())

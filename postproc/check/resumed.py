@@ -18,7 +18,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.rule import Violation
 
-from .names import folded
+from .names import folded, ids_by_name
 
 _RULE = "every-contour-once"
 _NUMBER = r"-?\d+(?:\.\d+)?"
@@ -52,7 +52,7 @@ def read_resumed(nest: Nest, comments: Iterable[str]) -> Resumed:
     after = next((int(found["made"]) for found in map(_RESUME.fullmatch, said) if found), None)
     if after is None:
         return Resumed()
-    ids = {folded(c.id): c.id for c in nest.contours}
+    ids = ids_by_name(nest, said)
     leads: dict[tuple[str, int, str], list[float]] = defaultdict(list)
     for found in filter(None, map(_LEAD.fullmatch, said)):
         key = (found["how"].upper(), int(found["order"]), found["which"].upper())

@@ -21,7 +21,7 @@ from kerfwise.rules.profile.profile import Profile
 ControlName = Literal["linuxcnc-qtplasmac", "linuxcnc"]
 HOLES = {"feed": "mm_min", "dwell": "seconds", "comment": "text"}
 LEAST = {"decimals": 2, "max_line": 80}
-MOST = {"decimals": 6, "max_line": 255}
+MOST = {"decimals": 6, "max_line": 252}
 """More decimals than a control keeps, and lines that LinuxCNC cuts off, are refused."""
 MOST_COUNT = 1000
 

@@ -71,7 +71,7 @@ def numbered(blocks: Iterable[str], dialect: Dialect) -> Iterator[str]:
         if rule is not None and not is_comment(block, dialect):
             line = f"N{rule.start + rule.step * count} {block}"
             count += 1
-        if len(line) > dialect.max_line:
+        if len(line.encode()) > dialect.max_line:
             raise InputError(f"dialect '{dialect.name}': block longer than max_line {dialect.max_line}: {line}")
         yield line
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import PurePath
 
@@ -12,6 +12,7 @@ from kerfwise.postproc.dialects import Dialect, fitting_dialect, load_dialect, p
 from kerfwise.rules.profile.profile import Profile
 
 from .blocks import comment, is_comment, number, numbered, path_blocks, plain, rapid_block, seconds_text
+from .names import name_comments, program_names
 from .plan_paths import SHA_DIGITS, Toolpath, toolpaths
 from .resume_comments import out_comments, resume_comment
 
@@ -29,17 +30,18 @@ def write_program(plan: Plan, nest: Nest, profile: Profile) -> str:
     """
     dialect = fitting_dialect(profile)
     profile = profile.at_origin(plan.origin)
-    body = _body(toolpaths(plan, nest, profile), nest, profile, dialect, plan.resumed_after + 1)
-    return "\n".join([*numbered([*_header(plan, nest, profile, dialect), *body], dialect), ""])
+    names = program_names(profile.as_cut(nest), dialect)
+    body = _body(toolpaths(plan, nest, profile), names, nest, profile, dialect, plan.resumed_after + 1)
+    return "\n".join([*numbered([*_header(plan, names, nest, profile, dialect), *body], dialect), ""])
 
 
 def count_blocks(paths: Iterable[Toolpath], nest: Nest, profile: Profile) -> int:
     """How many blocks a program of these paths has, comments left out, without writing it."""
     dialect = load_dialect(profile.machine.dialect)
-    return sum(not is_comment(block, dialect) for block in _body(paths, nest, profile, dialect))
+    return sum(not is_comment(block, dialect) for block in _body(paths, {}, nest, profile, dialect))
 
 
-def _header(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect) -> Iterator[str]:
+def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, dialect: Dialect) -> Iterator[str]:
     totals, material, nest = plan.totals, profile.material, profile.as_cut(nest)
     yield comment(dialect, f"KERFWISE FOR {plain(dialect.title).upper()}")
     yield comment(dialect, "NEST", PurePath(nest.file).name, f"SHA256 {nest.sha256[:SHA_DIGITS]}")
@@ -63,13 +65,14 @@ def _header(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect) -> Itera
     if slits:
         yield comment(dialect, f"NARROW SLOTS OPENED BY ONE PASS {slits}")
     for k, left in enumerate(plan.left_out, 1):
-        yield comment(dialect, f"LEFT OUT {k}", left.contour)
+        yield comment(dialect, f"LEFT OUT {k}", names.get(left.contour, left.contour))
+    yield from name_comments(names, dialect)
     yield comment(dialect, f"START SIDE {plan.start_side.upper()}")
     for planned in plan.cuts:
         for rule in planned.cut.excused:
-            yield comment(dialect, f"EXCUSED {plain(rule)}", planned.cut.contour)
-    yield from _relaxed(plan, dialect)
-    yield from out_comments(plan, dialect)
+            yield comment(dialect, f"EXCUSED {plain(rule)}", names[planned.cut.contour])
+    yield from _relaxed(plan, names, dialect)
+    yield from out_comments(plan, names, dialect)
 
 
 def _origin(nest: Nest, profile: Profile, dialect: Dialect) -> str:
@@ -90,13 +93,13 @@ def _assumed(plan: Plan, profile: Profile, dialect: Dialect) -> Iterator[str]:
         yield comment(dialect, "ASSUMES", told)
 
 
-def _relaxed(plan: Plan, dialect: Dialect) -> Iterator[str]:
+def _relaxed(plan: Plan, names: Mapping[str, str], dialect: Dialect) -> Iterator[str]:
     """What is relaxed, a number each; contours that have no room go on in another comment of that number."""
     for k, dropped in enumerate((d for d in plan.dropped if d.relaxed), 1):
         head = f"RELAXED {k} {plain(dropped.rule)}"
-        room = dialect.max_line - len(dialect.comment.format(text=f"{head} "))
+        room = dialect.max_line - len(dialect.comment.format(text=f"{head}  "))
         line = ""
-        for name in (plain(contour).replace(" ", "_") for contour in dropped.contours):
+        for name in (plain(names.get(contour, contour)).replace(" ", "_") for contour in dropped.contours):
             if line and len(line) + 1 + len(name) > room:
                 yield comment(dialect, head, line)
                 line = ""
@@ -104,22 +107,28 @@ def _relaxed(plan: Plan, dialect: Dialect) -> Iterator[str]:
         yield comment(dialect, head, line)
 
 
-def _body(paths: Iterable[Toolpath], nest: Nest, profile: Profile, dialect: Dialect, first: int = 1) -> Iterator[str]:
+def _body(
+    paths: Iterable[Toolpath],
+    names: Mapping[str, str],
+    nest: Nest,
+    profile: Profile,
+    dialect: Dialect,
+    first: int = 1,
+) -> Iterator[str]:
     """All but the comments at the top, which make no blocks; `first` is the number of the first cut."""
     yield from dialect.header
     x, y = profile.frame_on(nest).corner
     for order, made in enumerate(paths, first):
-        yield from _cut(order, replace(made, path=made.path.moved(-x, -y)), profile, dialect)
+        name = names.get(made.planned.cut.contour, "")
+        yield from _cut(order, name, replace(made, path=made.path.moved(-x, -y)), profile, dialect)
     yield comment(dialect, "HOME")
     yield rapid_block(profile.machine.home, dialect)
     yield from dialect.footer
 
 
-def _cut(order: int, made: Toolpath, profile: Profile, dialect: Dialect) -> Iterator[str]:
+def _cut(order: int, name: str, made: Toolpath, profile: Profile, dialect: Dialect) -> Iterator[str]:
     cut, machine, mark = made.planned.cut, profile.machine, made.marks
-    yield comment(
-        dialect, f"{'MARK' if mark else 'CUT'} {order}", cut.contour, f"ZONE {cut.zone} {cut.direction.upper()}"
-    )
+    yield comment(dialect, f"{'MARK' if mark else 'CUT'} {order}", name, f"ZONE {cut.zone} {cut.direction.upper()}")
     yield rapid_block(made.path.point_at(0.0), dialect)
     if made.planned.dwell_s > 0:  # metal cools, the torch being off
         yield dialect.dwell.format(seconds=number(made.planned.dwell_s, 3))

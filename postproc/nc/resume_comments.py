@@ -12,7 +12,7 @@ on in the next comment with the same words. A cut that broke off, and is made ag
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.models.plan.plan import Plan, PlannedCut
@@ -30,21 +30,23 @@ def resume_comment(plan: Plan, dialect: Dialect) -> Iterator[str]:
         yield comment(dialect, f"RESUME AFTER CUT {plan.resumed_after}{again}")
 
 
-def out_comments(plan: Plan, dialect: Dialect) -> Iterator[str]:
+def out_comments(plan: Plan, names: Mapping[str, str], dialect: Dialect) -> Iterator[str]:
     """What is already cut, cut by cut, and what broke off."""
     for k, planned in enumerate(plan.already_cut, 1):
-        yield from _cut(f"OUT {k}", planned, dialect)
+        yield from _cut(f"OUT {k}", planned, names, dialect)
     if plan.broken_off is not None:
-        yield from _cut(f"BROKEN {plan.resumed_after + 1}", plan.broken_off, dialect)
+        yield from _cut(f"BROKEN {plan.resumed_after + 1}", plan.broken_off, names, dialect)
 
 
-def _cut(head: str, planned: PlannedCut, dialect: Dialect) -> Iterator[str]:
+def _cut(head: str, planned: PlannedCut, names: Mapping[str, str], dialect: Dialect) -> Iterator[str]:
     cut = planned.cut
     place = " ".join(number(v, DECIMALS) for v in cut.pierce)
-    yield comment(dialect, head, cut.contour, f"ZONE {cut.zone} {cut.direction.upper()} PIERCE {place}")
+    yield comment(
+        dialect, head, names.get(cut.contour, cut.contour), f"ZONE {cut.zone} {cut.direction.upper()} PIERCE {place}"
+    )
     for name, lead in (("IN", cut.lead_in), ("OUT", cut.lead_out)):
         if lead is not None:
-            for words in _lines(lead, dialect.max_line - len(dialect.comment.format(text=f"{head} LEAD {name} "))):
+            for words in _lines(lead, dialect.max_line - len(dialect.comment.format(text=f"{head} LEAD {name}  "))):
                 yield comment(dialect, f"{head} LEAD {name}", " ".join(words))
 
 

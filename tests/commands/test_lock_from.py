@@ -59,7 +59,7 @@ def test_only_the_rest_is_planned_and_written(old: Path, tmp_path: Path) -> None
     assert f"(RESUME AFTER CUT {N})" in program
     assert numbers(program) == list(range(N + 1, len(before["cuts"]) + 1))
     assert program.count("M3 $0") == len(plan["cuts"])
-    assert max(map(len, program.splitlines())) <= 255
+    assert max(map(len, program.splitlines())) <= 250
     assert f"resumed after cut {N}" in picture.read_text()
     for file in (new, nc):
         checked = kerfwise("check", NEST, file)

@@ -53,7 +53,10 @@ class Burn:
 
 @dataclass(slots=True)
 class Run:
-    """What the machine would do, mm and s. `error` is rs274's message when it refuses the program."""
+    """What the machine would do, mm and s. `error` is rs274's message when it refuses the program.
+
+    `ways` are all moves with no tool on, their points, arcs as chords.
+    """
 
     error: str | None = None
     refused_line: str = ""
@@ -66,6 +69,7 @@ class Run:
     comments: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     position: Point = (0.0, 0.0)
+    ways: list[list[Point]] = field(default_factory=list)
 
     @property
     def cuts(self) -> list[Burn]:
@@ -83,7 +87,7 @@ class Run:
         return sum(math.dist(a, b) for a, b in self.rapids)
 
 
-def run(text: str, tolerance_mm: float = 0.005) -> Run:
+def run(text: str | bytes, tolerance_mm: float = 0.005) -> Run:
     """Interpret a program; arcs become chords within `tolerance_mm`."""
     code, canon, errors = _run_rs274(text)
     machine = _Machine(tolerance_mm)
@@ -95,15 +99,19 @@ def run(text: str, tolerance_mm: float = 0.005) -> Run:
     return machine.run
 
 
-def _run_rs274(text: str) -> tuple[int, str, str]:
+def _run_rs274(text: str | bytes) -> tuple[int, str, str]:
     with tempfile.TemporaryDirectory(prefix="canon-") as name:
         folder = Path(name)
-        (folder / "in.ngc").write_text(text, encoding="utf-8", newline="")
+        (folder / "in.ngc").write_bytes(text if isinstance(text, bytes) else text.encode())
         (folder / "x.var").touch()
         (folder / "tool.tbl").write_text("T1 P1 D0\n")
         # M3 $1 is refused unless the machine has several spindles
-        (folder / "x.ini").write_text("[RS274NGC]\nPARAMETER_FILE = x.var\n[TRAJ]\nSPINDLES = 8\n")
-        env = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")} | {"LC_ALL": "C"}
+        ini = "[RS274NGC]\nPARAMETER_FILE = x.var\n[TRAJ]\nSPINDLES = 8\n[AXIS_Z]\nMAX_LIMIT = 100\n"
+        (folder / "x.ini").write_text(ini)
+        env = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")} | {
+            "LC_ALL": "C",
+            "HOME": name,
+        }  # its file of tools
         # -g: no questions; an output file, because rs274's stdout is unbuffered and ten times slower
         words = [find_rs274(), "-g", "-n", "2", "-i", "x.ini", "-v", "x.var", "-t", "tool.tbl", "in.ngc", "out.canon"]
         done = subprocess.run(
@@ -114,7 +122,7 @@ def _run_rs274(text: str) -> tuple[int, str, str]:
         return done.returncode, canon, (done.stderr + done.stdout).decode("utf-8", "replace")
 
 
-_CALL = re.compile(r"^\s*\d+ N(\d+|\.{5}) *([A-Z][A-Z0-9_.]*) ?\((.*)\)\s*$")
+_CALL = re.compile(r"^\s*\d+ N(\d*|\.{5}) *([A-Z][A-Z0-9_.]*) ?\((.*)\)\s*$")
 # what M2 and M30 themselves emit, from SET_G5X_OFFSET on: they stop every spindle, so a forgotten M5 would not show
 _EPILOGUE = {
     "SET_G5X_OFFSET", "SET_XY_ROTATION", "SELECT_PLANE", "SET_FEED_MODE", "SET_FEED_RATE", "ENABLE_FEED_OVERRIDE",
@@ -124,7 +132,9 @@ _IGNORED = {
     "ON_RESET", "SELECT_PLANE", "SET_FEED_MODE", "SET_FEED_REFERENCE",
     "ENABLE_FEED_OVERRIDE", "DISABLE_FEED_OVERRIDE", "ENABLE_SPEED_OVERRIDE", "DISABLE_SPEED_OVERRIDE",
     "SET_SPINDLE_MODE", "SET_SPINDLE_SPEED", "MIST_OFF", "FLOOD_OFF", "PALLET_SHUTTLE", "SET_MOTION_CONTROL_MODE",
-    "SET_NAIVECAM_TOLERANCE", "SET_AUX_OUTPUT_VALUE", "SET_MOTION_OUTPUT_VALUE", "MESSAGE",
+    "SET_NAIVECAM_TOLERANCE",
+    "SET_AUX_OUTPUT_VALUE", "SET_MOTION_OUTPUT_VALUE", "MESSAGE", "PROGRAM_STOP", "OPTIONAL_PROGRAM_STOP", "FINISH",
+    "MIST_ON", "FLOOD_ON", "ENABLE_ADAPTIVE_FEED", "DISABLE_ADAPTIVE_FEED", "ENABLE_FEED_HOLD", "DISABLE_FEED_HOLD",
 }  # fmt: skip
 # name -> how many of its numbers come before the offsets themselves
 _OFFSETS = {"SET_G5X_OFFSET": 1, "SET_G92_OFFSET": 0, "SET_XY_ROTATION": 0, "USE_TOOL_LENGTH_OFFSET": 0}
@@ -135,12 +145,12 @@ Call = tuple[int | None, str, str]
 
 def _calls(canon: str) -> list[Call]:
     calls: list[Call] = []
-    for line in filter(str.strip, canon.splitlines()):
+    for line in filter(str.strip, canon.split("\n")):  # a comment may hold what splitlines takes for a line's end
         found = _CALL.match(line)
         if found is None:
             calls.append((None, "?", line))
         else:
-            calls.append((None if found[1].startswith(".") else int(found[1]), found[2], found[3]))
+            calls.append((int(found[1]) if found[1].isdigit() else None, found[2], found[3]))
     return calls
 
 
@@ -228,6 +238,7 @@ class _Machine:
             self._add([end], math.dist(start, end))
         else:
             (self.run.rapids if rapid else self.run.dry_feeds).append((start, end))
+            self.run.ways.append([start, end])
 
     def _arc(self, block: int | None, values: list[float]) -> None:
         ex, ey, cx, cy, turn = (v * self.unit_mm for v in values[:5])
@@ -244,7 +255,7 @@ class _Machine:
             self._warn(block, f"arc sweep {sweep:.6f} rad: almost nothing or almost a full turn, controls may disagree")
         r0, r1 = math.dist(start, centre), math.dist(end, centre)
         self.run.arc_mismatch_mm = max(self.run.arc_mismatch_mm, abs(r0 - r1))
-        step = min(2 * math.acos(1 - min(self.tolerance_mm / max(r0, r1), 1.0)), math.pi / 2)
+        step = min(max(2 * math.acos(1 - min(self.tolerance_mm / max(r0, r1), 1.0)), 1e-4), math.pi / 2)
         n = max(1, math.ceil(abs(sweep) / step - 1e-9))
         points = []
         for k in range(1, n):
@@ -253,6 +264,7 @@ class _Machine:
         self.run.position = end
         if self.burn is None:
             self.run.dry_feeds.append((start, end))
+            self.run.ways.append([start, *points, end])
             return
         self.burn.sweeps_rad.append(sweep)
         self._add([*points, end], (r0 + r1) / 2 * abs(sweep))

@@ -8,8 +8,9 @@ from kerfwise.encoder.geometry.segment import Point, Segment
 
 from .words import Block
 
-# Radius at the arc's end against that at its start: GRBL's limits, tighter than LinuxCNC's 0.0283 mm.
-MISMATCH_MM, MISMATCH_SHARE, MISMATCH_MOST_MM = 0.005, 0.001, 0.5
+MISMATCH_MM = 0.01
+"""Radius at an arc's end against that at its start, at most: LinuxCNC takes 0.0283 mm, and 0.1 % of large radii; what
+lies between the two is the control's choice."""
 _SHORT_MM = 0.001
 """How far LinuxCNC (0.00127 mm) lets the ends of an arc by R be further apart than twice its radius, and less."""
 _ALL_OR_NOTHING_MM, _ALL_OR_NOTHING_RAD = 0.001, 1e-5
@@ -37,7 +38,7 @@ def arc_by_centre(start: Point, end: Point, centre: Point, ccw: bool, block: Blo
     error = abs(r - r_end)
     if min(r, r_end) < MISMATCH_MM:
         raise block.refused(f"an arc of no radius ({r:.4f} mm): not supported here; write a line")
-    if error > MISMATCH_MOST_MM or (error > MISMATCH_MM and error > MISMATCH_SHARE * r):
+    if error > MISMATCH_MM:
         raise block.refused(
             f"the arc's radius is {r:.4f} mm at its start and {r_end:.4f} mm at its end: not supported here; correct "
             "its centre or its end"

@@ -18,13 +18,18 @@ _OBEYED = re.compile(
 class Row:
     """A row of a program: `code` are its characters outside comments, without blanks, in capitals.
 
-    `columns` are the places of these characters, from 1; `trailing` says that a comment stands behind words.
+    `columns` are the places of these characters, from 1, `comment_at` that of the first comment, if any.
     """
 
     code: str
     columns: tuple[int, ...]
     comments: tuple[str, ...]
-    trailing: bool = False
+    comment_at: int | None = None
+
+    @property
+    def trailing(self) -> bool:
+        """Whether a comment stands behind words."""
+        return self.comment_at is not None and bool(self.columns) and self.columns[0] < self.comment_at
 
 
 def row_of(text: str, line: int) -> Row:
@@ -44,7 +49,7 @@ def row_of(text: str, line: int) -> Row:
     code: list[str] = []
     columns: list[int] = []
     comments: list[str] = []
-    trailing, at = False, 0
+    at, comment_at = 0, None
     while at < len(text):
         char, start = text[at], at
         at += 1
@@ -54,19 +59,19 @@ def row_of(text: str, line: int) -> Row:
             _harmless(body, line, start + 1)
             if char == "(" or body.strip():
                 comments.append(body.strip())
-            trailing = trailing or bool(code)
+            comment_at = comment_at or start + 1
         elif char == ")":
-            raise InputError("a ')' that closes no comment; delete it", line=line, column=at)
+            raise InputError("a ')' that closes no comment: not supported here; delete it", line=line, column=at)
         elif char not in " \t":
             if not char.isascii():
                 raise InputError(
-                    f"'{char}' (U+{ord(char):04X}) outside a comment, at which the control stops; write it in ASCII",
+                    f"'{char}' (U+{ord(char):04X}) outside a comment: not supported here; write it in ASCII",
                     line=line,
                     column=at,
                 )
             code.append(char.upper())
             columns.append(at)
-    return Row("".join(code), tuple(columns), tuple(comments), trailing)
+    return Row("".join(code), tuple(columns), tuple(comments), comment_at)
 
 
 def _end(text: str, start: int, line: int) -> int:
@@ -76,12 +81,14 @@ def _end(text: str, start: int, line: int) -> int:
     end, inner = text.find(")", start), text.find("(", start + 1)
     if 0 <= inner < end or (end < 0 and inner >= 0):
         raise InputError(
-            "a comment inside a comment, at which the control stops; take the inner ( and ) out",
+            "a comment inside a comment: not supported here; take the inner ( and ) out",
             line=line,
             column=inner + 1,
         )
     if end < 0:
-        raise InputError("the comment is not closed; write ) at its end", line=line, column=start + 1)
+        raise InputError(
+            "the comment is not closed: not supported here; write ) at its end", line=line, column=start + 1
+        )
     return end + 1
 
 

@@ -58,7 +58,7 @@ def _found(char: str) -> str:
             "not supported here; save the program with line ends LF or CRLF"
         )
     if char == "\ufeff":
-        return "a byte order mark (U+FEFF), at which the control stops; save the program as UTF-8 without it"
+        return "a byte order mark (U+FEFF), not supported here; save the program as UTF-8 without it"
     return (
         f"the character U+{ord(char):04X}, which is not shown and which programs treat differently; not supported "
         "here; delete it"

@@ -89,7 +89,8 @@ def block_of(row: Row, line: int) -> Block:
     m: list[Word] = []
     words: dict[str, Word] = {}
     code, at = row.code, 0
-    if number := _LINE_NUMBER.match(code):
+    numbered = code.startswith("N") and not (row.comment_at and row.comment_at < row.columns[0])
+    if numbered and (number := _LINE_NUMBER.match(code)):
         at = number.end()
     while at < len(code):
         column = row.columns[at]

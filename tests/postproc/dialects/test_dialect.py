@@ -20,7 +20,7 @@ def test_qtplasmac_as_documented() -> None:
     dialect = load_dialect("linuxcnc-qtplasmac")
     assert (dialect.torch_on, dialect.torch_off, dialect.mark_on) == ("M3 $0 S1", "M5 $0", "M3 $1 S1")
     assert dialect.line_numbers == LineNumbers(10, 10)
-    assert dialect.max_line == 255
+    assert dialect.max_line == 250
     assert dialect.footer[-1] == "M2"
 
 
@@ -68,7 +68,7 @@ def test_a_plant_brings_its_own(tmp_path: Path) -> None:
         ("comment: ({text})", "comment: '({text.__class__})'", r"comment: expected one \{text\}, and no other brace"),
         ("decimals: 4", "decimals: 30", r":\d+:11: decimals: expected a whole number from 2 to 6, got '30'"),
         ("torch_off: M5 $0", 'torch_off: "M5 $0\\nM3 $0 S1"', r"torch_off: expected one line of text"),
-        ("max_line: 255", "max_line: 20", "max_line: expected a whole number from 80 to 255, got '20'"),
+        ("max_line: 250", "max_line: 20", "max_line: expected a whole number from 80 to 252, got '20'"),
         ("  - G21", "  - [", "not YAML"),
     ],
 )

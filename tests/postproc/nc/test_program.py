@@ -117,7 +117,7 @@ def test_a_header_longer_than_the_control_takes_is_refused(tmp_path: Path) -> No
     (tmp_path / "shop.yaml").write_text(text.replace("- G21\n", f"- {'G21 ' * 70}\n"))
     plant = profile(machine=replace(PROFILE.machine, dialect=str(tmp_path / "shop.yaml")))
     sheet, cuts = square()
-    with pytest.raises(InputError, match="block longer than max_line 255"):
+    with pytest.raises(InputError, match="block longer than max_line 250"):
         write_program(plan_of(sheet, cuts, plant), sheet, plant)
 
 

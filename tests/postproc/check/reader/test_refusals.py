@@ -25,16 +25,17 @@ MALFORMED = {
     "G4": "2:1: G4 without its time",
     "G40 P1": "2:5: P without a word that uses it",
     "G2 X10 Y0 I5 E3": "2:14: E without a word that uses it",
-    "(a (b))": "2:4: a comment inside a comment",
-    "G21 (a": "2:5: the comment is not closed",
-    "G21 a)": "2:6: a ')' that closes no comment",
-    "G0 X\u0661": "2:5: '\u0661' (U+0661) outside a comment",
-    "M3 \uff040 S1": "2:4: '\uff04' (U+FF04) outside a comment",
     "(" + LONGEST * "x" + ")": f"2:{LONGEST + 1}: the line has {LONGEST + 2} bytes: the control stops at more than",
     "(" + LONGEST // 2 * "\u0449" + ")": f"the line has {LONGEST + 2} bytes",
 }
 """What the control refuses too."""
 STRICTER = {
+    "(a (b))": "2:4: a comment inside a comment",
+    "G21 (a": "2:5: the comment is not closed",
+    "G21 a)": "2:6: a ')' that closes no comment",
+    "G0 X\u0661": "2:5: '\u0661' (U+0661) outside a comment",
+    "M3 \uff040 S1": "2:4: '\uff04' (U+FF04) outside a comment",
+    "(a) N5 G0 X1": "2:5: 'N5G0X1': expected a line number",
     "G21 ; torch off\vM5 $0": "2:16: the character U+000B",
     "G21 ; torch off\fM5 $0": "2:16: the character U+000C",
     "G21 ; torch off\x1cM5 $0": "2:16: the character U+001C",
