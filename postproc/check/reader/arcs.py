@@ -8,7 +8,7 @@ from kerfwise.encoder.geometry.segment import Point, Segment
 
 from .words import Block
 
-MISMATCH_MM = 0.01
+MISMATCH_MM = 0.005
 """Radius at an arc's end against that at its start, at most: LinuxCNC takes 0.0283 mm, and 0.1 % of large radii; what
 lies between the two is the control's choice."""
 _SHORT_MM = 0.001

@@ -12,11 +12,14 @@ _OBEYED = re.compile(
     re.IGNORECASE,
 )
 """What LinuxCNC's interpreter and its machine do not pass over; `msg,` only shows its text."""
+COMMENT = " "
+"""Stands for a comment between words: no number goes on behind it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A row of a program: `code` are its characters outside comments, without blanks, in capitals.
+    """A row of a program: `code` are its characters outside comments, without blanks, in capitals; a comment between
+    words is one `COMMENT`.
 
     `columns` are the places of these characters, from 1, `comment_at` that of the first comment, if any.
     """
@@ -60,6 +63,8 @@ def row_of(text: str, line: int) -> Row:
             if char == "(" or body.strip():
                 comments.append(body.strip())
             comment_at = comment_at or start + 1
+            code.append(COMMENT)
+            columns.append(start + 1)
         elif char == ")":
             raise InputError("a ')' that closes no comment: not supported here; delete it", line=line, column=at)
         elif char not in " \t":
@@ -71,7 +76,9 @@ def row_of(text: str, line: int) -> Row:
                 )
             code.append(char.upper())
             columns.append(at)
-    return Row("".join(code), tuple(columns), tuple(comments), comment_at)
+    kept = len("".join(code).rstrip(COMMENT))
+    begin = kept - len("".join(code[:kept]).lstrip(COMMENT))
+    return Row("".join(code[begin:kept]), tuple(columns[begin:kept]), tuple(comments), comment_at)
 
 
 def _end(text: str, start: int, line: int) -> int:

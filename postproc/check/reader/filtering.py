@@ -26,9 +26,10 @@ class Filter:
 
     track: Track
     moved: bool = False
+    raised: bool = False
 
-    def pass_(self, raw: str, row: Row, line: int) -> None:
-        """Pass a row on.
+    def pass_(self, raw: str, row: Row, line: int, absolute: bool) -> None:
+        """Pass a row on; `absolute` is how the program counts before it (G90).
 
         Raises
         ------
@@ -55,7 +56,7 @@ class Filter:
             )
         if row.trailing:
             self._comment(raw, text, row, line)
-        self._starts(text, line)
+        self._starts(text, line, absolute)
 
     def _without_number(self, raw: str, line: int) -> str:
         text = raw.strip()
@@ -87,8 +88,16 @@ class Filter:
             column=column,
         )
 
-    def _starts(self, text: str, line: int) -> None:
+    def _starts(self, text: str, line: int, absolute: bool) -> None:
         code = re.sub(r"^([gm])0+(?=[0-9])", r"\1", text.lower().replace(" ", ""))
+        if not self.raised and re.search("g0|g1|m3", code):
+            self.raised = True
+            if not absolute:
+                raise InputError(
+                    "the first move of a program that counts from place to place (G91): QtPlasmaC raises the torch "
+                    "before it by G53, at which the control stops; not supported here; write G90 first, G91 later",
+                    line=line,
+                )
         if code.startswith(_MOVES):
             self.moved = True
         if "m3" in code and "m30" not in code and not self.moved:

@@ -9,7 +9,7 @@ from .words import Block, Word
 
 MOTION = frozenset({0.0, 1.0, 2.0, 3.0})
 ARCS = frozenset({2.0, 3.0})
-DWELL, NO_MOTION, ROUNDING = 4.0, 80.0, 64.0
+DWELL, NO_MOTION, ROUNDING, PER_MINUTE = 4.0, 80.0, 64.0, 94.0
 _KERF = "the control would shift the path by its own kerf, which the program does not show; post the program without"
 _PLANE = "arcs outside the XY plane are not checked; post the program with G17"
 _REFUSED_G: Mapping[float, str] = {18.0: _PLANE, 19.0: _PLANE, 41.0: _KERF, 42.0: _KERF, 41.1: _KERF, 42.1: _KERF}
@@ -25,7 +25,7 @@ _G_GROUPS: Mapping[str, frozenset[float]] = {
     "distance": frozenset({90.0, 91.0}),
     "arc centres": frozenset({90.1, 91.1}),
     "offsets": frozenset({92.1}),
-    "feed": frozenset({94.0}),
+    "feed": frozenset({PER_MINUTE}),
     "spindle": frozenset({97.0}),
 }
 _M_GROUPS: Mapping[str, frozenset[float]] = {

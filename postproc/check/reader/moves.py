@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from kerfwise.encoder.geometry.segment import Point, Segment
 
 from .arcs import arc_by_centre, arc_by_radius
-from .grammar import DWELL, MOTION, NO_MOTION, motion_of
+from .grammar import DWELL, MOTION, NO_MOTION, PER_MINUTE, motion_of
 from .modes import Modes
 from .track import Track
 from .words import Block
@@ -30,7 +30,9 @@ class Moves:
     modes: Modes = field(default_factory=Modes)
 
     def feed(self, block: Block) -> None:
-        """An F word counts in the units before its block, as the control has it."""
+        """An F word counts in the units before its block, as the control has it; G94 forgets the F before it."""
+        if block.has_g(PER_MINUTE):
+            self.feed_mm_min = 0.0
         if "F" in block.words:
             self.feed_mm_min = block.of("F") * self.unit_mm
 

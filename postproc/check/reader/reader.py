@@ -129,6 +129,6 @@ def _blocks(text: str, machine: _Machine) -> Iterator[Block]:
         elif row.code or row.comments:
             block = block_of(row, line)
             if machine.filter is not None:
-                machine.filter.pass_(raw, row, line)
+                machine.filter.pass_(raw, row, line, machine.moves.absolute)
             if not machine.tools.ended:
                 yield block

@@ -44,7 +44,7 @@ def _plain(row: str, line: int, cr: int) -> str:
             raise InputError(_found(char), line=line, column=column)
     if (size := len(row.encode()) + cr) > LONGEST:
         raise InputError(
-            f"the line has {size} bytes: the control stops at more than {LONGEST}; write it shorter",
+            f"the line has {size} bytes: more than {LONGEST} are not supported here, nor by controls; write it shorter",
             line=line,
             column=LONGEST + 1,
         )

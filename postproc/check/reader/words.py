@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from kerfwise.encoder.errors import InputError
 
-from .comments import Row
+from .comments import COMMENT, Row
 
 _WORD = re.compile(r"(?P<letter>[A-Z$])(?P<number>[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))")
 _LINE_NUMBER = re.compile(r"N[0-9]{1,9}(?:\.[0-9]{1,9})?(?![0-9.])")
@@ -93,6 +93,9 @@ def block_of(row: Row, line: int) -> Block:
     if numbered and (number := _LINE_NUMBER.match(code)):
         at = number.end()
     while at < len(code):
+        if code[at] == COMMENT:
+            at += 1
+            continue
         column = row.columns[at]
         found = _WORD.match(code, at)
         if found is None or (found["letter"] not in "GM" and found["letter"] not in BOUNDS):
@@ -110,7 +113,9 @@ def block_of(row: Row, line: int) -> Block:
             (g if word.letter == "G" else m).append(word)
             continue
         if word.letter in words:
-            raise InputError(f"two {word.letter} words in one block; delete one", line=line, column=column)
+            raise InputError(
+                f"two {word.letter} words in one block: not supported here; delete one", line=line, column=column
+            )
         low, high = BOUNDS[word.letter]
         if not low <= word.value <= high:
             raise InputError(

@@ -25,7 +25,7 @@ def test_a_square_with_times() -> None:
 
 
 def test_modal_words_inches_and_incremental_arcs() -> None:
-    inch = read_nc("G20 G91\nF20\ng0x1y0\nM3\nG3 X-1 Y1 I-1\nX-1Y-1J-1\nM5\nM30\n").burns[0]
+    inch = read_nc("G17\nG20 G91\nF20\ng0x1y0\nM3\nG3 X-1 Y1 I-1\nX-1Y-1J-1\nM5\nM30\n").burns[0]
     assert inch.path.length_mm == pytest.approx(math.pi * 25.4)
     assert inch.end_s - inch.start_s == pytest.approx(math.pi / 20 * 60)
 
@@ -90,7 +90,7 @@ def programs(draw: st.DrawFn) -> str:
             lines.append(f"{draw(st.sampled_from(['G2', 'G3']))} I{draw(st.integers(1, 500)) / 10}")
         else:
             lines.append(f"G1 X{draw(coordinate)} Y{draw(coordinate)}")
-    return "\n".join([*lines, "M5 $-1", "M2", ""])
+    return "\n".join(["G17", *lines, "M5 $-1", "M2", ""])
 
 
 @pytest.mark.linuxcnc

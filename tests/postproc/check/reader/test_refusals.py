@@ -12,9 +12,9 @@ HEAD = "G21 F600\n"
 """Before each line of the table, so that it is line 2."""
 
 MALFORMED = {
+    "G94 G1 X5": "2:1: a line or an arc with no feed",
     "G1 X1O": "2:6: cannot read 'O': expected a word",
     "G1 X": "2:4: cannot read 'X'",
-    "G1 X1 X2": "2:7: two X words in one block",
     "X1": "2:1: X without a word that uses it: expected a motion word",
     "G2 X10 Y0": "2:1: an arc without I, J or R",
     "G2": "2:1: an arc without its end, I, J or R",
@@ -25,11 +25,14 @@ MALFORMED = {
     "G4": "2:1: G4 without its time",
     "G40 P1": "2:5: P without a word that uses it",
     "G2 X10 Y0 I5 E3": "2:14: E without a word that uses it",
-    "(" + LONGEST * "x" + ")": f"2:{LONGEST + 1}: the line has {LONGEST + 2} bytes: the control stops at more than",
+    "(" + LONGEST * "x" + ")": f"2:{LONGEST + 1}: the line has {LONGEST + 2} bytes: more than",
     "(" + LONGEST // 2 * "\u0449" + ")": f"the line has {LONGEST + 2} bytes",
 }
 """What the control refuses too."""
 STRICTER = {
+    "G1 X1 X2": "2:7: two X words in one block",
+    "G1 X5(a)5": "2:9: cannot read '5'",
+    "G1 X(a)5": "2:4: cannot read 'X 5'",
     "(a (b))": "2:4: a comment inside a comment",
     "G21 (a": "2:5: the comment is not closed",
     "G21 a)": "2:6: a ')' that closes no comment",
@@ -136,6 +139,12 @@ def test_a_stop_of_all_tools_or_one() -> None:
     with pytest.raises(InputError, match=r"^2:1: M5 without \$ while tool \$1 is on is not supported here"):
         read_nc("G0 X1\nM5\nM2\n".replace("G0 X1", "G0 X1 M3 $1 S1"))
     assert read_nc("M5\nM2\n").burns == ()
+
+
+def test_qtplasmac_raises_the_torch_first() -> None:
+    with pytest.raises(InputError, match=r"^3: the first move of a program that counts from place to place \(G91\)"):
+        read_nc("G91\nG94\nG0 X1\nM2\n")
+    assert read_nc("G90\nG0 X1\nG91\nG0 X1\nM2\n").end == (2.0, 0.0)
 
 
 def test_each_control_has_its_own_words() -> None:
