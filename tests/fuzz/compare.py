@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import Literal
 
 import numpy as np
 import shapely
 
-from kerfwise.commands.given import decoded
 from kerfwise.encoder.errors import InputError
+from kerfwise.jobs.given import decoded
 from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.postproc.check.reader.reader import read_nc
@@ -21,7 +21,11 @@ from kerfwise.tests.tools import canon
 TOLERANCE_MM = 0.001
 PRINTED_MM = {False: 1e-4, True: 2.54e-3}
 """The last digit that rs274 prints, by whether the program counts in inches somewhere."""
-Kind = Literal["same", "same, at fault", "both refuse", "stricter, and says so", "stricter in silence", "differs"]
+STRICT = ("not supported here", "is not UTF-8")
+"""What our reader says where it may be stricter than the control."""
+Kind = Literal[
+    "same", "same, at fault", "both refuse", "refused as not supported", "stricter", "stricter in silence", "differs"
+]
 BAD: tuple[Kind, ...] = ("stricter in silence", "differs")
 _TORCH = ("is started while", "rapid with the torch on", "ends with the torch on", "started while")
 _NOT_STARTED = "QtPlasmaC starts no tool"
@@ -35,16 +39,22 @@ class Verdict:
     text: str = ""
 
 
-def judge(program: bytes, control: str) -> Verdict:
-    """Let both read a program."""
+def judge(program: bytes, control: str, stricter: bool = False) -> Verdict:
+    """Let both read a program.
+
+    What our reader refuses as not supported it may refuse whatever the control does: only with `stricter` the control
+    is asked all the same, to tell apart where both refuse.
+    """
     try:
         ours = read_nc(decoded(program, "p.ngc"), control=CONTROLS[control])
     except InputError as error:
+        said = any(words in str(error) for words in STRICT)
+        if said and not stricter:
+            return Verdict("refused as not supported", str(error))
         theirs = controls.run(program, control)
         if theirs.error is not None:
             return Verdict("both refuse", f"{error} / {theirs.error}")
-        silent = "not supported here" not in str(error) and "not UTF-8" not in str(error)
-        return Verdict("stricter in silence" if silent else "stricter, and says so", str(error))
+        return Verdict("stricter" if said else "stricter in silence", str(error))
     theirs = controls.run(program, control)
     faults = [fault.text for fault in ours.faults if fault.rule == "torch-off-travel" or _NOT_STARTED in fault.text]
     if theirs.error is not None:
@@ -84,8 +94,10 @@ def _different(ours: NcProgram, theirs: canon.Run, inches: bool) -> str:
     if abs(ours.idle_mm - travel_mm) > near * (2 + len(ours.rapids) + sum(map(len, theirs.ways))):
         return f"travels {ours.idle_mm:.4f} mm here, {travel_mm:.4f} mm there"
     ways = shapely.MultiLineString(theirs.ways) if theirs.ways else shapely.Point(0, 0)
-    off_mm = shapely.distance(ways, shapely.points([end for _, end in ours.rapids] or [(0.0, 0.0)])).max()
-    if off_mm > near and ours.rapids:
+    lengths = [*chain.from_iterable(burn.travels_mm for burn in ours.burns), *ours.homing_mm]
+    ends = [end for (_, end), length in zip(ours.rapids, lengths, strict=True) if length > near]
+    off_mm = shapely.distance(ways, shapely.points(ends)).max() if ends else 0.0
+    if off_mm > near:
         return f"a travel ends {off_mm:.4f} mm off every way that the control travels"
     last = [fault.text for fault in ours.faults if fault.rule == "pierce-delay"]
     waits_s = math.fsum(b.pierce_s + b.paused_s + b.wait_s for b in ours.burns)

@@ -45,19 +45,19 @@ def case(seed: int, number: int) -> tuple[str, bytes]:
     return control, mutated(text.encode(), rnd)
 
 
-def tried(seed: int, number: int) -> Case:
-    """One case, judged; a disagreement is made small."""
+def tried(seed: int, number: int, stricter: bool = False) -> Case:
+    """One case, judged (see `judge`); a disagreement is made small."""
     control, program = case(seed, number)
-    verdict = _judged(program, control)
+    verdict = _judged(program, control, stricter)
     if verdict.kind in BAD:
         program = smallest(program, lambda fewer: _judged(fewer, control).kind == verdict.kind)
         verdict = _judged(program, control)
     return Case(number, control, program, verdict)
 
 
-def _judged(program: bytes, control: str) -> Verdict:
+def _judged(program: bytes, control: str, stricter: bool = False) -> Verdict:
     try:
-        return judge(program, control)
+        return judge(program, control, stricter)
     except Exception as error:  # a reader that breaks down is the worst of its findings
         return Verdict("differs", f"{type(error).__name__}: {error}")
 
@@ -68,17 +68,17 @@ def _judged(program: bytes, control: str) -> Verdict:
 @click.option("--first", default=0, show_default=True, help="Number of the first.")
 @click.option("--processes", default=2, show_default=True, help="How many read at the same time.")
 @click.option("--save", type=click.Path(file_okay=False, path_type=Path), help="Folder for disagreements, made small.")
-@click.option("--each", is_flag=True, help="Print what is refused that the control runs, by message.")
-def main(cases: int, seed: int, first: int, processes: int, save: Path | None, each: bool) -> None:
+@click.option("--stricter", is_flag=True, help="Count apart, and by message, what is refused that the control runs.")
+def main(cases: int, seed: int, first: int, processes: int, save: Path | None, stricter: bool) -> None:
     """Read mutated programs with the check's reader and with their control, and compare."""
     started = time.monotonic()
     counted: Counter[tuple[str, Kind]] = Counter()
-    stricter: Counter[str] = Counter()
+    messages: Counter[str] = Counter()
     bad = 0
-    for done in _run(seed, first, cases, processes):
+    for done in _run(seed, range(first, first + cases), processes, stricter):
         counted[done.control, done.verdict.kind] += 1
-        if done.verdict.kind == "stricter, and says so":
-            stricter[done.verdict.text.partition(" ")[2][:60]] += 1
+        if done.verdict.kind == "stricter":
+            messages[done.verdict.text.partition(" ")[2][:60]] += 1
         if done.verdict.kind in BAD:
             bad += 1
             click.echo(
@@ -93,14 +93,13 @@ def main(cases: int, seed: int, first: int, processes: int, save: Path | None, e
     for kind in get_args(Kind):
         click.echo(f"{kind:24}" + "".join(f"{counted[control, kind]:22}" for control in controls))
     click.echo(f"disagreements: {bad}")
-    for message, count in stricter.most_common() if each else ():
+    for message, count in messages.most_common():
         click.echo(f"{count:6} {message}")
     sys.exit(1 if bad else 0)
 
 
-def _run(seed: int, first: int, cases: int, processes: int) -> Iterator[Case]:
-    numbers = [range(k, min(k + CASES_AT_ONCE, first + cases)) for k in range(first, first + cases, CASES_AT_ONCE)]
-    tasks = [(seed, some) for some in numbers]
+def _run(seed: int, numbers: range, processes: int, stricter: bool) -> Iterator[Case]:
+    tasks = [(seed, numbers[k : k + CASES_AT_ONCE], stricter) for k in range(0, len(numbers), CASES_AT_ONCE)]
     if processes == 1:
         yield from chain.from_iterable(map(_several, tasks))
         return
@@ -108,9 +107,9 @@ def _run(seed: int, first: int, cases: int, processes: int) -> Iterator[Case]:
         yield from chain.from_iterable(pool.imap(_several, tasks))
 
 
-def _several(task: tuple[int, range]) -> list[Case]:
-    seed, numbers = task
-    return [tried(seed, number) for number in numbers]
+def _several(task: tuple[int, range, bool]) -> list[Case]:
+    seed, numbers, stricter = task
+    return [tried(seed, number, stricter) for number in numbers]
 
 
 if __name__ == "__main__":
