@@ -5,10 +5,11 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
+import warnings
 from collections.abc import Iterator
 from typing import Any, TextIO, cast
 
-from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.errors import Advice, InputError
 from kerfwise.encoder.shown import shown_lines
 
 
@@ -77,13 +78,29 @@ def terminal() -> Iterator[None]:
     out, err = Stream(before[0]), Stream(before[1])
     sys.stdout, sys.stderr = cast(TextIO, out), cast(TextIO, err)
     try:
-        yield
+        with warnings.catch_warnings():
+            _show_advice(err)
+            yield
     finally:
         out.flush()
         if isinstance(out.lost, OSError) and out.lost.errno is not None and not isinstance(out.lost, BrokenPipeError):
             err.write(f"kerfwise: not all could be printed: {out.lost.strerror}\n")
         err.flush()
         sys.stdout, sys.stderr = before
+
+
+def _show_advice(err: Stream) -> None:
+    """Advice is a note; other warnings are shown as ever."""
+    shown_else = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+        if issubclass(category, Advice):
+            err.write(f"note: {message}\n")
+        else:
+            shown_else(message, category, *where, **more)
+
+    warnings.showwarning = show
+    warnings.simplefilter("always", Advice)
 
 
 def bare(stream: TextIO) -> TextIO:

@@ -62,3 +62,7 @@ class RulesConflict(KerfwiseError):
     def __init__(self, message: str, reasons: tuple[str, ...] = ()) -> None:
         self.message, self.reasons = message, reasons
         super().__init__("\n".join([shown(message), *(f"  - {shown(r)}" for r in reasons)]))
+
+
+class Advice(UserWarning):
+    """Something a user should know that changes no result; the command line shows it as a note."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from kerfwise.models.kernels import kept
 
 Masks = NDArray[np.uint64]
 
@@ -34,7 +35,7 @@ def masks_of(sets: Sequence[Sequence[int]], n: int) -> Masks:
     return masks
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def place(bit: np.uint64) -> int:  # pragma: no cover - compiled
     """The number of the only bit that is set."""
     number = 0
@@ -53,7 +54,7 @@ def place(bit: np.uint64) -> int:  # pragma: no cover - compiled
     return number
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def missing(wanted: Masks, mask: Masks) -> bool:  # pragma: no cover - compiled
     """Whether some of the wanted contours are not in the set."""
     for w in range(len(wanted)):  # noqa: SIM110 - numba has no generators here
@@ -62,7 +63,7 @@ def missing(wanted: Masks, mask: Masks) -> bool:  # pragma: no cover - compiled
     return False
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def has(mask: Masks, k: int) -> bool:  # pragma: no cover - compiled
     """Whether contour k is in the set."""
     return bool(mask[k >> 6] >> (np.uint64(k) & LOW) & ONE)

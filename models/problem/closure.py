@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from kerfwise.arrays import Bools, Ints
+from kerfwise.models.kernels import kept
 
 from .bits import Masks
 
@@ -49,7 +49,7 @@ def transitive(direct: Bools) -> Bools:
     return whole
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def _close(sooner: Bools, waiting: Ints, closed: Masks) -> None:  # pragma: no cover - compiled
     """Hand on what comes after every contour, the last first; `waiting` counts those after it that are not done."""
     n = len(sooner)
@@ -102,7 +102,7 @@ def packed(relation: Bools) -> Masks:
     return padded.view("<u8").astype(np.uint64, copy=False)
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def _mark_immediate(
     sooner: Bools, masks: Masks, latest_first: Ints, kept: Bools
 ) -> None:  # pragma: no cover - compiled

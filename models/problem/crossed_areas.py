@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import numba
 import numpy as np
 import shapely
-from numba import njit
 
 from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.models.kernels import kept
 
 _CONFIG: Any = numba.config
 THREADS = int(_CONFIG.NUMBA_NUM_THREADS)
@@ -102,7 +102,7 @@ def _edges_of(areas: Sequence[shapely.Geometry]) -> Areas:
     )
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def _crossed(  # pragma: no cover - compiled
     leave: Floats, reach: Floats, owner: Ints, areas: Areas, near: Ints, late: Bools
 ) -> Ints:
@@ -122,7 +122,7 @@ def _crossed(  # pragma: no cover - compiled
     return rows[:, :count].copy()
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def _crosses(p: Floats, q: Floats, areas: Areas, a: int) -> bool:  # pragma: no cover - compiled
     """Whether the move from p to q meets area a.
 

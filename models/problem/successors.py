@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from numba import njit
 
 from kerfwise.arrays import Bools, Ints
+from kerfwise.models.kernels import kept
 
 from .closure import immediate
 
@@ -34,7 +34,7 @@ def lawful_successors(before: Bools, block: Ints, apart: Iterable[tuple[int, int
     return lawful
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def _mark_lawful(  # pragma: no cover - compiled
     before: Bools, after: Bools, near: Bools, block: Ints, lawful: Bools
 ) -> None:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from kerfwise.arrays import Floats, Ints
+from kerfwise.models.kernels import kept
 from kerfwise.models.problem.bits import LOW, ONE, Masks, has, missing, place
 
 from .tables import HARD, NEVER, Shorts, Tables
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def expand(  # pragma: no cover - compiled
     tables: Tables,
     to_go: Floats,
@@ -113,7 +113,7 @@ def expand(  # pragma: no cover - compiled
     return at, used, least, operations
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def gather(  # pragma: no cover - compiled
     tables: Tables,
     price: Floats,
@@ -185,7 +185,7 @@ def gather(  # pragma: no cover - compiled
     return count
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def _surcharge(tables: Tables, k: int, d: int, mask: Masks) -> int:  # pragma: no cover - compiled
     """What the conditions make cutting contour k at site d cost when a set is out; `HARD` if it is not lawful."""
     cost = 0
@@ -203,7 +203,7 @@ def _surcharge(tables: Tables, k: int, d: int, mask: Masks) -> int:  # pragma: n
     return cost
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def _crossing(tables: Tables, leave: int, reach: int, mask: Masks) -> int:  # pragma: no cover - compiled
     """What a move costs for the contours that are out; `HARD` if it is not lawful."""
     move = tables.cross_at[leave, reach]
@@ -217,7 +217,7 @@ def _crossing(tables: Tables, leave: int, reach: int, mask: Masks) -> int:  # pr
     return cost
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def _left(tables: Tables, incomplete: np.ndarray, i: int, j: int) -> int:  # pragma: no cover - compiled
     """What leaving soft groups before they are whole costs when contour j follows i."""
     cost = 0

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from kerfwise.arrays import Floats, Ints
+from kerfwise.models.kernels import kept
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def look_ahead(  # pragma: no cover - compiled
     arc_from: Ints,
     arc_to: Ints,
@@ -52,7 +52,7 @@ def look_ahead(  # pragma: no cover - compiled
             second[d, s], second_step[d, s] = other, to_other
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def count_visits(  # pragma: no cover - compiled
     owner: Ints, contour: Ints, step: Ints, second_step: Ints, visits: Ints
 ) -> None:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats, Ints
+from kerfwise.models.kernels import kept
 
 Shorts = NDArray[np.int16]
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def look_back(  # pragma: no cover - compiled
     k: int, part: int, parts: int, back: Floats, lawful: NDArray[np.bool_], price: Floats, first: Ints,
     earliest: Ints, latest: Ints, carried: Shorts, to_go: Floats, least: Floats
@@ -67,7 +67,7 @@ def look_back(  # pragma: no cover - compiled
                 least[k, memory, s] = best
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def walk_on(  # pragma: no cover - compiled
     back: Floats, lawful: NDArray[np.bool_], price: Floats, first: Ints, carried: Shorts, to_go: Floats, walk: Ints
 ) -> float:  # fmt: skip

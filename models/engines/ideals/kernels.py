@@ -10,10 +10,10 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats, Ints
+from kerfwise.models.kernels import kept
 from kerfwise.models.problem.bits import Masks, has, missing
 
 from .local import HARD, Terms
@@ -54,7 +54,7 @@ class Rest(NamedTuple):
     later: float
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def arrange(  # pragma: no cover - compiled
     contour: Tinies, target: Shorts, entry_from: Ints, alive: Ints, sets: int, size: Ints
 ) -> tuple[Ints, Tinies, Shorts, Ints, Ints]:
@@ -84,7 +84,7 @@ def arrange(  # pragma: no cover - compiled
     return ideal_entry, sorted_contour, source, place, begin
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def sweep(  # pragma: no cover - compiled
     moves: Moves,
     terms: Terms,
@@ -156,7 +156,7 @@ def sweep(  # pragma: no cover - compiled
             living[place[e]] = lives
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def _keep(  # pragma: no cover - compiled
     site_cost: Ints,
     span: tuple[np.uint64, np.uint64, np.uint64],
@@ -177,7 +177,7 @@ def _keep(  # pragma: no cover - compiled
     return count > 0
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def _keep_asked(  # pragma: no cover - compiled
     terms: Terms,
     mask: Masks,
@@ -200,7 +200,7 @@ def _keep_asked(  # pragma: no cover - compiled
     return lives
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def _least(  # pragma: no cover - compiled
     table: Costs, base: int, pad: int, have: Costs, row: Ints, count: int, never: int, best: Costs
 ) -> None:
@@ -217,7 +217,7 @@ def _least(  # pragma: no cover - compiled
             best[d] = min(best[d], min(one, two))
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def _least_of_each(  # pragma: no cover - compiled
     moves: Moves,
     terms: Terms,
@@ -247,7 +247,7 @@ def _least_of_each(  # pragma: no cover - compiled
                 best[d] = total
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def leaving(terms: Terms, mask: Masks, j: int, i: int) -> int:  # pragma: no cover - compiled
     """What leaving soft groups before they are whole costs when contour i follows j, and `mask` is out."""
     cost = 0
@@ -257,7 +257,7 @@ def leaving(terms: Terms, mask: Masks, j: int, i: int) -> int:  # pragma: no cov
     return cost
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def crossing(moves: Moves, mask: Masks, row: int, column: int) -> int:  # pragma: no cover - compiled
     """What a move costs for the contours that it crosses and that are out."""
     over = 0
@@ -269,7 +269,7 @@ def crossing(moves: Moves, mask: Masks, row: int, column: int) -> int:  # pragma
     return over * moves.price
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def _asked(terms: Terms, mask: Masks, i: int, column: np.int64) -> int:  # pragma: no cover - compiled
     """What the conditions make cutting contour i at a site cost when a set is out."""
     cost = 0

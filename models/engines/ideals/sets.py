@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Ints
+from kerfwise.models.kernels import kept
 from kerfwise.models.problem.bits import LOW, ONE, Masks, missing, place, words
 
 from .local import Orders
@@ -70,7 +70,7 @@ def grow(orders: Orders, sets: Sets, alive: Ints, entries: int) -> tuple[Sets, T
     return Sets(masks, ready, pending, width, hashes), contour, target, entry_from
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def _open(orders: Orders, ready: Masks, pending: Shorts, k: int, w: int) -> np.uint64:  # pragma: no cover - compiled
     """Word w of what may be cut next."""
     bits = ready[k, w]
@@ -79,7 +79,7 @@ def _open(orders: Orders, ready: Masks, pending: Shorts, k: int, w: int) -> np.u
     return np.uint64(bits)
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def _count(  # pragma: no cover - compiled
     orders: Orders, ready: Masks, pending: Shorts, width: Ints, alive: Ints
 ) -> tuple[int, int, int]:
@@ -98,7 +98,7 @@ def _count(  # pragma: no cover - compiled
     return entries, states, additions
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def _find(  # pragma: no cover - compiled
     slots: Shorts, key: np.uint64, masks: Masks, hashes: Masks, source: Masks, word: int, bit: np.uint64
 ) -> int:
@@ -122,7 +122,7 @@ def _find(  # pragma: no cover - compiled
     return int(slot)
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def _grow(  # pragma: no cover - compiled
     orders: Orders, masks: Masks, ready: Masks, pending: Shorts, hashes: Masks, alive: Ints, entries: int
 ) -> tuple[Masks, Masks, Shorts, Ints, Masks, Tinies, Shorts, Ints]:
@@ -176,7 +176,7 @@ def _grow(  # pragma: no cover - compiled
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True)
+@kept(nogil=True)
 def _wider(slots: Shorts, hashes: Masks, count: int) -> Shorts:  # pragma: no cover - compiled
     """Four times as many slots."""
     wider = np.zeros(4 * len(slots), np.int32)

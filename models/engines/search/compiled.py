@@ -9,6 +9,8 @@ from typing import Any, TypeVar, cast
 
 import numba
 
+from kerfwise.models.kernels import kept
+
 F = TypeVar("F", bound=Callable[..., object])
 
 
@@ -16,7 +18,6 @@ F = TypeVar("F", bound=Callable[..., object])
 # from Python alone.
 _OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True, "_nrt": False}
 _INNER: dict[str, Any] = {**_OPTIONS, "no_cpython_wrapper": True}
-_ENTRY: dict[str, Any] = {**_OPTIONS, "cache": True}
 _HERE = Path(__file__).parent
 _DIGEST = hashlib.sha256(b"".join(path.read_bytes() for path in sorted(_HERE.glob("*.py")))).hexdigest()[:16]
 
@@ -36,6 +37,6 @@ def entry(function: F) -> F:
     given = config.CACHE_DIR
     config.CACHE_DIR = str(Path(given or _HERE / "__pycache__") / f"kernels-{_DIGEST}")
     try:
-        return cast(F, numba.njit(**_ENTRY)(function))
+        return kept(**_OPTIONS)(function)
     finally:
         config.CACHE_DIR = given

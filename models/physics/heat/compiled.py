@@ -7,6 +7,8 @@ from typing import Any, TypeVar, cast
 
 import numba
 
+from kerfwise.models.kernels import kept
+
 F = TypeVar("F", bound=Callable[..., object])
 
 # Sums may be taken in any order, so that rows are added up several numbers at a time.
@@ -20,4 +22,4 @@ def compiled(function: F) -> F:
 
 def entry(function: F) -> F:
     """Compile a function that Python calls, and keep the machine code beside its file."""
-    return cast(F, numba.njit(cache=True, **_OPTIONS)(function))
+    return kept(**_OPTIONS)(function)

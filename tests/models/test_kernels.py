@@ -1,0 +1,155 @@
+"""Kept kernels: whatever is in their files, what is computed is right, and nothing fails."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numba
+import pytest
+
+from kerfwise.encoder.errors import Advice
+from kerfwise.models import kernels
+from kerfwise.models.kernels import Files, Kept, kept
+
+
+def doubled(x: int) -> int:
+    return 2 * x
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "kept"))
+    monkeypatch.setattr(kernels, "_told", set())
+    return tmp_path / "kept"
+
+
+def run() -> tuple[Any, list[str]]:
+    """A kernel compiled or loaded as a new process would, once it is called; and what is told."""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        kernel: Any = kept(nogil=True)(doubled)
+        assert kernel(21) == 42
+        assert kernel(1.5) == 3.0
+    assert all(issubclass(w.category, Advice) for w in told)
+    return kernel, [str(w.message) for w in told]
+
+
+def hits(kernel: Any) -> int:
+    return sum(kernel._cache_hits.values())
+
+
+def test_a_second_run_loads_what_the_first_has_kept(folder: Path) -> None:
+    first, told = run()
+    assert (hits(first), told) == (0, [])
+    assert len(list(folder.rglob("*.kernel"))) == 2
+    second, told = run()
+    assert (hits(second), told) == (2, [])
+
+
+DAMAGE: dict[str, Callable[[bytes], bytes]] = {
+    "empty": lambda data: b"",
+    "one byte": lambda data: data[:1],
+    "a sum alone": lambda data: data[:64],
+    "cut in the sum": lambda data: data[:40],
+    "cut": lambda data: data[:100],
+    "cut in half": lambda data: data[: len(data) // 2],
+    "last byte lost": lambda data: data[:-1],
+    "a byte too much": lambda data: data + b"\0",
+    "one bit at the begin": lambda data: data[:64] + bytes([data[64] ^ 1]) + data[65:],
+    "one bit in the machine code": lambda data: data[:-500] + bytes([data[-500] ^ 4]) + data[-499:],
+    "zeros": lambda data: bytes(len(data)),
+    "another's": lambda data: b"\x80\x04K\x01." * 40,
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGE)
+def test_a_damaged_file_is_compiled_anew(damage: str, folder: Path) -> None:
+    run()
+    for path in folder.rglob("*.kernel"):
+        path.write_bytes(DAMAGE[damage](path.read_bytes()))
+    again, told = run()
+    assert hits(again) == 0
+    assert told in ([], ["kept kernels are damaged, and are compiled anew"])
+    third, told = run()
+    assert (hits(third), told) == (2, [])
+
+
+def test_a_whole_file_of_something_else(folder: Path) -> None:
+    """Its sums are right, and what is in it is no kernel."""
+    first, _ = run()
+    files = first._cache._cache_file
+    for path in folder.rglob("*.kernel"):
+        files.path = lambda key, path=path: path
+        files.save("key", "no kernel")
+    again, told = run()
+    assert hits(again) == 0
+    assert told == ["kept kernels cannot be read, and are compiled anew"]
+
+
+def test_of_another_source_or_numba(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run()
+    monkeypatch.setattr(numba, "__version__", "0.0")
+    again, told = run()
+    assert (hits(again), told) == (0, [])
+
+
+def test_where_nothing_can_be_kept_it_is_said_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A home and an installation that may not be written."""
+
+    def refused(self: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    from numba.core.caching import _CacheLocator  # type: ignore[attr-defined]
+
+    monkeypatch.setattr(_CacheLocator, "ensure_cache_path", refused)
+    _, told = run()
+    assert len(told) == 1
+    assert "cannot be kept here" in told[0]
+    assert run()[1] == []
+
+
+@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), OSError(30, "Read-only file system")])
+def test_a_full_disk(error: OSError, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(self: object, key: object, kernel: object) -> None:
+        raise error
+
+    monkeypatch.setattr(Files, "save", full)
+    _, told = run()
+    assert told == [f"compiled kernels cannot be kept ({error.strerror}) and are compiled anew each time"]
+    assert list(folder.rglob("*.kernel")) == []
+
+
+def test_a_folder_in_the_place_of_a_file(folder: Path) -> None:
+    run()
+    for path in folder.rglob("*.kernel"):
+        path.unlink()
+        path.mkdir()
+    _, told = run()
+    assert len(told) == 1
+
+
+def test_runs_at_once_never_read_the_half_of_a_file(tmp_path: Path) -> None:
+    """Each kind of arguments has its own file: numba's count would give two runs one name for two kernels."""
+    files = [Files(str(tmp_path), "f", "source") for _ in range(4)]
+
+    def write_and_read(number: int) -> bool:
+        files[number % 4].save(("kind", number % 3), [number % 3] * 50_000)
+        found = files[(number + 1) % 4].load(("kind", number % 3))
+        return found == [number % 3] * 50_000
+
+    with ThreadPoolExecutor(8) as pool:
+        assert all(pool.map(write_and_read, range(60)))
+    assert len(list(tmp_path.iterdir())) == 3
+    files[0].flush()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_every_kernel_that_is_kept_is_kept_so() -> None:
+    root = Path(kernels.__file__).parents[1]
+    sources = [path for path in root.rglob("*.py") if "tests" not in path.relative_to(root).parts]
+    assert not [path for path in sources if "cache=True" in path.read_text(encoding="utf-8")]
+    assert issubclass(Kept, numba.core.caching.FunctionCache)
