@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from kerfwise.encoder.shown import shown
 from kerfwise.models.engines.baselines import STRATEGIES
 
 from .default_names import expect_own
@@ -119,7 +120,7 @@ def command(
     if not made.verdict.ok:
         click.echo("kerfwise: the check refuses this plan; nothing was written", err=True)
         return 1
-    click.echo("written: " + ", ".join(map(str, files)))
+    click.echo("written: " + ", ".join(shown(str(path)) for path in files))
     return 130 if listener.interrupted else 0
 
 

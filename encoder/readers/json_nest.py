@@ -10,6 +10,7 @@ from typing import Any
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Kind, Nest, Note, Part, Sheet
+from kerfwise.encoder.strict_json import strict_json
 
 from .json_place import places
 from .json_schema import check_schema
@@ -44,7 +45,7 @@ def _parsed(data: bytes) -> tuple[str, Any]:
     except UnicodeDecodeError as error:
         raise InputError(f"not JSON: byte {error.start + 1} is not UTF-8 text") from None
     try:
-        return text, json.loads(text, parse_constant=str)  # NaN becomes a text, which the schema refuses in place
+        return text, strict_json(text)  # NaN becomes a text, which the schema refuses in place
     except json.JSONDecodeError as error:
         raise InputError(f"not JSON: {error.msg}", line=error.lineno, column=error.colno) from None
     except (ValueError, RecursionError) as error:  # a number of thousands of digits; brackets thousands deep

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from dataclasses import replace
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.shown import shown
 from kerfwise.encoder.validate import validated
 
 from .mend import mended
@@ -48,7 +50,7 @@ def read_nest(path: str | Path, options: ReadOptions = ReadOptions()) -> Nest:  
     ('small.json', ['A.outer'], 1600.0)
     """
     file = Path(path)
-    if file.is_dir():
+    if os.path.isdir(file):  # unlike the method of a path it answers for any name
         raise InputError("this is a folder; expected a nest file", file=file)
     suffix = file.suffix.lower()
     if suffix not in SUFFIXES:
@@ -61,7 +63,7 @@ def read_nest(path: str | Path, options: ReadOptions = ReadOptions()) -> Nest:  
         raise InputError(
             error.message, file=file, line=error.line, column=error.column, details=error.details
         ) from error.__cause__
-    return replace(checked, file=file.name, sha256=hashlib.sha256(data).hexdigest())
+    return replace(checked, file=shown(file.name), sha256=hashlib.sha256(data).hexdigest())
 
 
 def _bytes(file: Path) -> bytes:

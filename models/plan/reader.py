@@ -19,6 +19,7 @@ from kerfwise.encoder.json_words import said
 from kerfwise.encoder.nest import KINDS
 from kerfwise.encoder.readers.json_place import places
 from kerfwise.encoder.readers.limits import LIMIT_MM, checked_curve
+from kerfwise.encoder.strict_json import strict_json
 from kerfwise.models.physics.timing.report import TimeReport
 
 from .plan import FORMAT, Dropped, LeftOut, Plan, PlannedCut, RuleReport, SolveReport, Totals
@@ -36,7 +37,9 @@ def read_plan(path: str | Path) -> Plan:
     """
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
-        data = json.loads(text, parse_constant=str)  # NaN becomes a text, which the schema refuses in place
+        data = strict_json(text)  # NaN becomes a text, which the schema refuses in place
+    except InputError as error:
+        raise InputError(f"not a plan: {error.message}", file=path, line=error.line, column=error.column) from None
     except OSError as error:
         raise InputError(f"cannot read the plan: {error.strerror}", file=path) from None
     except UnicodeDecodeError:

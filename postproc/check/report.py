@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from kerfwise.encoder.shown import shown
+
 from .result import CheckResult, Judgement
 
 MOST = 20
@@ -17,7 +19,7 @@ def report(result: CheckResult, most: int = MOST) -> str:
     """
     width = max((len(j.id) for j in result.rules), default=0)
     lines = [line for judgement in result.rules for line in _lines(judgement, width, most)]
-    lines += [f"warning: {text}" for text in result.warnings[:most]]
+    lines += [f"warning: {shown(text)}" for text in result.warnings[:most]]
     if len(result.warnings) > most:
         lines.append(f"... and {len(result.warnings) - most} more warnings")
     measured = result.measured
@@ -30,15 +32,15 @@ def report(result: CheckResult, most: int = MOST) -> str:
 
 
 def _lines(judgement: Judgement, width: int, most: int) -> Iterator[str]:
-    yield f"{judgement.verdict:<10} {judgement.strength:<4} {judgement.id:<{width}}  {judgement.sentence}"
+    yield f"{judgement.verdict:<10} {judgement.strength:<4} {judgement.id:<{width}}  {shown(judgement.sentence)}"
     if judgement.unjudged is not None:
-        yield f"    {judgement.unjudged}"
+        yield f"    {shown(judgement.unjudged)}"
     told = most if judgement.strength == "hard" else min(most, MOST_SOFT)
     for violation in judgement.violations[:told]:
-        yield f"    {violation.text}"
+        yield f"    {shown(violation.text)}"
     if len(judgement.violations) > told:
         yield f"    ... and {len(judgement.violations) - told} more"
     for excused in judgement.excused[:most]:
-        yield f"    excused: {excused.violation.text} ({excused.why})"
+        yield f"    excused: {shown(excused.violation.text)} ({shown(excused.why)})"
     if len(judgement.excused) > most:
         yield f"    ... and {len(judgement.excused) - most} more excused"

@@ -18,6 +18,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Kind, Nest
 from kerfwise.encoder.readers.layers import Layers
 from kerfwise.encoder.readers.options import ReadOptions
+from kerfwise.encoder.shown import shown
 from kerfwise.encoder.slits import with_slits
 from kerfwise.encoder.small_holes import HoleLimits, as_cut
 from kerfwise.rules.lock import Lock
@@ -269,7 +270,7 @@ def _load(name: str, folder: Path, chain: tuple[str, ...]) -> Profile:
     def base(of: str) -> Given:
         return _fields(_load(of, Path(file).parent, (*chain, file)))
 
-    given = read_given(text, file, _fields(Profile(Path(file).stem)), base)
+    given = read_given(text, file, _fields(Profile(shown(Path(file).stem))), base)
     read_from = (*given.get("read_from", ()), place)
     return Profile(**given | {"sha256": hashlib.sha256(content).hexdigest(), "file": file, "read_from": read_from})
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import yaml
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.shown import shown
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.kind import Unfit
 from kerfwise.rules.options.members import Members
@@ -48,7 +49,7 @@ def read_given(text: str, file: str, start: Given, load_base: Callable[[str], Gi
     if "based_on" in found:
         given |= _base(found["based_on"], problems, load_base) | {"name": start["name"]}
     if "name" in found:
-        given["name"] = _read(found["name"], Text(), problems, "name") or ""
+        given["name"] = shown(_read(found["name"], Text(), problems, "name") or "")
     for section in SECTIONS:
         if section in found:
             members = with_new_names(section, list(entries(found[section], problems, section)), problems)
