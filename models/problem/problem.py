@@ -75,6 +75,14 @@ class Problem:
         """Site numbers of a contour."""
         return range(int(self.first[contour]), int(self.first[contour + 1]))
 
+    @property
+    def looks_one_back(self) -> bool:
+        """Whether the cost of a step depends on nothing but the set already cut and the last site.
+
+        Lags of more than one cut or of seconds, and general statements, look further back than that.
+        """
+        return not self.general and all(lag.cuts <= 1 and lag.seconds == 0 for lag in self.lags)
+
     def successors(self) -> Bools:
         """Matrix (n + 1, n + 1): which contour may directly follow which; n is the machine's home."""
         return lawful_successors(self.before, self.block, self.apart())

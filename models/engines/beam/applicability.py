@@ -14,12 +14,8 @@ MOST_SITES = 4000
 
 
 def applies(problem: Problem) -> bool:
-    """Whether the cost of a step depends on nothing but the set already cut and the last site.
-
-    Lags of more than one cut or of seconds, and general statements, look further back than that.
-    """
-    short = all(lag.cuts <= 1 and lag.seconds == 0 for lag in problem.lags)
-    return short and not problem.general and problem.m <= MOST_SITES and _dearest(problem) < NEVER
+    """Whether a state of the beam holds all that a step costs, and its tables hold the numbers."""
+    return problem.looks_one_back and problem.m <= MOST_SITES and _dearest(problem) < NEVER
 
 
 def _dearest(problem: Problem) -> float:

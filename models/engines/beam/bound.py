@@ -25,7 +25,7 @@ class Bound:
     price: Floats
 
 
-def least_moves(problem: Problem, travel: Ints) -> Bound:
+def least_in_and_out(problem: Problem, travel: Ints) -> Bound:
     """Every contour left must be reached, and left again, by the least lawful move; `travel` as in `Tables`."""
     n, m = problem.n, problem.m
     reach, leave = travel.min(axis=0), travel.min(axis=1)

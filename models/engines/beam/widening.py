@@ -11,7 +11,7 @@ from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 
-from .bound import Bound, least_moves
+from .bound import Bound, least_in_and_out
 from .budget import Budget
 from .grower import Grower, Spent
 from .history import History
@@ -39,7 +39,7 @@ class _End:
         self.problem, self.backwards = problem, backwards
         self.travel = travel_table(problem)
         self.tables = make_tables(problem, self.travel)
-        self.bound = least_moves(problem, self.travel)
+        self.bound = least_in_and_out(problem, self.travel)
         self.priced = False
         self.reached = -math.inf  # bound that its last run has proven
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from kerfwise.arrays import Ints
 from kerfwise.models.engines.beam import applies, beam, grower, history, widening
-from kerfwise.models.engines.beam.bound import least_moves
+from kerfwise.models.engines.beam.bound import least_in_and_out
 from kerfwise.models.engines.beam.reversed_problem import can_reverse, reversed_problem
 from kerfwise.models.engines.beam.tables import Tables, make_tables, travel_table
 from kerfwise.models.engines.beam.walks import priced_walks
@@ -224,7 +224,7 @@ def test_walks_bound_the_best_route(drawn: Problem) -> None:
     assume(best is not None)
     assert best is not None
     travel = travel_table(tiny)
-    walks = priced_walks(tiny, travel, least_moves(tiny, travel), best.cost, 50, lambda operations: None)
+    walks = priced_walks(tiny, travel, least_in_and_out(tiny, travel), best.cost, 50, lambda operations: None)
     stops = [*best.route, tiny.m]
     for at in range(1, tiny.n + 1):
         left = [int(tiny.site_contour[s]) for s in best.route[at:]]
@@ -238,7 +238,7 @@ def test_walks_are_dearer_than_least_moves() -> None:
     best = beam(plain).bound
     assert best is not None
     travel = travel_table(plain)
-    simple = least_moves(plain, travel)
+    simple = least_in_and_out(plain, travel)
     walks = priced_walks(plain, travel, simple, best, 300, lambda operations: None)
     roots = [
         float(
