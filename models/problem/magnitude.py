@@ -11,8 +11,8 @@ from kerfwise.encoder.errors import InputError
 from .microns import cost_um
 from .problem import Problem
 
-MOST_UM = 10**13
-"""10,000 km of idle travel: below it every engine's sums are exact, those in doubles included."""
+MOST_UM = 10**14
+"""100,000 km of idle travel: below it every engine's sums are exact, those in doubles included."""
 
 TRAVEL = "objective.idle, objective.time and machine.home"
 
@@ -25,8 +25,14 @@ def dearest_um(problem: Problem) -> dict[str, int]:
     for contour in range(problem.n):
         span = problem.sites(contour)
         found["entries that a soft rule forbids"] += int(sites[span.start : span.stop].max(initial=0))
+    of_site: dict[tuple[str, int], dict[int, int]] = defaultdict(lambda: defaultdict(int))
     for c in problem.conditions:
-        found[c.about.rule] += c.cost or 0
+        if c.when is None:
+            found[c.about.rule] += c.cost or 0
+        else:
+            of_site[c.about.rule, c.contour][c.when] += c.cost or 0
+    for (rule, _), costs in of_site.items():  # of the sites of a contour one is used
+        found[rule] += max(costs.values())
     for g in problem.soft_groups:
         found[g.about.rule] += g.cost * (len(g.contours) - 1)
     for lag in problem.lags:

@@ -23,7 +23,7 @@ EFFORT = 100_000_000
 """Numbers to look at in all rounds together: large nests get fewer rounds."""
 PATIENCE = 8
 """Rounds without a better bound after which the steps become shorter."""
-NEVER = 1e14
+NEVER = 1e15
 """Cost of an arc that there is not, µm: more than any route."""
 
 

@@ -64,8 +64,8 @@ def least_um(facts: Facts, profile: Profile) -> int:
     statements = every_statement(facts, profile)[0]
     gives_way = {name: rule.gives_way for name, rule in book.items()}
     groups = [g.about for g in hard_groups(statements) if not gives_way[g.about.rule]]
-    locks = [about for about in groups if about.rule == LAST]
-    others = [about for about in groups if about.rule != LAST and may_give_way(book[about.rule])]
+    locks = [about for about in groups if about.rule in LAST]
+    others = [about for about in groups if about.rule not in LAST and may_give_way(book[about.rule])]
     for of_locks, of_others in product(range(len(locks) + 1), range(3)):
         costs = []
         for some in product(combinations(locks, of_locks), combinations(others, of_others)):
