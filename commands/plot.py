@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from kerfwise.encoder.shown import shown
+
 from .given import given_options, protect, read_given, tell_note
+
+if TYPE_CHECKING:
+    from kerfwise.encoder.readers.read import BrokenNest
 
 
 @click.command()
@@ -15,7 +20,11 @@ from .given import given_options, protect, read_given, tell_note
 @click.argument("plan", metavar="[PLAN.json]", required=False)
 @click.option("-o", "--output", required=True, metavar="OUT.svg|.png|.html", help="Where to draw.")
 def command(plan: str | None, output: str, **given: Any) -> None:
-    """Draw NEST, or the plan PLAN.json of it: order, zones, pierces, leads, directions and idle travel."""
+    """Draw NEST, or the plan PLAN.json of it: order, zones, pierces, leads, directions and idle travel.
+
+    A nest that cannot be cut as it is drawn is drawn all the same, with the contours in red that are wrong.
+    """
+    from kerfwise.encoder.readers.read import BrokenNest
     from kerfwise.jobs.given import differences
     from kerfwise.models.plan.reader import read_plan
     from kerfwise.postproc.files import expect_outputs
@@ -23,7 +32,11 @@ def command(plan: str | None, output: str, **given: Any) -> None:
 
     expect_picture(Path(output).suffix)
     expect_outputs([Path(output)], [Path(given["nest"])])
-    asked = read_given(**given)
+    try:
+        asked = read_given(**given)
+    except BrokenNest as broken:
+        _draw_broken(broken, output)
+        return
     protect(asked, given["nest"], [output], plan)
     made = read_plan(plan) if plan else None
     if made is not None:
@@ -31,3 +44,13 @@ def command(plan: str | None, output: str, **given: Any) -> None:
             tell_note(text)
     profile = asked.profile if made is None else asked.profile.at_origin(made.origin)
     plot(asked.nest, made, output, profile.home_on(asked.nest))
+
+
+def _draw_broken(broken: BrokenNest, output: str) -> None:
+    from kerfwise.postproc.report import plot, plot_spot
+
+    click.echo(f"warning: {broken}", err=True)
+    if broken.wrong:
+        plot_spot(broken.nest, broken.wrong, output, caption=shown(broken.message))
+    else:
+        plot(broken.nest, None, output)

@@ -22,7 +22,8 @@ HOLES = re.compile(r"hole|inner|inside|innen|loch|bohr|cut-?outs?$|отверс�
 def assemble(rings: Sequence[Piece], marks: Sequence[Piece] = ()) -> tuple[tuple[Part, ...], list[Note]]:
     """Parts P1, P2, … in the order their outer rings are drawn in, and notes on what was left out.
 
-    A ring at even depth is the outside of a part, one at odd depth a hole of the part around it. A ring that is
+    A ring at even depth is the outside of a part, one at odd depth a hole of the part around it. Where rings overlap,
+    so that one at odd depth lies in no part, it is a part, too: the check of the nest tells the overlap. A ring that is
     the same line as an earlier one is dropped; a mark belongs to the part that has most of it.
     """
     if not rings:
@@ -32,10 +33,13 @@ def assemble(rings: Sequence[Piece], marks: Sequence[Piece] = ()) -> tuple[tuple
         repeats.setdefault(again, repeats.get(first, first))
     kept = [k for k in range(len(rings)) if k not in repeats]
     depth, parent = surrounding([rings[k].area for k in kept])
-    outers = [n for n, d in enumerate(depth.tolist()) if d % 2 == 0]
+    odd = np.flatnonzero(depth % 2).tolist()
+    stray = {n for n in odd if depth[parent[n]] % 2}  # only where rings overlap
+    outers = [n for n, d in enumerate(depth.tolist()) if d % 2 == 0 or n in stray]
     holes: dict[int, list[int]] = {n: [] for n in outers}
-    for n in np.flatnonzero(depth % 2).tolist():
-        holes[int(parent[n])].append(n)
+    for n in odd:
+        if n not in stray:
+            holes[int(parent[n])].append(n)
     names, parts = {}, []
     for number, n in enumerate(outers, 1):
         part = f"P{number}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +17,19 @@ from .mend import mended
 from .options import ReadOptions
 
 SUFFIXES = (".dxf", ".json", ".svg")
+
+
+class BrokenNest(InputError):
+    """A nest that can be read, but not cut as it is drawn: with the nest, so that it can be shown.
+
+    `wrong` are the ids of the contours that the problems name.
+    """
+
+    def __init__(self, nest: Nest, error: InputError, file: Path) -> None:
+        super().__init__(error.message, file=file, line=error.line, column=error.column, details=error.details)
+        words = {word for text in (error.message, *error.details) for word in re.split(r"[\s,:]+", text)}
+        self.nest = nest
+        self.wrong = tuple(name for name in nest.index if name in words)
 
 
 def read_nest(path: str | Path, options: ReadOptions = ReadOptions()) -> Nest:  # noqa: B008 - frozen
@@ -58,11 +72,15 @@ def read_nest(path: str | Path, options: ReadOptions = ReadOptions()) -> Nest:  
     data = _bytes(file)
     try:
         nest = _nest(file, suffix, data, options)
-        checked = validated(mended(nest) if options.repair else nest)
+        drawn = mended(nest) if options.repair else nest
     except InputError as error:
         raise InputError(
             error.message, file=file, line=error.line, column=error.column, details=error.details
         ) from error.__cause__
+    try:
+        checked = validated(drawn)
+    except InputError as error:
+        raise BrokenNest(replace(drawn, file=shown(file.name)), error, file) from error.__cause__
     return replace(checked, file=shown(file.name), sha256=hashlib.sha256(data).hexdigest())
 
 
