@@ -1,0 +1,69 @@
+"""The Python interface: everything that `import kerfwise` gives.
+
+A nest is planned in three lines:
+
+>>> import kerfwise
+>>> result = kerfwise.solve("examples/nests/e1x_6.json", "plasma-carbon-steel", work=2)  # doctest: +SKIP
+>>> paths = result.save("out")  # doctest: +SKIP
+
+Nests and profiles are objects, or what they are read from: the path of a nest, the name of a shipped profile, the path
+of a plant's own. Lengths are mm, times s, temperatures °C, speeds mm/s.
+
+Threads: functions and what they return keep no state of their own and may be used by several threads at once. `solve`
+takes Ctrl-C in the main thread only; in another, stop it by a False from `on_progress`. The engines use two threads of
+their own, so that processes serve better than threads where many nests are planned.
+"""
+
+from __future__ import annotations
+
+from kerfwise.encoder.errors import InputError, KerfwiseError, RulesConflict
+from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.listening import Reached
+from kerfwise.jobs.no_plan import NoPlan
+from kerfwise.jobs.picture import Picture
+from kerfwise.jobs.result import Result
+from kerfwise.jobs.simulation import Simulation
+from kerfwise.jobs.times import Times
+from kerfwise.jobs.trade_off import Offer
+from kerfwise.models.plan.conflict import Conflict
+from kerfwise.models.plan.explain import Explanation
+from kerfwise.models.plan.plan import Plan
+from kerfwise.postproc.check import CheckResult
+from kerfwise.rules.lock import Lock
+from kerfwise.rules.profile.profile import Profile
+
+from .judging import check, draw, explain, simulate, times
+from .planning import conflict, facts, solve, trade_off
+from .reading import load_profile, read_nest, read_plan
+
+__all__ = [
+    "CheckResult",
+    "Conflict",
+    "Explanation",
+    "InputError",
+    "KerfwiseError",
+    "Lock",
+    "Nest",
+    "NoPlan",
+    "Offer",
+    "Picture",
+    "Plan",
+    "Profile",
+    "Reached",
+    "Result",
+    "RulesConflict",
+    "Simulation",
+    "Times",
+    "check",
+    "conflict",
+    "draw",
+    "explain",
+    "facts",
+    "load_profile",
+    "read_nest",
+    "read_plan",
+    "simulate",
+    "solve",
+    "times",
+    "trade_off",
+]

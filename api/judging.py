@@ -1,0 +1,202 @@
+"""What a finished plan or program is worth: verdicts, reasons, times, temperatures, pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from kerfwise.jobs.checking import check_made
+from kerfwise.jobs.explaining import Explainer
+from kerfwise.jobs.given import NestLike, ProfileLike, given_of
+from kerfwise.jobs.picture import Picture, PictureKind
+from kerfwise.jobs.result import Result
+from kerfwise.jobs.simulation import Simulation, simulate_made
+from kerfwise.jobs.times import Times, time_made
+from kerfwise.models.plan.explain import Explanation
+from kerfwise.models.plan.plan import Plan
+from kerfwise.postproc.check import CheckResult
+from kerfwise.postproc.report import draw as drawn
+from kerfwise.postproc.report.picture import Spot
+from kerfwise.rules.profile.profile import DEFAULT
+
+if TYPE_CHECKING:
+    from kerfwise.rules.profile.heat_section import HeatModel
+
+from .reading import Made, plan_of, plan_or_path
+
+
+def check(nest: NestLike, made: Made, profile: ProfileLike = DEFAULT) -> CheckResult:
+    """Judge a plan or an NC program by every rule, independently of whatever made it: from geometry and profile alone.
+
+    Parameters
+    ----------
+    nest
+        A nest, or the path of its file.
+    made
+        A plan, a result, or the path of a plan (.json) or of an NC program.
+    profile
+        A profile, its name or its path.
+
+    Returns
+    -------
+    CheckResult
+        `ok`, `broken()`, a judgement on each rule in `rules`; print it to read it.
+
+    Raises
+    ------
+    InputError
+        If something given cannot be read or understood, with the line.
+
+    Examples
+    --------
+    >>> import kerfwise
+    >>> nest = kerfwise.read_nest("examples/nests/e1x_6.json")
+    >>> result = kerfwise.solve(nest, work=2)
+    >>> verdict = kerfwise.check(nest, result.plan)
+    >>> verdict.ok, verdict.rule("inner-before-outer").verdict
+    (True, 'holds')
+    """
+    return check_made(given_of(nest, profile), plan_or_path(made))
+
+
+def explain(
+    nest: NestLike, made: Plan | Result | str | Path, contour: str, profile: ProfileLike = DEFAULT
+) -> Explanation:
+    """Say why a contour is cut where it is, then, and so, and what moving it would cost.
+
+    `Result.explain` does the same, and is faster where several contours are asked about.
+
+    Parameters
+    ----------
+    nest, profile
+        As for `check`.
+    made
+        A plan, a result, or the path of a plan.
+    contour
+        Its id, such as "P1.outer".
+
+    Raises
+    ------
+    InputError
+        If the plan does not cut such a contour (with the nearest id), or something given cannot be used.
+
+    Examples
+    --------
+    >>> import kerfwise
+    >>> nest = kerfwise.read_nest("examples/nests/e1x_6.json")
+    >>> told = kerfwise.explain(nest, kerfwise.solve(nest, work=2), "part#1.outer")
+    >>> str(told).splitlines()[0]  # doctest: +ELLIPSIS
+    'part#1.outer is cut ...'
+    """
+    return Explainer(given_of(nest, profile), plan_of(made)).explain(contour)
+
+
+def times(nest: NestLike, made: Made, profile: ProfileLike = DEFAULT) -> Times:
+    """Say how long a plan or an NC program takes by the profile's time model, and what it costs.
+
+    Parameters
+    ----------
+    nest, made, profile
+        As for `check`.
+
+    Returns
+    -------
+    Times
+        `total_s`, `report` with what the seconds are spent on, `cost`; print it to read it.
+
+    Raises
+    ------
+    InputError
+        If something given cannot be read or is of another nest.
+
+    Examples
+    --------
+    >>> import kerfwise
+    >>> nest = kerfwise.read_nest("examples/nests/e1x_6.json")
+    >>> took = kerfwise.times(nest, kerfwise.solve(nest, work=2))
+    >>> took.total_s > took.report.cut_s > 0
+    True
+    """
+    return time_made(given_of(nest, profile), plan_or_path(made))
+
+
+def simulate(
+    nest: NestLike, made: Made, profile: ProfileLike = DEFAULT, *, model: HeatModel | None = None
+) -> Simulation:
+    """Simulate how hot a plan or an NC program makes the sheet.
+
+    Parameters
+    ----------
+    nest, made, profile
+        As for `check`; the profile's section `heat` says how fine the grid is and how hot is too hot.
+    model
+        "physical" or "logical", instead of the profile's.
+
+    Returns
+    -------
+    Simulation
+        `overheats`, `peak_c`, `parts`; `found.run.peak_c` is the map (nx, ny), °C; `picture()` draws it.
+
+    Raises
+    ------
+    InputError
+        If something given cannot be read or is of another nest, or the grid does not fit the sheet.
+
+    Examples
+    --------
+    >>> import kerfwise
+    >>> nest = kerfwise.read_nest("examples/nests/e1x_6.json")
+    >>> heat = kerfwise.simulate(nest, kerfwise.solve(nest, work=2))
+    >>> heat.peak_c > 20, len(heat.parts)
+    (True, 8)
+    """
+    return simulate_made(given_of(nest, profile), plan_or_path(made), model)
+
+
+def draw(
+    nest: NestLike,
+    made: Plan | Result | str | Path | None = None,
+    profile: ProfileLike = DEFAULT,
+    *,
+    kind: PictureKind = "svg",
+    contours: Iterable[str] = (),
+    caption: str = "",
+) -> Picture:
+    """Draw a nest, or a plan of it, or some contours of it, large.
+
+    Parameters
+    ----------
+    nest, profile
+        As for `check`.
+    made
+        A plan, a result, or the path of a plan; without one the parts have their names.
+    kind
+        "svg", "png", or "html" for a page that plays the cuts in order.
+    contours
+        Ids of those to draw large, in red, with what is around them.
+    caption
+        A sentence on why.
+
+    Returns
+    -------
+    Picture
+        A notebook shows it; `save(path)` writes it.
+
+    Raises
+    ------
+    InputError
+        If something given cannot be used, or the plan or the contours are not of this nest.
+
+    Examples
+    --------
+    >>> import kerfwise
+    >>> kerfwise.draw("examples/nests/e1x_6.json").content[:4]
+    b'<svg'
+    """
+    given = given_of(nest, profile)
+    plan = None if made is None else plan_of(made)
+    plant = given.profile if plan is None else given.profile.at_origin(plan.origin)
+    named = frozenset([contours] if isinstance(contours, str) else contours)
+    spot = Spot(named, caption) if named else None
+    return Picture(drawn(given.nest, plan, f".{kind}", plant.home_on(given.nest), spot), kind)

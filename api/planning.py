@@ -1,0 +1,266 @@
+"""Planning a nest, and what can be asked before there is a plan."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from kerfwise.encoder.errors import InputError, KerfwiseError
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.jobs.ask import facts_of
+from kerfwise.jobs.given import NestLike, ProfileLike, given_of, plant_of
+from kerfwise.jobs.listening import Listener, OnProgress
+from kerfwise.jobs.main_job import plan_nest
+from kerfwise.jobs.no_plan import NOT_SHOWN, NoPlan
+from kerfwise.jobs.prices import PRICES_MM
+from kerfwise.jobs.result import Result
+from kerfwise.jobs.solve_options import WORK, options_for
+from kerfwise.jobs.stopped import already_cut
+from kerfwise.jobs.trade_off import Offer
+from kerfwise.jobs.trade_off import trade_off as made_trade_off
+from kerfwise.models.engines.baselines import STRATEGIES, Strategy
+from kerfwise.models.engines.names import OLD_NAMES, Engine
+from kerfwise.models.plan.conflict import Conflict, NotAnswered, Purse, find_conflict
+from kerfwise.models.plan.plan import Plan
+from kerfwise.rules.options.suggest import unknown
+from kerfwise.rules.profile.profile import DEFAULT
+
+if TYPE_CHECKING:
+    pass
+
+from .reading import LockLike, locked, plan_or_path
+
+
+def solve(
+    nest: NestLike,
+    profile: ProfileLike = DEFAULT,
+    *,
+    locks: Iterable[LockLike] | LockLike = (),
+    time_s: float | None = None,
+    work: float = WORK,
+    seed: int = 1,
+    gap: float | None = None,
+    no_improvement_s: float | None = None,
+    engine: Engine = "portfolio",
+    solver: str = "gecode",
+    strategy: Strategy = "ours",
+    relax: bool = False,
+    resume_from: Plan | Result | str | Path | None = None,
+    upto: int | None = None,
+    redo_last: bool = False,
+    on_progress: OnProgress | None = None,
+) -> Result:
+    """Plan a nest: an order, pierces and directions that keep every hard rule, the NC program, and the verdict on both.
+
+    Without `time_s` the same nest, profile, locks, seed and work give the same plan and program to the byte.
+    Ctrl-C keeps the best plan so far (`Result.interrupted`).
+
+    Parameters
+    ----------
+    nest
+        A nest, or the path of its file.
+    profile
+        A profile, its name or its path.
+    locks
+        Decisions of yours, always hard, beside those of the profile: lines such as "P1.outer before P2.outer",
+        "P1.outer position first", "P1.outer entry [10, 20]", "P1.outer direction cw", "P1 zone 2"; or `Lock` objects,
+        or mappings as in a profile.
+    time_s
+        Wall-clock limit, s, instead of `work`.
+    work
+        Deterministic limit: about the seconds that it takes.
+    seed
+        Of the search.
+    gap
+        Stop at a plan that is proven this close to the best; 0.01 is 1 %.
+    no_improvement_s
+        Stop when so many seconds have brought no better plan.
+    engine, solver
+        Who plans: `kerfwise engines` lists them; `solver` is that of the engine minizinc.
+    strategy
+        Others than "ours" are to compare with: "shortest", "random", "realtime".
+    relax
+        Where hard rules clash, let the cheapest statements give way; the plan marks them.
+    resume_from, upto, redo_last
+        Go on after a stop: the plan (or its file, or that of the NC program) that was stopped, how many of its cuts
+        are made, and whether the last of them broke off and is to be cut again.
+    on_progress
+        Called now and then with what the engines have reached, by a thread of theirs maybe; answer False to stop with
+        the best plan so far. What it raises ends the planning and comes out here.
+
+    Returns
+    -------
+    Result
+        Plan, program, verdict; what is proven; `explain`, `picture`, `to_frame`, `save`.
+
+    Raises
+    ------
+    InputError
+        If something given cannot be used.
+    NoPlan
+        If the hard rules cannot all hold, or no plan was found in time. Its `conflict` has the statements that
+        contradict each other and the cheapest way out, its text all of it in sentences. The look for them takes no
+        longer than the limits once more. It is a `RulesConflict`.
+    RulesConflict
+        If contours cannot be cut at all, and hard rules cannot hold in any order.
+    KeyboardInterrupt
+        If Ctrl-C was pressed before there was a plan.
+
+    Examples
+    --------
+    >>> import kerfwise
+    >>> result = kerfwise.solve("examples/nests/e1x_6.json", locks="part#4.outer position last", work=2)
+    >>> result.ok, result.status, result.plan.cuts[-1].cut.contour
+    (True, 'optimal', 'part#4.outer')
+    >>> result.program.splitlines()[0]
+    '(KERFWISE FOR LINUXCNC, QTPLASMAC)'
+    """
+    given = given_of(nest, locked(plant_of(profile), locks))
+    engine = OLD_NAMES.get(engine, engine)
+    limits = options_for(
+        given.nest, given.profile,
+        work=work, seed=seed, time_s=time_s, gap=gap, no_improvement_s=no_improvement_s, engine=engine,
+    )  # fmt: skip
+    if strategy not in STRATEGIES:
+        raise InputError(unknown("strategy", str(strategy), STRATEGIES))
+    if (resume_from is None) != (upto is None) or (redo_last and upto is None):
+        raise InputError("resume_from and upto go together: which plan was stopped, and how many of its cuts are made")
+    old = None if resume_from is None else plan_or_path(resume_from)
+    notes: list[str] = []
+    listener = Listener(on_progress)
+    try:
+        done = plan_nest(
+            given, limits,
+            already=already_cut(given, old, upto, redo_last, notes.append),
+            relax=relax, engine=engine, solver=solver, strategy=strategy, listener=listener, tell=notes.append,
+        )  # fmt: skip
+    except NoPlan:
+        if listener.interrupted:
+            raise KeyboardInterrupt from None
+        raise
+    made, cut = done.made, done.given
+    told = (*notes, *made.notes)
+    return Result(cut.nest, cut.profile, made.plan, made.program, made.verdict, done.facts, told, listener.stopped)
+
+
+def conflict(
+    nest: NestLike,
+    profile: ProfileLike = DEFAULT,
+    *,
+    locks: Iterable[LockLike] | LockLike = (),
+    time_s: float | None = None,
+    work: float = WORK,
+) -> Conflict | None:
+    """Find out whether the hard rules contradict each other, without planning.
+
+    Parameters
+    ----------
+    nest, profile, locks
+        As for `solve`.
+    time_s, work
+        Limits of the look.
+
+    Returns
+    -------
+    Conflict or None
+        A smallest set of statements that cannot all hold, and the cheapest way out; None where no contradiction was
+        shown. Print it to read it; `contours` can be drawn with `draw(nest, contours=…)`.
+
+    Raises
+    ------
+    InputError
+        If something given cannot be used.
+    RulesConflict
+        If contours cannot be cut at all, and hard rules cannot hold in any order.
+    KerfwiseError
+        If the limits were too short to show either.
+
+    Examples
+    --------
+    >>> import kerfwise
+    >>> nest = kerfwise.read_nest("examples/nests/e1x_6.json")
+    >>> found = kerfwise.conflict(nest, locks=["part#1.outer position first", "part#3.outer before part#1.outer"])
+    >>> sorted(found.contours)
+    ['part#1.outer', 'part#3.outer']
+    >>> kerfwise.conflict(nest) is None
+    True
+    """
+    given = given_of(nest, locked(plant_of(profile), locks))
+    limits = options_for(given.nest, given.profile, work=work, time_s=time_s)
+    known = facts_of(given.nest, given.profile)
+    try:
+        return find_conflict(known, given.profile, Purse.of(limits))
+    except NotAnswered:
+        raise KerfwiseError(f"{NOT_SHOWN}: give more time_s or work") from None
+
+
+def facts(nest: NestLike, profile: ProfileLike = DEFAULT) -> Facts:
+    """What the rules are told of a nest: containment, what lies ahead, hulls, neighbours, zones, candidates.
+
+    Raises
+    ------
+    InputError
+        If something given cannot be used, or a contour cannot be cut as the profile asks.
+    RulesConflict
+        If contours cannot be cut at all, and hard rules cannot hold in any order.
+
+    Examples
+    --------
+    >>> import kerfwise
+    >>> found = kerfwise.facts("examples/nests/e1x_6.json")
+    >>> found.n, len(found.candidates) > found.n
+    (16, True)
+    """
+    given = given_of(nest, profile)
+    return facts_of(given.nest, given.profile)
+
+
+def trade_off(
+    nest: NestLike,
+    profile: ProfileLike = DEFAULT,
+    *,
+    prices_mm: Iterable[float] = PRICES_MM,
+    work: float = 10.0,
+    seed: int = 1,
+    on_progress: OnProgress | None = None,
+) -> Offer:
+    """Plan a nest at several prices of an overheat, and simulate every plan: idle travel against overheats.
+
+    Parameters
+    ----------
+    nest, profile
+        As for `solve`.
+    prices_mm
+        Of an overheat, mm of idle travel.
+    work, seed
+        Of each plan, as for `solve`.
+    on_progress
+        As for `solve`.
+
+    Returns
+    -------
+    Offer
+        `trades`, and `front`: those of them that no other beats; `picture()`, `to_frame()`, `save(folder)`.
+
+    Raises
+    ------
+    InputError
+        If something given cannot be used.
+    RulesConflict
+        If the rules leave no plan at all.
+
+    Examples
+    --------
+    >>> import kerfwise
+    >>> offer = kerfwise.trade_off("examples/nests/e1x_6.json", prices_mm=[0], work=1)
+    >>> len(offer.front)
+    1
+    """
+    given = given_of(nest, profile)
+    prices = tuple(prices_mm)
+    for price in prices:
+        if not isinstance(price, int | float) or not 0 <= price < float("inf"):
+            raise InputError(f"prices_mm: expected numbers from 0, got {price!r}")
+    limits = options_for(given.nest, given.profile, work=work, seed=seed)
+    return made_trade_off(given, prices, limits, lambda: Listener(on_progress), given.nest.file)

@@ -1,0 +1,148 @@
+"""Nests, profiles and plans, read from files or taken as they are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.given import ProfileLike, drawn_nest, plant_of
+from kerfwise.jobs.result import Result
+from kerfwise.models.plan.plan import Plan
+from kerfwise.models.plan.reader import read_plan as read_plan_file
+from kerfwise.rules.lock import Lock
+from kerfwise.rules.profile.lock_text import read_lock
+from kerfwise.rules.profile.profile import DEFAULT, Profile
+
+if TYPE_CHECKING:
+    from kerfwise.encoder.readers.options import Frame
+
+
+LockLike = Lock | str | Mapping[str, Any]
+"""A lock, a line such as `P1.outer before P2.outer`, or a mapping as in a profile."""
+
+
+Made = Result | Plan | str | Path
+"""A result, a plan, or the path of a plan (.json) or of an NC program."""
+
+
+def read_nest(
+    path: str | Path,
+    profile: ProfileLike = DEFAULT,
+    *,
+    units: str | None = None,
+    sheet_mm: tuple[float, float] | None = None,
+    frame: Frame | None = None,
+    repair: bool = False,
+) -> Nest:
+    """Read a nest from a DXF, SVG or JSON file, by the layers and units that the profile's section `drawing` names.
+
+    Parameters
+    ----------
+    path
+        The file; its ending says which kind it is.
+    profile
+        Name, path or object.
+    units
+        Of the drawing, instead of its own: mm, cm, m, in or ft.
+    sheet_mm
+        Width and height of the sheet, where the drawing has no outline for it.
+    frame
+        What one rectangle around everything is, "sheet" or "part", where no layer is the sheet's.
+    repair
+        Mend what can be mended.
+
+    Returns
+    -------
+    Nest
+        In mm, y up, as it is drawn; `notes` say what was doubtful and what was mended, `contours` lists what is cut.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or what it holds cannot be cut; the one error lists all that is wrong.
+
+    Examples
+    --------
+    >>> import kerfwise
+    >>> nest = kerfwise.read_nest("examples/nests/e1x_6.json")
+    >>> len(nest.parts), len(nest.contours), nest.contours[0].id
+    (8, 16, 'part#1.hole1')
+    """
+    return drawn_nest(path, plant_of(profile), units=units, sheet_mm=sheet_mm, frame=frame, repair=repair)
+
+
+def load_profile(profile: str | Path = DEFAULT, *, locks: Iterable[LockLike] | LockLike = ()) -> Profile:
+    """Load a plant's profile: the shipped one of that name, or the one in that file.
+
+    Parameters
+    ----------
+    profile
+        Name or path.
+    locks
+        Locks beside those of the profile: see `solve`.
+
+    Raises
+    ------
+    InputError
+        If there is none (with the nearest name), or it is wrong anywhere: with file, line and column.
+
+    Examples
+    --------
+    >>> import kerfwise
+    >>> profile = kerfwise.load_profile("laser-wood")
+    >>> profile.material.kerf_mm, profile.rules["level-ahead"].strength
+    (0.7, 'hard')
+    >>> kerfwise.load_profile("lasr-wood")  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    kerfwise.encoder.errors.InputError: unknown profile 'lasr-wood': did you mean 'laser-wood'? ...
+    """
+    return locked(plant_of(profile), locks)
+
+
+def read_plan(path: str | Path) -> Plan:
+    """Read a plan that `Result.save` or `kerfwise solve` has written.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is no plan, with line and column.
+    """
+    return read_plan_file(path)
+
+
+def plan_or_path(made: Made) -> Plan | str | Path:
+    if isinstance(made, Plan | str | Path):
+        return made
+    if isinstance(made, Result):
+        return made.plan
+    raise InputError(f"expected a plan, a result or a path, got {type(made).__name__}")
+
+
+def plan_of(made: Made) -> Plan:
+    found = plan_or_path(made)
+    return found if isinstance(found, Plan) else read_plan(found)
+
+
+def locked(profile: Profile, locks: Iterable[LockLike] | LockLike) -> Profile:
+    """The profile with further locks."""
+    listed = [locks] if isinstance(locks, Lock | str | Mapping) else list(locks)
+    return replace(profile, locks=(*profile.locks, *map(lock_of, listed))) if listed else profile
+
+
+def lock_of(given: LockLike) -> Lock:
+    if isinstance(given, str):
+        return read_lock(given)
+    if isinstance(given, Mapping):
+        import json
+
+        return read_lock(json.dumps(dict(given), ensure_ascii=False))
+    if not isinstance(given, Lock):
+        raise InputError(f"locks: expected a Lock, a line of text or a mapping, got {type(given).__name__}")
+    if wrong := given.wrong():
+        raise InputError(wrong)
+    return given
