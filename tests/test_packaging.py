@@ -37,7 +37,9 @@ def test_every_data_file_is_in_the_wheel() -> None:
     patterns = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["package-data"]
     folders = ((ROOT.joinpath(*package.split(".")[1:]), of_it) for package, of_it in patterns.items())
     listed = {path for folder, of_it in folders for pattern in of_it for path in folder.glob(pattern)}
-    data = {path for path in shipped("*/*") if path.is_file() and path.suffix not in (".py", ".pyc", ".nbi", ".nbc")}
+    data = {
+        path for path in shipped("*/*") if path.is_file() and path.suffix != ".py" and "__pycache__" not in path.parts
+    }
     missing = sorted(str(path.relative_to(ROOT)) for path in data - listed if ".egg-info" not in str(path))
     assert not missing, f"no pattern of package-data in pyproject.toml covers {', '.join(missing)}"
     assert ROOT / "models" / "plan" / "plan.schema.json" in listed
