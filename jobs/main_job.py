@@ -81,6 +81,10 @@ def plan_nest(
     """
     nest, profile = given.nest, again_first(given.profile, already)
     trusted_dialect(profile)  # a file of the plant's own may be wrong: better said now than at the end
+    if engine == "minizinc":
+        from kerfwise.models.engines.minizinc.installation import solver_named
+
+        solver_named(solver)  # the same goes for a MiniZinc that is missing or broken
     limit_s, listener = limits.time_s, listener or Listener()
     began_s = time.monotonic()
     facts = facts_of(nest, profile, already)

@@ -24,6 +24,7 @@ from .asked import asked
 from .data import data_text
 from .installation import driver, solver_named
 from .model_text import model_text
+from .trial import unusable
 
 if TYPE_CHECKING:
     from minizinc import Instance, Solver
@@ -170,3 +171,5 @@ def _clear_errors() -> Iterator[None]:
         if place is None or place.file is None or not Path(place.file).exists():  # in text that kerfwise wrote itself
             raise InputError(message) from None
         raise InputError(message, file=place.file, line=place.lines[0], column=place.columns[0]) from None
+    except OSError as error:  # it has gone since it was asked
+        raise unusable(str(driver().executable), f"it cannot be started ({error.strerror or error})") from None

@@ -9,13 +9,10 @@ from typing import TYPE_CHECKING
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.options.suggest import unknown
 
+from .trial import HOW_TO_INSTALL, expect_solving, expect_usable, found_program, unusable
+
 if TYPE_CHECKING:
     from minizinc import Driver, Solver
-
-HOW_TO_INSTALL = (
-    "MiniZinc 2.6 or later is not installed: `apt-get install minizinc` on Debian and Ubuntu, else see "
-    "https://www.minizinc.org/software.html, and make sure that `minizinc` is on the PATH"
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,14 +27,22 @@ class InstalledSolver:
 def driver() -> Driver:
     """The installed MiniZinc.
 
+    It is asked before the package that drives it is imported, which would wait for its version for ever.
+
     Raises
     ------
     InputError
-        If there is none, or an older one than 2.6; the message says how to install it.
+        If there is none, an older one than 2.6, or one that does not answer as MiniZinc does; the message says how to
+        install it.
     """
+    if program := found_program():
+        expect_usable(program)
     with warnings.catch_warnings():  # without a program the package warns when imported; the error here says more
         warnings.simplefilter("ignore")
-        import minizinc
+        try:
+            import minizinc
+        except Exception as error:  # the program has changed meanwhile, or one of another place is broken
+            raise unusable(program or "minizinc", f"it fails ({type(error).__name__}: {error})") from None
     if minizinc.default_driver is None:
         raise InputError(HOW_TO_INSTALL)
     return minizinc.default_driver
@@ -49,12 +54,14 @@ def solver_named(name: str) -> Solver:
     Raises
     ------
     InputError
-        If MiniZinc has no such solver, or knows it but not where it is.
+        If MiniZinc has no such solver, knows it but not where it is, or it does not solve the smallest of models.
     """
     ready = _ready()
     if name not in ready:
         raise InputError(f"MiniZinc here: {unknown('solver', name, {s.name for s in installed_solvers()})}")
-    return ready[name]
+    chosen = ready[name]
+    expect_solving(str(driver().executable), str(chosen.id))
+    return chosen
 
 
 def installed_solvers() -> tuple[InstalledSolver, ...]:
@@ -72,10 +79,19 @@ def installed_solvers() -> tuple[InstalledSolver, ...]:
 def _ready() -> dict[str, Solver]:
     """Name, id or tag → solver; without those that only open a window, and those whose library is missing."""
     ready: dict[str, Solver] = {}
-    for name, solvers in driver().available_solvers().items():
+    here = driver()
+    try:
+        known = here.available_solvers()
+    except Exception as error:  # the program has changed since it was asked
+        raise unusable(
+            str(here.executable), f"it does not list its solvers ({type(error).__name__}: {error})"
+        ) from None
+    for name, solvers in known.items():
         usable = [s for s in solvers if not s.isGUIApplication and s.version != "<unknown version>"]
         if usable:
             ready[name] = usable[0]
+    if not ready:
+        raise unusable(str(here.executable), "none of its solvers can be used")
     return ready
 
 

@@ -1,0 +1,164 @@
+"""Whether the MiniZinc that is found answers as one does: asked with a limit, before anything relies on it."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import time
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.shown import shown
+
+OLDEST = (2, 6, 0)
+LIMIT_S = 10.0
+"""A MiniZinc that is well answers in a tenth of a second."""
+MOST_BYTES = 10_000_000
+SMALLEST_MODEL = "var 1..2: x;\nconstraint x > 1;\nsolve satisfy;\n"
+SMALLEST_ANSWER = "x = 2;"
+HOW_TO_INSTALL = (
+    "MiniZinc 2.6 or later is not installed: `apt-get install minizinc` on Debian and Ubuntu, else see "
+    "https://www.minizinc.org/software.html, and make sure that `minizinc` is on the PATH"
+)
+_HOW_TO_REPAIR = (
+    "install MiniZinc 2.6 or later anew: `apt-get install --reinstall minizinc` on Debian and Ubuntu, else see "
+    "https://www.minizinc.org/software.html, and make sure that it is the first `minizinc` on the PATH"
+)
+
+
+def unusable(program: str, what: str) -> InputError:
+    """The error that says what is wrong with a MiniZinc that was found, and what to do."""
+    return InputError(f"the MiniZinc at {shown(program)} cannot be used: {what}; {_HOW_TO_REPAIR}")
+
+
+def found_program() -> str | None:
+    """The first `minizinc` on the PATH; None where there is none.
+
+    Raises
+    ------
+    InputError
+        If there is only one that may not be executed.
+    """
+    program = shutil.which("minizinc")
+    if program is None:
+        for folder in filter(None, os.environ.get("PATH", "").split(os.pathsep)):
+            if (there := Path(folder, "minizinc")).is_file():
+                raise unusable(str(there), "it is no program that may be executed")
+    return program
+
+
+@lru_cache(maxsize=16)
+def expect_usable(program: str) -> None:
+    """Ask for the version and the solvers; what answered well once is not asked again.
+
+    Raises
+    ------
+    InputError
+        If it is too old, or answers otherwise than MiniZinc does, or not within `LIMIT_S`.
+    """
+    said = _answer(program, "--version")
+    version = re.search(r"version (\d+)\.(\d+)\.(\d+)", said)
+    if version is None:
+        raise unusable(program, f"asked for its version, it {_quoted(said)}")
+    numbers = tuple(int(number) for number in version.groups())
+    if numbers < OLDEST:
+        raise unusable(program, f"it is version {'.'.join(map(str, numbers))}")
+    said = _answer(program, "--solvers-json")
+    try:
+        solvers = json.loads(said)
+    except ValueError:
+        solvers = None
+    if not _is_list_of_solvers(solvers):
+        raise unusable(program, f"asked for its solvers, it {_quoted(said)}")
+    if not solvers:
+        raise unusable(program, "it has no solvers")
+
+
+@lru_cache(maxsize=64)
+def expect_solving(program: str, solver: str) -> None:
+    """Have a solver solve the smallest of models; what answered well once is not asked again.
+
+    Raises
+    ------
+    InputError
+        If it does not, or not within `LIMIT_S`.
+    """
+    with tempfile.TemporaryDirectory(prefix="kerfwise-", ignore_cleanup_errors=True) as folder:
+        model = Path(folder, "smallest.mzn")
+        model.write_text(SMALLEST_MODEL, encoding="utf-8", newline="\n")
+        said = _answer(program, "--solver", solver, str(model), asked="a model of one line")
+    if SMALLEST_ANSWER not in said:
+        raise unusable(program, f"asked to solve a model of one line by {solver}, it {_quoted(said)}")
+
+
+def _answer(program: str, *words: str, asked: str = "") -> str:
+    """What the program prints; it gets nothing to read, and no more time and room than it needs.
+
+    It prints into files, not pipes: one that hangs may have left children that hold a pipe open.
+    """
+    what = f"asked for {asked or words[0]}, it"
+    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
+        try:
+            child = subprocess.Popen([program, *words], stdin=subprocess.DEVNULL, stdout=out, stderr=err)
+        except (OSError, ValueError) as error:
+            strerror = getattr(error, "strerror", None) or str(error)
+            raise unusable(program, f"it cannot be started ({strerror})") from None
+        try:
+            code = _ended(child, (out, err))
+        finally:
+            _end(child)
+        if code is None:
+            endless = any(_size(file) > MOST_BYTES for file in (out, err))
+            raise unusable(
+                program, f"{what} {'prints without end' if endless else f'gives no answer within {LIMIT_S:g} s'}"
+            )
+        said, complaint = _read(out), _read(err)
+    if code != 0:
+        raise unusable(program, f"{what} ends with exit code {code} and {_quoted(complaint or said)}")
+    return said
+
+
+def _ended(child: subprocess.Popen[bytes], files: tuple[BinaryIO, BinaryIO]) -> int | None:
+    """The exit code; None where it takes too long, or prints too much."""
+    until_s = time.monotonic() + LIMIT_S
+    while time.monotonic() < until_s and all(_size(file) <= MOST_BYTES for file in files):
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            return child.wait(0.05)
+    return None
+
+
+def _end(child: subprocess.Popen[bytes]) -> None:
+    """End the program if it still runs: kindly, so that it can end its solver, and then for sure."""
+    for end in (child.terminate, child.kill):
+        if child.poll() is None:
+            end()
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                child.wait(1.0)
+
+
+def _size(file: BinaryIO) -> int:
+    return os.fstat(file.fileno()).st_size
+
+
+def _read(file: BinaryIO) -> str:
+    file.seek(0)
+    return file.read(MOST_BYTES).decode("utf-8", errors="replace")
+
+
+def _quoted(said: str) -> str:
+    """What it printed, in words: its first line that is not empty."""
+    line = next((line.strip() for line in said.splitlines() if line.strip()), "")
+    return f"prints {shown(line[:100])!r}" if line else "prints nothing"
+
+
+def _is_list_of_solvers(solvers: Any) -> bool:
+    return isinstance(solvers, list) and all(
+        isinstance(s, dict) and all(isinstance(s.get(key), str) for key in ("id", "name", "version")) for s in solvers
+    )
