@@ -67,7 +67,7 @@ def run(*arguments: str) -> Ran:
     """
     command = [sys.executable, "-m", "kerfwise", *arguments]
     begin = time.perf_counter()
-    with tempfile.TemporaryFile("w+") as said:
+    with tempfile.TemporaryFile("w+", encoding="utf-8", newline="\n") as said:
         child = subprocess.Popen(command, stdout=said)
         _, status, used = os.wait4(child.pid, 0)
         took_s, child.returncode = time.perf_counter() - begin, os.waitstatus_to_exitcode(status)
@@ -81,8 +81,8 @@ def run(*arguments: str) -> Ran:
 def real_program(nest: dict[str, Any], folder: Path) -> tuple[Ran, float]:
     """`kerfwise heat` on the program of a nest that kerfwise plans beforehand; and how long that program takes, s."""
     files = [str(folder / name) for name in ("nest.json", "plant.yaml", "out.nc")]
-    Path(files[0]).write_text(json.dumps(nest), encoding="utf-8")
-    Path(files[1]).write_text(PLANT, encoding="utf-8")
+    Path(files[0]).write_text(json.dumps(nest), encoding="utf-8", newline="\n")
+    Path(files[1]).write_text(PLANT, encoding="utf-8", newline="\n")
     run("solve", files[0], "-p", files[1], "-o", files[2])
     total_s = json.loads(run("time", files[0], files[2], "-p", files[1], "--json").text)["total_s"]
     return run("heat", files[0], files[2], "-p", files[1], "--json"), total_s

@@ -125,7 +125,7 @@ def page(runs: Sequence[Run], limits: Limits, remarks: Path | None = None) -> st
 def _commit() -> str:
     here = Path(kerfwise.__file__).parent
     said = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], cwd=here, capture_output=True, text=True, check=False
+        ["git", "rev-parse", "--short", "HEAD"], cwd=here, capture_output=True, encoding="utf-8", check=False
     )
     return said.stdout.strip() or "unknown"
 

@@ -13,7 +13,6 @@ import argparse
 import json
 import multiprocessing
 import platform
-import resource
 import sys
 import time
 from collections.abc import Sequence
@@ -24,6 +23,7 @@ from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.bench.memory import peak_mb
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.engines.watch import Watch
@@ -107,7 +107,7 @@ def run(job: Job) -> Seen:
         tuple(min(before) / 1e6 if before else None for before in costs),
         known.bound_um / 1e6 if known.proved_by else None,
         ended - posed if known.proven else None,
-        resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (1024 * 1024 if sys.platform == "darwin" else 1024),
+        peak_mb(),
     )
 
 

@@ -192,7 +192,7 @@ def main() -> None:
     given = arguments.parse_args()
     width, height = sheet_size_mm(given.contours)
     sheet = make_sheet(given.seed, given.contours, (given.width or width, given.height or height), given.gap)
-    given.out.write_text(json.dumps(sheet), encoding="utf-8")
+    given.out.write_text(json.dumps(sheet), encoding="utf-8", newline="\n")
     print(f"{contour_count(sheet)} contours, {len(sheet['parts'])} parts")
 
 

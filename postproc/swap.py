@@ -171,6 +171,7 @@ def _helped(path: str) -> bool:
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             start_new_session=True,
+            creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),  # the same on Windows
         ) as helper:
             return helper.wait(HELPER_S) == 0
     except (OSError, subprocess.TimeoutExpired):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import resource
 import sys
 import time
 from dataclasses import asdict
@@ -18,6 +17,7 @@ from kerfwise.models.engines.warm_up import load_kernels
 from kerfwise.models.routing import Instance, is_instance, judge_tour, read_instance, solve_instance
 
 from .measure import Job, Result
+from .memory import peak_mb
 
 
 class _Outcome(NamedTuple):
@@ -42,13 +42,10 @@ def run(job: Job) -> Result:
         proven=outcome.proven,
         feasible=outcome.cost is not None and not outcome.fault,
         seconds=round(outcome.seconds, 3),
-        memory_mb=round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / _RSS_PER_MB, 1),
+        memory_mb=round(peak_mb(), 1),
         tour=outcome.tour,
         fault=outcome.fault,
     )
-
-
-_RSS_PER_MB = 1024 * 1024 if sys.platform == "darwin" else 1024
 
 
 def _route(job: Job, options: SolveOptions) -> _Outcome:

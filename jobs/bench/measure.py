@@ -54,14 +54,16 @@ def measure(job: Job) -> Result:
         If the file cannot be read, or the process dies, for example because memory runs out.
     """
     given = json.dumps({name: getattr(job, name) for name in job.__slots__})
-    command = [sys.executable, "-m", f"{__package__}.child"]
+    command = [sys.executable, "-X", "utf8", "-m", f"{__package__}.child"]
     with subprocess.Popen(
         command,
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
-        text=True,
+        encoding="utf-8",
+        errors="replace",
         start_new_session=True,
+        creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),  # the same on Windows
     ) as child:
         try:
             answer, said = child.communicate(given)
