@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import subprocess
 import sys
@@ -169,6 +170,31 @@ def test_a_disk_that_is_full_at_any_moment(moment: int, tmp_path: Path, monkeypa
     monkeypatch.undo()
     assert generation(folder) == expected
     assert (expected == "old") == ("cannot write: No space left on device" in said)
+    assert sorted(p.name for p in folder.iterdir()) == sorted(NAMES)
+
+
+@pytest.mark.parametrize("held", NAMES)
+def test_a_file_that_another_program_holds_open(held: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Windows refuses to replace it; here the call is made to refuse, for the helper as for the command."""
+    folder = folder_with_old(tmp_path / "held")
+    replace = os.replace
+
+    def refuses(new: str, place: str) -> None:
+        if Path(place).name == held:
+            raise PermissionError(13, "Access is denied", new, None, place)
+        replace(new, place)
+
+    def helper(path: str) -> bool:
+        with contextlib.suppress(OSError):
+            swap.make(swap.read_list(path))
+        return False
+
+    monkeypatch.setattr(os, "replace", refuses)
+    monkeypatch.setattr(swap, "_helped", helper)
+    with pytest.raises(InputError, match="Access is denied") as error:
+        write_files({folder / name: f"new {name}" for name in NAMES})
+    assert Path(str(error.value.file)).name == held
+    assert generation(folder) == "old"
     assert sorted(p.name for p in folder.iterdir()) == sorted(NAMES)
 
 
