@@ -115,7 +115,8 @@ def lost_walls(
         contour, near = cut[k], shapely.buffer(rings[k], half_mm + NEAR_MM, quad_segs=QUARTER)
         right = contour.curve.is_ccw == (contour.kind == "outer")
         walls = _pieces(shapely.difference(lines[k], near))
-        judged = (_lost(piece, walls, rings[k], half_mm, more_mm, right) for piece in _pieces(beyond[k]))
+        tree = shapely.STRtree(walls)
+        judged = (_lost(piece, tree, rings[k], half_mm, more_mm, right) for piece in _pieces(beyond[k]))
         if lost := tuple(one for one in judged if one is not None):
             found[contour.id] = lost
     return found
@@ -139,7 +140,7 @@ def _pieces(left: shapely.Geometry) -> list[shapely.LineString]:
 
 def _lost(
     piece: shapely.LineString,
-    walls: Sequence[shapely.LineString],
+    walls: shapely.STRtree,
     path: shapely.Geometry,
     half_mm: float,
     more_mm: float,
@@ -154,7 +155,7 @@ def _lost(
     by_nature_mm = max([half_mm * (math.sqrt(2) - 1), *natural])
     if left_mm <= min(by_nature_mm + more_mm, most_mm):
         return None
-    nearest = min(walls, key=lambda wall: shapely.distance(wall, piece))
+    nearest = walls.geometries[int(walls.query_nearest(piece).min())]  # of equals the first
     wall = shapely.get_coordinates(nearest)
     (ax, ay), (bx, by) = wall[0].tolist(), wall[-1].tolist()
     width_mm, depth_mm = _size(wall)

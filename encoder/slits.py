@@ -28,6 +28,8 @@ _OPENS = 2 * math.tan(CORNER_RAD / 2)
 """Sides that open by more are those of a corner."""
 _MOUTH_KERFS = 3.0
 """So many kerfs of a contour on either side of a slot belong to its mouth."""
+MOST_FEATURES = 200
+"""Features of a contour that slits are tried for: each takes up to half a second, and rings of noise have thousands."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +125,9 @@ def slits_of(contour: Contour, kerf_mm: float) -> tuple[tuple[Slit, ...], tuple[
     slits: list[tuple[float, Slit]] = []
     unfit: list[Unfit] = []
     walls = {wall: lost for lost, wall in lost_walls([contour], kerf_mm).get(contour.id, ())}
+    if len(walls) > MOST_FEATURES:
+        why = f"{contour.id} has {len(walls)} such features, and slits are tried for up to {MOST_FEATURES} of a contour"
+        return (), tuple(Unfit(lost, why) for lost in walls.values())
     fitted = {wall: _fitted(contour, lost, wall, kerf_mm) for wall, lost in walls.items()}
     passes = [made.line for made in fitted.values() if isinstance(made, Slit)]
     left = lost_walls([contour], kerf_mm, None, {contour.id: passes}).get(contour.id, ()) if passes else ()

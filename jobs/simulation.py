@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.physics.heat import HeatResult, PartHeat, TimedPath, simulate
+from kerfwise.models.physics.heat.bounds import expect_short
 from kerfwise.models.physics.heat.grid import MOST_POINTS, make_grid
 from kerfwise.models.physics.heat.physical import point_steps
 from kerfwise.models.plan.plan import Plan
@@ -168,9 +169,10 @@ def simulate_made(
 
 def _path(made: Plan | str | Path, given: Given, tell: Tell) -> TimedPath:
     if not isinstance(made, Plan) and not is_plan_file(made):
-        return path_of_program(read_program_of(made, given, tell))
+        return path_of_program(read_program_of(made, given, tell), made)
     plan = made if isinstance(made, Plan) else read_plan(made)
     path = path_of_plan(plan, given.nest, given.profile)
+    expect_short(path, None if isinstance(made, Plan) else made)
     for text in differences(plan, given):
         tell(text)
     return path

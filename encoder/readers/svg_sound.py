@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 from kerfwise.encoder.errors import InputError
 
 from .copies import check_copies
+from .svg_style import plain_rules, too_long
 
 UNDRAWN = frozenset({"clipPath", "mask", "marker", "pattern", "filter"})
 """Elements whose shapes are tools of drawing, and no lines to cut."""
@@ -29,7 +30,7 @@ _SIZES = {
 
 
 def sound(data: bytes) -> bytes:
-    """The file without elements that are not drawn.
+    """The file without elements that are not drawn, its style sheets made plain.
 
     Raises
     ------
@@ -45,6 +46,8 @@ def sound(data: bytes) -> bytes:
             if _tag(child) in UNDRAWN:
                 element.remove(child)
     for element in root.iter():
+        if _tag(element) == "style":
+            element.text = plain_rules(element.text or "")
         for wrong in _wrong(element):
             name = f" '{element.get('id')}'" if element.get("id") else ""
             raise InputError(f"the <{_tag(element)}>{name} cannot be read: {wrong}; save it again as plain SVG")
@@ -70,6 +73,7 @@ def _tag(element: Any) -> str:
 
 def _wrong(element: Any) -> Iterator[str]:
     tag = _tag(element)
+    yield from filter(None, (too_long(name, value) for name, value in element.items()))
     for key in _SIZES.get(tag, ()):
         given = element.get(key)
         if given is not None and not _LENGTH.fullmatch(given):

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.physics.heat import TimedPath
+from kerfwise.models.physics.heat.bounds import MOST_S, expect_short
 from kerfwise.models.physics.heat.timed_path import in_order, torch_on
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check.reader.program import NcProgram
@@ -41,13 +43,26 @@ def path_of_plan(plan: Plan, nest: Nest, profile: Profile) -> TimedPath:
     return in_order(burns, plan.totals.time_s)
 
 
-def path_of_program(program: NcProgram) -> TimedPath:
+def path_of_program(program: NcProgram, file: str | Path | None = None) -> TimedPath:
     """Where the torch burns by a program, at its own feeds and for its own waits.
 
     Rapids are as profiled, and so are pierces where the dialect leaves them to the machine.
+
+    Raises
+    ------
+    InputError
+        With file and line, for a program of more than a week: it cannot be simulated.
     """
     burns = []
     for burn in program.burns:
+        took_s = burn.end_s - burn.start_s + burn.wait_s
+        if not took_s <= MOST_S:
+            raise InputError(
+                f"the cut that begins here takes {took_s / 3600:.4g} h with the wait before it, and heat is simulated "
+                f"for programs of up to {MOST_S / 3600:g} h: correct its feed (F) and its waits (G4)",
+                file=file,
+                line=burn.line,
+            )
         if burn.tool != 0:
             continue
         named = _CUT.search(burn.comment)
@@ -55,4 +70,6 @@ def path_of_program(program: NcProgram) -> TimedPath:
         burns.append(
             torch_on(name, burn.path.flatten(_CHORD_MM), burn.start_s, burn.end_s, burn.held_s + burn.pierce_s)
         )
-    return in_order(burns, burns[-1].at_s[-1] if burns else 0.0)
+    path = in_order(burns, burns[-1].at_s[-1] if burns else 0.0)
+    expect_short(path, file)
+    return path

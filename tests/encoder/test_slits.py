@@ -172,3 +172,14 @@ def test_moved_and_mirrored_slots_have_the_same_slits() -> None:
         pytest.approx(row, abs=1e-6) for row in slit.line.as_rows()
     ]
     assert other.line.as_rows() == [pytest.approx([-x, y], abs=1e-6) for x, y in slit.line.as_rows()]
+
+
+def test_of_too_many_features_none_is_slit_and_all_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    many = comb(4, 1.0)
+    slits_of.cache_clear()
+    monkeypatch.setattr("kerfwise.encoder.slits.MOST_FEATURES", 1)
+    lost = lost_features([many], KERF_MM)[many.id]
+    slits, unfit = slits_of(many, KERF_MM)
+    slits_of.cache_clear()
+    assert (slits, tuple(one.slot for one in unfit), len(lost) > 1) == ((), lost, True)
+    assert f"has {len(lost)} such features, and slits are tried for up to 1 of a contour" in unfit[0].why

@@ -9,6 +9,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.heat_section import Heat
 
+from .bounds import expect_bounded
 from .grid import SCRAP, Grid, make_grid
 from .logical import run_logical
 from .physical import Look, run_physical
@@ -49,9 +50,11 @@ def simulate(
     Raises
     ------
     InputError
-        If the grid is too fine for the sheet or too coarse for its parts, or the logical scheme would not be stable.
+        If the grid is too fine for the sheet or too coarse for its parts, the program takes over a week or too many
+        steps, or the logical scheme would not be stable.
     """
     grid = make_grid(nest, heat.grid_mm) if grid is None else grid
+    expect_bounded(int(grid.metal.sum()), path, heat)
     counted = counted_points(grid, path, heat)
     runner = run_logical if heat.model == "logical" else run_physical
     run = runner(grid, path, heat, thickness_mm, look)

@@ -11,6 +11,7 @@ from kerfwise.encoder.cut import HotSpot
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.heat_section import Heat
 
+from .bounds import expect_bounded
 from .events import Events, events_of
 from .grid import Grid, make_grid
 from .physical import Simulation, settling_s
@@ -55,6 +56,7 @@ class Watch:
 def watch_of(nest: Nest, path: TimedPath, heat: Heat, thickness_mm: float, grid: Grid | None = None) -> Watch:
     """What has to be watched while a program runs."""
     grid = make_grid(nest, heat.grid_mm) if grid is None else grid
+    expect_bounded(int(grid.metal.sum()), path, heat)
     return Watch(nest, grid, heat, thickness_mm, counted_points(grid, path, heat))
 
 
