@@ -13,7 +13,7 @@ from .track import Track
 from .words import Block
 
 INCH_MM = 25.4
-_FARTHEST_MM = 1e5
+_FARTHEST_MM = 2e6
 _FEED_MM_MIN = (1.0, 1e6)
 
 

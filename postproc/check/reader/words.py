@@ -14,7 +14,7 @@ _WORD = re.compile(r"(?P<letter>[A-Z$])(?P<number>[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9
 _LINE_NUMBER = re.compile(r"N[0-9]{1,9}(?:\.[0-9]{1,9})?(?![0-9.])")
 _WHOLE = re.compile(r"[0-9]{1,3}(?:\.0*)?")
 _TENTHS = re.compile(r"[0-9]{1,3}(?:\.[0-9]?0*)?")
-_PLACE = (-1e5, 1e5)
+_PLACE = (-2e6, 2e6)
 BOUNDS: Mapping[str, tuple[float, float]] = {
     "X": _PLACE, "Y": _PLACE, "I": _PLACE, "J": _PLACE, "R": _PLACE,
     "F": (0.0, 1e6), "S": (0.0, 1e6), "P": (0.0, 3600.0), "Q": (0.0, 1e4), "E": (0.0, 63.0), "$": (-1.0, 2.0),
@@ -119,7 +119,7 @@ def block_of(row: Row, line: int) -> Block:
         low, high = BOUNDS[word.letter]
         if not low <= word.value <= high:
             raise InputError(
-                f"{word.text} is not supported here: expected {word.letter} from {low:g} to {high:g}",
+                f"{word.text} is not supported here: expected {word.letter} from {low:.10g} to {high:.10g}",
                 line=line,
                 column=column,
             )

@@ -85,7 +85,7 @@ STRICTER = {
     "G2 X10 Y0 R4": "2:11: R4 is too small",
     "G2 X1 I0": "2:1: an arc of no radius",
     "G2 X0.0001 I5": "2:1: the arc ends so near its start",
-    "G0 X100001": "2:4: X100001 is not supported here: expected X from -100000 to 100000",
+    "G0 X2000001": "2:4: X2000001 is not supported here: expected X from -2000000 to 2000000",
     "G4 P99999999": "2:4: P99999999 is not supported here",
     "G1 X5 F0.001": "2:7: a feed of 0.001 mm/min is not supported here",
     "S5": "2:1: S without a word that uses it: expected M3",
