@@ -8,14 +8,24 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
+from kerfwise.arrays import Floats
+from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Note, Part
 
 from .tolerances import COINCIDE_MM
 
+MOST_ALIKE = 1000
+"""Lines with the same box that are compared: each with each, so that the work goes with the square."""
+
 
 def coincident(curves: Sequence[Curve]) -> list[tuple[int, int]]:
     """Pairs i < j of curves that run along the same line, whichever way round and wherever they start.
+
+    Raises
+    ------
+    InputError
+        If so many have the same box that comparing them all would take long, with the place and how many they are.
 
     Examples
     --------
@@ -27,12 +37,27 @@ def coincident(curves: Sequence[Curve]) -> list[tuple[int, int]]:
     lines = np.array([curves[k].line() for k in some.tolist()], dtype=object)
     # curves that coincide have the same bounding box, give or take the chords of their arcs
     boxes = shapely.bounds(lines)
+    _expect_few(boxes)
     corners = shapely.points(boxes[:, :2])
     i, j = shapely.STRtree(corners).query(corners, predicate="dwithin", distance=2 * COINCIDE_MM)
     alike = (i < j) & (np.abs(boxes[i] - boxes[j]).max(axis=1) <= 2 * COINCIDE_MM)
     i, j = i[alike], j[alike]
     same = shapely.hausdorff_distance(lines[i], lines[j]) <= COINCIDE_MM
     return sorted(zip(some[i[same]].tolist(), some[j[same]].tolist(), strict=True))
+
+
+def _expect_few(boxes: Floats) -> None:
+    """Refuse boxes (n, 4) of which too many are the same, before memory is taken for all pairs of them."""
+    if len(boxes) <= MOST_ALIKE:
+        return
+    _, first, counts = np.unique(np.round(boxes / COINCIDE_MM), axis=0, return_index=True, return_counts=True)
+    worst = int(counts.argmax())
+    if counts[worst] > MOST_ALIKE:
+        x, y = boxes[first[worst], :2].tolist()
+        raise InputError(
+            f"{counts[worst]} lines lie on each other at ({x:.3f}, {y:.3f}), and at most {MOST_ALIKE} are compared: "
+            "delete what is drawn more than once (in CAD often called OVERKILL or purge of duplicates)"
+        )
 
 
 def drop_duplicates(parts: Sequence[Part]) -> tuple[tuple[Part, ...], list[Note]]:

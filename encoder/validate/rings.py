@@ -8,10 +8,16 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
+from kerfwise.arrays import Floats
+from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Sheet
 
 from .tolerances import TOUCH_MM
+
+MOST_CROSSINGS = 10_000
+"""Places where a ring may meet itself: the time to find what lies inside goes with their number, and more."""
+_AT_ONCE = 200
 
 
 def flat(curve: Curve) -> bool:
@@ -30,12 +36,35 @@ def flat(curve: Curve) -> bool:
 
 
 def enclosed(curve: Curve) -> shapely.Geometry:
-    """The area inside a closed curve, made valid where the curve crosses itself; empty for a mere line."""
+    """The area inside a closed curve, made valid where the curve crosses itself; empty for a mere line.
+
+    Raises
+    ------
+    InputError
+        If it crosses itself so often that making it valid would take minutes.
+    """
     points = curve.flatten()
     if len(points) < 3:
         return shapely.Polygon()
     polygon = shapely.Polygon(points)
-    return polygon if polygon.is_valid else shapely.make_valid(polygon)
+    if polygon.is_valid:
+        return polygon
+    _expect_few_crossings(curve, points)
+    return shapely.make_valid(polygon)
+
+
+def _expect_few_crossings(curve: Curve, points: Floats) -> None:
+    lines = shapely.linestrings(np.stack([points, np.roll(points, -1, axis=0)], axis=1))
+    tree, met = shapely.STRtree(lines), 0
+    for begin in range(0, len(lines), _AT_ONCE):
+        one, other = tree.query(lines[begin : begin + _AT_ONCE], predicate="intersects")
+        apart = other - one - begin
+        met += int(((apart > 1) & (apart < len(lines) - 1)).sum())
+        if met > MOST_CROSSINGS:
+            raise InputError(
+                f"the ring that starts {place(curve)} crosses or touches itself more than {MOST_CROSSINGS} times: no "
+                "part is drawn so; correct it in CAD, or leave its layer out (drawing.layers.ignore)"
+            )
 
 
 def speck(curve: Curve) -> bool:

@@ -1,5 +1,6 @@
 import pytest
 
+from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Part
 from kerfwise.encoder.validate.duplicates import coincident, drop_duplicates
@@ -94,3 +95,11 @@ def test_a_whole_part_drawn_twice() -> None:
 def test_different_parts_in_one_place_are_left_to_the_checks() -> None:
     ids, _ = dropped(part("A", rect(0, 0, 50, 50)), part("B", rect(0, 0, 50, 50), [circle(25, 25, 10)]))
     assert ids == ["A.outer", "B.hole1", "B.outer"]
+
+
+def test_too_many_lines_in_one_place_are_refused_before_they_are_compared(monkeypatch: pytest.MonkeyPatch) -> None:
+    square = Curve.of([(10, 20), (19, 20), (19, 29), (10, 29)])
+    monkeypatch.setattr("kerfwise.encoder.validate.duplicates.MOST_ALIKE", 3)
+    assert len(coincident([square] * 3 + [square.moved(5, 0)] * 3)) == 6
+    with pytest.raises(InputError, match=r"4 lines lie on each other at \(10\.000, 20\.000\), and at most 3 are"):
+        coincident([square] * 4)

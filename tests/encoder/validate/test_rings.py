@@ -2,6 +2,7 @@ import math
 
 import pytest
 
+from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Sheet
 from kerfwise.encoder.validate.rings import contour_problems, enclosed, flat, sheet_ring_problems
@@ -61,3 +62,12 @@ def test_the_sheet_itself() -> None:
     ]
     [said] = sheet_ring_problems(Sheet(outline, (Curve.of(rect(90, 5, 20, 9)),)))
     assert said.startswith("the sheet's holes overlap or reach out of it")
+
+
+def test_a_ring_that_crosses_itself_too_often_is_refused_before_it_is_mended(monkeypatch: pytest.MonkeyPatch) -> None:
+    star = Curve.of([(100 * math.cos(math.tau * k * 5 / 11), 100 * math.sin(math.tau * k * 5 / 11)) for k in range(11)])
+    monkeypatch.setattr("kerfwise.encoder.validate.rings.MOST_CROSSINGS", 44)
+    assert enclosed(star).area > 0
+    monkeypatch.setattr("kerfwise.encoder.validate.rings.MOST_CROSSINGS", 43)
+    with pytest.raises(InputError, match=r"the ring that starts at \(100\.000, 0\.000\) crosses .* more than 43 times"):
+        enclosed(star)
