@@ -12,11 +12,14 @@ import os
 import pickle
 import tempfile
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import cache, cached_property
 from pathlib import Path
+from types import CodeType
 from typing import Any, TypeVar, cast
 
 import numba
+import numpy as np
 from numba.core import caching, serialize
 
 from kerfwise.encoder.errors import Advice
@@ -60,11 +63,16 @@ class Files:
     """The kept kernels of one function: a file for each kind of arguments, with a sum of its content before it.
 
     In front stands what numba and source it was compiled by (32 bytes), then the sum of the rest (32 bytes).
+    `stamp` tells the source; it is asked when the first kernel is looked for, once all that it calls is defined.
     """
 
-    def __init__(self, folder: str, name: str, stamp: object) -> None:
-        self.folder, self.name = Path(folder), name
-        self.made_by = hashlib.sha256(repr((numba.__version__, stamp)).encode()).digest()
+    def __init__(self, folder: str, name: str, stamp: Callable[[], object]) -> None:
+        self.folder, self.name, self._stamp = Path(folder), name, stamp
+
+    @cached_property
+    def made_by(self) -> bytes:
+        """Which numba and which source a kernel has to be compiled by."""
+        return hashlib.sha256(repr((numba.__version__, self._stamp())).encode()).digest()
 
     def load(self, key: object) -> Any:
         """What is kept for a key; None where nothing is, or nothing that may be run."""
@@ -112,6 +120,41 @@ class Files:
         return self.folder / f"{self.name}.{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}.kernel"
 
 
+def source_of(function: Any) -> tuple[list[str], list[str]]:
+    """All that a kernel is compiled from: digests of the files that it and the kernels it calls stand in, and numbers.
+
+    Numba itself looks at the kernel's own file alone, and runs on with what it has kept where another has changed.
+    """
+    files: set[str] = set()
+    numbers: set[str] = set()
+    seen, waiting = {function}, [function]
+    while waiting:
+        one = waiting.pop()
+        files.add(one.__code__.co_filename)
+        for name in _names(one.__code__):
+            value = one.__globals__.get(name)
+            called = getattr(value, "py_func", None)
+            if called is not None and called not in seen:
+                seen.add(called)
+                waiting.append(called)
+            elif isinstance(value, int | float | complex | tuple | np.generic):
+                numbers.add(f"{name} = {value!r}")
+    return sorted(map(_digest, files)), sorted(numbers)
+
+
+def _names(code: CodeType) -> Iterator[str]:
+    """Names of globals, those of inner functions and comprehensions too."""
+    yield from code.co_names
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _names(constant)
+
+
+@cache
+def _digest(file: str) -> str:
+    return hashlib.sha256(Path(file).read_bytes()).hexdigest()
+
+
 _NumbasOwn: Any = _caching.FunctionCache
 
 
@@ -120,8 +163,7 @@ class Kept(_NumbasOwn):  # type: ignore[misc]
 
     def __init__(self, function: Any) -> None:
         super().__init__(function)
-        stamp = self._impl.locator.get_source_stamp()
-        self._cache_file = Files(self._cache_path, self._impl.filename_base, stamp)
+        self._cache_file = Files(self._cache_path, self._impl.filename_base, lambda: source_of(function))
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The kernel kept for a signature, or None."""

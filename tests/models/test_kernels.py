@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+import sys
 import warnings
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -97,6 +99,36 @@ def test_of_another_source_or_numba(folder: Path, monkeypatch: pytest.MonkeyPatc
     assert (hits(again), told) == (0, [])
 
 
+CALLED = "from numba import njit\n\n\n@njit\ndef called(x):\n    return x * {factor}\n"
+CALLING = (
+    "from kerfwise.models.kernels import kept\n\nfrom {called} import MORE, called\n\n\n"
+    "@kept()\ndef calling(x):\n    return sum([called(x) + MORE for _ in range(2)])\n"
+)
+
+
+@pytest.mark.parametrize("changed", ["nothing", "the kernel that is called", "a number of another file"])
+def test_a_kernel_is_compiled_anew_where_what_it_calls_has_changed(
+    changed: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    found = []
+    for factor, more in ((3, 0), (4 if "called" in changed else 3, 1 if "number" in changed else 0)):
+        (tmp_path / "called_kernel.py").write_text(CALLED.format(factor=factor) + f"\n\nMORE = {more}\n")
+        (tmp_path / "calling_kernel.py").write_text(CALLING.format(called="called_kernel"))
+        importlib.invalidate_caches()
+        for name in ("called_kernel", "calling_kernel"):
+            sys.modules.pop(name, None)
+        kernels._digest.cache_clear()
+        calling = importlib.import_module("calling_kernel").calling
+        found.append((calling(5), hits(calling)))
+    assert found[0] == (30, 0)
+    assert (
+        found[1]
+        == {"nothing": (30, 1), "the kernel that is called": (40, 0), "a number of another file": (32, 0)}[changed]
+    )
+
+
 def test_where_nothing_can_be_kept_it_is_said_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """A home and an installation that may not be written."""
 
@@ -134,7 +166,7 @@ def test_a_folder_in_the_place_of_a_file(folder: Path) -> None:
 
 def test_runs_at_once_never_read_the_half_of_a_file(tmp_path: Path) -> None:
     """Each kind of arguments has its own file: numba's count would give two runs one name for two kernels."""
-    files = [Files(str(tmp_path), "f", "source") for _ in range(4)]
+    files = [Files(str(tmp_path), "f", lambda: "source") for _ in range(4)]
 
     def write_and_read(number: int) -> bool:
         files[number % 4].save(("kind", number % 3), [number % 3] * 50_000)

@@ -16,7 +16,7 @@ _OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {
 
 
 def compiled(function: F) -> F:
-    """Compile a function that other compiled functions of its own file call."""
+    """Compile a function that other compiled functions call."""
     return cast(F, numba.njit(**_OPTIONS)(function))
 
 
