@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from kerfwise.encoder.errors import InputError, KerfwiseError
 from kerfwise.encoder.facts.facts import Facts
@@ -25,9 +24,6 @@ from kerfwise.models.plan.conflict import Conflict, NotAnswered, Purse, find_con
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.profile.profile import DEFAULT
-
-if TYPE_CHECKING:
-    pass
 
 from .reading import LockLike, locked, plan_or_path
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 MODELS: tuple[HeatModel, ...] = ("physical", "logical")
 _SHOWN = 15
 """Parts that the table lists."""
-_POINT_STEPS_A_SECOND, _LONG_S = 5e8, 60.0
+_POINT_STEPS_PER_SECOND, _LONG_S = 5e8, 60.0
 """What one core of a usual machine simulates at the least, and how long goes without saying."""
 
 
@@ -181,7 +181,7 @@ def _path(made: Plan | str | Path, given: Given, tell: Tell) -> TimedPath:
 def _tell_if_long(nest: Nest, path: TimedPath, heat: Heat, tell: Tell) -> None:
     """Tell beforehand what a fine grid will cost: the work goes with the fourth power of its fineness."""
     area_mm2 = nest.sheet.polygon.area
-    longest_s = point_steps(area_mm2, path.end_s, heat) / _POINT_STEPS_A_SECOND
+    longest_s = point_steps(area_mm2, path.end_s, heat) / _POINT_STEPS_PER_SECOND
     refused = area_mm2 / heat.grid_mm**2 > MOST_POINTS
     if heat.model == "physical" and heat.absorbed_power_w and longest_s > _LONG_S and not refused:
         wider_mm = heat.grid_mm * (longest_s / _LONG_S) ** 0.25

@@ -6,13 +6,13 @@ import gc
 import weakref
 from dataclasses import replace
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import produce
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.rules.profile.profile import load_profile
-from kerfwise.tests.nests import circle, nest, part, rect
 
 
 def plate(k: int) -> Nest:

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import compute_facts
@@ -28,7 +29,6 @@ from kerfwise.rules.catalogue.start_side import StartSideOptions, expected_side
 from kerfwise.rules.options.option import NoOptions
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.tests.encoder.facts.random_nests import mirrored, moved, nests
-from kerfwise.tests.nests import circle, nest, part, rect
 
 
 def flange(x: float, y: float, bolts: int) -> Part:

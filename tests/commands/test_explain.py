@@ -10,6 +10,7 @@ import pytest
 
 import kerfwise as package
 from kerfwise.commands.conflict import tell_conflict
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.readers import read_nest
 from kerfwise.jobs.ask import facts_of
@@ -21,7 +22,6 @@ from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.models.solved import plant, proven_plan
-from kerfwise.tests.nests import nest, part, rect
 
 NEST = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"
 PLATE = nest(300, 100, part("P1", rect(10, 10, 80, 80)), part("P2", rect(110, 10, 80, 80)))

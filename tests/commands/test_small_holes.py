@@ -11,12 +11,12 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import circle, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.readers import read_nest
 from kerfwise.jobs.ask import facts_of
 from kerfwise.rules.profile.profile import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
-from kerfwise.tests.nests import circle, rect
 
 Section = dict[str, object]
 

@@ -6,12 +6,12 @@ import math
 
 import pytest
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.narrow import MOST_TOLD, lost_features
 from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
 from kerfwise.tests.encoder.narrow_shapes import FITS, KERF_MM, LOST, SHARP, comb, corner, slot
-from kerfwise.tests.nests import nest, part, rect
 
 
 @pytest.mark.parametrize("shape", FITS)

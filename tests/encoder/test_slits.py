@@ -10,6 +10,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import nest, part
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.narrow import lost_features, lost_walls
 from kerfwise.encoder.nest import Contour
@@ -26,7 +27,6 @@ from kerfwise.tests.encoder.narrow_shapes import (
     round_slot,
     slot,
 )  # fmt: skip
-from kerfwise.tests.nests import nest, part
 
 HALF = KERF_MM / 2
 HOLE = contour([(0, 0), (40, 0), (40, 14.5), (60, 14.5), (60, 15.5), (40, 15.5), (40, 30), (0, 30)], "hole")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.small_holes import HoleLimits, as_cut, kept_because, not_cut_because
-from kerfwise.tests.nests import circle, nest, part, rect
 
 LIMITS = HoleLimits(least_mm=6, full_feed_mm=30, feed_share=0.6)
 SPOT = HoleLimits(least_mm=6, under="spot", room_mm=3, full_feed_mm=30, feed_share=0.6)

@@ -11,6 +11,7 @@ import pytest
 
 import kerfwise
 import kerfwise.models.engines.rounds
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import HotSpot
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.nest import Nest
@@ -31,7 +32,6 @@ from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.profile.time_section import Time
 from kerfwise.rules.temperature_limit import TemperatureLimit
-from kerfwise.tests.nests import nest, part, rect
 
 PAIR = nest(420, 160, part("A", rect(40, 40, 60, 80)), part("B", rect(126, 40, 60, 80)))
 TRIO = nest(700, 160, part("A", rect(40, 40, 60, 80)), part("B", rect(126, 40, 60, 80)),

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import Produced, produce
 from kerfwise.models.engines.solution import SolveOptions
@@ -18,7 +19,6 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.profile.time_section import Time
 from kerfwise.tests.models.solved import plant
-from kerfwise.tests.nests import nest, part, rect
 
 ROW = nest(500, 100, *(part(f"P{k}", rect(20 + 90 * k, 20, 60, 60)) for k in range(5)))
 LAG_S = 7.0

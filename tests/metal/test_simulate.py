@@ -7,6 +7,7 @@ import time
 
 import pytest
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.tests.encoder.facts.random_nests import moved
 from kerfwise.tests.metal.findings import Finding
@@ -25,7 +26,6 @@ from kerfwise.tests.metal.hand_made import (  # fmt: skip
 )
 from kerfwise.tests.metal.program import UnreadableProgram
 from kerfwise.tests.metal.simulate import by_kind, simulate
-from kerfwise.tests.nests import circle, nest, part, rect
 
 
 def judged(text: str, drawn: Nest | None = None, **more: object) -> list[Finding]:

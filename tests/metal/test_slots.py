@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
+from kerfwise.encoder.by_hand import nest, part
 from kerfwise.encoder.nest import Nest
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.hand_made import KERF_MM, Blocks, program, straight
 from kerfwise.tests.metal.simulate import by_kind, simulate
-from kerfwise.tests.nests import nest, part
 
 ROWS = [(20, 20), (70, 20), (70, 70), (45.5, 70), (45.5, 40), (44.5, 40), (44.5, 70), (20, 70)]
 """A plate of 50 x 50 mm with a slot 1 mm wide and 30 mm deep; the kerf is 2 mm."""

@@ -10,6 +10,7 @@ import pytest
 import shapely
 
 from kerfwise.encoder.already_cut import AlreadyCut
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import produce
@@ -17,7 +18,6 @@ from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.postproc.check import check_cuts
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile, load_profile
-from kerfwise.tests.nests import nest, part, rect
 
 PLATE = nest(
     400,

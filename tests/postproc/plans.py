@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import shapely
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import Cut, Direction
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.offset import offset_curve
@@ -16,7 +17,6 @@ from kerfwise.models.plan.plan import Plan, PlannedCut, SolveReport, Totals
 from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
 from kerfwise.rules.profile.profile import Profile, RuleSetting, default_settings
 from kerfwise.rules.profile.sections import Machine
-from kerfwise.tests.nests import circle, nest, part, rect
 
 KERF_MM = 1.5
 QUARTER = math.tan(math.pi / 8)

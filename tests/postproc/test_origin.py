@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from kerfwise.encoder.by_hand import part, rect
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.models.plan.reader import read_plan
@@ -17,7 +18,6 @@ from kerfwise.postproc.verdict.checking import check_plan, check_program
 from kerfwise.rules.profile.machine_section import Machine
 from kerfwise.rules.profile.placing import placing_notes
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.tests.nests import part, rect
 from kerfwise.tests.postproc.plans import cut_of, plan_of, profile
 from kerfwise.tests.tools import canon
 

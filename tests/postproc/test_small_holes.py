@@ -10,6 +10,7 @@ from functools import cache
 
 import pytest
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import Produced, produce
@@ -18,7 +19,6 @@ from kerfwise.models.plan.reader import validator
 from kerfwise.postproc.verdict.checking import check_plan, check_program
 from kerfwise.rules.options.by_thickness import ByThickness
 from kerfwise.rules.profile.profile import Profile, load_profile
-from kerfwise.tests.nests import circle, nest, part, rect
 
 PLATE = nest(
     500,

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.lock import Lock, check_locks
 from kerfwise.rules.options.yaml_positions import Place
-from kerfwise.tests.nests import nest, part, rect
 
 ROW = nest(300, 100, part("P1", rect(10, 10, 60, 80)), part("P2", rect(80, 10, 60, 80)))
 

@@ -7,13 +7,13 @@ from itertools import permutations
 
 import pytest
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import Candidate, LeadOptions, build_candidates
 from kerfwise.encoder.candidates.older_kerfs import older_kerfs
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.pierce_kerfs import over_older_kerfs
-from kerfwise.tests.nests import circle, nest, part, rect
 
 KERF_MM, SPLASH_MM = 1.5, 0.5
 SHEETS = {

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import circle, nest, part
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.facts import FactOptions, compute_facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.part_rigidity import ALLOWANCE, PartRigidity, PartRigidityOptions
 from kerfwise.rules.statements import AtLeast, Before
-from kerfwise.tests.nests import circle, nest, part
 from kerfwise.tests.rules.test_statements_agree import sheets
 
 RULE, OPTIONS = PartRigidity(), PartRigidityOptions(head_weight_mm=0.0)

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.facts import FactOptions, Facts, compute_facts
 from kerfwise.encoder.nest import Nest, Part
@@ -19,7 +20,6 @@ from kerfwise.rules.catalogue.part_contiguous import PartContiguousOptions
 from kerfwise.rules.catalogue.shared_metal import SharedMetalOptions
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import AtLeast, Before, Contiguous, Lag, Precede, Statement
-from kerfwise.tests.nests import circle, nest, part, rect
 
 HOST = part("H", rect(10, 10, 150, 150), [rect(30, 30, 110, 110), circle(22, 22, 5)])
 SHEETS = {

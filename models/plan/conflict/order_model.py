@@ -30,7 +30,7 @@ from kerfwise.rules.stating.places import ends_of
 
 from .group import Asked, Group, contours_of
 from .likely_order import likely_order
-from .purse import WORK_A_STATEMENT, NotAnswered, Purse
+from .purse import WORK_PER_STATEMENT, NotAnswered, Purse
 
 WORK = 20.0
 """CP-SAT's deterministic seconds for one question; past them it counts as not answered."""
@@ -251,5 +251,5 @@ def _built(facts: Facts, groups: Sequence[Group], purse: Purse) -> OrderModel:
     """The model, as long as anything is left to ask it with."""
     if purse.left <= 0:
         raise NotAnswered
-    purse.spend(WORK_A_STATEMENT * sum(len(group.statements) for group in groups))
+    purse.spend(WORK_PER_STATEMENT * sum(len(group.statements) for group in groups))
     return build(facts, groups)

@@ -9,7 +9,7 @@ from ortools.sat.python.cp_model import CpSolver
 
 from kerfwise.models.engines.solution import SolveOptions
 
-WORK_A_STATEMENT = 2e-5
+WORK_PER_STATEMENT = 2e-5
 """What putting a statement to CP-SAT counts for, beside the work of CP-SAT itself."""
 
 

@@ -7,10 +7,10 @@ import math
 import numpy as np
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import circle, nest, part
 from kerfwise.encoder.candidates import LeadOptions
 from kerfwise.encoder.nest import Nest, Part
 from kerfwise.tests.encoder.geometry.rings import is_simple, star_rings
-from kerfwise.tests.nests import circle, nest, part
 
 CELL_MM = 60
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from kerfwise.encoder.by_hand import Rows, circle, rect
 from kerfwise.encoder.candidates.entries import CORNER, MIDDLE, choose, places
 from kerfwise.encoder.candidates.joints import Outline
 from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Kind
-from kerfwise.tests.nests import Rows, circle, rect
 
 ELL: Rows = [(0, 0), (20, 0), (20, 10), (10, 10), (10, 20), (0, 20)]
 

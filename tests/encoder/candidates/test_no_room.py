@@ -7,11 +7,11 @@ import re
 
 import pytest
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.candidates.candidate import IN_PROFILE
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
-from kerfwise.tests.nests import circle, nest, part, rect
 
 
 def told(plate: Nest, options: LeadOptions) -> str:

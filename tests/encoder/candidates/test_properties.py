@@ -9,13 +9,13 @@ import pytest
 import shapely
 from hypothesis import assume, given, settings
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.candidates import Candidate, LeadOptions, build_candidates
 from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.narrow import lost_features
 from kerfwise.encoder.nest import Nest
 from kerfwise.tests.encoder.candidates.lead_nests import lead_nests, lead_options
-from kerfwise.tests.nests import nest, part, rect
 
 CHORD_MM = 0.001
 

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import Side
 from kerfwise.encoder.facts import FactOptions, Facts, compute_facts
 from kerfwise.encoder.facts.outlines import ROUNDING_MM
@@ -14,7 +15,6 @@ from kerfwise.encoder.facts.sides import OPPOSITE
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.tests.encoder.facts.random_nests import mirrored, moved, nests
-from kerfwise.tests.nests import circle, nest, part, rect
 
 SWAPPED = [1, 0, 2, 3]
 """SIDES with left and right exchanged."""

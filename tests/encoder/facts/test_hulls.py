@@ -2,11 +2,11 @@ from __future__ import annotations
 
 import pytest
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.facts.containment import parents_of
 from kerfwise.encoder.facts.hulls import in_hull
 from kerfwise.encoder.facts.outlines import outlines_of
 from kerfwise.encoder.nest import Nest
-from kerfwise.tests.nests import circle, nest, part, rect
 
 BRACKET = part("L", [(0, 0), (200, 0), (200, 40), (40, 40), (40, 200), (0, 200)])
 

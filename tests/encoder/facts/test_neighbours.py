@@ -5,6 +5,7 @@ import pytest
 import shapely
 from hypothesis import given, settings
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.facts import FactOptions, compute_facts
 from kerfwise.encoder.facts.cells import CELLS_MIN, SPACING_MM, cells_of
 from kerfwise.encoder.facts.containment import parents_of
@@ -15,7 +16,6 @@ from kerfwise.encoder.facts.rays import NOTHING
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.tests.encoder.facts.random_nests import nests
-from kerfwise.tests.nests import circle, nest, part, rect
 
 
 def facts_of(given_nest: Nest, **options: float) -> Facts:

@@ -5,6 +5,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import Side
 from kerfwise.encoder.facts.containment import parents_of
 from kerfwise.encoder.facts.facts import SIDES
@@ -12,7 +13,6 @@ from kerfwise.encoder.facts.outlines import outlines_of
 from kerfwise.encoder.facts.shadows import level_ahead
 from kerfwise.encoder.nest import Nest
 from kerfwise.tests.encoder.facts.random_nests import nests
-from kerfwise.tests.nests import nest, part, rect
 
 DIRECTION = {"left": (1, 0), "right": (-1, 0), "bottom": (0, 1), "top": (0, -1)}
 

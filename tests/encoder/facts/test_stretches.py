@@ -4,13 +4,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.cut import Direction
 from kerfwise.encoder.facts import FactOptions, Facts, compute_facts
 from kerfwise.encoder.facts.facts import Stretch
 from kerfwise.encoder.nest import Nest
 from kerfwise.tests.encoder.facts.random_nests import nests
-from kerfwise.tests.nests import nest, part, rect
 
 
 def bare(given_nest: Nest, contour: int, entry_mm: float, direction: Direction) -> Candidate:

@@ -4,10 +4,10 @@ import re
 
 import pytest
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import FactOptions, compute_facts, facts_dzn, write_dzn
-from kerfwise.tests.nests import nest, part, rect
 
 FIELDS = """\
 n_contours = 3;

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.facts import FactOptions, Facts, compute_facts, facts_json
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.small_holes import HoleLimits, as_cut
 from kerfwise.tests.encoder.facts.random_nests import nests
-from kerfwise.tests.nests import circle, nest, part, rect
 
 SCHEMA = json.loads(files("kerfwise.encoder.facts").joinpath("facts.schema.json").read_text(encoding="utf-8"))
 CANDIDATE = Candidate(0, 80.0, (90.0, 10.0), "ccw", (95.0, 5.0), None, None, (90.0, 10.0), 325.5)

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.facts import FactOptions, Facts, compute_facts
 from kerfwise.encoder.facts.facts import SIDES
 from kerfwise.encoder.nest import Nest
 from kerfwise.tests.encoder.facts.random_nests import nests
-from kerfwise.tests.nests import nest, part, rect
 
 CROSSED: dict[str, object] = {"zone_pairs": (("c.outer", "a.outer"), ("a.outer", "c.outer"))}
 """Orders of a and c that contradict each other."""

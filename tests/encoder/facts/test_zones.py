@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import Side
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import FactOptions, Facts, compute_facts
@@ -13,7 +14,6 @@ from kerfwise.encoder.facts.facts import SIDES
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest, Part
 from kerfwise.tests.encoder.facts.random_nests import nests
-from kerfwise.tests.nests import nest, part, rect
 
 
 def grid(columns: int, rows: int) -> Nest:

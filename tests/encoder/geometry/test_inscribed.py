@@ -9,9 +9,9 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import circle, rect
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.inscribed import largest_circle, middle_of, wider_than
-from kerfwise.tests.nests import circle, rect
 
 
 @pytest.mark.parametrize("pieces", [2, 3, 4, 7])

@@ -1,8 +1,8 @@
 import pytest
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.readers.mend import mended
 from kerfwise.tests.encoder.readers.drawings import texts
-from kerfwise.tests.nests import circle, nest, part, rect
 
 DENT = [(0, 0), (100, 0), (100, 100), (50, 100), (51, 101), (49, 101), (50, 100), (0, 100)]
 

@@ -1,10 +1,10 @@
 import pytest
 
+from kerfwise.encoder.by_hand import circle, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Part
 from kerfwise.encoder.validate.duplicates import coincident, drop_duplicates
-from kerfwise.tests.nests import circle, part, rect
 
 
 def dropped(*parts: Part) -> tuple[list[str], list[str]]:

@@ -1,6 +1,6 @@
+from kerfwise.encoder.by_hand import circle, part, rect
 from kerfwise.encoder.nest import Part
 from kerfwise.encoder.validate.inside import hole_problems, mark_notes
-from kerfwise.tests.nests import circle, part, rect
 
 
 def found(given: Part) -> tuple[list[str], list[str]]:

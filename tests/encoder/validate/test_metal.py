@@ -1,5 +1,5 @@
+from kerfwise.encoder.by_hand import part, rect
 from kerfwise.encoder.validate.metal import metal_of
-from kerfwise.tests.nests import part, rect
 
 
 def test_a_hole_that_reaches_out_adds_no_metal() -> None:

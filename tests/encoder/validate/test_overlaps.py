@@ -1,9 +1,9 @@
 import pytest
 
+from kerfwise.encoder.by_hand import circle, part, rect
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Part, Sheet
 from kerfwise.encoder.validate.overlaps import MOST_NOTES, overlap_problems, sheet_problems
-from kerfwise.tests.nests import circle, part, rect
 
 HOST = part("H", rect(0, 0, 100, 100), [rect(10, 10, 60, 60)])
 

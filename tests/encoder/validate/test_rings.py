@@ -2,11 +2,11 @@ import math
 
 import pytest
 
+from kerfwise.encoder.by_hand import circle, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Sheet
 from kerfwise.encoder.validate.rings import contour_problems, enclosed, flat, sheet_ring_problems
-from kerfwise.tests.nests import circle, part, rect
 
 
 @pytest.mark.parametrize(

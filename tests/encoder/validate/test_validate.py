@@ -2,10 +2,10 @@ import time
 
 import pytest
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Note
 from kerfwise.encoder.validate import validated, wrong
-from kerfwise.tests.nests import circle, nest, part, rect
 
 
 def test_a_sound_nest_passes_unchanged() -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.models.engines import portfolio, rounds
@@ -14,7 +15,6 @@ from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.watch import Watch
 from kerfwise.rules.profile.profile import load_profile
 from kerfwise.rules.statements import About, NoGood
-from kerfwise.tests.nests import nest, part, rect
 
 PRICE_MM = 5.0
 TWO: Nest = nest(300, 100, part("A", rect(10, 10, 60, 60)), part("B", rect(110, 10, 160, 60)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.jobs.ask import facts_of
 from kerfwise.models.physics.timing.choose import feeds_of
@@ -13,7 +14,6 @@ from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.stating.state_rules import Stated, state_rules
-from kerfwise.tests.nests import circle, nest, part, rect
 
 PLATE = nest(
     330,

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.models.heat_prices.near_pairs import near_pairs
 from kerfwise.rules.profile.heat_section import Heat
-from kerfwise.tests.nests import nest, part, rect
 
 HEAT = Heat()
 ROW = nest(900, 100, *(part(name, rect(10 + 100 * k, 10, 80, 80)) for k, name in enumerate("ABCDE")))

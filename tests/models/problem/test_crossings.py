@@ -8,6 +8,7 @@ from itertools import count
 
 import pytest
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.models.engines import rounds
@@ -20,7 +21,6 @@ from kerfwise.models.problem import crossed_areas, crossings
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.statements import About, Precede
-from kerfwise.tests.nests import nest, part, rect
 
 ROW = nest(500, 300, *(part(f"P{k}", rect(50 + 120 * k, 50, 100, 100)) for k in range(3)))
 

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.candidates.candidate import Candidate, LeadKind, LeadOptions
 from kerfwise.encoder.cut import Cut
@@ -14,7 +15,6 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check import CheckResult, report
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.checking import check_plan, check_program
-from kerfwise.tests.nests import circle, nest, part, rect
 from kerfwise.tests.postproc.plans import plan_of, plate, profile
 
 GEOMETRY = (

@@ -1,9 +1,9 @@
 """Order rules that contradict each other: what a plan may break, and what not."""
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.postproc.check import CheckResult, check_cuts
 from kerfwise.rules.lock import Lock
-from kerfwise.tests.nests import circle, nest, part, rect
 from kerfwise.tests.postproc.plans import cut_of, profile
 
 # a channel open to the right with a disc in its mouth: from the left, level-ahead asks for the channel first (its

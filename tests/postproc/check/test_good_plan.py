@@ -4,13 +4,13 @@ import dataclasses
 
 import pytest
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.postproc.check import CheckResult, Relaxed, check_cuts, report
 from kerfwise.postproc.check.reader.reader import read_nc
 from kerfwise.postproc.check.rebuild import rebuild
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.checking import check_plan, check_program, judge, report_of
-from kerfwise.tests.nests import circle, nest, part, rect
 from kerfwise.tests.postproc.plans import KERF_MM, cut_of, good_cuts, plan_of, plate, profile
 
 PLATE, PROFILE = plate(), profile()

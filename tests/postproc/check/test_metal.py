@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.facts import FactOptions, compute_facts
 from kerfwise.encoder.geometry.curve import Curve
@@ -13,7 +14,6 @@ from kerfwise.postproc.check import CheckResult, check_cuts
 from kerfwise.rules.catalogue.shared_metal import SharedMetalOptions
 from kerfwise.rules.profile.profile import RuleSetting, default_settings
 from kerfwise.rules.registry import RULES
-from kerfwise.tests.nests import circle, nest, part, rect
 from kerfwise.tests.postproc.plans import cut_of, profile
 
 REACHING = replace(profile().machine, travel_x_mm=(-20.0, 3000.0), travel_y_mm=(-20.0, 1500.0))

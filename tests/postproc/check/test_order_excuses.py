@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from functools import cache
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
@@ -20,7 +21,6 @@ from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.tests.models.solved import plant
-from kerfwise.tests.nests import nest, part, rect
 
 # Three long parts side by side, and three rows of three: the middle one is locked to be the last.
 LONG = nest(700, 400, *(part(name, rect(200, 110 + 50 * k, 300, 40)) for k, name in enumerate("ABC")))

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.nest import Nest
@@ -20,7 +21,6 @@ from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.checking import check_plan, check_program, report_of
 from kerfwise.rules.profile.profile import load_profile
 from kerfwise.rules.stating.state_rules import Stated, state_rules
-from kerfwise.tests.nests import nest, part, rect
 
 PROFILE = load_profile()
 # A row between two edges, cut from the left: nothing is left for C, the last, to end on.

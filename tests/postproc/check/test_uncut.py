@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import nest, part
 from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError
@@ -19,7 +20,6 @@ from kerfwise.postproc.check.torch_run import TorchRun
 from kerfwise.postproc.check.uncut import features_lost
 from kerfwise.rules.rule import Violation
 from kerfwise.tests.encoder.narrow_shapes import FITS, KERF_MM, LOST, SHARP, contour, slot
-from kerfwise.tests.nests import nest, part
 from kerfwise.tests.postproc.plans import cut_of, profile
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from functools import cache
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import Produced, produce
@@ -17,7 +18,6 @@ from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.models.solved import plant
-from kerfwise.tests.nests import nest, part, rect
 
 SMALL = (part(f"P{k}", rect(20 + 110 * k, 20, 100, 100)) for k in range(6))
 PLATE = nest(1000, 300, part("Big", rect(690, 20, 250, 250)), *SMALL)

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.nest import Nest
@@ -22,7 +23,6 @@ from kerfwise.rules.profile.feed_law_kind import shipped_laws
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.profile.time_section import Time
-from kerfwise.tests.nests import nest, part, rect
 from kerfwise.tests.postproc.plans import plan_of, plate, profile
 
 PLAIN = profile()

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.reader import read_plan
@@ -15,7 +16,6 @@ from kerfwise.postproc.verdict.checking import check_plan
 from kerfwise.rules.profile.feed_law_kind import shipped_laws
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.time_section import Time
-from kerfwise.tests.nests import circle, nest, part, rect
 from kerfwise.tests.postproc.plans import cut_of, good_cuts, plan_of, plate, profile
 
 PLAIN = profile()

@@ -10,6 +10,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import nest, part
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
@@ -22,7 +23,6 @@ from kerfwise.postproc.nc.blocks import path_blocks
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.nc.toolpath import torch_path
 from kerfwise.rules.profile.profile import Profile, load_profile, shipped_profiles
-from kerfwise.tests.nests import nest, part
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 from kerfwise.tests.tools import canon
 

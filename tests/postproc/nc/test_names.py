@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.postproc.check.names import folded, ids_by_name
 from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.reader import read_nc
@@ -15,7 +16,6 @@ from kerfwise.postproc.nc.names import name_comments, program_names
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.checking import check_program
 from kerfwise.tests.fuzz import control as controls
-from kerfwise.tests.nests import nest, part, rect
 from kerfwise.tests.postproc.plans import cut_of, plan_of, profile
 
 DIALECT = load_dialect("linuxcnc-qtplasmac")

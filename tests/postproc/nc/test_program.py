@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
@@ -15,7 +16,6 @@ from kerfwise.models.plan.reader import read_plan
 from kerfwise.postproc.dialects import load_dialect
 from kerfwise.postproc.nc.blocks import comment, path_blocks
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.tests.nests import circle, nest, part, rect
 from kerfwise.tests.postproc.plans import cut_of, good_cuts, plan_of, plate, profile
 from kerfwise.tests.tools.qtplasmac import complaints
 

@@ -11,6 +11,7 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import circle, part, rect
 from kerfwise.encoder.candidates import Candidate, LeadOptions, build_candidates
 from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.cut import Cut
@@ -19,7 +20,6 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.postproc.nc.toolpath import torch_path
 from kerfwise.tests.encoder.candidates.lead_nests import lead_nests, lead_options
-from kerfwise.tests.nests import circle, part, rect
 
 DRAWN = part("A", rect(0, 0, 40, 40), [circle(20, 20, 5)], [[(2, 2), (9, 2, 0.2), (9, 9)]])
 

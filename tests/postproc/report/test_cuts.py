@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import Cut, Direction
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.small_holes import HoleLimits, Under, as_cut
@@ -17,7 +18,6 @@ from kerfwise.postproc.report.metal import zone_map
 from kerfwise.postproc.report.picture import Spot, make_scene
 from kerfwise.postproc.report.scene import Dot, Shape, Text
 from kerfwise.postproc.report.view import View
-from kerfwise.tests.nests import circle, nest, part, rect
 from kerfwise.tests.postproc.report.plausible import plausible_plan
 
 

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.grid import make_grid
 from kerfwise.models.physics.heat.timed_path import in_order, torch_on
 from kerfwise.postproc.report.heat_map import HeatPicture, peak_map
 from kerfwise.rules.profile.heat_section import Heat
-from kerfwise.tests.nests import circle, nest, part, rect
 
 PLATE = nest(400, 200, part("A", rect(40, 40, 200, 120), [circle(140, 100, 30)]))
 GRID = make_grid(PLATE, 5.0)

@@ -9,11 +9,11 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import Rows, circle, nest, part, rect
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.report.labels import Label, place_labels
 from kerfwise.postproc.report.text_room import Place
-from kerfwise.tests.nests import Rows, circle, nest, part, rect
 
 
 def numbered(plate: Nest) -> dict[str, Label]:

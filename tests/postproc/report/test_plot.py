@@ -9,10 +9,10 @@ from pathlib import Path
 import matplotlib.image
 import pytest
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.report import draw, plot, plot_spot
-from kerfwise.tests.nests import circle, nest, part, rect
 from kerfwise.tests.postproc.report.plausible import plausible_plan
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.rules.catalogue.cut_direction import CutDirection, CutDirectionOptions
 from kerfwise.rules.catalogue.locks import Locks, LocksOptions
 from kerfwise.rules.catalogue.pierce import Pierce, PierceOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.statements import About, AtLeast, Before, Forbid
-from kerfwise.tests.nests import nest, part, rect
 from kerfwise.tests.rules.catalogue.made import facts_with
 
 HOST = nest(400, 300, part("H", rect(50, 50, 200, 200), [rect(70, 70, 160, 160)]), part("G", rect(100, 100, 40, 40)))

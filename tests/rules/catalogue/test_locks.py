@@ -6,6 +6,7 @@ from itertools import permutations
 
 import pytest
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import FactOptions, compute_facts
 from kerfwise.rules.case import in_order
@@ -13,7 +14,6 @@ from kerfwise.rules.catalogue.locks import Locks, LocksOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.yaml_positions import Place
 from kerfwise.rules.statements import AtLeast, Before, Precede, Statement
-from kerfwise.tests.nests import nest, part, rect
 
 ROW = nest(
     400, 100, part("A", rect(10, 10, 60, 80)), part("B", rect(80, 10, 60, 80)), part("C", rect(150, 10, 60, 80)),

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.facts import FactOptions, compute_facts
 from kerfwise.encoder.nest import Nest, Part
@@ -15,7 +16,6 @@ from kerfwise.postproc.check.metal import gouges
 from kerfwise.postproc.check.runs_from_cuts import runs_from_cuts
 from kerfwise.rules.case import cut
 from kerfwise.rules.catalogue.shared_metal import SharedMetal, SharedMetalOptions
-from kerfwise.tests.nests import circle, nest, part, rect
 
 RULE = SharedMetal()
 GAPS_MM = [round(0.1 * k, 1) for k in range(31)]

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStrips, NoNarrowStripsOptions
 from kerfwise.rules.judging import strips
-from kerfwise.tests.nests import nest, part, rect
 from kerfwise.tests.rules.test_statements_agree import sheets
 
 RULE = NoNarrowStrips()

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.candidates.candidate import LeadOptions
 from kerfwise.encoder.cut import CutSequence
@@ -19,7 +20,6 @@ from kerfwise.rules.own import Thresholds, as_rule
 from kerfwise.rules.own.measures import measured
 from kerfwise.rules.own.named_facts import NAMED_FACTS, known_of_facts, known_of_nest
 from kerfwise.rules.statements import AtLeast, Before, Contiguous, Forbid, Lag, NoGood, Precede, Statement
-from kerfwise.tests.nests import circle, nest, part, rect
 from kerfwise.tests.rules.own.made import rules_of
 from kerfwise.tests.rules.test_statements_agree import sheets
 

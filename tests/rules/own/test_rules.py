@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
@@ -18,7 +19,6 @@ from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.text import profile_yaml
 from kerfwise.rules.rule import Violation
 from kerfwise.rules.stating.state_rules import Stated, state_rules
-from kerfwise.tests.nests import nest, part, rect
 from kerfwise.tests.rules.own.made import rules_of
 
 ROW = nest(400, 100, *(part(f"P{k}", rect(100 * k + 10, 10, 80, 80)) for k in range(4)))

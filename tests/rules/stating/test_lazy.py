@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import pytest
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.jobs.ask import facts_of
 from kerfwise.rules.judging import strips
 from kerfwise.rules.profile.profile import load_profile
 from kerfwise.rules.stating.lazy import look_takes_s
-from kerfwise.tests.nests import nest, part, rect
 
 
 def test_a_look_takes_about_as_long_as_its_beginning_tells(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
@@ -18,7 +19,6 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import Leads, Objective, RuleSetting, default_settings
 from kerfwise.rules.statements import About, Contiguous, Forbid, IdleTravel, Precede
 from kerfwise.rules.stating.state_rules import Stated, resolve, state_rules
-from kerfwise.tests.nests import circle, nest, part, rect
 from kerfwise.tests.rules.hooks import HOOKS
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import facts_of
 from kerfwise.models.engines.baselines.random_order import random_order
@@ -19,7 +20,6 @@ from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.stating.state_rules import state_rules
-from kerfwise.tests.nests import circle, nest, part, rect
 
 HOST = part("H", rect(10, 10, 180, 180), [rect(30, 30, 140, 140)])
 PLATE = nest(

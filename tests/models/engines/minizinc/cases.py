@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import compute_facts
@@ -28,7 +29,6 @@ from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.registry import RULES
 from kerfwise.tests.drawn_options import with_drawn_options
-from kerfwise.tests.nests import circle, nest, part, rect
 
 PITCH = 110
 SHAPES = ("plate", "marked", "ring", "disc", "host", "right", "up", "small")

@@ -11,6 +11,7 @@ from typing import Any
 import minizinc
 import pytest
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
@@ -22,7 +23,6 @@ from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.statements import About, NoGood, Statement
 from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.models.engines.minizinc.cases import case
-from kerfwise.tests.nests import nest, part, rect
 
 pytestmark = pytest.mark.minizinc
 

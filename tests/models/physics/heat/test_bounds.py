@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.timed_path import TimedPath, in_order, torch_on
@@ -15,7 +16,6 @@ from kerfwise.postproc.clock.heat_path import path_of_program
 from kerfwise.postproc.clock.timed import read_program
 from kerfwise.rules.profile.heat_section import Heat
 from kerfwise.rules.profile.profile import load_profile
-from kerfwise.tests.nests import nest, part, rect
 
 PLATE = nest(400, 200, part("A", rect(20, 20, 160, 160)), part("B", rect(220, 20, 160, 160)))
 LINE = np.array([[200.0, 10.0], [200.0, 190.0]])

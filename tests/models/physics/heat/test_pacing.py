@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.models.physics.heat import TimedPath
 from kerfwise.models.physics.heat.grid import make_grid
 from kerfwise.models.physics.heat.pacing import Pace, later, pace
 from kerfwise.models.physics.heat.timed_path import in_order, torch_on
 from kerfwise.models.physics.heat.watch import hot_spots
 from kerfwise.rules.profile.heat_section import Heat
-from kerfwise.tests.nests import nest, part, rect
 
 PLATE = nest(400, 200, part("A", rect(50, 50, 60, 100)), part("B", rect(135, 50, 60, 100)))
 HEAT = Heat(absorbed_power_w=1500.0, limit_c=115.0)

@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import nest
 from kerfwise.models.physics.heat.events import events_of
 from kerfwise.models.physics.heat.grid import make_grid
 from kerfwise.models.physics.heat.physical import Simulation, run_physical, time_step_s
 from kerfwise.rules.profile.heat_section import Heat
 from kerfwise.rules.profile.materials import MATERIALS
 from kerfwise.tests.models.physics.heat.paths import along, circle, rounds
-from kerfwise.tests.nests import nest
 
 STEEL = MATERIALS["carbon-steel"]
 NO_LOSS = Heat(absorbed_power_w=1e6, loss_w_m2k=0.0, grid_mm=4.0)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.models.physics.heat import HeatResult, simulate
 from kerfwise.models.physics.heat.grid import make_grid
 from kerfwise.models.physics.heat.regions import Regions, hot_contours
 from kerfwise.rules.profile.heat_section import Heat
 from kerfwise.tests.models.physics.heat.paths import rounds
-from kerfwise.tests.nests import nest, part, rect
 
 ROW = nest(500, 120, part("A", rect(20, 20, 60, 60), marks=[[(40, 60), (70, 60)]]), part("B", rect(400, 20, 60, 60)))
 

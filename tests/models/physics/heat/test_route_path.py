@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import produce
 from kerfwise.jobs.solve_options import options_for
@@ -11,7 +12,6 @@ from kerfwise.models.physics.heat.route_path import RoutePaths
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.postproc.clock.heat_path import path_of_plan
 from kerfwise.rules.profile.profile import load_profile
-from kerfwise.tests.nests import circle, nest, part, rect
 
 
 def test_it_agrees_with_the_plan() -> None:

@@ -7,6 +7,7 @@ from functools import cache
 
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.candidates.candidate import LeadOptions
 from kerfwise.encoder.errors import RulesConflict
@@ -16,7 +17,6 @@ from kerfwise.models.plan.conflict.group import Asked
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.rules.statements import About, AtLeast, Before, Contiguous, Forbid, Lag, NoGood, Pick, Precede
 from kerfwise.tests.models.brute import lawful
-from kerfwise.tests.nests import nest, part, rect
 
 RULES = ("level-ahead", "no-islands", "locks", "inner-before-outer")
 

@@ -8,6 +8,7 @@ from itertools import combinations, product
 import numpy as np
 import pytest
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.jobs.ask import ask, facts_of
@@ -25,7 +26,6 @@ from kerfwise.rules.statements import About, Statement
 from kerfwise.rules.stating.state_rules import every_statement, resolve
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.solved import plant
-from kerfwise.tests.nests import circle, nest, part, rect
 
 ROW = nest(
     420,

@@ -6,6 +6,7 @@ from typing import Literal
 
 import pytest
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.jobs.ask import facts_of
 from kerfwise.models.plan.conflict import Conflict, find_conflict, state_relaxed
@@ -16,7 +17,6 @@ from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.models.solved import plant, proven_plan
-from kerfwise.tests.nests import circle, nest, part, rect
 
 PLATE = nest(
     400,

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.jobs.ask import facts_of
@@ -19,7 +20,6 @@ from kerfwise.models.plan.conflict.whole import Engines
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.stating.state_rules import every_statement, state_rules
-from kerfwise.tests.nests import nest, part, rect
 
 SQUARES = nest(
     610, 510, *(part(f"P{12 * row + column + 1}", rect(10 + 50 * column, 10 + 50 * row, 40, 40))

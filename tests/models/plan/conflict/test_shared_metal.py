@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.validate import validated
@@ -18,7 +19,6 @@ from kerfwise.rules.lock import Lock
 from kerfwise.rules.statements import RELAXED_MM
 from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.models.solved import plant, proven_plan
-from kerfwise.tests.nests import nest, part, rect
 
 TIGHT = nest(
     400,

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import produce
@@ -20,7 +21,6 @@ from kerfwise.models.problem.compile import make_problem
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.stating.state_rules import every_statement
 from kerfwise.tests.models.brute import lawful
-from kerfwise.tests.nests import nest, part, rect
 
 # A tall plate between two small ones, and a home far below: the way from A to C leads over B.
 PLATES = nest(

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
@@ -24,7 +25,6 @@ from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.statements import About, AtLeast, Before, Forbid, Statement
 from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.models.solved import QUIET, plant, proven_plan
-from kerfwise.tests.nests import circle, nest, part, rect
 
 GOLDEN = Path(__file__).parent / "golden"
 PLATE = nest(

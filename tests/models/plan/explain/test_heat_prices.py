@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.facts import Facts
 from kerfwise.models.heat_prices.priced_statements import HEAT
 from kerfwise.models.plan.explain import Explanation, as_text, explain
@@ -12,7 +13,6 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.statements import About, AtLeast, Before, Forbid, Precede, Statement
 from kerfwise.rules.stating.state_rules import Stated
 from kerfwise.tests.models.solved import plant, proven_plan
-from kerfwise.tests.nests import nest, part, rect
 
 ROW = nest(310, 100, *(part(name, rect(10 + 100 * k, 10, 80, 80)) for k, name in enumerate("ABC")))
 ORDER = ("A.outer", "B.outer", "C.outer")
