@@ -18,6 +18,7 @@ import shapely
 from kerfwise.encoder.cut import HotSpot
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.engines.solution import Solution
 from kerfwise.models.heat_prices.near_pairs import NEAR_BANDS
 from kerfwise.models.physics.heat.grid import Grid, make_grid
@@ -28,7 +29,6 @@ from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.plan.plan import WAITS, Plan
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import route_cost
-from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.postproc.clock.heat_path import path_of_plan, path_of_program
 from kerfwise.postproc.clock.timed import read_program, with_times
 from kerfwise.postproc.nc.program import write_program

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from types import FrameType, TracebackType
 from typing import Any, Self
 
-from kerfwise.models.problem.microns import UM_PER_MM
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 
 
 @dataclass(frozen=True, slots=True)

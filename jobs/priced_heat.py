@@ -7,13 +7,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.engines.solution import Progress, Solution, SolveOptions
 from kerfwise.models.heat_prices.cooler_orders import ROUNDS, CoolerOrders
 from kerfwise.models.physics.heat.route_path import RoutePaths
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken, route_cost
-from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import Statement
 from kerfwise.rules.stating.lazy import afterthoughts

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken, route_cost
-from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.models.problem.problem import Problem
 from kerfwise.models.problem.simplify import simplify
 from kerfwise.rules.statements import Statement

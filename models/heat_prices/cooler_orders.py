@@ -20,6 +20,7 @@ import numpy as np
 from kerfwise.arrays import Ints
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.engines.baselines.random_order import random_order
 from kerfwise.models.physics.heat.grid import make_grid
 from kerfwise.models.physics.heat.regions import Regions
@@ -27,7 +28,6 @@ from kerfwise.models.physics.heat.route_path import RoutePaths
 from kerfwise.models.physics.heat.simulate import simulate
 from kerfwise.models.physics.heat.timed_path import TimedPath
 from kerfwise.models.problem.evaluate import route_cost
-from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.heat_section import Heat
 from kerfwise.rules.statements import Statement

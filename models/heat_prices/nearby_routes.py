@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from kerfwise.arrays import Floats
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.engines.baselines.walk import Walk
 from kerfwise.models.problem.evaluate import broken
-from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.models.problem.problem import Problem
 
 from .prices import HeatPrices

@@ -12,6 +12,7 @@ import numpy as np
 from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.geometry.microns import cost_um, points_um
 from kerfwise.models.physics.timing.constant import Feeds
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.statements import (
@@ -32,7 +33,6 @@ from .conditions import Condition, of_at_least, of_no_good, of_soft_precede
 from .crossed_areas import Going
 from .crossings import TooManyMoves, find_crossings, from_home
 from .magnitude import check_magnitude
-from .microns import cost_um, points_um
 from .pace import Pace
 from .problem import Problem, SoftGroup
 

@@ -10,14 +10,12 @@ import shapely
 
 from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.microns import GRAZE_UM, UM_PER_MM
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import Crossing
 
 from .crossed_areas import Going, Moves, Stopped, crossed_areas
 
-UM_PER_MM = 1000
-GRAZE_UM = 100.0
-"""A move that touches an area less deeply than this does not cross it."""
 FORBIDDEN = -1
 MOST_MOVES = 3_000_000
 """Moves that can be looked at one by one in a minute or so."""

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from kerfwise.encoder.geometry.microns import cost_um
 from kerfwise.rules.statements import About, AtLeast, Before, Lag, Pick
 
 from .crossings import FORBIDDEN
-from .microns import cost_um
 from .problem import Problem
 
 

@@ -7,8 +7,8 @@ from collections import defaultdict
 import numpy as np
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.microns import cost_um
 
-from .microns import cost_um
 from .problem import Problem
 
 MOST_UM = 10**14

@@ -90,9 +90,19 @@ class Locks(Rule[LocksOptions]):
                 ids = (contours[first].id, contours[then].id)
                 sentence = f"{ids[0]} is cut before {ids[1]}: {name} is {place}, {lock.because}"
                 yield Precede(first, then, self.about(ids, sentence))
+        yield from self._entries(facts, lock, i, tolerance_mm)
+
+    def excluded(self, facts: Facts, options: LocksOptions) -> Iterator[Forbid]:
+        """What the locks say of how contours are entered and which way round they are cut."""
+        for lock in options.locks:
+            if lock.contour in facts.nest.index:
+                yield from self._entries(facts, lock, facts.nest.index[lock.contour], options.entry_tolerance_mm)
+
+    def _entries(self, facts: Facts, lock: Lock, i: int, tolerance_mm: float) -> Iterator[Forbid]:
+        name = facts.nest.contours[i].id
         for number in facts.candidates_of(i):
             candidate = facts.candidates[number]
-            if lock.entry is not None and not _is_at(candidate.entry, lock.entry, contours[i], tolerance_mm):
+            if lock.entry is not None and not _is_at(candidate.entry, lock.entry, facts.nest.contours[i], tolerance_mm):
                 sentence = f"{name} is entered at {_spoken(lock.entry)}: {lock.because}"
                 yield Forbid(number, self.about((name,), sentence))
             if lock.direction is not None and candidate.direction != lock.direction:

@@ -13,7 +13,7 @@ from kerfwise.rules.registry import RULES
 RESERVED = ("new", "page", "test")
 FILES = {
     "rule.py.txt": "rules/catalogue/{module}.py",
-    "rule.mzn.txt": "models/minizinc/rules/{module}.mzn",
+    "rule.mzn.txt": "rules/minizinc/rules/{module}.mzn",
     "cases.py.txt": "rules/cases/{module}.py",
 }
 """Template → where what is made of it goes in a checkout."""

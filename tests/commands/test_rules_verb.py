@@ -85,14 +85,14 @@ def test_new_rule_is_three_files(tmp_path: Path) -> None:
     out = said("new", "bars-last", "--into", str(checkout(tmp_path)))
     made = sorted(str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*.*") if p.suffix in (".py", ".mzn"))
     assert made == [
-        "models/minizinc/rules/bars_last.mzn",
         "rules/cases/bars_last.py",
         "rules/catalogue/bars_last.py",
+        "rules/minizinc/rules/bars_last.mzn",
     ]
     assert f"pip install -e {tmp_path.resolve()}" in out
     assert "next: kerfwise rules test bars-last" in out
-    assert "class BarsLast(OrderRule[NoOptions]):" in (tmp_path / made[2]).read_text(encoding="utf-8")
-    assert "bars_last_holds =" in (tmp_path / made[0]).read_text(encoding="utf-8")
+    assert "class BarsLast(OrderRule[NoOptions]):" in (tmp_path / made[1]).read_text(encoding="utf-8")
+    assert "bars_last_holds =" in (tmp_path / made[2]).read_text(encoding="utf-8")
     assert "$" not in "".join((tmp_path / name).read_text(encoding="utf-8") for name in made)
 
 

@@ -64,7 +64,7 @@ def test_the_page_works(copy: Path) -> None:
 
 
 def _taken(copy: Path) -> Path:
-    (copy / "models/minizinc/rules/long_parts_final.mzn").write_text("", encoding="utf-8")
+    (copy / "rules/minizinc/rules/long_parts_final.mzn").write_text("", encoding="utf-8")
     return copy
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.jobs.ask import Asked
 from kerfwise.jobs.priced_heat import solve_priced
 from kerfwise.jobs.produce import produce
@@ -17,7 +18,6 @@ from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.route_path import RoutePaths
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.problem.evaluate import broken, route_cost
-from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import Stated
 from kerfwise.tests.models.heat_prices.plate import PLATE, facts, plant, posed, stated

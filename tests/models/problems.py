@@ -8,10 +8,10 @@ from itertools import pairwise
 import numpy as np
 from hypothesis import strategies as st
 
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.problem.closure import close
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
-from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.models.problem.pace import Pace
 from kerfwise.models.problem.problem import Problem, SoftGroup
 from kerfwise.rules.statements import About, AtLeast, Before, Lag, Literal, Pick

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import facts_of
 from kerfwise.models.engines.ideals import prove
@@ -10,7 +11,6 @@ from kerfwise.models.engines.solution import Solution
 from kerfwise.models.plan.make import make_plan
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.problem.compile import make_problem
-from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.rules.options.option import NoOptions
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import RuleSetting

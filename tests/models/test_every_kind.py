@@ -12,6 +12,7 @@ from typing import get_args
 import pytest
 
 from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.engines.minizinc import solve_minizinc
 from kerfwise.models.engines.names import Member
 from kerfwise.models.engines.rounds import solve
@@ -26,7 +27,6 @@ from kerfwise.models.plan.explain.setting import Setting, make_setting
 from kerfwise.models.plan.make import make_plan
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken, route_cost
-from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.rules.statements import About, Crossing, Forbid, Precede, Statement
 from kerfwise.rules.stating.state_rules import Stated
 from kerfwise.tests.models.brute import cheapest

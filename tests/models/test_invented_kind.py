@@ -20,7 +20,6 @@ from kerfwise.models.engines.minizinc.statement_text import conditions
 from kerfwise.models.engines.rounds import solve
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.heat_prices.priced_statements import HEAT
-from kerfwise.models.minizinc.twin import Case, twin_of
 from kerfwise.models.plan.conflict import conflict, order_model
 from kerfwise.models.plan.conflict.group import Group, contours_of, hard_groups, moves_or_seconds, on_order
 from kerfwise.models.plan.excused import excused
@@ -35,7 +34,6 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.reasons import reasons
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.rules.by_kind import by_kind
-from kerfwise.rules.catalogue.locks import LocksOptions
 from kerfwise.rules.statements import EXEMPTION_MM, About, Statement
 from kerfwise.rules.stating.places import positions
 from kerfwise.rules.stating.remainder import Rest, of_what_is_left
@@ -126,7 +124,6 @@ REFUSES: dict[str, list[Refuses]] = {
     "models/plan/explain/setting.py": [set_up],
     "models/engines/minizinc/asked.py": [lambda _: asked(PROFILE, STATED)],
     "models/engines/minizinc/data.py": [lambda _: data_text(FACTS, PROFILE, STATED, OPTIONS, clock=False)],
-    "models/minizinc/rules/locks.py": [lambda _: twin_of("locks").data(Case(FACTS, STATED, HOME), LocksOptions())],
     "models/engines/minizinc/statement_text.py": [lambda _: conditions(INVENTED)],
     "jobs/strategies.py": [lambda _: solve_by("random", FACTS, PROFILE, (INVENTED,), OPTIONS)],
 }

@@ -65,9 +65,9 @@ def named(text: str, file: str = "") -> Iterator[str]:
 
 
 def _own_rule(file: str) -> str | None:
-    """The catalogue's module that a file of `models/minizinc/rules` is the other half of."""
+    """The catalogue's module that a file of `rules/minizinc/rules` is the other half of."""
     folder, _, name = file.rpartition("/")
-    return f"rules.catalogue.{name.removesuffix('.py')}" if folder == "models/minizinc/rules" else None
+    return f"rules.catalogue.{name.removesuffix('.py')}" if folder == "rules/minizinc/rules" else None
 
 
 @pytest.mark.parametrize("file", [file for file in files() if file not in ALLOWED])
@@ -106,5 +106,5 @@ def test_the_search_lets_words_be() -> None:
 
 def test_the_other_half_of_a_rule_may_know_it_and_no_other() -> None:
     one = "from kerfwise.rules.catalogue.heat_lag import HeatLagOptions"
-    assert list(named(one, "models/minizinc/rules/heat_lag.py")) == []
-    assert list(named(one, "models/minizinc/rules/locks.py")) != []
+    assert list(named(one, "rules/minizinc/rules/heat_lag.py")) == []
+    assert list(named(one, "rules/minizinc/rules/locks.py")) != []

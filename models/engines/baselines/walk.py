@@ -6,8 +6,8 @@ from collections import defaultdict
 
 import numpy as np
 
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.problem.conditions import Condition
-from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import EXEMPTION_MM
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kerfwise.models.problem.microns import cost_um
+from kerfwise.encoder.geometry.microns import cost_um
 from kerfwise.models.problem.problem import Problem
 
 from .tables import NEVER

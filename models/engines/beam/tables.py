@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.geometry.microns import cost_um
 from kerfwise.models.problem.bits import Masks, masks_of
 from kerfwise.models.problem.crossings import FORBIDDEN
-from kerfwise.models.problem.microns import cost_um
 from kerfwise.models.problem.problem import Problem
 
 Shorts = NDArray[np.int32]

@@ -6,8 +6,8 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.problem.crossings import FORBIDDEN
-from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.models.problem.problem import Problem
 
 

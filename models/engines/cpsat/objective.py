@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from ortools.sat.python.cp_model import CpModel, LinearExpr, LinearExprT
 
-from kerfwise.models.problem.microns import UM_PER_MM
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.problem.problem import Problem
 
 from .arcs import Arcs

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from kerfwise.arrays import Ints
-from kerfwise.models.problem.microns import cost_um
+from kerfwise.encoder.geometry.microns import cost_um
 from kerfwise.models.problem.problem import Problem
 
 from .crossed import HOME, UNLAWFUL, add_settled, cross, price

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from kerfwise.models.minizinc.twin import MODELS, rule_file, twin_of
 from kerfwise.rules.by_kind import by_kind
+from kerfwise.rules.minizinc.twin import MODELS, rule_file, twin_of
 from kerfwise.rules.own import OwnFile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting

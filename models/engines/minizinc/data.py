@@ -8,13 +8,13 @@ from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import facts_dzn
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.geometry.microns import points_um
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.minizinc.dzn import Fields, assignments, numbers, table_from_0
-from kerfwise.models.minizinc.twin import Case, twin_of
-from kerfwise.models.problem.microns import points_um
 from kerfwise.models.problem.pace import Pace
 from kerfwise.rules.by_kind import by_kind
+from kerfwise.rules.minizinc.dzn import Fields, assignments, numbers, table_from_0
+from kerfwise.rules.minizinc.twin import Case, twin_of
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import Stated
 
@@ -34,7 +34,7 @@ def data_text(facts: Facts, profile: Profile, stated: Stated, options: SolveOpti
     fields: Fields = [("travel", table_from_0(travel_um(facts, price, home_mm)))]
     if clock:
         fields += _clock(facts, options)
-    case = Case(facts, stated, home_mm)
+    case = Case(facts, home_mm)
     for rule, setting in rules_in_files(profile, stated).items():
         fields += twin_of(rule).data(case, setting.options)
     return facts_dzn(without_dropped(facts, stated)) + assignments(fields)

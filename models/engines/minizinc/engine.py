@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.engines.solution import Progress, Solution, SolveOptions
-from kerfwise.models.problem.microns import UM_PER_MM
+from kerfwise.rules.minizinc.trial import unusable
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import EXEMPTION_MM, Statement
 from kerfwise.rules.stating.state_rules import Stated
@@ -24,7 +25,6 @@ from .asked import asked
 from .data import data_text
 from .installation import driver, solver_named
 from .model_text import model_text
-from .trial import unusable
 
 if TYPE_CHECKING:
     from minizinc import Instance, Solver

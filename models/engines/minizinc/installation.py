@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.rules.minizinc.trial import HOW_TO_INSTALL, expect_solving, expect_usable, found_program, unusable
 from kerfwise.rules.options.suggest import unknown
-
-from .trial import HOW_TO_INSTALL, expect_solving, expect_usable, found_program, unusable
 
 if TYPE_CHECKING:
     from minizinc import Driver, Solver

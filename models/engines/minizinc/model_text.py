@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from kerfwise.models.minizinc.twin import MODELS
-from kerfwise.models.problem.microns import UM_PER_MM
+from kerfwise.encoder.geometry.microns import UM_PER_MM
+from kerfwise.rules.minizinc.twin import MODELS
 from kerfwise.rules.statements import EXEMPTION_MM
 
 from .asked import Asked, include

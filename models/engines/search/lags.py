@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from kerfwise.arrays import Floats, Ints
-from kerfwise.models.problem.microns import UM_PER_MM
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Lag
 

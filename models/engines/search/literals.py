@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from kerfwise.arrays import Ints
-from kerfwise.models.problem.microns import UM_PER_MM
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Literal, Pick
 

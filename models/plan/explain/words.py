@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.rules.statements import EXEMPTION_MM
 
 from .entry import Entry, Way

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.engines.baselines.random_order import random_order
 from kerfwise.models.heat_prices.priced_statements import HEAT, priced_statements
 from kerfwise.models.heat_prices.prices import HeatPrices, fit_prices
 from kerfwise.models.heat_prices.terms import Terms
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import route_cost
-from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.rules.statements import AtLeast, Forbid, Precede
 from kerfwise.tests.models.heat_prices.plate import PLATE, facts, plant, posed, stated
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import factorial, prod
 
 from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.engines.cpsat import solve_cpsat
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.ideals.prove import applies
@@ -12,7 +13,6 @@ from kerfwise.models.engines.minizinc import solve_minizinc
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken, route_cost
-from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.models.brute import cheapest

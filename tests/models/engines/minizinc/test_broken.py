@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.models.engines.minizinc import trial
 from kerfwise.models.engines.minizinc.installation import driver
+from kerfwise.rules.minizinc import trial
 from kerfwise.tests.commands.run_cli import kerfwise
 
 NEST = str(Path(__file__).parents[4] / "examples" / "nests" / "e1x_6.dxf")
@@ -125,7 +125,7 @@ def test_the_package_is_not_imported_before(script: str, tmp_path: Path) -> None
     """The package asks for the version when it is imported, and would wait for ever."""
     fake(tmp_path, script)
     code = (
-        "from kerfwise.models.engines.minizinc import trial\n"
+        "from kerfwise.rules.minizinc import trial\n"
         "from kerfwise.cli import main\n"
         "trial.LIMIT_S = 1.0\n"
         f"main(['solve', {NEST!r}, '--engine', 'minizinc', '-o', 'cut.nc'])\n"

@@ -9,11 +9,11 @@ import pytest
 
 from kerfwise.models.engines.minizinc import solve_minizinc
 from kerfwise.models.engines.minizinc.data import travel_um
-from kerfwise.models.minizinc import twin
-from kerfwise.models.minizinc.dzn import Fields
-from kerfwise.models.minizinc.rules.heat_lag import HeatLagTwin
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
+from kerfwise.rules.minizinc import twin
+from kerfwise.rules.minizinc.dzn import Fields
+from kerfwise.rules.minizinc.rules.heat_lag import HeatLagTwin
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import About, IdleTravel
 from kerfwise.rules.stating.state_rules import state_rules

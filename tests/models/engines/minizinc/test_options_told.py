@@ -20,13 +20,13 @@ from kerfwise.models.engines.minizinc.asked import asked, rules_in_files
 from kerfwise.models.engines.minizinc.data import data_text
 from kerfwise.models.engines.minizinc.model_text import model_text
 from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.minizinc.dzn import Fields
-from kerfwise.models.minizinc.rules.heat_lag import HeatLagTwin
-from kerfwise.models.minizinc.twin import Case, twin_of
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.postproc.clock.contour_heat import contour_heat_kj
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.lock import Lock
+from kerfwise.rules.minizinc.dzn import Fields
+from kerfwise.rules.minizinc.rules.heat_lag import HeatLagTwin
+from kerfwise.rules.minizinc.twin import Case, twin_of
 from kerfwise.rules.options.option import Option, options_of
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import RuleSetting
@@ -50,7 +50,7 @@ NOT_SHOWN = {
 @pytest.mark.parametrize(("rule", "option"), EACH, ids=[f"{rule}-{option.key}" for rule, option in EACH])
 def test_minizinc_is_told(rule: str, option: Option) -> None:
     seen = untold(rule, option)
-    file = f"models/minizinc/rules/{rule.replace('-', '_')}.py (or .mzn)"
+    file = f"rules/minizinc/rules/{rule.replace('-', '_')}.py (or .mzn)"
     assert not [told for told in seen if told is False], f"{rule}: {option.key} changes nothing in MiniZinc: {file}"
     assert seen or rule in STATE_NOTHING or (rule, option.key) in NOT_SHOWN, (
         f"no nest shows what {rule}: {option.key} changes"

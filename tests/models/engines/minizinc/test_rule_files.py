@@ -9,7 +9,7 @@ import pytest
 from kerfwise.models.engines.minizinc.asked import asked
 from kerfwise.models.engines.minizinc.model_text import model_text
 from kerfwise.models.engines.minizinc.statement_text import conditions
-from kerfwise.models.minizinc.twin import rule_file
+from kerfwise.rules.minizinc.twin import rule_file
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import About, AtLeast, Before, Contiguous, Forbid, Lag, NoGood, Pick, Precede, Statement
 from kerfwise.rules.stating.state_rules import Stated

@@ -10,6 +10,8 @@ from kerfwise.arrays import Ints
 from kerfwise.encoder.geometry.segment import Point
 
 UM_PER_MM = 1000
+GRAZE_UM = 100.0
+"""A move that touches an area less deeply than this does not cross it."""
 HALF = 0.501
 """What is added before a length in µm is cut off: coordinates carry rounding, and a half must not fall either way."""
 

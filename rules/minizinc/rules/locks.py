@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from kerfwise.models.minizinc.dzn import Fields, number_set, numbers
-from kerfwise.models.minizinc.twin import Case, Twin
-from kerfwise.rules.by_kind import by_kind
-from kerfwise.rules.catalogue.locks import LocksOptions
+from kerfwise.rules.catalogue.locks import Locks, LocksOptions
+from kerfwise.rules.minizinc.dzn import Fields, number_set, numbers
+from kerfwise.rules.minizinc.twin import Case, Twin
 
 
 class LocksTwin(Twin[LocksOptions]):
@@ -24,7 +23,7 @@ class LocksTwin(Twin[LocksOptions]):
             for lock in locks
             if lock.contour and (place := lock.place_among(case.facts.n + made))
         ]
-        out = {s.candidate + 1 for s in by_kind(case.stated.statements).forbid if s.about.rule == "locks"}
+        out = {s.candidate + 1 for s in Locks().excluded(case.facts, options)}
         return [
             ("n_lock_orders", str(len(orders))),
             ("lock_first", numbers(i for i, _ in orders)),

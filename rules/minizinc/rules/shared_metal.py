@@ -7,11 +7,11 @@ from itertools import combinations
 import shapely
 
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.encoder.tolerance import tolerance_mm
-from kerfwise.models.minizinc.dzn import Fields, numbers
-from kerfwise.models.minizinc.twin import Case, Twin
-from kerfwise.models.problem.microns import UM_PER_MM
 from kerfwise.rules.catalogue.shared_metal import SharedMetalOptions
+from kerfwise.rules.minizinc.dzn import Fields, numbers
+from kerfwise.rules.minizinc.twin import Case, Twin
 
 FINE_MM = 0.002
 """Chords lie this close to contours whose gaps are measured."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from kerfwise.models.minizinc.dzn import Fields, flag
-from kerfwise.models.minizinc.twin import Case, Twin
 from kerfwise.rules.catalogue.marks_first import MarksFirstOptions
+from kerfwise.rules.minizinc.dzn import Fields, flag
+from kerfwise.rules.minizinc.twin import Case, Twin
 
 
 class MarksFirstTwin(Twin[MarksFirstOptions]):

@@ -16,7 +16,6 @@ import numpy as np
 from kerfwise.arrays import Ints
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.rules.stating.state_rules import Stated
 
 from . import __path__ as _path
 from .dzn import Fields
@@ -31,7 +30,6 @@ class Case:
     """One nest under one profile."""
 
     facts: Facts
-    stated: Stated
     home_mm: Point
 
 

@@ -8,9 +8,9 @@ from scipy.sparse.csgraph import connected_components
 
 from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.models.minizinc.dzn import Fields, flags, numbers
-from kerfwise.models.minizinc.twin import Case, Twin
 from kerfwise.rules.catalogue.no_islands import NoIslandsOptions
+from kerfwise.rules.minizinc.dzn import Fields, flags, numbers
+from kerfwise.rules.minizinc.twin import Case, Twin
 
 
 class NoIslandsTwin(Twin[NoIslandsOptions]):

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from kerfwise.encoder.nest import KINDS
-from kerfwise.models.minizinc.dzn import Fields, flags
-from kerfwise.models.minizinc.twin import Case, Twin
 from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
+from kerfwise.rules.minizinc.dzn import Fields, flags
+from kerfwise.rules.minizinc.twin import Case, Twin
 
 
 class CutDirectionTwin(Twin[CutDirectionOptions]):

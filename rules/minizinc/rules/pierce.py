@@ -8,9 +8,9 @@ import shapely
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Contour
-from kerfwise.models.minizinc.dzn import Fields, numbers
-from kerfwise.models.minizinc.twin import Case, Twin
 from kerfwise.rules.catalogue.pierce import PierceOptions
+from kerfwise.rules.minizinc.dzn import Fields, numbers
+from kerfwise.rules.minizinc.twin import Case, Twin
 
 
 class PierceTwin(Twin[PierceOptions]):

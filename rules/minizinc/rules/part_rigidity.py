@@ -8,9 +8,9 @@ import numpy as np
 
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.facts.facts import Facts, Stretch
-from kerfwise.models.minizinc.dzn import Fields, numbers
-from kerfwise.models.minizinc.twin import Case, Further, Twin, rule_file
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
+from kerfwise.rules.minizinc.dzn import Fields, numbers
+from kerfwise.rules.minizinc.twin import Case, Further, Twin, rule_file
 
 PER_MM = 100
 """Lengths in MiniZinc data are whole hundredths of a millimetre."""

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from itertools import combinations
 
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.models.minizinc.dzn import Fields, numbers
-from kerfwise.models.minizinc.twin import Case, Further, Twin, rule_file
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
+from kerfwise.rules.minizinc.dzn import Fields, numbers
+from kerfwise.rules.minizinc.twin import Case, Further, Twin, rule_file
 
 
 class HeatLagTwin(Twin[HeatLagOptions]):

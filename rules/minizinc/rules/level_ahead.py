@@ -1,4 +1,4 @@
-"""The Python side of `hull_before.mzn`."""
+"""The Python side of `level_ahead.mzn`."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from collections.abc import Set
 from dataclasses import replace
 
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.models.minizinc.twin import Twin, pairs_without
+from kerfwise.rules.minizinc.twin import Twin, pairs_without
 from kerfwise.rules.options.option import NoOptions
 
 
-class HullBeforeTwin(Twin[NoOptions]):
+class LevelAheadTwin(Twin[NoOptions]):
     """Orders that are dropped leave the fact that they are stated over."""
 
     drops_orders = True
 
     def without(self, facts: Facts, dropped: Set[tuple[int, int]]) -> Facts:
-        return replace(facts, in_hull=pairs_without(facts.in_hull, dropped))
+        return replace(facts, level_ahead=pairs_without(facts.level_ahead, dropped))

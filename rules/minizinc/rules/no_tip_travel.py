@@ -7,11 +7,10 @@ import shapely
 
 from kerfwise.arrays import Bools, Floats
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.geometry.microns import GRAZE_UM, UM_PER_MM, points_um
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.models.minizinc.dzn import Fields, flags, numbers
-from kerfwise.models.minizinc.twin import Case, Twin
-from kerfwise.models.problem.crossings import GRAZE_UM
-from kerfwise.models.problem.microns import UM_PER_MM, points_um
+from kerfwise.rules.minizinc.dzn import Fields, flags, numbers
+from kerfwise.rules.minizinc.twin import Case, Twin
 from kerfwise.rules.options.option import NoOptions
 
 
