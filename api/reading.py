@@ -75,7 +75,9 @@ def read_nest(
     return drawn_nest(path, plant_of(profile), units=units, sheet_mm=sheet_mm, frame=frame, repair=repair)
 
 
-def load_profile(profile: str | Path = DEFAULT, *, locks: Iterable[LockLike] | LockLike = ()) -> Profile:
+def load_profile(
+    profile: str | Path = DEFAULT, *, locks: Iterable[LockLike] | LockLike = (), trust: bool = False
+) -> Profile:
     """Load a plant's profile: the shipped one of that name, or the one in that file.
 
     Parameters
@@ -84,11 +86,15 @@ def load_profile(profile: str | Path = DEFAULT, *, locks: Iterable[LockLike] | L
         Name or path.
     locks
         Locks beside those of the profile: see `solve`.
+    trust
+        Run the Python files of rules that the profile names. Without it only those run that the machine's
+        configuration allows: see "A rule in Python" in the docs.
 
     Raises
     ------
     InputError
-        If there is none (with the nearest name), or it is wrong anywhere: with file, line and column.
+        If there is none (with the nearest name), or it is wrong anywhere: with file, line and column. Also if it names
+        a Python file that is not trusted, or a rule from outside cannot be used.
 
     Examples
     --------
@@ -101,7 +107,7 @@ def load_profile(profile: str | Path = DEFAULT, *, locks: Iterable[LockLike] | L
         ...
     kerfwise.encoder.errors.InputError: unknown profile 'lasr-wood': did you mean 'laser-wood'? ...
     """
-    return locked(plant_of(profile), locks)
+    return locked(plant_of(profile, trust), locks)
 
 
 def read_plan(path: str | Path) -> Plan:

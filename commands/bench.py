@@ -11,6 +11,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.models.engines.names import BUILT_IN
 
 from .engine_choice import EngineChoice
+from .given import TRUST
 from .numbers import AMOUNT_OVER_ZERO
 
 
@@ -27,6 +28,7 @@ from .numbers import AMOUNT_OVER_ZERO
     "--best-known", metavar="CSV", help="Columns instance, best_upper and, where names repeat, set (a folder)."
 )
 @click.option("-p", "--profile", default="", metavar="PROFILE", help="For nests: name or path of a profile.")
+@TRUST
 @click.option("--json", "as_list", is_flag=True, help="A JSON list instead of a table.")
 def command(
     files: tuple[str, ...],
@@ -36,6 +38,7 @@ def command(
     seeds: tuple[int, ...],
     best_known: str | None,
     profile: str,
+    trust: bool,
     as_list: bool,
 ) -> int:
     """Run engines on FILES: routing instances (.pcglns, .sop, also with .gz) and nests (.json, .dxf, .svg).
@@ -49,7 +52,10 @@ def command(
         _expect(Path(file))
     best = read_best_known(best_known) if best_known else None
     jobs = [
-        Job(file, engine, seed, work, time_limit, profile) for file in files for engine in engines for seed in seeds
+        Job(file, engine, seed, work, time_limit, profile, trust)
+        for file in files
+        for engine in engines
+        for seed in seeds
     ]
     results, bests = [], []
     broken = interrupted = False

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.encoder.faults import RuleFault
 from kerfwise.jobs.given import Given, drawn_nest, plant_of
 from kerfwise.rules.profile.machine_section import ORIGINS, Origin
 from kerfwise.rules.profile.profile import DEFAULT, files_of
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from kerfwise.encoder.readers.options import Frame
 
 Verb = Callable[..., Any]
+
+TRUST = click.option("--trust", is_flag=True, help="Run the rules in Python that the profile names: they are code.")
 
 
 def tell_note(text: str) -> None:
@@ -40,6 +43,7 @@ def given_options(verb: Verb) -> Verb:
             help="What one rectangle around everything is, where no layer is the sheet's.",
         ),
         click.option("--units", metavar="UNIT", help="Unit of the drawing: mm, cm, m, in or ft."),
+        TRUST,
         click.option(
             "-p", "--profile", metavar="PROFILE", default=DEFAULT, show_default=True, help="Its name or path."
         ),
@@ -55,7 +59,8 @@ def _naming_the_nest(verb: Verb) -> Verb:
         try:
             return verb(*args, **options)
         except InputError as error:
-            if error.file is not None or error.message.startswith("-"):  # what an option says stands in no file
+            # What an option says stands in no file, and what is wrong with an installed package in none of the nest's.
+            if error.file is not None or error.message.startswith("-") or isinstance(error, RuleFault):
                 raise
             raise InputError(error.message, file=options["nest"], details=error.details) from error
         except RulesConflict as error:
@@ -72,9 +77,10 @@ def read_given(
     frame: Frame | None,
     repair: bool,
     origin: Origin | None = None,
+    trust: bool = False,
 ) -> Given:
     """Read both, the nest as the profile has it cut; what the reader has to say goes to standard error, a line each."""
-    plant = plant_of(profile)
+    plant = plant_of(profile, trust)
     plant = plant.at_origin(origin) if origin else plant
     size_mm = _size(sheet) if sheet else None
     read = drawn_nest(nest, plant, units=units, sheet_mm=size_mm, frame=frame, repair=repair)

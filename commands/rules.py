@@ -9,6 +9,8 @@ import click
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.profile.profile import DEFAULT, load_profile
 
+from .given import TRUST
+
 PROFILE = click.option("-p", "--profile", default=DEFAULT, show_default=True, help="Whose strengths to list.")
 
 
@@ -24,21 +26,22 @@ class Pages(click.Group):
 
 @click.group(cls=Pages, invoke_without_command=True, subcommand_metavar="[RULE | new NAME | test [RULE]]")
 @PROFILE
+@TRUST
 @click.pass_context
-def command(ctx: click.Context, profile: str) -> None:
+def command(ctx: click.Context, profile: str, trust: bool) -> None:
     """List the rules with the strength the profile gives them, or print the page of RULE.
 
     `kerfwise rules RULE --picture OUT.svg` draws its cases, `kerfwise rules new NAME` begins a rule of that name,
     `kerfwise rules test [RULE]` runs the cases.
     """
     if ctx.invoked_subcommand is None:
-        _list(profile)
+        _list(profile, trust)
 
 
-def _list(profile: str) -> None:
+def _list(profile: str, trust: bool) -> None:
     from kerfwise.rules.pages.pages import rule_table
 
-    loaded = load_profile(profile)
+    loaded = load_profile(profile, trust=trust)
     for row in rule_table(loaded):
         click.echo(f"{row.id:26}{_strength(row.strength, row.weight):14}{row.sentence}")
     for own in loaded.own_rules:
@@ -53,11 +56,12 @@ def _strength(strength: str, weight: float | None) -> str:
 @click.argument("rule")
 @click.option("--picture", metavar="OUT.svg", help="Draw the rule's first case that fails and its first that passes.")
 @PROFILE
-def page(rule: str, picture: str | None, profile: str) -> None:
+@TRUST
+def page(rule: str, picture: str | None, profile: str, trust: bool) -> None:
     """Print the page of RULE."""
     from kerfwise.rules.pages.pages import rule_page
 
-    text = rule_page(rule)
+    text = rule_page(rule, load_profile(profile, trust=trust).known_rules())
     if picture is None:
         click.echo(text, nl=False)
     else:

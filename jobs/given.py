@@ -37,8 +37,8 @@ class Given:
     profile: Profile
 
 
-def plant_of(profile: ProfileLike = DEFAULT) -> Profile:
-    """The profile itself, the shipped one of that name, or the one in that file.
+def plant_of(profile: ProfileLike = DEFAULT, trust: bool = False) -> Profile:
+    """The profile itself, the shipped one of that name, or the one in that file; see `load_profile` for `trust`.
 
     Raises
     ------
@@ -47,7 +47,7 @@ def plant_of(profile: ProfileLike = DEFAULT) -> Profile:
     """
     if isinstance(profile, Profile):
         return profile
-    return load_profile(_path("profile", profile, "a Profile, a name or a path"))
+    return load_profile(_path("profile", profile, "a Profile, a name or a path"), trust=trust)
 
 
 def drawn_nest(

@@ -100,7 +100,7 @@ def produce(
     program = write_program(plan, facts.whole_nest, profile)
     verdict = judge(facts.whole_nest, plan, program, profile)
     judging_s = time.monotonic() - began_s
-    return Produced(replace(plan, rules=report_of(verdict)), program, verdict, solution.notes, judging_s)
+    return Produced(replace(plan, rules=report_of(verdict, profile)), program, verdict, solution.notes, judging_s)
 
 
 def _solved(

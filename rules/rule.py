@@ -87,6 +87,8 @@ class Rule(ABC, Generic[OptionsT]):
     which are not judged: a violation counts where all its cuts are new, and where a rule `minds_what_is_out`, that is,
     judges a cut by what was cut before it, where the last of them is. A rule `of_whole_nest` states over the facts of
     the whole; what the cuts made have decided is left out.
+
+    `brought` says who has brought a rule that is not of the catalogue: `rules/outside` sets it.
     """
 
     id: str
@@ -107,6 +109,7 @@ class Rule(ABC, Generic[OptionsT]):
     guards_metal: ClassVar[bool] = False
     makes_zones: ClassVar[bool] = False
     shares: ClassVar[tuple[str, ...]] = ()
+    brought: str = ""
 
     def __init_subclass__(cls, **options: Any) -> None:
         """What a rule raises that nobody foresaw names the rule."""

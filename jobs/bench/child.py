@@ -83,7 +83,7 @@ def _nest(job: Job) -> _Outcome:
     from kerfwise.jobs.solve_options import options_for
     from kerfwise.rules.profile.profile import load_profile
 
-    profile = load_profile(job.profile) if job.profile else load_profile()
+    profile = load_profile(job.profile, trust=job.trust) if job.profile else load_profile()
     nest = read_nest(job.path, profile.read_options())
     limits = options_for(nest, profile, work=job.work, seed=job.seed, time_s=job.time_s, engine=job.engine)
     load_kernels()

@@ -21,6 +21,7 @@ class Job:
     work: float = 30.0
     time_s: float | None = None
     profile: str = ""
+    trust: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,9 +12,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan, RuleReport
 from kerfwise.postproc.check import CheckResult, Claims, Heating, Relaxed, Thermometer, check_cuts
 from kerfwise.postproc.check import check_program as check_nc
-from kerfwise.rules.own import PREFIX as OWN
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.registry import RULES
 
 __all__ = ["check_plan", "check_program", "judge", "report_of", "thermometer_of"]
 
@@ -117,8 +115,9 @@ def _block(program: str, line: int) -> str:
     return f"block {lines[line - 1].strip()!r}" if 0 < line <= len(lines) else f"line {line}"
 
 
-def report_of(result: CheckResult) -> tuple[RuleReport, ...]:
+def report_of(result: CheckResult, profile: Profile) -> tuple[RuleReport, ...]:
     """The verdicts on the profile's rules as a plan states them."""
+    book = profile.rulebook()
     return tuple(
         RuleReport(
             judgement.id,
@@ -128,5 +127,5 @@ def report_of(result: CheckResult) -> tuple[RuleReport, ...]:
             tuple((v.contours, v.text) for v in judgement.violations if judgement.strength == "soft"),
         )
         for judgement in result.rules
-        if (judgement.id in RULES or judgement.id.startswith(OWN)) and judgement.strength != "off"
+        if judgement.id in book and judgement.strength != "off"
     )

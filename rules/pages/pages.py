@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -47,15 +48,15 @@ class RuleRow:
 
 
 def rule_table(profile: Profile) -> list[RuleRow]:
-    """Every rule, by id, with the strength that the profile gives it."""
+    """Every rule, with the strength that the profile gives it: the catalogue by id, then those from outside."""
     return [
         RuleRow(name, profile.rules[name].strength, profile.rules[name].weight, rule.sentence, rule.source)
-        for name, rule in RULES.items()
+        for name, rule in profile.known_rules().items()
     ]
 
 
-def rule_page(id: str) -> str:
-    """The page of one rule, in Markdown.
+def rule_page(id: str, known: Mapping[str, Rule[Any]] = RULES) -> str:
+    """The page of one rule, in Markdown; `known` are the rules that there are.
 
     Raises
     ------
@@ -67,9 +68,9 @@ def rule_page(id: str) -> str:
     >>> print(rule_page("hull-before").splitlines()[0])
     # hull-before
     """
-    if id not in RULES:
-        raise InputError(unknown("rule", id, RULES))
-    rule = RULES[id]
+    if id not in known:
+        raise InputError(unknown("rule", id, known))
+    rule = known[id]
     default = f"soft, {LENGTH.write(rule.default_weight)}" if rule.default == "soft" else rule.default
     lines = [
         f"# {rule.id}",
@@ -80,6 +81,8 @@ def rule_page(id: str) -> str:
         "",
         f"Strength: {' or '.join(rule.strengths)} (default {default}). Source: {rule.source.rstrip('.')}.",
     ]
+    if rule.brought:
+        lines[-1] += f" Brought by {rule.brought}."
     return "\n".join([*lines, *_options(rule)]) + "\n"
 
 

@@ -79,7 +79,8 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
             "the scheme is stable up to 0.125",
         )
     plant = plant_of(material, heat, given["locks"])
+    known = RULES | given["further_rules"]
     for name, setting in rules.items():
         if setting.strength != "off":
-            for key, text in RULES[name].check_with(filled_in(setting.options, plant, rules), plant, rules):
+            for key, text in known[name].check_with(filled_in(setting.options, plant, rules, known), plant, rules):
                 problems.add(deepest(root, "rules", name, key), f"rules.{name}.{key}: {text}")

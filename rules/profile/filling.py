@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.thickness_table import ThicknessTable
 from kerfwise.rules.plant import Plant
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.rule import RuleSetting
+from kerfwise.rules.rule import Rule, RuleSetting
 
 from .heat_section import Heat
 
@@ -34,8 +34,10 @@ def plant_of(material: Material, heat: Heat, locks: tuple[Lock, ...]) -> Plant:
     )
 
 
-def filled_in(options: T, plant: Plant, rules: Mapping[str, RuleSetting]) -> T:
+def filled_in(options: T, plant: Plant, rules: Mapping[str, RuleSetting], known: Mapping[str, Rule[Any]] = RULES) -> T:
     """The options with the fields that no key of their own sets, and lengths as they are for the sheet's thickness.
+
+    `known` are the rules that `rules` has settings of.
 
     Raises
     ------
@@ -48,10 +50,11 @@ def filled_in(options: T, plant: Plant, rules: Mapping[str, RuleSetting]) -> T:
     unset = [f.name for f in fields if "kind" not in f.metadata]
     if not unset:
         return dataclasses.replace(options, **lengths)
-    known = {f.name: getattr(plant, f.name) for f in dataclasses.fields(plant)} | shared(rules)
-    return dataclasses.replace(options, **lengths, **{name: known[name] for name in unset})
+    of_plant = {f.name: getattr(plant, f.name) for f in dataclasses.fields(plant)}
+    told = of_plant | shared(rules, known)
+    return dataclasses.replace(options, **lengths, **{name: told[name] for name in unset})
 
 
-def shared(rules: Mapping[str, RuleSetting]) -> dict[str, object]:
+def shared(rules: Mapping[str, RuleSetting], known: Mapping[str, Rule[Any]] = RULES) -> dict[str, object]:
     """Name → value of the options that rules share with others."""
-    return {name: getattr(rules[id].options, name) for id, rule in RULES.items() for name in rule.shares}
+    return {name: getattr(rules[id].options, name) for id, rule in known.items() for name in rule.shares}

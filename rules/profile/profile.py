@@ -25,6 +25,7 @@ from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.thickness_table import LengthOf, length_at
+from kerfwise.rules.outside import PythonFile, installed_rules
 from kerfwise.rules.own import Own, OwnFile, Thresholds, as_rule, own_pairs
 from kerfwise.rules.plant import Plant
 from kerfwise.rules.profile.cuts_section import Cuts
@@ -49,6 +50,9 @@ DEFAULT = "plasma-carbon-steel"
 class Profile:
     """Everything a plant fixes beforehand.
 
+    `further_rules` are those beside the catalogue that `rules` has settings of: of installed packages, which are off
+    unless a profile says otherwise, and of the files that it names.
+
     `sha256` is that of the profile's file, `read_from` are the places of that file and of those it is based on; they
     and `file` do not make two profiles differ.
 
@@ -68,6 +72,8 @@ class Profile:
     objective: Objective = field(default_factory=Objective)
     locks: tuple[Lock, ...] = ()
     own_rules: tuple[Own, ...] = ()
+    python: tuple[PythonFile, ...] = ()
+    further_rules: Mapping[str, Rule[Any]] = field(default_factory=dict)
     time: Time = field(default_factory=Time)
     prices: Prices = field(default_factory=Prices)
     heat: Heat = field(default_factory=Heat)
@@ -84,7 +90,8 @@ class Profile:
         """
         on = {name: setting for name, setting in self.rules.items() if setting.strength != "off"}
         if self.machine.head == "down":
-            stricter = (name for name in on if RULES[name].hard_with_head_down)
+            known = self.known_rules()
+            stricter = (name for name in on if known[name].hard_with_head_down)
             on |= {name: RuleSetting("hard", None, on[name].options) for name in stricter}
         listed = {
             name: dataclasses.replace(setting, options=self._filled_in(setting.options)) for name, setting in on.items()
@@ -93,8 +100,12 @@ class Profile:
         return listed | {rule.id: RuleSetting(rule.strength, rule.weight, self._thresholds()) for rule in own}
 
     def rulebook(self) -> dict[str, Rule[Any]]:
-        """Every rule by id: those of the catalogue, then the plant's own."""
-        return {**RULES, **{rule.id: as_rule(rule) for rule in self.own_rules}}
+        """Every rule by id: those that `rules` has settings of, then the plant's own in YAML."""
+        return {**self.known_rules(), **{rule.id: as_rule(rule) for rule in self.own_rules}}
+
+    def known_rules(self) -> dict[str, Rule[Any]]:
+        """Every rule that `rules` has a setting of, by id: those of the catalogue, and those from outside."""
+        return {**RULES, **self.further_rules}
 
     def temperature_limit(self) -> TemperatureLimit | None:
         """The lowest limit that a rule which is on puts on the temperature of metal; None where none does."""
@@ -108,12 +119,13 @@ class Profile:
         return plant_of(self.material, self.heat, self.locks)
 
     def _filled_in(self, options: T) -> T:
-        return filled_in(options, self.plant, self.rules)
+        return filled_in(options, self.plant, self.rules, self.known_rules())
 
     def _every_rule(self) -> Iterator[tuple[Rule[Any], Any, Strength]]:
-        """Each rule of the catalogue, on or off, with its options and strength."""
-        for name, rule in RULES.items():
-            yield rule, self._filled_in(self.rules[name].options), self.rules[name].strength
+        """Each rule with its options and strength; those from outside only if they are on."""
+        for name, rule in self.known_rules().items():
+            if name in RULES or self.rules[name].strength != "off":
+                yield rule, self._filled_in(self.rules[name].options), self.rules[name].strength
 
     def at_origin(self, origin: Origin) -> Profile:
         """The profile with the machine's zero where a plan or program says that it has it."""
@@ -246,19 +258,23 @@ def shipped_profiles() -> dict[str, Traversable]:
     return dict(sorted(found.items()))
 
 
-def load_profile(name_or_path: str | Path = DEFAULT) -> Profile:
+def load_profile(name_or_path: str | Path = DEFAULT, *, trust: bool = False) -> Profile:
     """The shipped profile of that name, or the one in that file.
+
+    `trust` lets it run the Python files that it names; without it only those run that the machine's configuration
+    allows, see `rules/outside/trust.py`.
 
     Raises
     ------
     InputError
         If there is none, or it has a wrong key, type or value: with file, line, column, what was expected, and the
-        nearest valid name. All mistakes of a file are reported at once.
+        nearest valid name. All mistakes of a file are reported at once. Also if a rule that a package or a Python file
+        brings cannot be used, or the profile names a Python file that is not trusted.
     """
-    return _load(str(name_or_path), Path(), ())
+    return _load(str(name_or_path), Path(), (), trust)
 
 
-def _load(name: str, folder: Path, chain: tuple[str, ...]) -> Profile:
+def _load(name: str, folder: Path, chain: tuple[str, ...], trust: bool) -> Profile:
     file, place, content = _content(name, folder)
     if file in chain:
         raise InputError(f"based_on goes in a circle: {' → '.join((*chain, file))}", file=file)
@@ -268,18 +284,26 @@ def _load(name: str, folder: Path, chain: tuple[str, ...]) -> Profile:
         raise InputError(f"not a profile: the file is not UTF-8 text ({error.reason})", file=file) from None
 
     def base(of: str) -> Given:
-        return _fields(_load(of, Path(file).parent, (*chain, file)))
+        return _fields(_load(of, Path(file).parent, (*chain, file), trust))
 
-    given = read_given(text, file, _fields(Profile(shown(Path(file).stem))), base)
+    given = read_given(text, file, _fields(_silent(shown(Path(file).stem))), base, trust)
     read_from = (*given.get("read_from", ()), place)
     return Profile(**given | {"sha256": hashlib.sha256(content).hexdigest(), "file": file, "read_from": read_from})
+
+
+def _silent(name: str) -> Profile:
+    """A profile that says nothing: the rules of installed packages are known, and off."""
+    installed = installed_rules()
+    off = {name: RuleSetting("off", None, rule.Options()) for name, rule in installed.items()}
+    return Profile(name, rules=default_settings() | off, further_rules=installed)
 
 
 def files_of(profile: Profile) -> tuple[Path, ...]:
     """Every file that a profile is made of: its own and those it is based on, its dialect's, and those of its rules."""
     dialect = (profile.machine.dialect,) if profile.machine.dialect.endswith((".yaml", ".yml")) else ()
     rules = (rule.path for rule in profile.own_rules if isinstance(rule, OwnFile))
-    return (*map(Path, profile.read_from), *map(Path, dialect), *rules)
+    python = (file.path for file in profile.python)
+    return (*map(Path, profile.read_from), *map(Path, dialect), *rules, *python)
 
 
 def _fields(profile: Profile) -> Given:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import yaml
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.faults import at_work
 from kerfwise.encoder.shown import shown
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.kind import Unfit
@@ -24,6 +25,7 @@ from kerfwise.rules.rule import Rule
 
 from .checks import check_together
 from .older_keys import with_new_names
+from .python_section import with_python_files
 from .sections import SECTIONS, RuleSetting
 
 if TYPE_CHECKING:
@@ -31,11 +33,13 @@ if TYPE_CHECKING:
 
 Given = dict[str, Any]
 T = TypeVar("T", bound="DataclassInstance")
-KEYS = ("name", "based_on", *SECTIONS, "rules", "own_rules", "locks")
+KEYS = ("name", "based_on", *SECTIONS, "python", "rules", "own_rules", "locks")
 
 
-def read_given(text: str, file: str, start: Given, load_base: Callable[[str], Given]) -> Given:
+def read_given(text: str, file: str, start: Given, load_base: Callable[[str], Given], trust: bool = False) -> Given:
     """The fields of a profile: those of `start`, or of the one it is based on, with what the text gives in their place.
+
+    `trust` lets Python files run that the text names.
 
     Raises
     ------
@@ -54,8 +58,10 @@ def read_given(text: str, file: str, start: Given, load_base: Callable[[str], Gi
         if section in found:
             members = with_new_names(section, list(entries(found[section], problems, section)), problems)
             given[section] = read_fields(members, given[section], problems, section)
+    if "python" in found:
+        given |= with_python_files(found["python"], given, problems, trust)
     if "rules" in found:
-        given["rules"] = read_rules(found["rules"], given["rules"], problems)
+        given["rules"] = read_rules(found["rules"], given["rules"], problems, RULES | given["further_rules"])
     if "locks" in found:
         given["locks"] = read_locks(found["locks"], problems)
     if "own_rules" in found:
@@ -124,14 +130,17 @@ def read_fields(
     return dataclasses.replace(base, **given)
 
 
-def read_rules(node: yaml.Node, base: Mapping[str, RuleSetting], problems: Problems) -> dict[str, RuleSetting]:
+def read_rules(
+    node: yaml.Node, base: Mapping[str, RuleSetting], problems: Problems, known: Mapping[str, Rule[Any]]
+) -> dict[str, RuleSetting]:
     """Every rule's setting: that of `base`, with what the mapping under `rules` gives in its place."""
     settings = dict(base)
     for name, key_node, value in entries(node, problems, "rules"):
-        if name in RULES:
-            settings[name] = _read_rule(value, RULES[name], settings[name], problems)
+        if name in known:
+            with at_work(known[name], "its options"):
+                settings[name] = _read_rule(value, known[name], settings[name], problems)
         else:
-            problems.add(key_node, f"rules: {unknown('rule', name, RULES)}")
+            problems.add(key_node, f"rules: {unknown('rule', name, known)}")
     return settings
 
 
@@ -151,7 +160,13 @@ def _read_rule(node: yaml.Node, rule: Rule[Any], base: RuleSetting, problems: Pr
             problems.add(said["weight"], f"{what}.weight: only a soft rule has a weight, this one is {strength}")
     rest = [member for member in members if member[0] not in said]
     options = read_fields(rest, base.options, problems, what, other=("strength", "weight"))
+    if rule.brought and rest and strength == "off" and "strength" not in said:
+        problems.add(node, f"{what}: rules from outside are off unless a profile says otherwise: {_say_strength(rule)}")
     return RuleSetting(strength, _weight(rule, strength, weight), options)
+
+
+def _say_strength(rule: Rule[Any]) -> str:
+    return f"give its strength too, one of {', '.join(rule.strengths)}"
 
 
 def _weight(rule: Rule[Any], strength: str, weight: float | None) -> float | None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Mapping
 from typing import Any
 
 from kerfwise.rules.lock import Lock
@@ -24,8 +25,8 @@ from .sections import SECTIONS
 Json = dict[str, Any]
 
 
-def profile_schema() -> Json:
-    """The schema, made from the same declarations that profiles are read with."""
+def profile_schema(rules: Mapping[str, Rule[Any]] = RULES) -> Json:
+    """The schema, made from the same declarations that profiles are read with; with these rules, if given."""
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "kerfwise profile",
@@ -37,7 +38,8 @@ def profile_schema() -> Json:
                     Text().schema(), "a shipped profile, or a file, whose values hold where none is given"
                 ),
                 **{key: _section(key, section) for key, section in SECTIONS.items()},
-                "rules": _closed({name: _rule(rule) for name, rule in RULES.items()}),
+                "python": _python(),
+                "rules": _closed({name: _rule(rule) for name, rule in rules.items()}),
                 "own_rules": own_rules_schema(),
                 "locks": _locks(),
             }
@@ -80,6 +82,14 @@ def _rule(rule: Rule[Any]) -> Json:
     return _described({"anyOf": [strength, _closed(keys | _options(rule.Options))]}, rule.sentence)
 
 
+def _python() -> Json:
+    file = Text().schema()
+    return {
+        "description": "files of rules in Python, beside the profile; they run only where they are trusted",
+        "anyOf": [file, {"type": ["array", "null"], "items": file}],
+    }
+
+
 def _locks() -> Json:
     decisions = _options(Lock)
     return {
@@ -99,5 +109,10 @@ def _described(schema: Json, text: str) -> Json:
     return {"description": text, **schema}
 
 
+def schema_text(rules: Mapping[str, Rule[Any]] = RULES) -> str:
+    """The schema as the text of its file."""
+    return json.dumps(profile_schema(rules), indent=1, ensure_ascii=False) + "\n"
+
+
 if __name__ == "__main__":
-    sys.stdout.write(json.dumps(profile_schema(), indent=1, ensure_ascii=False) + "\n")
+    sys.stdout.write(schema_text())

@@ -12,7 +12,7 @@ from kerfwise.rules.options.members import Members
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.plain_values import Text
 from kerfwise.rules.options.quantities import LENGTH
-from kerfwise.rules.registry import RULES
+from kerfwise.rules.rule import Rule
 
 from .profile import Profile
 from .sections import SECTIONS, RuleSetting
@@ -25,19 +25,25 @@ def profile_yaml(profile: Profile) -> str:
     lines = [_line(0, f"name: {Text().write(profile.name)}", "what plans and programs call this profile")]
     for section in SECTIONS:
         lines += ["", f"{section}:", *_options(getattr(profile, section), 2)]
+    lines += ["", *_python(profile)]
+    known = profile.known_rules()
     lines += ["", "rules:"]
     for name in sorted(profile.rules):
-        lines += _rule(name, profile.rules[name])
+        lines += _rule(known[name], profile.rules[name])
     lines += ["", *_locks(profile.locks)]
     own = [rule.plain() for rule in profile.own_rules]
     lines += ["", yaml.safe_dump({"own_rules": own}, allow_unicode=True, sort_keys=False).rstrip()]
     return "\n".join(lines) + "\n"
 
 
-def _rule(name: str, setting: RuleSetting) -> Iterator[str]:
-    rule = RULES[name]
-    yield f"  # {rule.sentence}"
-    yield f"  {name}:"
+def _python(profile: Profile) -> Iterator[str]:
+    written = ", ".join(Text().write(str(file.path)) for file in profile.python)
+    yield _line(0, f"python: [{written}]", "files of rules in Python; they run only where they are trusted")
+
+
+def _rule(rule: Rule[Any], setting: RuleSetting) -> Iterator[str]:
+    yield f"  # {rule.sentence}" + (f" From {rule.brought}." if rule.brought else "")
+    yield f"  {rule.id}:"
     yield _line(4, f"strength: {setting.strength}", " | ".join(rule.strengths))
     if setting.weight is not None:
         yield _line(4, f"weight: {LENGTH.write(setting.weight)}", "cost of breaking it once, in idle travel")

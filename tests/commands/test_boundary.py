@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -102,11 +103,12 @@ def test_an_exception_in_a_rule_names_the_rule(hook: str, here: Path, monkeypatc
     def fail(self: object, *args: object) -> Any:
         raise ZeroDivisionError("division by zero")
 
-    rule = type("Broken", (LevelAhead,), {hook: fail})()
+    rule = type("Broken", (LevelAhead,), {hook: fail, "__module__": __name__})()
     with pytest.raises(ZeroDivisionError) as caught:
         list(getattr(rule, hook)(*[None] * (2 if hook == "statements" else 3)))
-    monkeypatch.setattr(given, "plant_of", lambda name: (_ for _ in ()).throw(caught.value))
-    assert "in rule level-ahead: ZeroDivisionError" in kerfwise("facts", NEST).err
+    monkeypatch.setattr(given, "plant_of", lambda *asked: (_ for _ in ()).throw(caught.value))
+    where = rf"in rule level-ahead \(test_boundary.py, line {fail.__code__.co_firstlineno + 1}\): ZeroDivisionError"
+    assert re.search(where, kerfwise("facts", NEST).err)
 
 
 def test_an_exception_in_a_rule_that_yields(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -114,10 +116,11 @@ def test_an_exception_in_a_rule_that_yields(monkeypatch: pytest.MonkeyPatch) -> 
         yield 1
         raise KeyError("A")
 
-    rule = type("Broken", (LevelAhead,), {"statements": fail})()
+    rule = type("Broken", (LevelAhead,), {"statements": fail, "__module__": __name__})()
     with pytest.raises(KeyError) as caught:
         list(rule.statements(None, None))
-    assert caught.value.__notes__ == ["in rule level-ahead"]
+    line = fail.__code__.co_firstlineno + 2
+    assert caught.value.__notes__ == [f"in rule level-ahead (test_boundary.py, line {line})"]
 
 
 def test_messages_without_a_file_name_the_nest(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -74,7 +74,7 @@ def test_the_report_lists_every_rule_and_ends_with_the_verdict() -> None:
 
 
 def test_verdicts_go_back_to_the_plan_and_are_then_held_against_it() -> None:
-    verdicts = report_of(check_plan(PLATE, PLAN, PROFILE))
+    verdicts = report_of(check_plan(PLATE, PLAN, PROFILE), PROFILE)
     assert {v.id for v in verdicts} == set(PROFILE.settings())
     assert check_plan(PLATE, dataclasses.replace(PLAN, rules=verdicts), PROFILE).ok
     lie = tuple(dataclasses.replace(v, holds=v.id != "pierce") for v in verdicts if v.id != "zone-order")
@@ -87,7 +87,7 @@ def test_verdicts_go_back_to_the_plan_and_are_then_held_against_it() -> None:
 
 
 def test_a_plan_made_with_another_profile_need_not_know_all_rules_of_this_one() -> None:
-    verdicts = tuple(v for v in report_of(check_plan(PLATE, PLAN, PROFILE)) if v.id != "zone-order")
+    verdicts = tuple(v for v in report_of(check_plan(PLATE, PLAN, PROFILE), PROFILE) if v.id != "zone-order")
     other = {"name": "other", "sha256": "0" * 64}
     assert check_plan(PLATE, dataclasses.replace(PLAN, rules=verdicts, profile=other), PROFILE).ok
     false = tuple(dataclasses.replace(v, holds=v.id != "pierce") for v in verdicts)
@@ -106,7 +106,7 @@ def test_soft_rules_never_fail_the_check() -> None:
     result = check_cuts(PLATE, cuts, profile(rules=rules))
     assert result.rule("zone-order").verdict == "off"
     assert "off        off  zone-order" in report(result)
-    assert "zone-order" not in {verdict.id for verdict in report_of(result)}
+    assert "zone-order" not in {verdict.id for verdict in report_of(result, plant)}
 
 
 def test_parts_closer_than_the_kerf_are_refused_unless_contours_may_touch() -> None:

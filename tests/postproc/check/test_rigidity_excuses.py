@@ -55,7 +55,7 @@ def test_the_last_of_a_row_is_excused_and_no_other() -> None:
         "within these zones no order avoids it: with the neighbours out that the order rules put before C.outer, "
         "no entry and direction ends along more than 0%"
     )
-    verdict = next(v for v in report_of(result) if v.id == "part-rigidity")
+    verdict = next(v for v in report_of(result, PROFILE) if v.id == "part-rigidity")
     assert (verdict.holds, verdict.exceptions) == (True, ((("C.outer",), excused.why),))
 
 

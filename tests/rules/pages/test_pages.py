@@ -28,7 +28,7 @@ def test_page_has_the_sentence_the_source_and_every_option(rule: str) -> None:
 
 def test_table_of_a_profile() -> None:
     table = rule_table(load_profile("water-jet"))
-    assert [row.id for row in table] == sorted(RULES)
+    assert [row.id for row in table][: len(RULES)] == sorted(RULES), "rules from outside come after them"
     found = {row.id: (row.strength, row.weight) for row in table}
     assert found["part-contiguous"] == ("soft", 100.0)
     assert found["zone-order"] == ("off", None)

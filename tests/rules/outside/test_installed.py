@@ -1,0 +1,165 @@
+"""Rules that installed packages bring: found, used, refused; and kerfwise's own pages and tests stay as they are."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from importlib.metadata import EntryPoint, EntryPoints, PathDistribution
+from pathlib import Path
+
+import pytest
+
+from kerfwise.encoder.faults import RuleFault
+from kerfwise.rules.outside import installed
+from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.registry import RULES
+from kerfwise.tests.rules.outside.written import NEST, ROOT, package, profile_file, python, rule_file
+
+KEPT_TESTS = (
+    "tests/rules/pages",
+    "tests/rules/profile/test_schema.py",
+    "tests/rules/profile/test_profile.py",
+    "tests/rules/test_registry.py",
+    "tests/rules/test_cases.py",
+    "tests/rules/test_no_rule_by_name.py",
+    "tests/test_drawn_options.py",
+    "tests/models/engines/minizinc/test_rule_files.py",
+    "tests/commands/test_rules_verb.py",
+)
+"""Tests over all rules there are, and of what is made from them."""
+
+
+@pytest.fixture
+def plant(tmp_path: Path) -> Path:
+    """A folder with an installed package that brings the rule bars-last."""
+    rule_file(tmp_path, name="plant_rules.py")
+    package(tmp_path)
+    return tmp_path
+
+
+def test_a_package_brings_a_rule(plant: Path) -> None:
+    listed = python(plant, "-m", "kerfwise", "rules").stdout
+    assert "bars-last                 off           Bars are cut after the other parts." in listed
+    page = python(plant, "-m", "kerfwise", "rules", "bars-last").stdout
+    assert "Brought by package plant-rules 1.0." in page
+    profile = profile_file(plant, "rules: {bars-last: {strength: hard, ratio: 3}}")
+    shown = python(plant, "-m", "kerfwise", "profile", "show", str(profile)).stdout
+    assert "From package plant-rules 1.0." in shown
+    schema = json.loads(python(plant, "-m", "kerfwise", "profile", "schema").stdout)
+    assert "bars-last" in schema["properties"]["rules"]["properties"]
+    asked = ["-m", "kerfwise", "solve", str(NEST), "-p", str(profile), "--work", "1", "-o", "a.nc", "--plan", "a.json"]
+    assert "holds      hard bars-last" in python(plant, *asked).stdout
+    order = [cut["contour"] for cut in json.loads((plant / "empty" / "a.json").read_text(encoding="utf-8"))["cuts"]]
+    assert order[-1] == "L.outer"
+
+
+@pytest.mark.slow
+def test_pages_and_tests_of_kerfwise_do_not_change(plant: Path) -> None:
+    assert python(plant, "-m", "kerfwise.rules.pages").stdout == (ROOT / "docs" / "rules.md").read_text(
+        encoding="utf-8"
+    )
+    schema = ROOT / "rules" / "profile" / "profile.schema.json"
+    assert python(plant, "-m", "kerfwise.rules.profile.schema").stdout == schema.read_text(encoding="utf-8")
+    known = "from kerfwise.rules.outside import installed_rules; print(*installed_rules())"
+    assert python(plant, "-c", known).stdout == "bars-last\n"
+    tested = python(plant, "-m", "pytest", "-q", "-p", "no:cacheprovider", *KEPT_TESTS, at=ROOT)
+    assert tested.returncode == 0, tested.stdout[-3000:]
+
+
+@pytest.fixture
+def found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[pytest.MonkeyPatch]:
+    """Looks for packages in the folder of the test alone; nothing is known of it afterwards."""
+
+    def here(group: str) -> EntryPoints:
+        made = [point for path in sorted(tmp_path.glob("*.dist-info")) for point in PathDistribution(path).entry_points]
+        return EntryPoints(point for point in made if point.group == group)
+
+    before = set(sys.modules)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(installed, "entry_points", here)
+    installed.installed_rules.cache_clear()
+    yield monkeypatch
+    installed.installed_rules.cache_clear()
+    for name in set(sys.modules) - before:
+        if name.startswith("plant_rules"):
+            del sys.modules[name]
+
+
+def test_it_is_off_until_a_profile_names_it(plant: Path, found: object) -> None:
+    assert load_profile().rules["bars-last"].strength == "off"
+    assert "bars-last" not in load_profile().settings()
+    assert load_profile(profile_file(plant, "rules: {bars-last: soft}")).rules["bars-last"].weight == 1000.0
+    with pytest.raises(Exception, match=r"rules.bars-last: rules from outside are off .* give its strength too"):
+        load_profile(profile_file(plant, "rules: {bars-last: {ratio: 3}}"))
+
+
+def test_its_code_is_loaded_once(plant: Path, found: pytest.MonkeyPatch) -> None:
+    one = load_profile().further_rules["bars-last"]
+    found.setattr(EntryPoint, "load", lambda self: 1 / 0)
+    assert load_profile().further_rules["bars-last"] is one
+
+
+def test_a_module_may_bring_several(tmp_path: Path, found: object) -> None:
+    second = "\n\nclass Second(BarsLast):\n    id = 'bars-first'\n\n\ndef bar("
+    rule_file(tmp_path, ("def bar(", second), name="plant_rules.py")
+    package(tmp_path, points="all = plant_rules")
+    assert list(installed.installed_rules()) == ["bars-first", "bars-last"]
+
+
+BROKEN = {
+    "no module": (
+        "bars = plant_rulez:BarsLast", (),
+        "brings rules that cannot be loaded (entry point bars = plant_rulez:BarsLast): ModuleNotFoundError",
+    ),
+    "no class": (
+        "bars = plant_rules:Bars", (), "cannot be loaded (entry point bars = plant_rules:Bars): AttributeError",
+    ),
+    "raises": (
+        "bars = plant_rules", (("def bar(", "1 / 0\n\n\ndef bar("),),
+        "cannot be loaded (entry point bars = plant_rules): ZeroDivisionError",
+    ),
+    "no rule": (
+        "bars = plant_rules:bar", (), "entry point bars = plant_rules:bar is no rule: expected a class derived",
+    ),
+    "empty": ("bars = plant_rules", (('id = "bars-last"', ""),), "defines no rule"),
+    "incomplete": ("bars = plant_rules", (("def pairs", "def pears"),), "rule class BarsLast: pairs() is missing"),
+    "shipped": (
+        "bars = plant_rules", (('id = "bars-last"', 'id = "pierce"'),),
+        "two rules are called 'pierce': one of package plant-rules 1.0, one of kerfwise itself",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("how", BROKEN)
+def test_a_broken_package_is_named(how: str, tmp_path: Path, found: object) -> None:
+    points, instead, message = BROKEN[how]
+    rule_file(tmp_path, *instead, name="plant_rules.py")
+    package(tmp_path, points=points)
+    with pytest.raises(RuleFault) as caught:
+        load_profile()
+    assert "package plant-rules 1.0" in str(caught.value)
+    assert message in str(caught.value)
+
+
+def test_a_broken_package_ends_the_command_with_a_message(tmp_path: Path) -> None:
+    package(tmp_path, points="bars = plant_rules:BarsLast")
+    ended = python(tmp_path, "-m", "kerfwise", "facts", str(NEST))
+    assert (ended.returncode, ended.stdout) == (2, "")
+    assert ended.stderr.startswith("kerfwise: package plant-rules 1.0 brings rules that cannot be loaded")
+    assert ended.stderr.endswith("mend it, or uninstall it: pip uninstall plant-rules\n")
+
+
+def test_two_packages_with_one_name(tmp_path: Path, found: object) -> None:
+    rule_file(tmp_path, name="plant_rules.py")
+    rule_file(tmp_path, name="plant_rules_2.py")
+    package(tmp_path)
+    package(tmp_path, "other-rules", "bars = plant_rules_2")
+    message = "two rules are called 'bars-last': one of package plant-rules 1.0, one of package other-rules 1.0"
+    with pytest.raises(RuleFault, match=message):
+        load_profile()
+
+
+def test_the_catalogue_stays_what_it_is(plant: Path, found: object) -> None:
+    assert "bars-last" in installed.installed_rules()
+    assert "bars-last" not in RULES
