@@ -47,7 +47,7 @@ Python {python}, {system}, plates of `examples/gen_sheet.py`, seed 1, the defaul
 The plan is what search finds in {seconds:g} s, the bounds have as long each. Flows are a linear program with cuts for
 orders; walks visit n contours at lawful positions, and do not come back to the so many near contours that they remember
 (`models/engines/bounds`). `conditions` are those of part-rigidity and of narrow strips, `lags` what heat-lag asks of
-contours cut one after the other. Both bounds see a lag of one cut; neither sees a condition.
+contours cut one after the other. Both bounds see a lag of one cut; flows see conditions too, walks do not.
 """
 REMEMBERED = (0, 3, 5)
 

@@ -2,8 +2,8 @@
 
 Every plan is a cycle through home that reaches each contour at one of its sites and leaves it from there. What no
 plan does and the cheapest flow may do is cut off: what must lead from one contour to another must do so without what
-comes before the one or after the other (Balas, Fischetti and Pulleyblank 1995), and contiguous blocks are entered
-once. The bound is worked out from the multipliers over all moves, so that it holds however good they are.
+comes before the one or after the other (Balas, Fischetti and Pulleyblank 1995), contiguous blocks are entered once, and
+a site that needs its neighbours in, or out, needs flow in that order. The bound is worked out from the multipliers over all moves, so that it holds however good they are.
 """
 
 from __future__ import annotations
@@ -11,17 +11,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_matrix, vstack
+from scipy.sparse import csr_matrix, hstack, vstack
 
-from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.arrays import Floats, Ints
 from kerfwise.models.engines.solution import Incumbent, Progress
 from kerfwise.models.problem.problem import Problem
 
+from .demands import Demands
 from .inequalities import Inequalities, block_inequalities
 from .merged import merged
 from .moves import least_moves
-from .restricted_master import RestrictedMaster
-from .separation import Flow, broken_inequalities
+from .restricted_master import restricted_master
+from .separation import Flow, Separation
 
 NEAREST = 5
 """Moves from and to every site that are looked at from the start."""
@@ -31,7 +32,9 @@ LEAST_GAIN = 3e-4
 """Share of the bound that the last few rounds must bring."""
 PATIENCE = 12
 CROWD = 3
-"""Inequalities per contour, beyond which those that nothing is paid for are dropped."""
+"""Inequalities per contour, beyond which those are dropped that nothing is paid for."""
+RISEN = 1e-5
+"""Share by which the bound has risen before inequalities are dropped again: else the same ones come back in turn."""
 ADDITIONS_PER_S = 3.6e7
 """Moves times rounds of the simplex method that a second is counted for."""
 FEW = 1000
@@ -67,21 +70,24 @@ def flow_bound(problem: Problem, plan: Incumbent, work: float, progress: Progres
     if problem.m > MOST_SITES:
         plan = Incumbent(tuple(int(problem.site_contour[s]) for s in plan.route), plan.cost)
         problem = merged(problem)
-    blocks = block_inequalities(problem)
-    flow, best, seen = _Flow(problem, plan, blocks), 0.0, [0.0] * PATIENCE
+    demands = Demands(problem)
+    separation = Separation(problem, demands)
+    blocks = block_inequalities(problem, len(demands.cost))
+    flow, best, seen = _Flow(problem, plan, blocks, demands.cost), 0.0, [0.0] * PATIENCE
+    dropped_at = 0.0
     while flow.cheapest(work):
         best = max(best, flow.bound)
         if best > plan.cost - 1 or flow.work > work or (progress and not progress("bound", plan.cost, _whole(best))):
             break
-        found, work_found = broken_inequalities(
-            problem, flow.moves, lambda: not progress or progress("bound", plan.cost, None)
-        )
-        flow.work += work_found
+        before = separation.work
+        found = separation.broken(flow.moves, flow.beside, lambda: not progress or progress("bound", plan.cost, None))
+        flow.work += separation.work - before
         seen.append(best)
         if (flow.complete and not len(found)) or best < (1 + LEAST_GAIN) * seen[-1 - PATIENCE]:
             break
-        if flow.complete or flow.inequalities > CROWD * problem.n:
+        if (flow.complete or flow.inequalities > CROWD * problem.n) and best > (1 + RISEN) * dropped_at:
             flow.drop_idle(len(blocks))
+            dropped_at = best
         flow.ask(found)
     return FlowBound(max(0, min(plan.cost, _whole(best))), flow.work)
 
@@ -98,7 +104,7 @@ class _Flow:
     then the inequalities.
     """
 
-    def __init__(self, problem: Problem, plan: Incumbent, inequalities: Inequalities) -> None:
+    def __init__(self, problem: Problem, plan: Incumbent, inequalities: Inequalities, beside: Floats) -> None:
         n, m = problem.n, problem.m
         self._n, self._m = n, m
         self._owner = np.append(problem.site_contour, n)
@@ -114,12 +120,14 @@ class _Flow:
         wanted &= self._open
         wanted[[m, *plan.route], [*plan.route, m]] = True
         once = np.repeat([1.0, 0.0], [n + 1, m + 1])
-        self._program = RestrictedMaster(once)
+        self._program = restricted_master(once)
+        self._beside_cost = beside
+        self._program.add_columns(beside, csr_matrix((len(once), len(beside))), 1.0)
         self._inequalities = inequalities.only(np.zeros(len(inequalities), dtype=np.bool_))
         self._use(*np.nonzero(wanted))
         self.ask(inequalities)
         self.work, self.bound, self.complete = 0.0, 0.0, False
-        self._binding: Bools = np.zeros(0, dtype=np.bool_)
+        self._idle = np.zeros(0, dtype=np.bool_)
 
     def cheapest(self, work: float) -> bool:
         """Solve; add the moves that would have made it cheaper. False where it cannot be solved within that work."""
@@ -131,14 +139,17 @@ class _Flow:
         self.work += len(self._leave) * (solved.iterations + 1) / ADDITIONS_PER_S
         self.work += (len(self._inequalities) + 10) * self._open.size / PRODUCTS_PER_S
         paid = np.maximum(solved.multiplier[n + self._m + 2 :], 0.0)
-        self._binding = paid > 1e-9
-        self.moves = Flow(self._leave, self._reach, np.maximum(solved.value, 0.0))
+        self._idle = paid <= 1e-9
+        columns = len(self._beside_cost)
+        self.beside = np.clip(solved.value[:columns], 0.0, 1.0)
+        self.moves = Flow(self._leave, self._reach, np.maximum(solved.value[columns:], 0.0))
         self._learn(solved.multiplier[n + 1 : n + self._m + 2], paid)
         return True
 
     def ask(self, found: Inequalities) -> None:
         """Ask for these inequalities, too."""
-        self._program.add_rows(found.across(self._leave, self._reach), found.sure)
+        entries = hstack([found.beside, found.across(self._leave, self._reach)], format="csr")
+        self._program.add_rows(entries, found.least)
         self._inequalities = self._inequalities.joined(found)
 
     @property
@@ -148,7 +159,7 @@ class _Flow:
 
     def drop_idle(self, kept: int) -> None:
         """Drop the inequalities that nothing is paid for, but for the first few."""
-        idle = ~self._binding
+        idle = self._idle
         idle[:kept] = False
         self._program.drop_rows(self._n + self._m + 2 + np.flatnonzero(idle))
         self._inequalities = self._inequalities.only(~idle)
@@ -169,7 +180,8 @@ class _Flow:
         left = self._cost - price[None, :] + price[:, None] - self._inequalities.worth(paid)
         first = np.append(np.searchsorted(owner, np.arange(self._n)), m)
         least = np.minimum.reduceat(left.min(axis=0), first)
-        self.bound = float(least.sum() + paid @ self._inequalities.sure)
+        beside = self._beside_cost - self._inequalities.beside.T @ paid  # between 0 and 1 each
+        self.bound = float(least.sum() + paid @ self._inequalities.least + np.minimum(beside, 0.0).sum())
         in_use = np.where(self._used, left, np.inf)
         known = np.minimum.reduceat(in_use.min(axis=0), first)
         missing = np.where(self._used | ~self._open, 0.0, left - known[owner][None, :])

@@ -1,0 +1,63 @@
+"""A linear program that is solved on from its last basis has the optimum of one that is solved from nothing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.sparse import csr_matrix
+
+from kerfwise.models.engines.bounds.restricted_master import Anew, GoesOn, RestrictedMaster, restricted_master
+
+
+def test_the_installed_scipy_goes_on_from_its_last_basis() -> None:
+    assert isinstance(restricted_master(np.ones(2)), GoesOn)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_going_on_and_starting_anew_find_the_same_cost(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    right = random.integers(1, 5, 3).astype(np.float64)
+    programs: list[RestrictedMaster] = [GoesOn(right), Anew(right)]
+    cost, least = np.zeros(0), np.zeros(0)
+    table = np.zeros((3, 0))
+    for _ in range(5):
+        change = random.integers(3)
+        if change == 0 or not len(cost):  # columns, among them one that meets each equation alone
+            more = np.hstack([np.eye(3), random.integers(-1, 2, (3, 4))])
+            entries = np.vstack([more, random.integers(0, 2, (len(least), 7))])
+            price = random.integers(0, 9, 7).astype(np.float64)
+            for program in programs:
+                program.add_columns(price, csr_matrix(entries))
+            cost, table = np.append(cost, price), np.hstack([table, entries])
+        elif change == 1:
+            rows, asked = random.integers(0, 2, (2, len(cost))), random.integers(-1, 2, 2).astype(np.float64)
+            for program in programs:
+                program.add_rows(csr_matrix(rows.astype(np.float64)), asked)
+            least, table = np.append(least, asked), np.vstack([table, rows])
+        elif len(least):
+            gone = int(random.integers(len(least)))
+            for program in programs:
+                program.drop_rows(np.array([3 + gone]))
+            least, table = np.delete(least, gone), np.delete(table, 3 + gone, axis=0)
+        on, anew = (program.solve(1000) for program in programs)
+        assert (on is None) == (anew is None)
+        if on is None or anew is None:
+            continue
+        assert cost @ on.value == pytest.approx(cost @ anew.value, abs=1e-6)
+        for solved in (on, anew):  # lawful, and proven by its multipliers
+            assert np.allclose(table[:3] @ solved.value, right)
+            assert (table[3:] @ solved.value >= least - 1e-6).all()
+            assert (solved.value >= -1e-9).all()
+            assert (cost - solved.multiplier @ table >= -1e-6).all()
+            assert solved.multiplier @ np.append(right, least) == pytest.approx(cost @ solved.value, abs=1e-6)
+
+
+def test_no_optimum_within_the_rounds_is_said() -> None:
+    program = restricted_master(np.full(30, 2.0))
+    random = np.random.default_rng(1)
+    program.add_columns(random.random(200), csr_matrix(np.hstack([np.eye(30), random.random((30, 170))])))
+    assert program.solve(1) is None
+    assert program.solve(1000) is not None
