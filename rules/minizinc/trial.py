@@ -10,6 +10,8 @@ import shutil
 import subprocess
 import tempfile
 import time
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -99,11 +101,38 @@ def expect_solving(program: str, solver: str) -> None:
 
 
 def _answer(program: str, *words: str, asked: str = "") -> str:
-    """What the program prints; it gets nothing to read, and no more time and room than it needs.
+    """What the program prints; it gets nothing to read, and no more time and room than it needs."""
+    what = f"asked for {asked or words[0]}, it"
+    ran = run(program, words, LIMIT_S)
+    if ran.code is None:
+        raise unusable(
+            program, f"{what} {'prints without end' if ran.endless else f'gives no answer within {LIMIT_S:g} s'}"
+        )
+    if ran.code != 0:
+        raise unusable(program, f"{what} ends with exit code {ran.code} and {_quoted(ran.complaint or ran.said)}")
+    return ran.said
+
+
+@dataclass(frozen=True, slots=True)
+class Ran:
+    """How a run of the program ended: its exit code, None where it was ended, for printing without end or else late."""
+
+    code: int | None
+    said: str
+    complaint: str
+    endless: bool
+
+
+def run(program: str, words: Sequence[str], limit_s: float) -> Ran:
+    """Run the program with nothing to read, for so long at the most.
 
     It prints into files, not pipes: one that hangs may have left children that hold a pipe open.
+
+    Raises
+    ------
+    InputError
+        If it cannot be started.
     """
-    what = f"asked for {asked or words[0]}, it"
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         try:
             child = subprocess.Popen([program, *words], stdin=subprocess.DEVNULL, stdout=out, stderr=err)
@@ -111,23 +140,15 @@ def _answer(program: str, *words: str, asked: str = "") -> str:
             strerror = getattr(error, "strerror", None) or str(error)
             raise unusable(program, f"it cannot be started ({strerror})") from None
         try:
-            code = _ended(child, (out, err))
+            code = _ended(child, (out, err), limit_s)
         finally:
             _end(child)
-        if code is None:
-            endless = any(_size(file) > MOST_BYTES for file in (out, err))
-            raise unusable(
-                program, f"{what} {'prints without end' if endless else f'gives no answer within {LIMIT_S:g} s'}"
-            )
-        said, complaint = _read(out), _read(err)
-    if code != 0:
-        raise unusable(program, f"{what} ends with exit code {code} and {_quoted(complaint or said)}")
-    return said
+        return Ran(code, _read(out), _read(err), any(_size(file) > MOST_BYTES for file in (out, err)))
 
 
-def _ended(child: subprocess.Popen[bytes], files: tuple[BinaryIO, BinaryIO]) -> int | None:
+def _ended(child: subprocess.Popen[bytes], files: tuple[BinaryIO, BinaryIO], limit_s: float) -> int | None:
     """The exit code; None where it takes too long, or prints too much."""
-    until_s = time.monotonic() + LIMIT_S
+    until_s = time.monotonic() + limit_s
     while time.monotonic() < until_s and all(_size(file) <= MOST_BYTES for file in files):
         with contextlib.suppress(subprocess.TimeoutExpired):
             return child.wait(0.05)

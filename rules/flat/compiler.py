@@ -1,0 +1,124 @@
+"""MiniZinc's compiler at work: a model with its data becomes FlatZinc, and its errors kerfwise's messages."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.shown import shown
+from kerfwise.rules.minizinc.trial import HOW_TO_INSTALL, expect_usable, found_program, run, unusable
+
+HERE = Path(__file__).parent
+WORDS = HERE / "words.mzn"
+LIMIT_S = 120.0
+"""What a rule takes to be compiled for a nest of 300 contours is a second or two."""
+SAID = "%kerfwise "
+"""What begins a line that a model prints for kerfwise."""
+_PLACE = re.compile(r"^(?:\(included from file '.*|(?P<file>.+?):(?P<line>\d+)\.(?P<column>\d+)(?:-[\d.]+)?:?)$")
+_LIBRARY = HERE / "solver"
+
+
+@dataclass(frozen=True, slots=True)
+class Compiled:
+    """The flat model, and what it printed for kerfwise: a name and a value in JSON each."""
+
+    flat: str
+    printed: tuple[tuple[str, str], ...]
+
+
+def minizinc_program() -> str:
+    """The MiniZinc that is installed, tried before anything relies on it.
+
+    Raises
+    ------
+    InputError
+        If there is none, or it is too old or broken; the message says how to install it.
+    """
+    program = found_program()
+    if program is None:
+        raise InputError(f"rules in model files need MiniZinc: {HOW_TO_INSTALL}")
+    expect_usable(program)
+    return program
+
+
+def printing(name: str, expression: str) -> str:
+    """MiniZinc text that prints the value of an expression while the model is compiled."""
+    return f'constraint trace("{SAID}{name} " ++ showJSON({expression}) ++ "\\n");\n'
+
+
+def compile_model(text: str, about: Path) -> Compiled:
+    """Compile MiniZinc text that includes the rule file `about`.
+
+    Raises
+    ------
+    InputError
+        If MiniZinc cannot be used, or there is a mistake in the file (with its line), or it takes too long.
+    """
+    program = minizinc_program()
+    with tempfile.TemporaryDirectory(prefix="kerfwise-", ignore_cleanup_errors=True) as folder:
+        model, flat, solver = (Path(folder, name) for name in ("rule.mzn", "rule.fzn", "kerfwise.msc"))
+        model.write_text(text, encoding="utf-8", newline="\n")
+        solver.write_text(json.dumps(_solver()), encoding="utf-8")
+        words = ("-c", "--solver", str(solver), "--fzn", str(flat), "--no-output-ozn", str(model))
+        ran = run(program, words, LIMIT_S)
+        if ran.code is None:
+            why = "prints without end" if ran.endless else f"is not done after {LIMIT_S:g} s"
+            raise InputError(f"MiniZinc compiles this rule for the nest and {why}", file=about)
+        if ran.code != 0 or not flat.exists():
+            raise _mistake(ran.complaint or ran.said, about, program)
+        printed = [line.removeprefix(SAID).partition(" ") for line in ran.complaint.splitlines() if SAID in line[:20]]
+        return Compiled(flat.read_text(encoding="utf-8"), tuple((name, value) for name, _, value in printed))
+
+
+def _solver() -> dict[str, object]:
+    """A solver that is never run: MiniZinc takes its library, which leaves conditions in one piece."""
+    return {
+        "id": "org.kerfwise.rules",
+        "name": "kerfwise rules",
+        "version": "1.0.0",
+        "mznlib": str(_LIBRARY),
+        "executable": sys.executable,
+        "supportsMzn": False,
+        "supportsFzn": True,
+    }
+
+
+def _mistake(said: str, about: Path, program: str) -> InputError:
+    """The error that MiniZinc tells, at the first place in a file that kerfwise did not write."""
+    lines = said.splitlines()
+    told = next((line.removeprefix("Error:").strip() for line in lines if line.startswith("Error:")), "")
+    if not told:
+        return unusable(program, f"it ends with {shown(said[:100])!r} and no error")
+    told = told.removeprefix("type error:").strip()
+    message = f"MiniZinc: {told}{_hint(told)}"
+    for line in lines:
+        place = _PLACE.match(line.strip())
+        if place is not None and place["file"] and not _own(Path(place["file"])):
+            return InputError(message, file=place["file"], line=int(place["line"]), column=int(place["column"]))
+    return InputError(message, file=about)
+
+
+def _own(file: Path) -> bool:
+    """Whether kerfwise, or MiniZinc itself, wrote the file."""
+    return not file.exists() or file.name == "rule.mzn" or file.resolve().is_relative_to(HERE)
+
+
+_ENGINES_OWN = ("stop", "leg", "cut_at", "travel", "idle_travel", "begin_ms", "end_ms", "cut_ms", "move_ms", "reach")
+
+
+def _hint(told: str) -> str:
+    """What to do where a file uses what only the MiniZinc engine has."""
+    name = re.search(r"[`'](\w+)'", told)
+    if name is not None and name[1] in _ENGINES_OWN:
+        return (
+            f" for engines other than minizinc: {name[1]} is a word of the sequence that rules do not have; write the "
+            "rule with before, picked, directly_before, cuts_between, position, pick or pause_ms"
+        )
+    if "must be defined" in told:
+        return "; a parameter of the rule is set in the profile's rules"
+    return ""

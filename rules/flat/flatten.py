@@ -1,0 +1,124 @@
+"""A rule's model file flattened against facts: what it states of one nest."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import OrderedDict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+
+from kerfwise.encoder.errors import InputError
+
+from .compiler import WORDS, compile_model, printing
+from .flatzinc import read_flatzinc
+from .meaning import SUMS, Meaning, NotUnderstood, Words
+from .model_file import ModelFile
+from .nodes import Node
+from .numbers import TooMuch
+
+MOST_KEPT = 64
+"""Flat forms that are kept while kerfwise runs: a plan asks for each rule's several times."""
+KEPT = "flat_kept_"
+"""What begins the names of constraints that say nothing, and have MiniZinc list an array."""
+_ARRAYS = {
+    "flat_before": ("before",),
+    "flat_next": ("directly_before",),
+    "flat_picked": ("picked",),
+    "position": ("position",),
+    "pick": ("pick",),
+    "flat_between": ("cuts_between",),
+    "flat_pause": ("pause_ms",),
+}
+"""Array of `words.mzn` → the words of rules that need it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Flattened:
+    """What a file says of a nest: a node for each element of its array, its sentences, and further conditions."""
+
+    elements: tuple[Node, ...]
+    says: tuple[str, ...]
+    further: tuple[Node, ...]
+
+
+_kept: OrderedDict[str, Flattened] = OrderedDict()
+
+
+def flatten(file: ModelFile, data: str, n: int, contour_of: Sequence[int]) -> Flattened:
+    """Compile the file with data (facts, and the rule's own) of n contours and read what is left.
+
+    `contour_of` maps each candidate to its contour, from 0.
+
+    Raises
+    ------
+    InputError
+        If MiniZinc is missing, or the file has a mistake or says something that has no meaning for a rule.
+    """
+    text = _model(file, data)
+    key = sha256("\0".join([text, *(_content(path) for path in _read(file))]).encode()).hexdigest()
+    if key in _kept:
+        _kept.move_to_end(key)
+        return _kept[key]
+    compiled = compile_model(text, file.path)
+    try:
+        flat = read_flatzinc(compiled.flat)
+        kept = [c for c in flat.constraints if c.name.startswith(KEPT)]
+        flat.arrays.clear()
+        flat.arrays.update({c.name.removeprefix(KEPT): c.args[0] for c in kept if isinstance(c.args[0], list)})
+        flat.constraints[:] = [c for c in flat.constraints if not c.name.startswith(KEPT)]
+        meaning = Meaning(flat, Words(n, contour_of))
+        elements = tuple(meaning.elements(file.array))
+        further = tuple(meaning.further())
+    except (NotUnderstood, TooMuch) as error:
+        raise InputError(f"rule {file.name}: {error}", file=file.path, line=file.line) from None
+    except RecursionError:
+        raise InputError(f"rule {file.name}: its conditions stand too deep in one another", file=file.path) from None
+    says: list[str] = next((json.loads(value) for name, value in compiled.printed if name == "says"), [])
+    if says and len(says) != len(elements):
+        raise InputError(
+            f"rule {file.name}: {file.stem}_says has {len(says)} sentences, {file.array} {len(elements)} elements",
+            file=file.path,
+            line=file.line,
+        )
+    made = Flattened(elements, tuple(says), further)
+    _kept[key] = made
+    if len(_kept) > MOST_KEPT:
+        _kept.popitem(last=False)
+    return made
+
+
+def _model(file: ModelFile, data: str) -> str:
+    """The model: the words, the file, its data, and what is to be left of it."""
+    text = "".join(_content(path) for path in _read(file))
+    kept = [name for name, words in _ARRAYS.items() if any(word in text for word in words)]
+    lines = [include(WORDS), include(file.path.resolve())]
+    for name in (*kept, *([file.array] if file.array else [])):
+        kind = "int" if name in SUMS else "bool"
+        lines.append(f"predicate {KEPT}{name}(array[int] of var {kind}: kept);")
+        lines.append(f"constraint {KEPT}{name}(array1d({name}));")
+    if file.says:
+        lines.append(printing("says", f"array1d({file.stem}_says)"))
+    return "\n".join([*lines, "solve satisfy;", "output [];", data])
+
+
+def include(path: Path) -> str:
+    """The line that includes a file."""
+    return f"include {json.dumps(path.as_posix(), ensure_ascii=False)};"
+
+
+def _read(file: ModelFile) -> list[Path]:
+    """The file, and the files beside it that it includes."""
+    found = [file.path.resolve()]
+    for path in found:
+        for name in re.findall(r'^\s*include\s+"([^"]+)"', _content(path), re.M):
+            beside = (path.parent / name).resolve()
+            if beside.is_file() and beside not in found:
+                found.append(beside)
+    return found
+
+
+def _content(path: Path) -> str:
+    return path.read_text(encoding="utf-8-sig", errors="replace")

@@ -1,0 +1,152 @@
+"""What a rule's model file says of itself: its name, its sentence, its parameters, and where its array stands."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.shown import shown
+
+TYPES = ("int", "bool", "string")
+_PARAMETER = re.compile(r"^\s*(?:(?P<type>[^:;%\n]+?))\s*:\s*(?P<name>[A-Za-z]\w*)\s*;[ \t]*(?:%(?P<help>.*))?$", re.M)
+_DEFAULT = re.compile(r"^\s*default\s+(?P<value>[^:,;]+?)\s*(?:[:,;]\s*(?P<help>.*))?$")
+_BARE = re.compile(r"^\s*constraint\b(?!\s*(?:assert|trace|redundant_constraint|symmetry_breaking_constraint)\b)", re.M)
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A value that the file declares and does not set: `int: name_least;`, and `% default 3: help` beside it."""
+
+    name: str
+    key: str
+    type: str
+    default: str | None
+    help: str
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
+class ModelFile:
+    """A rule's model file. `stem` is its name in MiniZinc, `name` that in profiles; `line` is where its array begins.
+
+    `array` is "" for a file that states constraints alone, `says` whether an array of sentences stands beside it.
+    """
+
+    path: Path
+    text: str
+    stem: str
+    name: str
+    sentence: str
+    source: str
+    array: str
+    line: int
+    says: bool
+    bare: int
+    parameters: tuple[Parameter, ...]
+
+    @property
+    def sha256(self) -> str:
+        """The content, as a digest."""
+        return hashlib.sha256(self.text.encode()).hexdigest()
+
+    @property
+    def place(self) -> str:
+        """File and line, as messages give them."""
+        return f"{self.path.name}:{self.line}"
+
+
+def read_model_file(path: Path) -> ModelFile:
+    """Read what a rule's file says of itself; MiniZinc is not asked.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or has neither an array `<name>_holds` nor a constraint.
+    """
+    if path.suffix != ".mzn":
+        raise InputError("expected a MiniZinc file such as plant_rule.mzn", file=path)
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"not a rule: the file is not UTF-8 text ({error.reason})", file=path) from None
+    except OSError as error:
+        raise InputError(f"cannot read the rule: {error.strerror}", file=path) from None
+    stem = path.stem.replace("-", "_")
+    if not re.fullmatch(r"[A-Za-z]\w*", stem):
+        raise InputError(
+            f"a rule's file is named as the rule, such as rivets_first.mzn; {shown(path.stem)!r} is no name that "
+            "MiniZinc can use: letters, digits and _, a letter first",
+            file=path,
+        )
+    sentence, source = _header(text, stem)
+    code = _without_comments(text)
+    array = re.search(rf"\b{stem}_holds\b(?=[^;=]*=)", code)
+    bare = _BARE.search(code)
+    if array is None and bare is None:
+        raise InputError(
+            f"the file states nothing: expected an array `array[int] of var bool: {stem}_holds = [...];`", file=path
+        )
+    return ModelFile(
+        path=path,
+        text=text,
+        stem=stem,
+        name=stem.replace("_", "-"),
+        sentence=sentence,
+        source=source,
+        array=f"{stem}_holds" if array else "",
+        line=_line(code, (array or bare).start()),  # type: ignore[union-attr]
+        says=re.search(rf"\b{stem}_says\b[^;=]*=", code) is not None,
+        bare=0 if bare is None else _line(code, bare.end()),
+        parameters=tuple(_parameters(text, stem)),
+    )
+
+
+def _header(text: str, stem: str) -> tuple[str, str]:
+    """The sentence and the source: the first two lines of comment, before anything else; both may be missing."""
+    lines = []
+    for line in text.lstrip("\ufeff").splitlines():
+        if not line.startswith("%") or line.strip("% \t") == "":
+            break
+        lines.append(line.strip("% \t"))
+    sentence = lines[0] if lines else ""
+    name, colon, rest = sentence.partition(":")
+    if colon and name.replace("-", "_").replace(" ", "_").lower() == stem.lower():
+        sentence = rest.strip()
+    sentence = sentence[:1].upper() + sentence[1:]
+    return shown(sentence or f"The rule in {stem}.mzn holds."), shown(lines[1] if len(lines) > 1 else "the plant")
+
+
+def _parameters(text: str, stem: str) -> list[Parameter]:
+    found = []
+    for match in _PARAMETER.finditer(text):
+        if match["type"].strip() in TYPES and match["name"].startswith(f"{stem}_"):
+            said = (match["help"] or "").strip()
+            default = _DEFAULT.match(said)
+            found.append(
+                Parameter(
+                    name=match["name"],
+                    key=match["name"].removeprefix(f"{stem}_"),
+                    type=match["type"].strip(),
+                    default=default["value"].strip() if default else None,
+                    help=(default["help"] or "").strip() if default else said,
+                    line=_line(text, match.start("name")),
+                )
+            )
+    return found
+
+
+def _without_comments(text: str) -> str:
+    """The text with comments blanked, so that every character keeps its place."""
+    pattern = r'"(?:[^"\\\n]|\\.)*"|%[^\n]*|/\*.*?\*/'
+
+    def blanked(match: re.Match[str]) -> str:
+        return match[0] if match[0].startswith('"') else re.sub(r"[^\n]", " ", match[0])
+
+    return re.sub(pattern, blanked, text, flags=re.S)
+
+
+def _line(text: str, at: int) -> int:
+    return text.count("\n", 0, at) + 1

@@ -1,0 +1,329 @@
+"""Nodes brought to the statements that engines know, none of them changed in what it asks."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.statements import (
+    About,
+    AtLeast,
+    Before,
+    Contiguous,
+    Forbid,
+    Lag,
+    Literal,
+    Pick,
+    Precede,
+    Statement,
+)
+
+from .nodes import Between, Gate, Lit, Next, Node, Pause, all_of, any_of, gate, literals, opposite, order, parts
+from .numbers import Sum, at_least, at_most, plus, position
+
+Lags = dict[tuple[int, int], tuple[int, int]]
+"""Pair of contours → how many cuts lie between them, and the number of the element that says so."""
+
+
+class NotHeld(ValueError):
+    """A condition that no statement holds: the number of the element, from 1 (0 for a constraint), and why."""
+
+    def __init__(self, element: int, why: str) -> None:
+        super().__init__(why)
+        self.element = element
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """A candidate, as sentences name it: its contour, from 0, and words such as `entered at (10, 20), cw`."""
+
+    contour: int
+    words: str
+
+
+@dataclass(frozen=True, slots=True)
+class Writer:
+    """Writes the statements of one rule about one nest.
+
+    `in_parts` says that a condition breached in two places may count twice, as where the rule is hard. `why` ends the
+    sentences that the rule does not give itself.
+    """
+
+    rule: str
+    nest: Nest
+    ways: Sequence[Way]
+    why: str
+    in_parts: bool
+
+    def written(self, elements: Sequence[Node], says: Sequence[str], further: Sequence[Node]) -> Iterator[Statement]:
+        """The statements of an array's elements, with the sentences that go with them, and of further conditions.
+
+        Raises
+        ------
+        NotHeld
+            For an element that no statement holds.
+        """
+        runs, rest = contiguous_runs(elements)
+        for members in runs:
+            run = tuple(sorted(members))
+            ids = [self.nest.contours[k].id for k in run]
+            yield Contiguous(run, About(self.rule, tuple(ids), self._sentence(None, ids, "follow each other")))
+        lags, rest = self._lags(rest, elements)
+        for (i, j), (cuts, k) in lags.items():
+            yield self._apart(Between(i, j, cuts), _said(says, k))
+        for k in rest:
+            try:
+                yield from self._of_node(elements[k], _said(says, k))
+            except NotHeld as error:
+                raise NotHeld(k + 1, str(error)) from None
+        for node in further:
+            yield from self._of_node(node, None)
+
+    def _lags(self, numbers: Iterable[int], elements: Sequence[Node]) -> tuple[Lags, list[int]]:
+        """What elements ask to lie between contours, and the numbers of those left."""
+        found: dict[tuple[int, int], dict[int, int]] = defaultdict(dict)
+        rest: list[int] = []
+        for k in numbers:
+            node = elements[k]
+            if isinstance(node, Lit) and node.holds and isinstance(node.atom, Between):
+                asked = found[node.atom.i, node.atom.j]
+                if node.atom.cuts in asked:
+                    rest.append(k)  # asked twice, it counts twice
+                else:
+                    asked[node.atom.cuts] = k
+            else:
+                rest.append(k)
+        lags: Lags = {}
+        for pair, asked in found.items():
+            most = max(asked)
+            if self.in_parts or sorted(asked) == list(range(1, most + 1)):
+                lags[pair] = (most, asked[most])
+            else:
+                rest += asked.values()
+        return lags, sorted(rest)
+
+    def _of_node(self, node: Node, said: str | None) -> Iterator[Statement]:
+        if not self.in_parts:
+            yield from self._single(node, said)
+            return
+        for part in parts(node):
+            yield from self._single(part, said)
+
+    def _single(self, node: Node, said: str | None) -> Iterator[Statement]:
+        if node is True:
+            return
+        if isinstance(node, Lit) and node.holds and isinstance(node.atom, Pause | Between):
+            if self.in_parts:
+                yield self._apart(node.atom, said)
+                return
+            if isinstance(node.atom, Pause):
+                raise NotHeld(0, "a soft rule cannot ask for pause_ms: seconds that are missing have no whole price")
+        plain = merged(without_words(node, len(self.nest.contours)))
+        if self.in_parts and isinstance(plain, Gate) and plain.is_and:
+            for part in parts(plain):
+                yield from self._simple(merged(part), said)
+            return
+        yield from self._simple(plain, said)
+
+    def _apart(self, atom: Pause | Between, said: str | None) -> Lag:
+        cuts, seconds = (atom.cuts, 0.0) if isinstance(atom, Between) else (0, atom.ms / 1000)
+        words = f"have at least {cuts} cuts between them" if cuts else f"are at least {seconds:g} s apart"
+        ids = [self.nest.contours[k].id for k in (atom.i, atom.j)]
+        return Lag(atom.i, atom.j, About(self.rule, tuple(ids), self._sentence(said, ids, words)), cuts, seconds)
+
+    def _simple(self, node: Node, said: str | None) -> Iterator[Statement]:
+        contours = self.nest.contours
+        if node is True:
+            return
+        if node is False:
+            yield AtLeast((), (), 1, About(self.rule, (), self._sentence(said, [], "")))
+        elif isinstance(node, Lit) and isinstance(node.atom, Before):
+            first, then = (node.atom.i, node.atom.j) if node.holds else (node.atom.j, node.atom.i)
+            ids = (contours[first].id, contours[then].id)
+            about = About(self.rule, ids, said or f"{ids[0]} is cut before {ids[1]}: {self.why}")
+            yield Precede(first, then, about)
+        elif isinstance(node, Lit) and isinstance(node.atom, Pick) and not node.holds:
+            way = self.ways[node.atom.c]
+            name = contours[way.contour].id
+            yield Forbid(node.atom.c, About(self.rule, (name,), said or f"{name} is not {way.words}: {self.why}"))
+        else:
+            terms = ((node, 1),) if isinstance(node, Lit) else node.terms
+            yield self._at_least(terms, 1 if isinstance(node, Lit) else node.bound, said)
+
+    def _at_least(self, terms: Sequence[tuple[Lit | Gate, int]], bound: int, said: str | None) -> AtLeast:
+        when = self._when(terms, bound)
+        rest = [(term, weight) for term, weight in terms if when is None or term != Lit(Pick(when), False)]
+        made: list[Literal] = []
+        weights: list[int] = []
+        for term, weight in rest:
+            literal, sign = _literal(term)
+            bound -= weight if sign < 0 else 0
+            made.append(literal)
+            weights.append(sign * weight)
+        about = self._about([*rest, *(((Lit(Pick(when)), 1),) if when is not None else ())], said)
+        return AtLeast(tuple(made), tuple(weights), bound, about, when=when)
+
+    def _when(self, terms: Sequence[tuple[Lit | Gate, int]], bound: int) -> int | None:
+        """The candidate without which nothing is asked: best one whose contour every order is about."""
+        free = [
+            term.atom.c
+            for term, weight in terms
+            if isinstance(term, Lit) and isinstance(term.atom, Pick) and not term.holds and weight >= bound
+        ]
+        orders = [_ends(term) for term, _ in terms if isinstance(term, Lit) and isinstance(term.atom, Before)]
+        if not free or len(terms) == 1:
+            return None
+
+        def fit(c: int) -> tuple[bool, bool, int]:
+            of = self.ways[c].contour
+            return (not all(of in ends for ends in orders), not all(of == ends[0] for ends in orders), c)
+
+        return min(free, key=fit)
+
+    def _about(self, terms: Iterable[tuple[Lit | Gate, int]], said: str | None) -> About:
+        numbers: dict[int, None] = {}
+        for term, _ in terms:
+            for lit in literals(term):
+                if isinstance(lit.atom, Pick):
+                    numbers[self.ways[lit.atom.c].contour] = None
+                elif isinstance(lit.atom, Before):
+                    numbers |= dict.fromkeys(_ends(lit))
+        ids = [self.nest.contours[k].id for k in numbers]
+        return About(self.rule, tuple(ids), self._sentence(said, ids, ""))
+
+    def _sentence(self, said: str | None, ids: Sequence[str], words: str) -> str:
+        if said:
+            return said
+        shown = ", ".join(ids[:MOST_NAMED]) + (f" and {len(ids) - MOST_NAMED} more" if len(ids) > MOST_NAMED else "")
+        return f"{shown} {words}: {self.why}" if words else f"{shown}: {self.why}" if shown else self.why
+
+
+MOST_NAMED = 6
+
+
+def _said(says: Sequence[str], k: int) -> str | None:
+    return says[k] if k < len(says) else None
+
+
+def _ends(lit: Lit) -> tuple[int, int]:
+    """The two contours of an order, the one that is cut first at the head."""
+    assert isinstance(lit.atom, Before)
+    return (lit.atom.i, lit.atom.j) if lit.holds else (lit.atom.j, lit.atom.i)
+
+
+def _literal(term: Lit | Gate) -> tuple[Literal, int]:
+    """The statement's literal for a term; with a sign of -1 where the term is its opposite."""
+    if isinstance(term, Gate):
+        raise NotHeld(0, "it is a condition within a condition that no engine holds")
+    if isinstance(term.atom, Before):
+        return Before(*_ends(term)), 1
+    assert isinstance(term.atom, Pick), "words were written out"
+    return term.atom, 1 if term.holds else -1
+
+
+def contiguous_runs(elements: Sequence[Node]) -> tuple[list[frozenset[int]], list[int]]:
+    """Sets of contours that elements keep together, one element for each contour; and the numbers of the others.
+
+    Contour i of a set is cut before all others of it, or comes directly after one of them.
+    """
+    of_set: dict[frozenset[int], dict[int, int]] = defaultdict(dict)
+    rest: list[int] = []
+    for k, node in enumerate(elements):
+        found = _one_of_run(node)
+        if found is None or found[0] in of_set[found[1]]:
+            rest.append(k)
+        else:
+            of_set[found[1]][found[0]] = k
+    runs = []
+    for members, numbers in of_set.items():
+        if set(numbers) == members:
+            runs.append(members)
+        else:
+            rest += numbers.values()
+    return runs, sorted(rest)
+
+
+def _one_of_run(node: Node) -> tuple[int, frozenset[int]] | None:
+    """The contour and the set that an element is about, where it is one of a run."""
+    if not isinstance(node, Gate) or not node.is_or:
+        return None
+    after = [t.atom for t, _ in node.terms if isinstance(t, Lit) and t.holds and isinstance(t.atom, Next)]
+    first = [t for t, _ in node.terms if not (isinstance(t, Lit) and isinstance(t.atom, Next))]
+    if not after or len(first) != 1 or len({atom.j for atom in after}) != 1:
+        return None
+    own = after[0].j
+    others = {atom.i for atom in after}
+    ahead = set(parts(first[0]))
+    if ahead != {order(own, other) for other in others} or len(after) + 1 != len(node.terms):
+        return None
+    return own, frozenset(others | {own})
+
+
+def without_words(node: Node, n: int) -> Node:
+    """The node over orders and picks alone: what comes next, and how many cuts lie between, by positions.
+
+    Raises
+    ------
+    NotHeld
+        For seconds, which no order says.
+    """
+    if isinstance(node, bool):
+        return node
+    if isinstance(node, Gate):
+        made: dict[Node, int] = {}
+        for term, weight in node.terms:
+            plain = without_words(term, n)
+            made[plain] = made.get(plain, 0) + weight
+        return gate(made, node.bound)
+    atom = node.atom
+    match atom:
+        case Before() | Pick():
+            return node
+        case Next(i, j):
+            plain = all_of([order(i, j), at_most(_gap(i, j, n), 1)])
+        case Between(i, j, cuts):
+            plain = any_of([at_least(_gap(i, j, n), cuts + 1), at_least(_gap(j, i, n), cuts + 1)])
+        case Pause():
+            raise NotHeld(0, "pause_ms stands by itself only: pause_ms(i, j) >= a number, as a condition of its own")
+    return plain if node.holds else opposite(plain)
+
+
+def _gap(i: int, j: int, n: int) -> Sum:
+    """How many positions contour j is after contour i."""
+    return plus([(1, position(j, n)), (-1, position(i, n))])
+
+
+def merged(node: Node) -> Node:
+    """The node with the one gate among its terms written into it, where that says the same.
+
+    Of `a or (sum of w >= b)` that is `b * a + sum of w >= b`; of `a and (sum of w >= b)` it is the same with the
+    weight of a so great that nothing makes up for it.
+
+    Examples
+    --------
+    >>> a, b, c = order(0, 1), order(1, 2), order(2, 3)
+    >>> sorted(weight for _, weight in merged(any_of([a, all_of([b, c])])).terms)
+    [1, 1, 2]
+    """
+    if not isinstance(node, Gate):
+        return node
+    inner = [term for term, _ in node.terms if isinstance(term, Gate)]
+    if len(inner) != 1 or not (node.is_or or node.is_and):
+        return node
+    nested = merged(inner[0])
+    if not isinstance(nested, Gate):
+        return node
+    others = [term for term, _ in node.terms if term is not inner[0]]
+    weights: dict[Node, int] = {}
+    for term, weight in nested.terms:
+        weights[term] = weights.get(term, 0) + weight
+    if node.is_or:
+        least, bound = nested.bound, nested.bound
+    else:
+        least = sum(weight for _, weight in nested.terms) - nested.bound + 1
+        bound = nested.bound + least * len(others)
+    for term in others:
+        weights[term] = weights.get(term, 0) + least
+    return gate(weights, bound)
