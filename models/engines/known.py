@@ -9,7 +9,10 @@ from .solution import Incumbent
 
 @dataclass(slots=True)
 class Known:
-    """What is known of a problem so far, who found it, and what was chosen why."""
+    """What is known of a problem so far, who found it, and what was chosen why.
+
+    `unable` says why the one member that was asked for cannot find a plan; empty where it can, or all may run.
+    """
 
     incumbent: Incumbent | None = None
     found_by: str = ""
@@ -18,6 +21,7 @@ class Known:
     infeasible: bool = False
     work: float = 0.0
     notes: list[str] = field(default_factory=list)
+    unable: str = ""
 
     @property
     def proven(self) -> bool:

@@ -125,6 +125,10 @@ class _Run:
         self.known.notes.append(f"{member}: {why if forced is None else 'asked for'}")
         return True
 
+    def _leave_out(self, member: Member, why: str) -> None:
+        self.known.notes.append(f"{member}: left out, {why}")
+        self.known.unable = why if self.options.member == member else ""
+
     def _wanting(self) -> bool:
         """Whether there is no plan at all, or time for a better one."""
         return not self.known.proven and (self.known.incumbent is None or not self.watch.stopped)
@@ -170,10 +174,8 @@ class _Run:
         self.count: ideals.Count | None = None
         if self.options.member not in (None, "ideals"):
             return
-        if not ideals.fits(self.of_sets):
-            self.known.notes.append(
-                "ideals: left out, the sets that can occur do not say enough, or sites are too many"
-            )
+        if why := ideals.unfit(self.of_sets):
+            self._leave_out("ideals", why)
             return
         most = COUNTED_FEW if self.problem.n <= LONGEST else COUNTED
         self.count = ideals.count_sets(self.of_sets, most * min(1.0, self._left() / COUNTED_S))
@@ -225,6 +227,8 @@ class _Run:
             self.known.offer(Incumbent(route, route_cost(self.problem, route)), "ideals")
         else:
             self.known.notes.append("ideals: the best plan breaks what a set cannot tell, it is a bound only")
+            if self.options.member is not None:
+                self.known.unable = "what its best plan breaks, a set of contours and the last cut cannot tell"
         self.known.raise_bound(best.cost, "ideals")
 
     def _density(self) -> float:
@@ -238,13 +242,13 @@ class _Run:
 
     def _carried(self) -> bool:
         """Whether CP-SAT alone can hold all that is asked."""
-        return not beam.applies(self.problem)
+        return bool(beam.unfit(self.problem))
 
     def _beam_applies(self) -> bool:
         if self.options.member not in (None, "beam"):
             return False
-        if not beam.applies(self.problem):
-            self.known.notes.append("beam: left out, a statement looks further back than the last cut")
+        if why := beam.unfit(self.problem):
+            self._leave_out("beam", why)
             return False
         return self._takes("beam", f"hard orders decide {self._density():.0%} of the pairs")
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.problem.compile import make_problem
@@ -18,6 +18,7 @@ from kerfwise.models.problem.simplify import simplify
 from kerfwise.rules.statements import Statement
 
 from .known import Known
+from .names import Member
 from .portfolio import run_portfolio
 from .solution import Incumbent, Progress, Solution, SolveOptions
 from .watch import Watch
@@ -56,6 +57,8 @@ def solve(
 
     Raises
     ------
+    InputError
+        If the one engine that was asked for cannot find a plan under these statements (the message says why).
     RulesConflict
         If no lawful plan exists, or none was found (the message says which).
     """
@@ -78,7 +81,7 @@ def solve(
         known = run_portfolio(problem, limits, watch, _still_lawful(problem, candidates), known)
         spent += known.work
         if known.incumbent is None:
-            raise _no_plan(known.infeasible)
+            raise _unable(options.member, known.unable) if known.unable else _no_plan(known.infeasible)
         candidates = problem.site_candidate[list(known.incumbent.route)]
         order = tuple(int(problem.site_contour[s]) for s in known.incumbent.route)
         began_s = watch.seconds
@@ -144,6 +147,10 @@ def _judged_anew(problem: Problem, route: list[int], missing: tuple[Statement, .
     if broken(problem, route):
         raise _no_plan(False, tuple(s.about.sentence for s in missing))
     return Incumbent(tuple(route), route_cost(problem, route))
+
+
+def _unable(member: Member | None, why: str) -> InputError:
+    return InputError(f"the engine {member} cannot plan this nest: {why}; take another engine, such as portfolio")
 
 
 def _no_plan(infeasible: bool, reasons: tuple[str, ...] = ()) -> RulesConflict:

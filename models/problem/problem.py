@@ -81,7 +81,13 @@ class Problem:
 
         Lags of more than one cut or of seconds, and general statements, look further back than that.
         """
-        return not self.general and all(lag.cuts <= 1 and lag.seconds == 0 for lag in self.lags)
+        return self.further_back is None
+
+    @property
+    def further_back(self) -> About | None:
+        """The first statement that looks further back than a set and the last site tell; None where none does."""
+        lags = (lag.about for lag in self.lags if lag.cuts > 1 or lag.seconds > 0)
+        return next(lags, self.general[0].about if self.general else None)
 
     def successors(self) -> Bools:
         """Matrix (n + 1, n + 1): which contour may directly follow which; n is the machine's home."""

@@ -13,8 +13,8 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.pierce_kerfs import over_older_kerfs
 from kerfwise.rules.judging.pierce_places import PiercePlaces
+from kerfwise.rules.options.by_thickness import LENGTH_BY_THICKNESS
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.thickness_table import LENGTH_OR_TABLE
 from kerfwise.rules.plant import Plant
 from kerfwise.rules.rule import Rule, RuleSetting, Strength, Violation
 from kerfwise.rules.statements import AtLeast, Before, Pick
@@ -30,10 +30,11 @@ class PierceOptions:
 
     clearance_mm: float = field(
         default=1.5,
-        metadata=option(LENGTH_OR_TABLE, "least distance from a pierce to every contour, more than half the kerf"),
+        metadata=option(LENGTH_BY_THICKNESS, "least distance from a pierce to every contour, more than half the kerf"),
     )
     splash_mm: float = field(
-        default=0.5, metadata=option(LENGTH_OR_TABLE, "metal between the hole of a pierce and the kerf of an older cut")
+        default=0.5,
+        metadata=option(LENGTH_BY_THICKNESS, "metal between the hole of a pierce and the kerf of an older cut"),
     )
     kerf_mm: float = 1.5
 

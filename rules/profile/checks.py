@@ -6,7 +6,7 @@ from typing import Any
 
 import yaml
 
-from kerfwise.rules.options.thickness_table import length_at
+from kerfwise.rules.options.by_thickness import length_at
 from kerfwise.rules.options.yaml_positions import Problems, deepest
 from kerfwise.rules.registry import RULES
 
@@ -56,7 +56,7 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
                 deepest(root, "machine", "home"),
                 f"machine.home: {at_mm:g} mm lies outside machine.travel_{key}, {span[0]:g} to {span[1]:g} mm",
             )
-    least_mm, full_mm = (length.mm(material.thickness_mm) for length in (holes.min_hole, holes.full_feed_hole))
+    least_mm, full_mm = (length_at(length, material.thickness_mm) for length in (holes.min_hole, holes.full_feed_hole))
     if holes.small_hole_feed < 1 and full_mm < least_mm:
         problems.add(
             deepest(root, "small_holes", "full_feed_hole"),

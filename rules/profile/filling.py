@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.options.thickness_table import ThicknessTable
+from kerfwise.rules.options.by_thickness import Thicknesses, ThicknessTable
 from kerfwise.rules.plant import Plant
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule, RuleSetting
@@ -45,8 +45,8 @@ def filled_in(options: T, plant: Plant, rules: Mapping[str, RuleSetting], known:
         If neither `Plant` nor an option that a rule shares has the name of such a field: the rule's author is wrong.
     """
     fields = dataclasses.fields(options)
-    tables = {f.name: v for f in fields if isinstance(v := getattr(options, f.name), ThicknessTable)}
-    lengths = {name: table.at(plant.thickness_mm) for name, table in tables.items()}
+    given = {f.name: getattr(options, f.name) for f in fields}
+    lengths = {n: v.at(plant.thickness_mm) for n, v in given.items() if isinstance(v, Thicknesses | ThicknessTable)}
     unset = [f.name for f in fields if "kind" not in f.metadata]
     if not unset:
         return dataclasses.replace(options, **lengths)

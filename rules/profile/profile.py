@@ -22,9 +22,9 @@ from kerfwise.encoder.shown import shown
 from kerfwise.encoder.slits import with_slits
 from kerfwise.encoder.small_holes import HoleLimits, as_cut
 from kerfwise.rules.lock import Lock
+from kerfwise.rules.options.by_thickness import ByThickness, length_at
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.suggest import unknown
-from kerfwise.rules.options.thickness_table import LengthOf, length_at
 from kerfwise.rules.outside import PythonFile, installed_rules
 from kerfwise.rules.own import Own, OwnFile, Thresholds, as_rule, own_pairs
 from kerfwise.rules.plant import Plant
@@ -135,7 +135,7 @@ class Profile:
             else dataclasses.replace(self, machine=dataclasses.replace(self.machine, origin=origin))
         )
 
-    def length_mm(self, length: LengthOf) -> float:
+    def length_mm(self, length: ByThickness) -> float:
         """A length that may go with the thickness, as it is for the profile's material."""
         return length_at(length, self.material.thickness_mm)
 

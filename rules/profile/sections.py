@@ -10,11 +10,11 @@ from kerfwise.encoder.candidates.candidate import LeadKind
 from kerfwise.encoder.readers.layers import DEFAULT as LAYERS
 from kerfwise.encoder.readers.options import Frame, OpenLines
 from kerfwise.encoder.readers.units import MM_PER
+from kerfwise.rules.options.by_thickness import LENGTH_BY_THICKNESS, ByThickness
 from kerfwise.rules.options.members import Members
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.plain_values import Choice, Flag, Number, Text
 from kerfwise.rules.options.quantities import LENGTH, over_zero
-from kerfwise.rules.options.thickness_table import LENGTH_OR_TABLE, LengthOf
 from kerfwise.rules.profile.cuts_section import Cuts
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import RuleSetting
@@ -42,14 +42,14 @@ class Leads:
 
     entries: int = field(default=8, metadata=option(Number(1, 1000, whole=True), "entries tried on each contour"))
     lead: LeadKind = field(default="line", metadata=option(_LEADS, "shape of the lead-in"))
-    lead_in_mm: LengthOf = field(
-        default=6.0, metadata=option(LENGTH_OR_TABLE, "length of the lead-in where there is room")
+    lead_in_mm: ByThickness = field(
+        default=6.0, metadata=option(LENGTH_BY_THICKNESS, "length of the lead-in where there is room")
     )
     lead_in_min_mm: float = field(default=1.0, metadata=option(LENGTH, "shortest lead-in where there is not"))
     lead_out: LeadKind = field(default="none", metadata=option(_LEADS, "shape of the lead-out"))
     lead_out_length_mm: float = field(default=2.0, metadata=option(LENGTH, "length of the lead-out"))
-    hole_overcut_mm: LengthOf = field(
-        default=1.0, metadata=option(LENGTH_OR_TABLE, "how far a hole is cut past its entry")
+    hole_overcut_mm: ByThickness = field(
+        default=1.0, metadata=option(LENGTH_BY_THICKNESS, "how far a hole is cut past its entry")
     )
     edge_start: bool = field(
         default=False, metadata=option(Flag(), "whether to come in from the sheet edge, unpierced, where that is near")

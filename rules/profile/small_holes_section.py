@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from kerfwise.encoder.small_holes import HoleLimits, Under
-from kerfwise.rules.options.by_thickness import ByThickness, LengthByThickness
+from kerfwise.rules.options.by_thickness import LENGTH_BY_THICKNESS, ByThickness, Thicknesses, length_at
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.plain_values import Choice, Number
 from kerfwise.rules.options.quantities import LENGTH, over_zero
-
-_LENGTH = LengthByThickness()
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,7 +16,8 @@ class SmallHoles:
     """From which diameter on a hole is cut, what is done with smaller ones, and how fast small ones are cut."""
 
     min_hole: ByThickness = field(
-        default=ByThickness(1.0), metadata=option(_LENGTH, "least diameter, or width, of a hole that is cut")
+        default=Thicknesses(1.0),
+        metadata=option(LENGTH_BY_THICKNESS, "least diameter, or width, of a hole that is cut"),
     )
     under: Under = field(
         default="refuse",
@@ -28,7 +27,8 @@ class SmallHoles:
         ),
     )
     full_feed_hole: ByThickness = field(
-        default=ByThickness(5.0), metadata=option(_LENGTH, "diameter from which on a hole is cut at the full cut feed")
+        default=Thicknesses(5.0),
+        metadata=option(LENGTH_BY_THICKNESS, "diameter from which on a hole is cut at the full cut feed"),
     )
     small_hole_feed: float = field(
         default=1.0,
@@ -41,10 +41,10 @@ class SmallHoles:
     def limits(self, thickness_mm: float, clearance_mm: float) -> HoleLimits:
         """The limits in mm, on a sheet of that thickness, where a pierce keeps `clearance_mm` from every contour."""
         return HoleLimits(
-            least_mm=self.min_hole.mm(thickness_mm),
+            least_mm=length_at(self.min_hole, thickness_mm),
             under=self.under,
             room_mm=2 * clearance_mm,
-            full_feed_mm=self.full_feed_hole.mm(thickness_mm) if self.small_hole_feed < 1 else 0.0,
+            full_feed_mm=length_at(self.full_feed_hole, thickness_mm) if self.small_hole_feed < 1 else 0.0,
             feed_share=self.small_hole_feed,
             spot_mm=self.spot_size_mm,
         )

@@ -17,7 +17,6 @@ from kerfwise.jobs.produce import Produced, produce
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.plan.reader import validator
 from kerfwise.postproc.verdict.checking import check_plan, check_program
-from kerfwise.rules.options.by_thickness import ByThickness
 from kerfwise.rules.profile.profile import Profile, load_profile
 
 PLATE = nest(
@@ -32,7 +31,7 @@ PLATE = nest(
 def plant(under: str = "spot", least_mm: float = 6.0, **changes: object) -> Profile:
     """The shipped plasma profile, for plate of 6 mm, with another section of small holes."""
     shipped = load_profile("plasma-carbon-steel")
-    holes = dataclasses.replace(shipped.small_holes, under=under, min_hole=ByThickness(None, least_mm))
+    holes = dataclasses.replace(shipped.small_holes, under=under, min_hole=least_mm)
     return dataclasses.replace(shipped, small_holes=holes, **changes)
 
 

@@ -1,6 +1,6 @@
 """A beam over ideals: the exact dynamic program cut short, as wide as time and memory allow."""
 
-from .applicability import applies
+from .applicability import unfit
 from .beam import BeamResult, beam
 
-__all__ = ["BeamResult", "applies", "beam"]
+__all__ = ["BeamResult", "beam", "unfit"]

@@ -13,9 +13,13 @@ MOST_SITES = 4000
 """More would make the tables of moves, from both ends, larger than 400 MB."""
 
 
-def applies(problem: Problem) -> bool:
-    """Whether a state of the beam holds all that a step costs, and its tables hold the numbers."""
-    return problem.looks_one_back and problem.m <= MOST_SITES and _dearest(problem) < NEVER
+def unfit(problem: Problem) -> str:
+    """Why the beam cannot be used; empty where a state holds all that a step costs, and the tables hold the numbers."""
+    if problem.further_back is not None:
+        return f"rule {problem.further_back.rule} looks further back than the last cut"
+    if problem.m > MOST_SITES:
+        return f"it takes up to {MOST_SITES} ways to cut, there are {problem.m}"
+    return "" if _dearest(problem) < NEVER else "a move costs more than its tables hold"
 
 
 def _dearest(problem: Problem) -> float:

@@ -42,10 +42,15 @@ def applies(problem: Problem) -> bool:
     return problem.looks_one_back and len(np.unique(problem.crossings.cost)) <= 1
 
 
-def fits(problem: Problem) -> bool:
-    """Whether a proof is worth a try: it applies, and the moves of every stretch fit in a table."""
+def unfit(problem: Problem) -> str:
+    """Why a proof is not worth a try; empty where it is: it applies, and the moves of every stretch fit in a table."""
+    if problem.further_back is not None:
+        return f"rule {problem.further_back.rule} looks further back than the last cut"
+    if not applies(problem):
+        return "moves over parts that are out have several prices"
     size = np.diff(problem.first)
-    return applies(problem) and 0 < max((int(size[list(g)].sum()) for g in series(problem)), default=0) <= MOST_SITES
+    longest = max((int(size[list(g)].sum()) for g in series(problem)), default=0)
+    return "" if 0 < longest <= MOST_SITES else f"it takes up to {MOST_SITES} ways to cut, a stretch has {longest}"
 
 
 def prove(
@@ -73,7 +78,7 @@ def prove(
     time_s
         Wall-clock time, s, of which the bound takes no more than its share.
     """
-    if not fits(problem):
+    if unfit(problem):
         return None
     known = incumbent.cost if incumbent else None
 

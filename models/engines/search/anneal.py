@@ -23,6 +23,7 @@ MOST = 12  # contours taken out at once
 RUINS, FEW_RUINS, LONG = 0.1, 0.03, 300  # share of ruins among the moves, the rest are swaps: fewer on long routes
 GO_ON, MAKE_ROUTE, TAKE_ROUTE = 0, 1, 2  # what to do before a walk
 FORCED = 0.3  # share of ruins in which a site is forced, where that makes sense
+MUCH = 0.4  # chance of overlooking a place where a trial is to differ
 JUDGE = 128  # trials between two looks at how many of them were lawful
 
 
@@ -71,7 +72,8 @@ def _shuffle(tables: Tables, state: State) -> bool:
         free = share(state.random) > FORCED
         _force_a_site(tables, state, not free)
     chance = share(state.random)
-    recreate(tables, state, 0.01 if chance < 0.8 else 0.1 if chance < 0.95 else 0.4)
+    apart = not free and len(tables.lags.a) > 0
+    recreate(tables, state, MUCH if apart or chance >= 0.95 else 0.1 if chance >= 0.8 else 0.01)
     return free
 
 
@@ -80,13 +82,17 @@ def _force_a_site(tables: Tables, state: State, force: bool) -> None:
     """Make a contour that is out take a random site, or none of them.
 
     Sites have a part in general statements, and in seconds between cuts, that choosing them by travel does not see.
+    Those may need a detour by the sites of several contours.
     """
     state.forced[:] = -1
     if force:
-        contour = state.out[below(state.random, state.number[TAKEN])]
-        start, stop = tables.legs.first[contour], tables.legs.first[contour + 1]
-        state.forced[contour] = start + below(state.random, stop - start)
-        state.site[contour] = state.forced[contour]
+        one, taken = below(state.random, state.number[TAKEN]), state.number[TAKEN]
+        for k in range(taken):
+            if k == one or (len(tables.lags.a) > 0 and below(state.random, taken) == 0):
+                contour = state.out[k]
+                start, stop = tables.legs.first[contour], tables.legs.first[contour + 1]
+                state.forced[contour] = start + below(state.random, stop - start)
+                state.site[contour] = state.forced[contour]
 
 
 @compiled

@@ -16,6 +16,8 @@ from .demands import HARD
 from .legs import Legs
 from .lists import flatten, ints
 
+STEPS = 8  # a hard lag that is kept for no time at all counts as so many broken statements, besides one for itself
+
 
 class Lags(NamedTuple):
     """Contour i keeps `cuts` from the contours `other[first[i]:first[i + 1]]`; a cut that is missing costs `cost`.
@@ -133,7 +135,7 @@ def too_soon(lags: Lags, legs: Legs, order: Ints, position: Ints, site: Ints, ti
         missing = lags.wait_ms[k] - between
         if missing > 0:
             if lags.per_ms[k] < 0:
-                broken += 1
+                broken += 1 + STEPS * missing // lags.wait_ms[k]
             else:
                 cost += int(np.rint(lags.per_ms[k] * missing))
     return cost, broken

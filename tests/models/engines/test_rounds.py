@@ -8,13 +8,16 @@ from typing import Any
 import pytest
 
 from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.engines import portfolio, rounds
+from kerfwise.models.engines.names import Engine
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.watch import Watch
 from kerfwise.rules.profile.profile import load_profile
-from kerfwise.rules.statements import About, NoGood
+from kerfwise.rules.statements import About, Lag, NoGood
 
 PRICE_MM = 5.0
 TWO: Nest = nest(300, 100, part("A", rect(10, 10, 60, 60)), part("B", rect(110, 10, 160, 60)))
@@ -81,6 +84,17 @@ def test_time_is_kept_for_a_look_that_is_known_to_be_long(
     found = solved(Geometry(look_s, finds=0), time_s=10.0, look_s=look_s)
     assert rounds_s == [most_s]
     assert bool([note for note in found.notes if "more than was left of the limit" in note]) == (look_s > 10.0)
+
+
+@pytest.mark.parametrize("engine", ["ideals", "beam"])
+def test_an_engine_that_cannot_hold_a_lag_says_so(engine: Engine) -> None:
+    profile = load_profile()
+    asked = ask(facts_of(TWO, profile), profile)
+    lag = Lag(0, 1, About("heat-lag", (), "they heat each other"), seconds=2.0, weight=1.0)
+    limits = options_for(TWO, profile, engine=engine, work=1)
+    why = f"the engine {engine} cannot plan this nest: rule heat-lag looks further back than the last cut; take another"
+    with pytest.raises(InputError, match=why):
+        rounds.solve(asked.facts, (*asked.stated.statements, lag), limits)
 
 
 def test_what_is_found_last_is_priced(solved: Any) -> None:

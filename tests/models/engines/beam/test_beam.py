@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from kerfwise.arrays import Ints
-from kerfwise.models.engines.beam import applies, beam, grower, history, widening
+from kerfwise.models.engines.beam import beam, grower, history, unfit, widening
 from kerfwise.models.engines.beam.bound import least_in_and_out
 from kerfwise.models.engines.beam.reversed_problem import can_reverse, reversed_problem
 from kerfwise.models.engines.beam.tables import Tables, make_tables, travel_table
@@ -36,7 +36,7 @@ def within_reach(drawn: Problem) -> Problem:
 def test_same_optimum_as_brute_force(drawn: Problem) -> None:
     tiny = within_reach(drawn)
     best, found = cheapest(tiny), beam(tiny)
-    assert applies(tiny)
+    assert not unfit(tiny)
     assert found.proven
     if best is None:
         assert found.incumbent is None
@@ -193,9 +193,9 @@ def test_stops_when_told_to() -> None:
 
 def test_takes_only_what_a_state_holds() -> None:
     plain = scattered(1, 4, 1)
-    assert applies(plain)
-    assert not applies(replace(plain, lags=(Lag(0, 1, ABOUT, cuts=2),)))
-    assert not applies(replace(plain, travel_weight=1e4))
+    assert not unfit(plain)
+    assert unfit(replace(plain, lags=(Lag(0, 1, ABOUT, cuts=2),))) == "rule test looks further back than the last cut"
+    assert unfit(replace(plain, travel_weight=1e4)) == "a move costs more than its tables hold"
 
 
 def test_no_contours_at_all() -> None:

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from kerfwise.models.engines.search import Searcher, legs, search
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.models.problem.pace import Pace
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.brute import cheapest
@@ -29,6 +30,17 @@ def test_tiny_problems_are_solved_to_the_optimum(drawn: Problem) -> None:
     assert best is not None
     assert broken(drawn, best.route) == ()
     assert best.cost == route_cost(drawn, best.route) == expected.cost
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_detour_that_fills_a_lag_of_seconds_is_found(seed: int) -> None:
+    """Cuts take no time: two contours take sites that are out of the way, or no plan waits for 4 s."""
+    ends = [[(0, 0), (0, 0), (0, 50)], [(0, 0), (0, 0), (0, 0)], [(0, 0)], [(0, 48)]]
+    pierces = [[(0, 0)] * 3, [(0, 0), (0, 0), (0, 43)], [(0, 0)], [(0, 0)]]
+    lag = Lag(0, 1, ABOUT, seconds=4.0)
+    pace = Pace(np.array([0] * 7 + [1180], dtype=np.int64), 0.02)
+    far = problem(pierces, ends_mm=ends, lags=[lag], pace=pace)
+    assert _cost(far, SolveOptions(seed=seed, work=0.03)) == 141_000
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
