@@ -15,15 +15,21 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats
 from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.distances import distances_mm
 from kerfwise.encoder.geometry.segment import Point
 
 from .nest import Contour
 from .tolerance import tolerance_mm
 
+Lines = NDArray[np.object_]
+
 CHORD_MM = 0.002
+MANY_CHORDS = 10_000
+"""Paths of more chords are evened out before they are grown."""
 NEAR_MM = 0.01
 """Where the path leaves a contour by so little, the walls of a feature begin."""
 QUARTER = 32
@@ -109,17 +115,28 @@ def lost_walls(
     for k, contour in enumerate(cut):
         if contour.id in more and not rings[k].is_empty:
             rings[k] = shapely.union_all([rings[k], *(path.line(CHORD_MM) for path in more[contour.id])])
+    rings = _not_too_fine(rings)
     beyond = shapely.difference(lines, shapely.buffer(rings, half_mm + more_mm, quad_segs=QUARTER))
     found: dict[str, tuple[tuple[Lost, shapely.LineString], ...]] = {}
     for k in np.flatnonzero(~shapely.is_empty(beyond) & ~shapely.is_empty(rings)).tolist():
         contour, near = cut[k], shapely.buffer(rings[k], half_mm + NEAR_MM, quad_segs=QUARTER)
         right = contour.curve.is_ccw == (contour.kind == "outer")
         walls = _pieces(shapely.difference(lines[k], near))
-        tree = shapely.STRtree(walls)
-        judged = (_lost(piece, tree, rings[k], half_mm, more_mm, right) for piece in _pieces(beyond[k]))
+        tree, pieces = shapely.STRtree(walls), _pieces(beyond[k])
+        points, of = shapely.get_coordinates(pieces, return_index=True)
+        far_mm = np.split(distances_mm(rings[k], points), np.flatnonzero(np.diff(of)) + 1)
+        judged = (_lost(*one, tree, half_mm, more_mm, right) for one in zip(pieces, far_mm, strict=True))
         if lost := tuple(one for one in judged if one is not None):
             found[contour.id] = lost
     return found
+
+
+def _not_too_fine(rings: Lines) -> Lines:
+    """The rings, those of very many chords with fewer, as close: the time to grow one goes with their square."""
+    fine = shapely.get_num_coordinates(rings) > MANY_CHORDS
+    evened = rings.copy()
+    evened[fine] = shapely.simplify(rings[fine], CHORD_MM)
+    return evened
 
 
 def ring_of(contour: Contour, half_mm: float) -> shapely.Geometry:
@@ -140,15 +157,18 @@ def _pieces(left: shapely.Geometry) -> list[shapely.LineString]:
 
 def _lost(
     piece: shapely.LineString,
+    far_mm: Floats,
     walls: shapely.STRtree,
-    path: shapely.Geometry,
     half_mm: float,
     more_mm: float,
     right: bool,
 ) -> tuple[Lost, shapely.LineString] | None:
-    """The feature that a stretch belongs to, None if no more is left of it than of a corner."""
+    """The feature that a stretch belongs to, None if no more is left of it than of a corner.
+
+    `far_mm` is how far each of its points is from the torch's path.
+    """
     points = shapely.get_coordinates(piece)
-    left_mm = float(shapely.distance(path, shapely.points(points)).max()) - half_mm
+    left_mm = float(far_mm.max()) - half_mm
     opening, sharpest = _angles(points, right)
     most_mm = half_mm + more_mm
     natural = [half_mm * (1 / math.sin(a / 2) - 1) for a in (opening, sharpest) if a > CORNER_RAD]
@@ -160,7 +180,7 @@ def _lost(
     (ax, ay), (bx, by) = wall[0].tolist(), wall[-1].tolist()
     width_mm, depth_mm = _size(wall)
     if opening > CORNER_RAD and abs(opening - sharpest) < CORNER_RAD:
-        x, y = points[int(np.argmax(shapely.distance(path, shapely.points(points))))].tolist()
+        x, y = points[int(np.argmax(far_mm))].tolist()
         return Lost((x, y), width_mm, depth_mm, left_mm, math.degrees(min(opening, sharpest))), nearest
     return Lost(((ax + bx) / 2, (ay + by) / 2), width_mm, depth_mm, left_mm), nearest
 

@@ -62,14 +62,16 @@ def lead_ins(
     def clear_of_contours(leads: Leads, contour: Ints) -> Bools:
         return around.clear_leads(leads, contour, options.kerf_mm / 2)
 
-    for asks, shape in product(wishes(around, options), shapes(options, patient)):
-        rows = np.flatnonzero(~found)
+    tried = shapes(options, patient)
+    pierced = np.full((len(tried), m), True)  # whether the pierce of a shape may be lawful, whatever is asked besides
+    for asks, (number, shape) in product(wishes(around, options), enumerate(tried)):
+        rows = np.flatnonzero(~found & pierced[number])
         if len(rows) == 0:
-            break
+            continue
         left = ways.take(rows)
         leads = shaped(shape, left.joints, left.along, longest_mm[rows], options.lead_in_min_mm)
-        clear = around.clear_pierces(leads.pierce, clearance_mm) & around.in_waste(leads.pierce)
-        clear &= around.inside_edges(leads) & _off_slits(leads.pierce, around, options)
+        clear = _may_pierce(leads, clearance_mm, around, options)
+        pierced[number, rows] = clear
         for grants in (asks, clear_of_contours):
             clear[clear] = grants(leads.take(clear), left.joints.contour[clear])
         done = rows[clear]
@@ -78,6 +80,19 @@ def lead_ins(
     kept = ways.take(found)
     leads = Leads(pierce[found], kept.joints.join, bulge[found], length_mm[found])
     return Approaches(kept, leads, np.full(len(kept), False))
+
+
+def _may_pierce(leads: Leads, clearance_mm: float, around: Surroundings, options: LeadOptions) -> Bools:
+    """Leads whose pierce is on metal to burn away, clear of everything, and that stay on the sheet."""
+    clear = np.full(len(leads.pierce), True)
+    for grants in (
+        lambda some: around.clear_pierces(some.pierce, clearance_mm),
+        lambda some: around.in_waste(some.pierce),
+        around.inside_edges,
+        lambda some: _off_slits(some.pierce, around, options),
+    ):
+        clear[clear] = grants(leads.take(clear))
+    return clear
 
 
 def _off_slits(points: Floats, around: Surroundings, options: LeadOptions) -> Bools:

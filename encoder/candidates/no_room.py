@@ -47,7 +47,7 @@ def reasons(tried: Tried, around: Surroundings, options: LeadOptions) -> dict[in
     """The reason of every contour at fault, by number."""
     said = {k: Reason(text, "small") for k, text in tried.small.items()}
     said |= {k: Reason(text, "kerf") for k, text in tried.uncut.items()}
-    said |= {k: Reason(text, "narrow") for k, text in tried.narrow.items()}
+    said |= {k: Reason(one.sentence(options), "narrow") for k, one in tried.narrow.items()}
     said |= {k: Reason(text, "reach") for k, text in tried.beyond.items()}
     said |= {k: Reason(text, "slit") for k, text in tried.shut.items()}
     if tried.bare:

@@ -8,12 +8,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from kerfwise.arrays import Bools, Floats
+from kerfwise.encoder.geometry.inscribed import narrower_than
 
 from .approaches import Approaches, ways
 from .candidate import LeadOptions
-from .entries import ANYWHERE, Ranks, choose, places
+from .entries import ANYWHERE, TIED_MM, Ranks, choose, places
 from .joints import Joints, Outline
-from .lead_in import edge_starts, lead_ins
+from .lead_in import edge_starts, lead_ins, least_clearance_mm
 from .surroundings import Surroundings
 
 ROUNDS = 3
@@ -61,6 +62,8 @@ def approaches_to(
     outlines: Mapping[int, Outline], locked: Joints, around: Surroundings, options: LeadOptions
 ) -> Approaches:
     """For every contour up to `options.entries` entries with room for a lead, and all locked ones that have it."""
+    outlines = {k: outline for k, outline in outlines.items() if not _too_narrow(outline, options)}
+    locked = locked.take(np.isin(locked.contour, np.array(list(outlines), dtype=np.int64)))
     longest = {k: longest_lead_mm(outline, options) for k, outline in outlines.items()}
     pools = {k: _Pool.of(outline, *places(outline, options.entries)) for k, outline in outlines.items()}
     found: list[Approaches] = []
@@ -90,6 +93,12 @@ def approaches_to(
     last = tried(Joints.joined([dense(outline) for outline in bare]), patient=True, from_edge=True)
     taken(last.take(_spread(last, outlines, options.entries)))
     return Approaches.joined(found)
+
+
+def _too_narrow(outline: Outline, options: LeadOptions) -> bool:
+    """Whether no place in a hole keeps a pierce's clearance: the pierce of a lead to a hole lies in it."""
+    of_hole = outline.contour.kind == "hole" and options.lead != "none"
+    return of_hole and narrower_than(outline.contour.curve, 2 * least_clearance_mm(options) - TIED_MM)
 
 
 def dense(outline: Outline, count: int = DENSE) -> Joints:

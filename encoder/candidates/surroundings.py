@@ -55,6 +55,7 @@ class Surroundings:
         metal = np.array([part.polygon for part in nest.parts], dtype=object)
         touching = ~shapely.is_valid(metal)  # themselves, which is no fault here
         metal[touching] = shapely.make_valid(metal[touching])
+        shapely.prepare(metal)
         sheet = shapely.make_valid(nest.sheet.polygon)
         shapely.prepare(sheet)
         edges = sheet.boundary
@@ -102,7 +103,12 @@ class Surroundings:
         """
         at = shapely.points(points)
         clear = np.asarray(self.in_sheet(points) & ~shapely.dwithin(self.edges, at, clearance_mm - _EXACT_MM))
-        row, chord = self.chords.query(at, predicate="dwithin", distance=clearance_mm + CHORD_MM)
+        surely_mm = float(np.nextafter(clearance_mm - CHORD_MM, 0.0))
+        if not_own is None and surely_mm > 0:  # then most is told without any distance
+            clear[self.chords.query(at, predicate="dwithin", distance=surely_mm)[0]] = False
+        rows = np.flatnonzero(clear)
+        row, chord = self.chords.query(at[rows], predicate="dwithin", distance=clearance_mm + CHORD_MM)
+        row = rows[row]
         if not_own is not None:
             own = not_own[:, None] if not_own.ndim == 1 else not_own
             others = (self.contour[chord][:, None] != own[row]).all(axis=1)
@@ -158,7 +164,9 @@ class Surroundings:
     def in_waste(self, points: Floats) -> Bools:
         """Points that lie on no part."""
         waste = np.full(len(points), True)
-        waste[self.metal.query(shapely.points(points), predicate="intersects")[0]] = False
+        row, part = self.metal.query(shapely.points(points))
+        on_part = shapely.intersects_xy(self.metal.geometries[part], points[row, 0], points[row, 1])
+        waste[row[on_part]] = False
         return waste
 
     def off_sheet(self, points: Floats, by_mm: float) -> Bools:

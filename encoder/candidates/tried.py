@@ -10,7 +10,7 @@ import numpy as np
 from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.narrow import lost_walls, said_of
+from kerfwise.encoder.narrow import Lost, lost_walls, said_of
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.slits import Unfit, in_the_way, slits_of
 from kerfwise.encoder.small_holes import HoleLimits, diameter_under, kept_because, too_small
@@ -24,14 +24,28 @@ from .surroundings import Surroundings
 from .within_reach import out_of_reach, within_reach
 
 
+@dataclass(frozen=True, slots=True)
+class Narrow:
+    """The features of a contour that the kerf would lose, those among them whose slits would burn what is beside."""
+
+    contour: Contour
+    lost: tuple[Lost, ...]
+    burnt: tuple[Unfit, ...]
+
+    def sentence(self, options: LeadOptions) -> str:
+        """What is lost, what to do about it, and why slits do not help."""
+        features = [*self.lost, *(one.slot for one in self.burnt)]
+        return said_of(self.contour.id, features, options.kerf_mm, _what_to_do(self.contour, self.burnt, options))
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Tried:
     """The outlines of the contours that may be cut, the approaches found, and the joints that locks ask for.
 
     By contour number, `small` says what is wrong with holes that are too small, `uncut` with contours that the kerf
-    cannot follow, `narrow` with those of which it would lose a feature, `beyond` with those that the machine does not
-    reach, marks included. `slits` are the candidates of slits, `shut` says why others have none. `bare` are contours
-    without any approach, `unmet` the rows of `locked` without one.
+    cannot follow, `beyond` with those that the machine does not reach, marks included; `narrow` has the features that
+    it would lose of contours. `slits` are the candidates of slits, `shut` says why others have none. `bare` are
+    contours without any approach, `unmet` the rows of `locked` without one.
     """
 
     outlines: Mapping[int, Outline]
@@ -39,7 +53,7 @@ class Tried:
     locked: Joints
     small: Mapping[int, str]
     uncut: Mapping[int, str]
-    narrow: Mapping[int, str]
+    narrow: Mapping[int, Narrow]
     beyond: Mapping[int, str]
     slits: tuple[Candidate, ...]
     shut: Mapping[int, str]
@@ -92,22 +106,20 @@ def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, optio
 
 def _narrow(
     nest: Nest, contours: Iterable[int], outlines: Mapping[int, Outline], options: LeadOptions
-) -> dict[int, str]:
+) -> dict[int, Narrow]:
     """Contours of which the kerf would lose a slot, notch, neck or corner, and which."""
     paths = {outline.contour.id: outline.path for outline in outlines.values()}
     slits: dict[str, list[Curve]] = {}
     for slit in (c for c in nest.contours if c.kind == "slit"):
         slits.setdefault(slit.slot_of, []).append(slit.curve)
     lost = lost_walls([nest.contours[k] for k in contours], options.kerf_mm, paths, slits)
-    found = {nest.index[name]: [one for one, _ in of] for name, of in lost.items()}
-    said = {}
-    for k in (k for k in contours if k in found or nest.contours[k].encloses):
-        contour = nest.contours[k]
+    found = {}
+    for contour in (nest.contours[k] for k in contours):
         burnt = in_the_way(nest, contour, options.kerf_mm) if contour.id in slits else []
-        if k in found or burnt:
-            features = [*found.get(k, ()), *(one.slot for one in burnt)]
-            said[k] = said_of(contour.id, features, options.kerf_mm, _what_to_do(contour, burnt, options))
-    return said
+        if contour.id in lost or burnt:
+            features = tuple(one for one, _ in lost.get(contour.id, ()))
+            found[nest.index[contour.id]] = Narrow(contour, features, tuple(burnt))
+    return found
 
 
 def _what_to_do(contour: Contour, burnt: Sequence[Unfit], options: LeadOptions) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,8 @@ CONTACT_MM = 0.05
 """Outlines that overlap by less than this touch; a contour's own curve nearer than this is the cell's own place."""
 CELLS_PER_BOX = 8
 BOXES_AT_ONCE = 20_000
+PAIRS_AT_ONCE = 1 << 21
+"""Pairs of a cell and a piece that are intersected in one go, which takes a hundred bytes of memory for each."""
 NOTHING = -1
 
 
@@ -46,14 +49,28 @@ def first_hits(cells: Cells, obstacles: Obstacles, reach_mm: float) -> tuple[Int
         x0, y0 = np.minimum.reduceat(low[begin[0] : stop], begin - begin[0]).T
         x1, y1 = np.maximum.reduceat(high[begin[0] : stop], begin - begin[0]).T
         box, piece = tree.query(shapely.box(x0, y0, x1, y1))
-        cell = laid_out(begin[box], cells_in[box])
-        piece = np.repeat(piece, cells_in[box])
-        met, away_mm = _crossings(cells, obstacles, cell, piece, reach_mm)
-        cell, piece = cell[met], piece[met]
-        np.minimum.at(distance_mm, cell, away_mm)
-        nearest = away_mm == distance_mm[cell]
-        np.maximum.at(owner, cell[nearest], obstacles.owner[piece[nearest]])
+        for some in _at_once(box, cells_in):
+            cell = laid_out(begin[box[some]], cells_in[box[some]])
+            pieces = np.repeat(piece[some], cells_in[box[some]])
+            met, away_mm = _crossings(cells, obstacles, cell, pieces, reach_mm)
+            cell, pieces = cell[met], pieces[met]
+            np.minimum.at(distance_mm, cell, away_mm)
+            nearest = away_mm == distance_mm[cell]
+            np.maximum.at(owner, cell[nearest], obstacles.owner[pieces[nearest]])
     return owner, np.maximum(distance_mm, 0.0)
+
+
+def _at_once(box: Ints, cells_in: Ints) -> Iterator[slice]:
+    """The rows of some whole boxes, ascending, that make no more pairs than PAIRS_AT_ONCE, but for a single box."""
+    first = np.flatnonzero(np.diff(box, prepend=-1))
+    pairs = np.diff(first, append=len(box)) * cells_in[box[first]]
+    begin, so_many = 0, 0
+    for row, more in zip(first.tolist(), pairs.tolist(), strict=True):
+        if so_many and so_many + more > PAIRS_AT_ONCE:
+            yield slice(begin, row)
+            begin, so_many = row, 0
+        so_many += more
+    yield slice(begin, len(box))
 
 
 def _boxes_of(contour: Ints) -> tuple[Ints, Ints]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import shapely
 
 from .curve import Curve
@@ -30,6 +31,25 @@ def wider_than(curve: Curve, mm: float) -> bool:
     """
     inside, middle = _area(curve), _area(curve).centroid
     return bool(inside.covers(middle)) and 2 * curve.project((middle.x, middle.y))[1] >= mm
+
+
+def narrower_than(curve: Curve, mm: float) -> bool:
+    """Whether surely no circle of that diameter has room inside a closed curve, found where it costs little.
+
+    No circle has a larger area than what it lies in, or is wider than the narrowest rectangle around that.
+    False says nothing yet.
+
+    Examples
+    --------
+    >>> slot = Curve.of([(0, 0), (50, 0), (50, 8), (0, 8)])
+    >>> narrower_than(slot, 8), narrower_than(slot, 8.1)
+    (False, True)
+    """
+    if abs(curve.signed_area_mm2) < math.pi * (mm / 2) ** 2 * (1 - SAME_MM):
+        return True
+    around = shapely.get_coordinates(shapely.minimum_rotated_rectangle(curve.line(_CHORD_MM)))
+    sides_mm = np.hypot(*np.diff(around[:3], axis=0).T)
+    return bool(len(sides_mm) == 2 and sides_mm.min() + 2 * _CHORD_MM < mm)
 
 
 def largest_circle(curve: Curve) -> tuple[Point, float]:

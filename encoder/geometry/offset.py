@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import shapely
 
 from kerfwise.arrays import Floats
 
@@ -19,6 +20,8 @@ from .segment import Point, Segment
 
 TOLERANCE_MM = 0.004
 """How far a point of the answer may be from the distance asked for before chords are taken instead."""
+MANY_POINTS = 10_000
+"""Where chords are taken, and they are more, they are made as few as the tolerance allows: each is a line to cut."""
 
 
 def offset_curve(curve: Curve, distance_mm: float) -> Curve:
@@ -68,6 +71,8 @@ def offset_curve(curve: Curve, distance_mm: float) -> Curve:
         exact = _closed(_joined(sources, _stretches(nearest, ring), ring))
         if exact is not None and _agrees(exact, nearest, ring):
             return exact
+    if len(ring) > MANY_POINTS:
+        ring = shapely.get_coordinates(shapely.simplify(shapely.LinearRing(ring), TOLERANCE_MM / 2))[:-1]
     return Curve(np.column_stack([ring, np.zeros(len(ring))]))
 
 

@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
+import shapely
 
-from kerfwise.arrays import Floats
+from kerfwise.arrays import Floats, Ints
 
 from .curve import Curve
+
+COMPARED_AT_ONCE = 1 << 20
+"""Pairs of a point and a segment that are compared each; where there are more, far segments are left out first."""
+_POINTS_AT_ONCE = 64
+_CHORD_MM = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +35,7 @@ class SegmentArrays:
     centre: Floats
     radius_mm: Floats
     starts_mm: Floats
+    curve: Curve
 
     @staticmethod
     def of(curve: Curve) -> SegmentArrays:
@@ -44,7 +52,7 @@ class SegmentArrays:
         centre = (start + end) / 2 + across * length * ((1 - b * b) / (4 * b))[:, None]
         radius_mm = length[:, 0] * (1 + b * b) / (4 * np.abs(b))
         tangent_in, tangent_out = along * cos - across * sin, along * cos + across * sin
-        return SegmentArrays(start, end, bulge, tangent_in, tangent_out, centre, radius_mm, curve.starts_mm)
+        return SegmentArrays(start, end, bulge, tangent_in, tangent_out, centre, radius_mm, curve.starts_mm, curve)
 
     def __len__(self) -> int:
         return len(self.start)
@@ -90,27 +98,52 @@ class SegmentArrays:
         >>> [a.round(3).tolist() for a in circle.project(np.array([[0.0, -12.0]]))]
         [[15.708], [2.0]]
         """
-        along = self.end - self.start
-        rel = points[:, None] - self.start
+        if len(points) * len(self) <= COMPARED_AT_ONCE:
+            return self._project(points, np.arange(len(self)))
+        chords, of = self._chords
+        found = shapely.points(points)
+        _, far_mm = chords.query_nearest(found, return_distance=True, all_matches=False)
+        row, chord = chords.query(found, predicate="dwithin", distance=far_mm + 2 * _CHORD_MM)
+        ends = np.searchsorted(row, np.arange(0, len(points) + _POINTS_AT_ONCE, _POINTS_AT_ONCE))
+        parts = [
+            self._project(points[k * _POINTS_AT_ONCE :][:_POINTS_AT_ONCE], np.unique(of[chord[begin:end]]))
+            for k, (begin, end) in enumerate(pairwise(ends.tolist()))
+        ]
+        return np.concatenate([at for at, _ in parts]), np.concatenate([mm for _, mm in parts])
+
+    @cached_property
+    def _chords(self) -> tuple[shapely.STRtree, Ints]:
+        """The curve in chords, and the segment of each."""
+        chords = [s.flatten(_CHORD_MM) for s in self.curve.segments]
+        of = np.repeat(np.arange(len(chords)), [len(c) for c in chords])
+        to = np.concatenate(chords)
+        begins = np.concatenate([self.start[:1], to[:-1]])
+        return shapely.STRtree(shapely.linestrings(np.stack([begins, to], axis=1))), of
+
+    def _project(self, points: Floats, among: Ints) -> tuple[Floats, Floats]:
+        """The same, where the segments that may be nearest are known: every point is compared with each of them."""
+        start, end, centre, bulge = self.start[among], self.end[among], self.centre[among], self.bulge[among]
+        along = end - start
+        rel = points[:, None] - start
         fraction = np.clip((rel * along).sum(axis=2) / (along * along).sum(axis=1), 0, 1)
-        arcs = np.flatnonzero(self.bulge)
+        arcs = np.flatnonzero(bulge)
         if len(arcs):
-            spoke, ray = self.start[arcs] - self.centre[arcs], points[:, None] - self.centre[arcs]
+            spoke, ray = start[arcs] - centre[arcs], points[:, None] - centre[arcs]
             turn_rad = np.arctan2(_cross(spoke, ray), (spoke * ray).sum(axis=2))
-            sweep_rad = 4 * np.arctan(self.bulge[arcs])
+            sweep_rad = 4 * np.arctan(bulge[arcs])
             on_arc = (np.sign(sweep_rad) * turn_rad) % (2 * np.pi) / np.abs(sweep_rad)
-            to_end = ray - (self.end - self.centre)[arcs]
+            to_end = ray - (end - centre)[arcs]
             nearer_start = ((ray - spoke) ** 2).sum(axis=2) <= (to_end**2).sum(axis=2)
             fraction[:, arcs] = np.where(on_arc <= 1, on_arc, np.where(nearer_start, 0.0, 1.0))
-        feet = self.start + fraction[:, :, None] * along
+        feet = start + fraction[:, :, None] * along
         if len(arcs):
             angle = (sweep_rad * fraction[:, arcs])[:, :, None]
-            feet[:, arcs] = self.centre[arcs] + spoke * np.cos(angle) + _left(spoke) * np.sin(angle)
+            feet[:, arcs] = centre[arcs] + spoke * np.cos(angle) + _left(spoke) * np.sin(angle)
         squares = ((feet - points[:, None]) ** 2).sum(axis=2)
-        k = squares.argmin(axis=1)
-        rows = np.arange(len(points))
+        nearest = squares.argmin(axis=1)
+        rows, k = np.arange(len(points)), among[nearest]
         length_mm = self.starts_mm[k + 1] - self.starts_mm[k]
-        return self.starts_mm[k] + fraction[rows, k] * length_mm, np.sqrt(squares[rows, k])
+        return self.starts_mm[k] + fraction[rows, nearest] * length_mm, np.sqrt(squares[rows, nearest])
 
 
 def _left(v: Floats) -> Floats:

@@ -9,6 +9,7 @@ import shapely
 
 from kerfwise.encoder.cut import Cut, Direction
 from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.distances import distances_mm
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour
 from kerfwise.postproc.check.reader.program import Burn
@@ -73,8 +74,7 @@ def _wrong(
 
 
 def _farthest(line: shapely.LineString, ring: shapely.LineString) -> float:
-    shapely.prepare(ring)
-    return float(shapely.distance(ring, shapely.points(shapely.get_coordinates(line))).max())
+    return float(distances_mm(ring, shapely.get_coordinates(line)).max())
 
 
 def _direction(contour: Contour, loop: Curve) -> Direction:

@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 import shapely
 
+from kerfwise.encoder.geometry.distances import distances_mm
 from kerfwise.encoder.nest import Nest
 
 from .program_rules import tolerance_mm
@@ -94,8 +95,7 @@ class Matcher:
             ring = torch_rings([self.nest.contours[contour]], self.kerf_mm, side)[0]
         if ring is None or not _within(ring.bounds, line.bounds):
             return None
-        distances = shapely.distance(line, shapely.points(shapely.get_coordinates(ring)))
-        return Match(contour, side, ring, float(distances.max()))
+        return Match(contour, side, ring, float(distances_mm(line, shapely.get_coordinates(ring)).max()))
 
 
 def _within(inner: Bounds, outer: Bounds) -> bool:

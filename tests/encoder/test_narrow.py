@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
+import shapely
 
+from kerfwise.encoder import narrow
 from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.encoder.candidates import LeadOptions, build_candidates
+from kerfwise.encoder.candidates import LeadOptions, build_candidates, tried
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.narrow import MOST_TOLD, lost_features
 from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
 from kerfwise.tests.encoder.narrow_shapes import FITS, KERF_MM, LOST, SHARP, comb, corner, slot
@@ -107,3 +111,42 @@ def test_plain_plates_have_candidates() -> None:
 
 def test_without_a_kerf_nothing_is_lost() -> None:
     assert lost_features([slot(0.5, 80)], 0.0) == {}
+
+
+def test_paths_of_very_many_chords_are_evened_out_before_they_are_grown(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A traced ring of 20,000 vertices has a path of over 100,000 chords; the time to grow it goes with the square."""
+    a = np.arange(20_000) * math.tau / 20_000
+    turns = np.column_stack([np.cos(a), np.sin(a), 0 * a])
+    drawn, path = Contour("P.outer", "P", "outer", Curve(20 * turns)), Curve((20 + KERF_MM / 2) * turns)
+    far = Curve((20 + KERF_MM / 2 + 0.08) * turns)
+    grown: list[int] = []
+    plain = shapely.buffer
+
+    def counted(shape: object, *args: object, **named: object) -> object:
+        grown.extend(np.atleast_1d(shapely.get_num_coordinates(shape)).tolist())
+        return plain(shape, *args, **named)
+
+    monkeypatch.setattr(shapely, "buffer", counted)
+    assert lost_features([drawn], KERF_MM, {"P.outer": path}) == {}
+    assert max(grown) < 1000
+    assert narrow.MANY_CHORDS < 20_000
+    assert len(narrow.lost_walls([drawn], KERF_MM, {"P.outer": far})) <= 1
+
+
+@pytest.mark.parametrize("shape", LOST)
+def test_an_evened_path_loses_the_same(shape: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    exact = lost_features([LOST[shape][0]], KERF_MM)
+    monkeypatch.setattr(narrow, "MANY_CHORDS", 0)
+    evened = lost_features([LOST[shape][0]], KERF_MM)
+    for name, features in exact.items():
+        assert [f.place for f in evened[name]] == [pytest.approx(f.place, abs=0.05) for f in features]
+        assert [f.depth_mm for f in evened[name]] == [pytest.approx(f.depth_mm, abs=0.05) for f in features]
+
+
+def test_what_helps_against_a_slot_is_thought_of_once_not_for_every_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+    plain = tried.slits_of
+    monkeypatch.setattr(tried, "slits_of", lambda contour, mm: asked.append(contour.id) or plain(contour, mm))
+    with pytest.raises(InputError, match="slot, notch or neck"):
+        build_candidates(nest(400, 300, Part("P", comb(5, 1.0))), LeadOptions())
+    assert asked == ["P.outer"]

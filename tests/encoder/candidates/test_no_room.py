@@ -7,9 +7,11 @@ import re
 
 import pytest
 
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.candidates.candidate import IN_PROFILE
+from kerfwise.encoder.candidates.surroundings import Surroundings
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 
@@ -99,3 +101,31 @@ def test_without_a_lead_the_path_itself_needs_the_room() -> None:
 )
 def test_options_that_cannot_go_together_are_told_at_once(options: LeadOptions, text: str) -> None:
     assert re.search(text, told(nest(400, 300, part("A", rect(100, 100, 80, 80))), options))
+
+
+@pytest.fixture
+def pierced(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """How many points were asked for at a time whether a pierce has room there."""
+    asked: list[int] = []
+    plain = Surroundings.clear_pierces
+
+    def counted(self: Surroundings, points: Floats, clearance_mm: float, not_own: Ints | None = None) -> Bools:
+        asked.append(len(points))
+        return plain(self, points, clearance_mm, not_own)
+
+    monkeypatch.setattr(Surroundings, "clear_pierces", counted)
+    return asked
+
+
+def test_small_holes_are_refused_without_a_look_at_places_that_none_of_them_has(pierced: list[int]) -> None:
+    """A plate of 112 took half a minute: every place in each was looked at eight hundred times."""
+    holes = [circle(60 + 30 * (k % 4), 60 + 30 * (k // 4), 1.48) for k in range(8)]
+    options = LeadOptions(pierce_clearance_mm=1.5, lead_in_min_mm=0.5)
+    said = told(nest(300, 200, part("P", rect(20, 20, 200, 120), holes)), options)
+    assert "8 holes (P.hole1, P.hole2, P.hole3 and 5 more): `rules.pierce.clearance: 1.48 mm` frees them" in said
+    assert sum(pierced) < 8 * 200
+
+
+def test_a_pierce_without_room_is_looked_at_once_whatever_is_asked_of_its_lead(pierced: list[int]) -> None:
+    told(framed(2.1), LeadOptions())
+    assert sum(pierced) < 80_000

@@ -5,8 +5,9 @@ import pytest
 import shapely
 from hypothesis import given, settings
 
+from kerfwise.arrays import Bools, Floats
 from kerfwise.encoder.by_hand import circle, nest, part, rect
-from kerfwise.encoder.facts import FactOptions, compute_facts
+from kerfwise.encoder.facts import FactOptions, compute_facts, rays
 from kerfwise.encoder.facts.cells import CELLS_MIN, SPACING_MM, cells_of
 from kerfwise.encoder.facts.containment import parents_of
 from kerfwise.encoder.facts.facts import SIDES, Facts
@@ -143,3 +144,23 @@ def test_agrees_with_rays_cast_one_by_one(given_nest: Nest) -> None:
         faced = outlook.faces[k]
         got = "solid" if faced == NOTHING else "edge" if faced >= outlines.n else parts[faced]
         assert got == ("solid" if expected == part_id else expected)
+
+
+def test_rays_are_intersected_a_few_boxes_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A star of 2000 vertices has pairs of a ray and a piece for 2 GB of memory."""
+    plate = nest(400, 400, *(part(f"P{k}", rect(10 + 60 * k, 10, 50, 300)) for k in range(5)))
+    outlines = outlines_of(plate)
+    asked = (outlines, parents_of(outlines), plate.sheet, cells_of(outlines), FactOptions())
+    whole = outlook_of(*asked)
+    pairs: list[int] = []
+    plain = rays._crossings
+
+    def counted(*given: object) -> tuple[Bools, Floats]:
+        pairs.append(len(given[2]))  # type: ignore[arg-type]
+        return plain(*given)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(rays, "_crossings", counted)
+    monkeypatch.setattr(rays, "PAIRS_AT_ONCE", 200)
+    assert outlook_of(*asked).faces.tolist() == whole.faces.tolist()
+    assert len(pairs) > 10
+    assert max(pairs) <= 200

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import circle, rect
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.geometry.inscribed import largest_circle, middle_of, wider_than
+from kerfwise.encoder.geometry.inscribed import largest_circle, middle_of, narrower_than, wider_than
 
 
 @pytest.mark.parametrize("pieces", [2, 3, 4, 7])
@@ -54,3 +54,20 @@ def test_it_agrees_with_a_finer_search_by_other_code(corners: list[tuple[float, 
 def test_a_wide_hole_is_told_at_a_glance() -> None:
     assert wider_than(Curve.of(circle(0, 0, 5)), 10)
     assert not wider_than(Curve.of(rect(0, 0, 100, 9)), 10)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(st.tuples(st.floats(0, math.tau), st.floats(2, 20)), min_size=3, max_size=9, unique_by=lambda p: p[0]),
+    st.floats(0.5, 20),
+)
+def test_what_is_surely_narrower_is(corners: list[tuple[float, float]], mm: float) -> None:
+    ring = Curve.of([(r * math.cos(a), r * math.sin(a)) for a, r in sorted(corners)])
+    if ring.polygon().is_valid and ring.polygon().area > 1 and narrower_than(ring, mm):
+        assert largest_circle(ring)[1] < mm + 1e-3
+
+
+def test_circles_slots_and_thin_frames_are_told_apart_from_wide_holes() -> None:
+    holes = (circle(5, 5, 1.48), circle(5, 5, 1.5), rect(0, 0, 3, 3), rect(0, 0, 30, 2.9))
+    assert [narrower_than(Curve.of(hole), 3.0) for hole in holes] == [True, False, False, True]
+    assert not narrower_than(Curve.of(holes[-1]), 2.9)

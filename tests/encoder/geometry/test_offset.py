@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from kerfwise.encoder.by_hand import circle, rect
+from kerfwise.encoder.geometry import offset
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.offset import offset_curve
 
@@ -129,3 +130,17 @@ def test_what_has_no_offset_says_why(vertices: list[tuple[float, float]], distan
 def test_an_open_curve_has_no_offset() -> None:
     with pytest.raises(ValueError, match="open"):
         offset_curve(Curve.of([(0, 0), (10, 0), (10, 10)], closed=False), 1.0)
+
+
+def test_where_chords_are_taken_of_a_long_ring_they_are_no_more_than_needed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every chord is a line of the program: noise in a ring of 20,000 vertices made 120,000 of them."""
+    angle = np.arange(2000) * math.tau / 2000
+    radius = 40 + np.random.default_rng(1).uniform(-0.05, 0.05, 2000)
+    noisy = Curve(np.column_stack([radius * np.cos(angle), radius * np.sin(angle), 0 * angle]))
+    monkeypatch.setattr(offset, "_joined", lambda *given: [])  # nothing exact is found
+    monkeypatch.setattr(offset, "MANY_POINTS", 10**9)
+    fine = offset_curve(noisy, 0.75)
+    monkeypatch.setattr(offset, "MANY_POINTS", 100)
+    few = offset_curve(noisy, 0.75)
+    assert len(few.segments) < len(fine.segments) / 2
+    assert few.line().hausdorff_distance(fine.line()) < offset.TOLERANCE_MM

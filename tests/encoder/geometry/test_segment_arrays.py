@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
+from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.geometry import segment_arrays
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment_arrays import SegmentArrays
 from kerfwise.tests.encoder.geometry.rings import star_rings
@@ -26,6 +28,39 @@ def test_points_tangents_and_projections_are_those_of_the_curve(drawn: Curve) ->
     for k, point in enumerate(asked.tolist()):
         assert distance_mm[k] == pytest.approx(drawn.project(point)[1], abs=1e-7)
         assert drawn.point_at(found_mm[k]) == pytest.approx(drawn.point_at(drawn.project(point)[0]), abs=1e-4)
+
+
+@settings(max_examples=40, deadline=None)
+@given(star_rings())
+def test_far_segments_may_be_left_out(drawn: Curve) -> None:
+    arrays = SegmentArrays.of(drawn)
+    asked = np.random.default_rng(len(drawn.segments)).uniform(-25, 25, (150, 2))
+    each = arrays.project(asked)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(segment_arrays, "COMPARED_AT_ONCE", 0)
+        near = arrays.project(asked)
+    assert [a.tolist() for a in near] == [a.tolist() for a in each]
+
+
+def test_points_along_a_curve_of_many_vertices_are_compared_with_few_segments(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = SegmentArrays._project
+    compared = 0
+
+    def counted(self: SegmentArrays, points: Floats, among: Ints) -> tuple[Floats, Floats]:
+        nonlocal compared
+        compared += len(points) * len(among)
+        return plain(self, points, among)
+
+    monkeypatch.setattr(SegmentArrays, "_project", counted)
+    pairs = []
+    for n in (2000, 20_000):
+        angle = np.arange(n) * 2 * np.pi / n
+        radius = 400 + np.random.default_rng(n).uniform(-0.05, 0.05, n)
+        ring = Curve(np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.zeros(n)]))
+        compared = 0
+        SegmentArrays.of(ring).project(1.002 * ring.vertices[:, :2])
+        pairs.append(compared)
+    assert pairs[1] < 15 * pairs[0] < 2000 * 2000
 
 
 def test_at_a_corner_the_tangents_before_and_after_differ() -> None:
