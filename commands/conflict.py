@@ -7,7 +7,6 @@ from pathlib import Path
 import click
 
 from kerfwise.jobs.no_plan import NOT_SHOWN, NoPlan
-from kerfwise.rules.stating.state_rules import unread_files
 
 
 def tell_conflict(no_plan: NoPlan, picture: str | Path) -> int:
@@ -17,8 +16,6 @@ def tell_conflict(no_plan: NoPlan, picture: str | Path) -> int:
     if conflict is None:
         if not no_plan.within_limit:
             click.echo(f"  note: {NOT_SHOWN}", err=True)
-        for note in unread_files(profile):
-            click.echo(f"  note: {note}", err=True)
         return 1
     if conflict.relax is not None:
         click.echo("--relax takes this way out, and says so in the plan and in the program", err=True)

@@ -11,9 +11,9 @@ from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.facts.remaining import loose_in, remaining
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.engines.names import Engine
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.postproc.clock.contour_heat import contour_heat_kj
+from kerfwise.rules.flat.compiler import minizinc_program
 from kerfwise.rules.lock import check_locks
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import (
@@ -45,10 +45,13 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) ->
     Raises
     ------
     InputError
-        If a lock names what the nest does not have, or a contour cannot be cut as the profile asks.
+        If a lock names what the nest does not have, a contour cannot be cut as the profile asks, or a rule in a model
+        file is on and there is no MiniZinc.
     RulesConflict
         If contours cannot be cut and hard rules cannot hold in any order: the second is mostly the reason of the first.
     """
+    if profile.model_rules():
+        minizinc_program()
     nest = profile.as_cut(nest)
     check_locks(profile.locks, nest)
     loose = loose_in(nest, already.contours)
@@ -72,14 +75,11 @@ def ask(
     facts: Facts,
     profile: Profile,
     relax: bool = False,
-    engine: Engine = "portfolio",
     limits: SolveOptions | None = None,
 ) -> Asked:
     """What the rules state of the facts; `relax` lets the cheapest statements give way where they clash.
 
     The look for them ends within `limits`.
-
-    Rule files of the plant's own are read by the engine minizinc only.
 
     Raises
     ------
@@ -93,11 +93,11 @@ def ask(
         from kerfwise.models.plan.plan import RELAXED
 
         purse = None if limits is None else Purse.of(replace(limits, time_s=limits.time_s and RELAX * limits.time_s))
-        stated = state_relaxed(facts, profile, reads_files=engine == "minizinc", purse=purse)
+        stated = state_relaxed(facts, profile, purse=purse)
         left_out = (DroppedStatement(order, f"{RELAXED}{order.about.sentence}") for order in loose)
         return Asked(facts, replace(stated, dropped=(*stated.dropped, *left_out)))
     if loose:
         raise RulesConflict(
             "some contours cannot be cut any more (--relax leaves them out)", tuple(o.about.sentence for o in loose)
         )
-    return Asked(facts, state_rules(facts, profile, reads_files=engine == "minizinc"))
+    return Asked(facts, state_rules(facts, profile))

@@ -36,7 +36,7 @@ class Explainer:
         profile = again_first(given.profile.at_origin(plan.origin), plan.already)
         facts = facts or facts_of(given.nest, profile, plan.already)
         state = state_relaxed if any(dropped.relaxed for dropped in plan.dropped) else state_rules
-        stated = state(facts, profile, reads_files=True)
+        stated = state(facts, profile)
         if profile.objective.heat:
             stated = with_heat_prices(facts, profile, stated)
         self._facts, self._profile, self._stated, self._plan = facts, profile, stated, plan

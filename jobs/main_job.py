@@ -93,7 +93,7 @@ def plan_nest(
         _load_kernels(tell)
     try:
         began_s = time.monotonic()
-        asked = ask(facts, profile, relax, engine, limits)
+        asked = ask(facts, profile, relax, limits)
         left = limits
         if limit_s:  # stating the rules is inside the limit; a plan gets its share all the same
             spent_s = time.monotonic() - began_s

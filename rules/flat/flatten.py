@@ -42,22 +42,23 @@ class Flattened:
     elements: tuple[Node, ...]
     says: tuple[str, ...]
     further: tuple[Node, ...]
+    others: tuple[tuple[Node, ...], ...] = ()
 
 
 _kept: OrderedDict[str, Flattened] = OrderedDict()
 
 
-def flatten(file: ModelFile, data: str, n: int, contour_of: Sequence[int]) -> Flattened:
+def flatten(file: ModelFile, data: str, n: int, contour_of: Sequence[int], others: tuple[str, ...] = ()) -> Flattened:
     """Compile the file with data (facts, and the rule's own) of n contours and read what is left.
 
-    `contour_of` maps each candidate to its contour, from 0.
+    `contour_of` maps each candidate to its contour, from 0; `others` are further arrays of the file that are wanted.
 
     Raises
     ------
     InputError
         If MiniZinc is missing, or the file has a mistake or says something that has no meaning for a rule.
     """
-    text = _model(file, data)
+    text = _model(file, data, others)
     key = sha256("\0".join([text, *(_content(path) for path in _read(file))]).encode()).hexdigest()
     if key in _kept:
         _kept.move_to_end(key)
@@ -72,6 +73,7 @@ def flatten(file: ModelFile, data: str, n: int, contour_of: Sequence[int]) -> Fl
         meaning = Meaning(flat, Words(n, contour_of))
         elements = tuple(meaning.elements(file.array))
         further = tuple(meaning.further())
+        beside = tuple(tuple(meaning.elements(name)) for name in others)
     except (NotUnderstood, TooMuch) as error:
         raise InputError(f"rule {file.name}: {error}", file=file.path, line=file.line) from None
     except RecursionError:
@@ -83,19 +85,19 @@ def flatten(file: ModelFile, data: str, n: int, contour_of: Sequence[int]) -> Fl
             file=file.path,
             line=file.line,
         )
-    made = Flattened(elements, tuple(says), further)
+    made = Flattened(elements, tuple(says), further, beside)
     _kept[key] = made
     if len(_kept) > MOST_KEPT:
         _kept.popitem(last=False)
     return made
 
 
-def _model(file: ModelFile, data: str) -> str:
+def _model(file: ModelFile, data: str, others: tuple[str, ...]) -> str:
     """The model: the words, the file, its data, and what is to be left of it."""
     text = "".join(_content(path) for path in _read(file))
     kept = [name for name, words in _ARRAYS.items() if any(word in text for word in words)]
     lines = [include(WORDS), include(file.path.resolve())]
-    for name in (*kept, *([file.array] if file.array else [])):
+    for name in (*kept, *([file.array] if file.array else []), *others):
         kind = "int" if name in SUMS else "bool"
         lines.append(f"predicate {KEPT}{name}(array[int] of var {kind}: kept);")
         lines.append(f"constraint {KEPT}{name}(array1d({name}));")

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.shown import shown
+from kerfwise.rules.registry import RULES
 
 TYPES = ("int", "bool", "string")
 _PARAMETER = re.compile(r"^\s*(?:(?P<type>[^:;%\n]+?))\s*:\s*(?P<name>[A-Za-z]\w*)\s*;[ \t]*(?:%(?P<help>.*))?$", re.M)
@@ -23,7 +25,7 @@ class Parameter:
     name: str
     key: str
     type: str
-    default: str | None
+    default: str
     help: str
     line: int
 
@@ -100,8 +102,13 @@ def read_model_file(path: Path) -> ModelFile:
         line=_line(code, (array or bare).start()),  # type: ignore[union-attr]
         says=re.search(rf"\b{stem}_says\b[^;=]*=", code) is not None,
         bare=0 if bare is None else _line(code, bare.end()),
-        parameters=tuple(_parameters(text, stem)),
+        parameters=tuple(_parameters(path, text, stem)),
     )
+
+
+def states(file: ModelFile, array: str) -> bool:
+    """Whether the file defines an array of that name."""
+    return re.search(rf"\b{array}\b[^;=]*=", _without_comments(file.text)) is not None
 
 
 def _header(text: str, stem: str) -> tuple[str, str]:
@@ -119,23 +126,25 @@ def _header(text: str, stem: str) -> tuple[str, str]:
     return shown(sentence or f"The rule in {stem}.mzn holds."), shown(lines[1] if len(lines) > 1 else "the plant")
 
 
-def _parameters(text: str, stem: str) -> list[Parameter]:
-    found = []
+_FITS = {"int": r"-?\d+", "bool": "true|false", "string": r'"[^"\\\n]*"'}
+
+
+def _parameters(path: Path, text: str, stem: str) -> Iterator[Parameter]:
     for match in _PARAMETER.finditer(text):
-        if match["type"].strip() in TYPES and match["name"].startswith(f"{stem}_"):
-            said = (match["help"] or "").strip()
-            default = _DEFAULT.match(said)
-            found.append(
-                Parameter(
-                    name=match["name"],
-                    key=match["name"].removeprefix(f"{stem}_"),
-                    type=match["type"].strip(),
-                    default=default["value"].strip() if default else None,
-                    help=(default["help"] or "").strip() if default else said,
-                    line=_line(text, match.start("name")),
-                )
+        kind, name, line = match["type"].strip(), match["name"], _line(text, match.start("name"))
+        if kind not in TYPES or not name.startswith(f"{stem}_") or stem.replace("_", "-") in RULES:
+            continue
+        default = _DEFAULT.match((match["help"] or "").strip())
+        if default is None or not re.fullmatch(_FITS[kind], default["value"].strip()):
+            example = {"int": "3", "bool": "true", "string": '"A"'}[kind]
+            raise InputError(
+                f"the parameter {name} has no default: write it beside, as in `{kind}: {name};  % default {example}: "
+                "what it is`; the profile sets another under rules",
+                file=path,
+                line=line,
             )
-    return found
+        key = name.removeprefix(f"{stem}_")
+        yield Parameter(name, key, kind, default["value"].strip(), (default["help"] or "").strip(), line)
 
 
 def _without_comments(text: str) -> str:

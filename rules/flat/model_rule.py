@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import field, make_dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,12 +15,16 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.minizinc.dzn import Fields, assignments
+from kerfwise.rules.minizinc.twin import Case, Further, twin_of
+from kerfwise.rules.options.kind import Kind
+from kerfwise.rules.options.option import NoOptions, option
+from kerfwise.rules.options.plain_values import Flag, Number, Text
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule, Strength, Violation
 from kerfwise.rules.statements import Statement
 
-from .flatten import Flattened, flatten
-from .model_file import ModelFile, read_model_file
+from .flatten import flatten
+from .model_file import ModelFile, Parameter, read_model_file, states
 from .to_statements import NotHeld, Way, Writer
 
 if TYPE_CHECKING:
@@ -27,11 +34,11 @@ if TYPE_CHECKING:
     from kerfwise.rules.rule import RuleSetting
 
 
-@dataclass(frozen=True, slots=True)
-class ModelOptions:
-    """Values that the profile gives the parameters of a model file, by key, as MiniZinc text."""
-
-    given: tuple[tuple[str, str], ...] = ()
+_MARKS = (
+    *("Options", "strengths", "default", "default_weight", "gives_way"),
+    *("excusable", "relaxable", "relaxed_last", "hard_with_head_down"),
+)
+"""What a rule takes over from the one whose place it takes."""
 
 
 class ModelRule(Rule[Any]):
@@ -40,31 +47,35 @@ class ModelRule(Rule[Any]):
     `strength` is the one that the profile gives it: what a breach of a soft rule costs must not be split.
     """
 
-    Options = ModelOptions
+    Options = NoOptions
 
-    def __init__(self, file: ModelFile, strength: Strength = "hard", rule_id: str | None = None) -> None:
-        self.file = file
+    def __init__(self, file: ModelFile, rule_id: str = "", strength: Strength = "hard") -> None:
+        self.file, self.strength = file, strength
         self.id = rule_id or file.name
-        self.strength = strength
         self.replaces: Rule[Any] | None = RULES.get(self.id)
-        self.sentence = file.sentence
-        self.source = file.source
-        if (base := self.replaces) is not None:
-            for mark in (
-                "Options",
-                "strengths",
-                "default",
-                "default_weight",
-                "gives_way",
-                "excusable",
-                "relaxable",
-                "relaxed_last",
-                "hard_with_head_down",
-            ):
-                setattr(self, mark, getattr(base, mark))
+        self.sentence, self.source = file.sentence, file.source
+        self.brought = f"file {file.path}"
+        setattr(self, "Options", options_class(file.parameters))  # noqa: B010
+        for mark in _MARKS if self.replaces is not None else ():
+            setattr(self, mark, getattr(self.replaces, mark))
+
+    def __eq__(self, other: object) -> bool:
+        mine = (self.file, self.id, self.strength)
+        return isinstance(other, ModelRule) and mine == (other.file, other.id, other.strength)
+
+    def __hash__(self) -> int:
+        return hash((self.file, self.id, self.strength))
+
+    def with_strength(self, strength: Strength) -> ModelRule:
+        """The same rule with the strength that a profile gives it."""
+        return ModelRule(self.file, self.id, strength)
 
     def statements(self, facts: Facts, options: Any) -> Iterator[Statement]:
-        flat = self._flat(facts_data(facts) + assignments(self._data(facts, options)), facts)
+        further = self.further(options)
+        data = facts_data(facts) + assignments(self.data(facts, options))
+        flat = flatten(
+            self.file, data, facts.n, [c.contour for c in facts.candidates], tuple(array.name for array in further)
+        )
         ways = [Way(c.contour, _way_words(c.entry, c.direction)) for c in facts.candidates]
         why = f"{self.sentence.rstrip('.')} ({self.file.place})"
         in_parts = self.strength != "soft" and not self.excusable
@@ -79,20 +90,39 @@ class ModelRule(Rule[Any]):
             )
         try:
             yield from writer.written(flat.elements, says, flat.further)
+            for array, elements in zip(further, flat.others, strict=True):
+                one_by_one = dataclasses.replace(writer, in_parts=array.weight_mm is None and in_parts)
+                for statement in one_by_one.written(elements, (), ()):
+                    yield dataclasses.replace(statement, weight=array.weight_mm)
         except NotHeld as error:
             element = f"element {error.element} of {self.file.array}: " if error.element else ""
             raise InputError(f"rule {self.id}: {element}{error}", file=self.file.path, line=self.file.line) from None
 
-    def _flat(self, data: str, facts: Facts) -> Flattened:
-        return flatten(self.file, data, facts.n, [c.contour for c in facts.candidates])
-
-    def _data(self, facts: Facts, options: Any) -> Fields:
+    def data(self, facts: Facts, options: Any) -> Fields:
         """What the file reads beside the facts: that of the rule whose place it takes, or its parameters."""
         if self.replaces is not None:
-            from kerfwise.rules.minizinc.twin import Case, twin_of
-
             return twin_of(self.replaces.id).data(Case(facts, (0.0, 0.0)), options)
-        return parameters(self.file, options)
+        return parameters_data(self.file, options)
+
+    def further(self, options: Any) -> list[Further]:
+        """Arrays of the rule whose place it takes that the file states beside its first, each at its own price.
+
+        Raises
+        ------
+        InputError
+            If that rule is asked for seconds, which stand in another file.
+        """
+        if self.replaces is None:
+            return []
+        asked = list(twin_of(self.replaces.id).further(options, None))
+        if any(array.most_ms for array in asked):
+            raise InputError(
+                f"rule {self.id}: the profile asks for seconds, and its file cannot state them: ask for none in the "
+                "profile, and for pause_ms(i, j) >= so many ms in the file",
+                file=self.file.path,
+                line=self.file.line,
+            )
+        return [array for array in asked if states(self.file, array.name)]
 
     def violations(self, nest: Nest, cuts: CutSequence, options: Any) -> list[Violation]:
         return []
@@ -107,47 +137,47 @@ class ModelRule(Rule[Any]):
         """As the rule whose place it takes, but that zones need not respect the facts of its orders."""
         if self.replaces is None:
             return given
-        from dataclasses import replace
-
         made = self.replaces.fact_options(given, options, strength)
-        return replace(made, zone_respects=given.zone_respects)
+        return dataclasses.replace(made, zone_respects=given.zone_respects)
 
     def check_with(self, options: Any, plant: Plant, rules: Mapping[str, RuleSetting]) -> Iterable[tuple[str, str]]:
         return () if self.replaces is None else self.replaces.check_with(options, plant, rules)
 
 
-def read_model_rule(path: Path) -> ModelRule:
-    """The rule in a model file.
+def read_model_rule(path: Path, rule_id: str = "", sentence: str = "") -> ModelRule:
+    """The rule in a model file, under another id or with another sentence than its own if given.
 
     Raises
     ------
     InputError
         If the file cannot be read or states nothing; MiniZinc is not asked yet.
     """
-    return ModelRule(read_model_file(Path(path)))
+    file = read_model_file(Path(path))
+    return ModelRule(dataclasses.replace(file, sentence=sentence) if sentence else file, rule_id)
 
 
-def parameters(file: ModelFile, options: ModelOptions) -> Fields:
-    """The parameters of a file as data.
+_KINDS: Mapping[str, Kind] = {"int": Number(whole=True), "bool": Flag(), "string": Text()}
 
-    Raises
-    ------
-    InputError
-        If one has neither a value in the profile nor a default.
-    """
-    given = dict(options.given)
-    made: Fields = []
-    for parameter in file.parameters:
-        value = given.get(parameter.key, parameter.default)
-        if value is None:
-            raise InputError(
-                f"rule {file.name}: the parameter {parameter.key} has no value: give it under rules.{file.name} in the "
-                "profile",
-                file=file.path,
-                line=parameter.line,
-            )
-        made.append((parameter.name, value))
-    return made
+
+@lru_cache(maxsize=256)
+def options_class(parameters: tuple[Parameter, ...]) -> type:
+    """The options of a rule with these parameters: a frozen dataclass, a field each."""
+    fields = [
+        (p.key, object, field(default=_value(p), metadata=option(_KINDS[p.type], p.help or f"{p.name} of the file")))
+        for p in parameters
+    ]
+    return make_dataclass("ModelOptions", fields, frozen=True, slots=True)
+
+
+def _value(parameter: Parameter) -> object:
+    if parameter.type == "int":
+        return int(parameter.default)
+    return parameter.default == "true" if parameter.type == "bool" else parameter.default.strip('"')
+
+
+def parameters_data(file: ModelFile, options: Any) -> Fields:
+    """The parameters of a file as data."""
+    return [(p.name, json.dumps(getattr(options, p.key), ensure_ascii=False)) for p in file.parameters]
 
 
 _facts: OrderedDict[int, tuple[Any, str]] = OrderedDict()

@@ -70,7 +70,7 @@ class OwnRule:
 
 @dataclass(frozen=True, slots=True)
 class OwnFile:
-    """An entry `{file: rule.mzn}`: a rule in MiniZinc, which only that engine reads."""
+    """An entry `{file: rule.mzn}`: a rule in MiniZinc, which `rules/flat` reads."""
 
     file: str
     name: str

@@ -14,7 +14,7 @@ from kerfwise.rules.statements import Statement
 from .demand import Chosen
 from .measures import measured
 from .named_facts import known_of_facts, known_of_nest
-from .own_rule import Own, OwnFile, OwnRule
+from .own_rule import Own, OwnRule
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Facts
@@ -72,28 +72,9 @@ class PlantRule(Rule[Thresholds]):
         return self.rule.chosen(known_of_nest(measured(nest, cuts, options.long_ratio, options.web_mm)))
 
 
-class PlantFile(Rule[Thresholds]):
-    """A rule in a MiniZinc file: it states nothing here, and the check has no words for it."""
-
-    Options = Thresholds
-
-    def __init__(self, file: OwnFile) -> None:
-        self.file, self.id, self.sentence = file, file.id, file.why
-        self.source = "the plant"
-
-    def statements(self, facts: Facts, options: Thresholds) -> Iterator[Statement]:
-        yield from ()
-
-    def violations(self, nest: Nest, cuts: CutSequence, options: Thresholds) -> list[Violation]:
-        return []
-
-    def unjudged(self, nest: Nest, cuts: CutSequence, options: Thresholds) -> str | None:
-        return f"it is written in MiniZinc ({self.file.file}), which only that engine reads"
-
-
-def as_rule(own: Own) -> PlantRule | PlantFile:
-    """The rule that an entry of `own_rules` makes."""
-    return PlantRule(own) if isinstance(own, OwnRule) else PlantFile(own)
+def as_rule(own: OwnRule) -> PlantRule:
+    """The rule that an entry of `own_rules` in YAML makes."""
+    return PlantRule(own)
 
 
 def own_pairs(rules: tuple[Own, ...], nest: Nest, thresholds: Thresholds) -> tuple[Ids, ...]:

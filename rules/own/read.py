@@ -114,7 +114,7 @@ def own_rules_schema() -> dict[str, Any]:
     """JSON Schema of `own_rules`; it refers to `own_rules_definitions` under `$defs`."""
     plain = {key: {"description": help, **kind.schema()} for key, (kind, help) in _PLAIN.items()}
     asks = {key: {"description": kind.KEYS[key], **kind.schema(key)} for key, kind in ASKS.items()}
-    file = {"description": "a MiniZinc file, beside the profile; only that engine reads it", "type": "string"}
+    file = {"description": "a MiniZinc file, beside the profile", "type": "string"}
     select = {"description": "which contours the rule is about (default all)", "$ref": "#/$defs/selector"}
     return {
         "type": ["array", "null"],

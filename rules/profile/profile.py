@@ -21,6 +21,7 @@ from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.shown import shown
 from kerfwise.encoder.slits import with_slits
 from kerfwise.encoder.small_holes import HoleLimits, as_cut
+from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.by_thickness import ByThickness, length_at
 from kerfwise.rules.options.option import options_of
@@ -37,6 +38,7 @@ from .filling import T, filled_in, plant_of
 from .frame import Bounds, Frame, frame_of, reach_of
 from .heat_section import Heat
 from .machine_section import Origin
+from .models_section import ModelSource
 from .reader import Given, read_given
 from .sections import Drawing, Leads, Machine, Material, Objective, RuleSetting, default_settings
 from .small_holes_section import SmallHoles
@@ -73,6 +75,7 @@ class Profile:
     locks: tuple[Lock, ...] = ()
     own_rules: tuple[Own, ...] = ()
     python: tuple[PythonFile, ...] = ()
+    models: tuple[ModelSource, ...] = ()
     further_rules: Mapping[str, Rule[Any]] = field(default_factory=dict)
     time: Time = field(default_factory=Time)
     prices: Prices = field(default_factory=Prices)
@@ -97,11 +100,27 @@ class Profile:
             name: dataclasses.replace(setting, options=self._filled_in(setting.options)) for name, setting in on.items()
         }
         own = (rule for rule in self.own_rules if rule.strength != "off")
-        return listed | {rule.id: RuleSetting(rule.strength, rule.weight, self._thresholds()) for rule in own}
+        return listed | {rule.id: RuleSetting(rule.strength, rule.weight, self._options_of(rule)) for rule in own}
+
+    def _options_of(self, rule: Own) -> Any:
+        made = _of_own(rule)
+        return made.Options() if isinstance(made, ModelRule) else self._thresholds()
 
     def rulebook(self) -> dict[str, Rule[Any]]:
         """Every rule by id: those that `rules` has settings of, then the plant's own in YAML."""
-        return {**self.known_rules(), **{rule.id: as_rule(rule) for rule in self.own_rules}}
+        settings = self.settings()
+        known = {
+            name: rule.with_strength(settings[name].strength if name in settings else "off")
+            if isinstance(rule, ModelRule)
+            else rule
+            for name, rule in self.known_rules().items()
+        }
+        return {**known, **{rule.id: _of_own(rule) for rule in self.own_rules}}
+
+    def model_rules(self) -> list[ModelRule]:
+        """The rules that are on and stand in model files, which need MiniZinc."""
+        on = self.settings()
+        return [rule for name, rule in self.rulebook().items() if name in on and isinstance(rule, ModelRule)]
 
     def known_rules(self) -> dict[str, Rule[Any]]:
         """Every rule that `rules` has a setting of, by id: those of the catalogue, and those from outside."""
@@ -303,7 +322,15 @@ def files_of(profile: Profile) -> tuple[Path, ...]:
     dialect = (profile.machine.dialect,) if profile.machine.dialect.endswith((".yaml", ".yml")) else ()
     rules = (rule.path for rule in profile.own_rules if isinstance(rule, OwnFile))
     python = (file.path for file in profile.python)
-    return (*map(Path, profile.read_from), *map(Path, dialect), *rules, *python)
+    models = (source.path for source in profile.models)
+    return (*map(Path, profile.read_from), *map(Path, dialect), *rules, *python, *models)
+
+
+def _of_own(own: Own) -> Rule[Any]:
+    """The rule that an entry of `own_rules` makes: one in a file is a model rule like those of `models`."""
+    if isinstance(own, OwnFile):
+        return read_model_rule(own.path, rule_id=own.id, sentence=own.why).with_strength(own.strength)
+    return as_rule(own)
 
 
 def _fields(profile: Profile) -> Given:

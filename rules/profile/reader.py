@@ -24,6 +24,7 @@ from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
 
 from .checks import check_together
+from .models_section import with_model_files
 from .older_keys import with_new_names
 from .python_section import with_python_files
 from .sections import SECTIONS, RuleSetting
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 
 Given = dict[str, Any]
 T = TypeVar("T", bound="DataclassInstance")
-KEYS = ("name", "based_on", *SECTIONS, "python", "rules", "own_rules", "locks")
+KEYS = ("name", "based_on", *SECTIONS, "python", "models", "rules", "own_rules", "locks")
 
 
 def read_given(text: str, file: str, start: Given, load_base: Callable[[str], Given], trust: bool = False) -> Given:
@@ -60,6 +61,8 @@ def read_given(text: str, file: str, start: Given, load_base: Callable[[str], Gi
             given[section] = read_fields(members, given[section], problems, section)
     if "python" in found:
         given |= with_python_files(found["python"], given, problems, trust)
+    if "models" in found:
+        given |= with_model_files(found["models"], given, problems)
     if "rules" in found:
         given["rules"] = read_rules(found["rules"], given["rules"], problems, RULES | given["further_rules"])
     if "locks" in found:

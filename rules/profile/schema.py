@@ -19,6 +19,7 @@ from kerfwise.rules.own import own_rules_definitions, own_rules_schema
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
 
+from .models_section import models_schema
 from .older_keys import MOVED
 from .sections import SECTIONS
 
@@ -39,6 +40,7 @@ def profile_schema(rules: Mapping[str, Rule[Any]] = RULES) -> Json:
                 ),
                 **{key: _section(key, section) for key, section in SECTIONS.items()},
                 "python": _python(),
+                "models": models_schema(),
                 "rules": _closed({name: _rule(rule) for name, rule in rules.items()}),
                 "own_rules": own_rules_schema(),
                 "locks": _locks(),

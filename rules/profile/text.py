@@ -25,7 +25,7 @@ def profile_yaml(profile: Profile) -> str:
     lines = [_line(0, f"name: {Text().write(profile.name)}", "what plans and programs call this profile")]
     for section in SECTIONS:
         lines += ["", f"{section}:", *_options(getattr(profile, section), 2)]
-    lines += ["", *_python(profile)]
+    lines += ["", *_python(profile), "", *_models(profile)]
     known = profile.known_rules()
     lines += ["", "rules:"]
     for name in sorted(profile.rules):
@@ -39,6 +39,11 @@ def profile_yaml(profile: Profile) -> str:
 def _python(profile: Profile) -> Iterator[str]:
     written = ", ".join(Text().write(str(file.path)) for file in profile.python)
     yield _line(0, f"python: [{written}]", "files of rules in Python; they run only where they are trusted")
+
+
+def _models(profile: Profile) -> Iterator[str]:
+    written = ", ".join(Text().write(str(source.path)) for source in profile.models)
+    yield _line(0, f"models: [{written}]", "files of rules in MiniZinc")
 
 
 def _rule(rule: Rule[Any], setting: RuleSetting) -> Iterator[str]:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.rules.by_kind import by_kind
-from kerfwise.rules.options.yaml_positions import wrong_at
-from kerfwise.rules.own import OwnFile
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import EXEMPTION_MM, About, AtLeast, Contiguous, IdleTravel, Precede, Statement
@@ -69,16 +67,13 @@ class Stated:
     exempt: tuple[About, ...] = ()
 
 
-def state_rules(facts: Facts, profile: Profile, *, reads_files: bool = False) -> Stated:
+def state_rules(facts: Facts, profile: Profile) -> Stated:
     """Ask every rule that is on for its statements, and resolve the cycles among the hard orders.
-
-    `reads_files` says that whoever asks takes the plant's own MiniZinc files into account beside the statements.
 
     Raises
     ------
     InputError
-        If a lock names something that the nest does not have, or the profile asks for what nothing can state: an own
-        rule in a MiniZinc file where none is read.
+        If a lock names something that the nest does not have, or a rule's model file cannot be compiled.
     RulesConflict
         If orders that may not be dropped contradict each other, or no plan can meet a statement; the reasons are their
         sentences.
@@ -94,7 +89,6 @@ def state_rules(facts: Facts, profile: Profile, *, reads_files: bool = False) ->
     >>> stated.statements[0].about.sentence
     'P1.hole1 is cut before P1.outer: it lies inside it, and cutting P1.outer frees the metal it is in'
     """
-    refuse_unknown(profile, reads_files)
     statements, exempt = every_statement(facts, profile)
     if alone := hopeless(statements):
         raise RulesConflict(HOPELESS, tuple(about.sentence for about in alone))
@@ -173,21 +167,6 @@ def _softened(statement: Statement, weight: float) -> Statement:
 def _excused(statement: Statement) -> Statement:
     """A statement of a hard rule that is broken where nothing else is left, at a price above all travel."""
     return _softened(statement, EXEMPTION_MM)
-
-
-def refuse_unknown(profile: Profile, reads_files: bool) -> None:
-    """Say aloud what would otherwise be left out of the plan in silence."""
-    files = [rule for rule in profile.own_rules if isinstance(rule, OwnFile) and rule.strength != "off"]
-    if files and not reads_files:
-        message = f"own_rules: only the MiniZinc engine reads {files[0].file}: solve with --engine minizinc"
-        raise wrong_at(files[0].place, message)
-
-
-def unread_files(profile: Profile) -> Iterator[str]:
-    """A note for each of the plant's own rule files, for answers that come of statements alone."""
-    for rule in profile.own_rules:
-        if isinstance(rule, OwnFile) and rule.strength != "off":
-            yield f"what own rule file {rule.file} asks is not considered here: only the engine minizinc reads it"
 
 
 def _objective(facts: Facts, profile: Profile) -> list[Statement]:

@@ -44,19 +44,6 @@ def test_explain_says_why(plan: Path) -> None:
     assert json.loads(kerfwise("explain", NEST, plan, "part#1.outer", "--json").out)["contour"] == "part#1.outer"
 
 
-def test_a_rule_file_that_only_minizinc_reads_is_said_to_be_left_out(plan: Path, tmp_path: Path) -> None:
-    (tmp_path / "mine.mzn").write_text("constraint true;")
-    profile = tmp_path / "shop.yaml"
-    profile.write_text("name: shop\nbased_on: plasma-carbon-steel\nown_rules: [{file: mine.mzn}]\n")
-    told = kerfwise("explain", NEST, plan, "part#1.outer", "-p", profile)
-    assert told.code == 0, told.err
-    assert "mine.mzn asks is not considered here: only the engine minizinc reads it" in told.out
-    relaxed = kerfwise("solve", NEST, "-p", profile, "--relax", "-o", tmp_path / "out.nc")
-    assert relaxed.code == 2
-    assert "only the MiniZinc engine reads" in relaxed.err
-    assert not (tmp_path / "out.nc").exists()
-
-
 def test_explain_warns_of_another_profile(plan: Path) -> None:
     told = kerfwise("explain", NEST, plan, "part#1.outer", "-p", "laser-amg3m-1mm")
     assert told.code == 0

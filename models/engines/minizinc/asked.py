@@ -6,13 +6,14 @@ import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from kerfwise.rules.by_kind import by_kind
+from kerfwise.rules.flat.model_rule import ModelRule
 from kerfwise.rules.minizinc.twin import MODELS, rule_file, twin_of
-from kerfwise.rules.own import OwnFile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
-from kerfwise.rules.registry import RULES
+from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import EXEMPTION_MM, Statement
 from kerfwise.rules.stating.state_rules import Stated
 
@@ -41,8 +42,8 @@ def asked(profile: Profile, stated: Stated, afterwards: Sequence[Statement] = ()
     `afterwards` are statements that geometry has added since; they are stated whatever rule they come from.
     """
     files = rules_in_files(profile, stated)
-    arrays = [array for rule, setting in files.items() for array in _of_rule(rule, setting)]
-    arrays += [Asked(include(f.path.resolve()), "", None) for f in profile.own_rules if isinstance(f, OwnFile)]
+    book = profile.rulebook()
+    arrays = [array for rule, setting in files.items() for array in _of_rule(book[rule], setting)]
     in_data = by_kind(stated.statements).idle_travel  # the table of travel has their price
     others = [s for s in stated.statements if s not in in_data and s.about.rule not in files]
     return (*arrays, *_in_words([*others, *afterwards]))
@@ -54,16 +55,17 @@ def rules_in_files(profile: Profile, stated: Stated) -> dict[str, RuleSetting]:
     Not so where single statements of a rule were relaxed or given a price of their own to resolve a conflict: such a
     rule is stated in words, but for orders dropped of a rule that takes them out of its facts.
     """
+    book = profile.rulebook()
     weights: dict[str, set[float | None]] = {}
     for s in stated.statements:
         weights.setdefault(s.about.rule, set()).add(s.weight)
-    picked_at = {d.rule for d in stated.dropped if not twin_of(d.rule).drops_orders}
+    picked_at = {d.rule for d in stated.dropped if not drops_orders(book[d.rule])}
     return {
         rule: setting
         for rule, setting in profile.settings().items()
-        if rule_file(rule).exists()
+        if _file_of(book[rule]).exists()
         and rule not in picked_at
-        and weights.get(rule, set()) <= {array.weight_mm for array in _of_rule(rule, setting)}
+        and weights.get(rule, set()) <= {array.weight_mm for array in _of_rule(book[rule], setting)}
     }
 
 
@@ -72,12 +74,26 @@ def include(path: Path) -> str:
     return f"include {json.dumps(path.as_posix(), ensure_ascii=False)};"
 
 
-def _of_rule(rule: str, setting: RuleSetting) -> Iterator[Asked]:
-    hard = EXEMPTION_MM if RULES[rule].excusable else None
+def drops_orders(rule: Rule[Any]) -> bool:
+    """Whether orders that are dropped on a cycle are taken out of the facts that the rule's file reads."""
+    return not isinstance(rule, ModelRule) and twin_of(rule.id).drops_orders
+
+
+def _file_of(rule: Rule[Any]) -> Path:
+    return rule.file.path.resolve() if isinstance(rule, ModelRule) else rule_file(rule.id)
+
+
+def _of_rule(rule: Rule[Any], setting: RuleSetting) -> Iterator[Asked]:
+    hard = EXEMPTION_MM if rule.excusable else None
     weight_mm = setting.weight
-    yield Asked(include(rule_file(rule)), f"{rule.replace('-', '_')}_holds", hard if weight_mm is None else weight_mm)
-    for array in twin_of(rule).further(setting.options, weight_mm):
-        yield Asked(include(array.file), array.name, array.weight_mm, array.most_ms)
+    array = rule.file.array if isinstance(rule, ModelRule) else f"{rule.id.replace('-', '_')}_holds"
+    yield Asked(include(_file_of(rule)), array, hard if weight_mm is None else weight_mm)
+    if isinstance(rule, ModelRule):
+        for further in rule.further(setting.options):
+            yield Asked(include(_file_of(rule)), further.name, further.weight_mm)
+        return
+    for further in twin_of(rule.id).further(setting.options, weight_mm):
+        yield Asked(include(further.file), further.name, further.weight_mm, further.most_ms)
 
 
 def _in_words(statements: Sequence[Statement]) -> Iterator[Asked]:

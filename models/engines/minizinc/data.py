@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from kerfwise.arrays import Floats, Ints
@@ -13,12 +16,14 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.pace import Pace
 from kerfwise.rules.by_kind import by_kind
+from kerfwise.rules.flat.model_rule import ModelRule
 from kerfwise.rules.minizinc.dzn import Fields, assignments, numbers, table_from_0
 from kerfwise.rules.minizinc.twin import Case, twin_of
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.rule import Rule
 from kerfwise.rules.stating.state_rules import Stated
 
-from .asked import rules_in_files
+from .asked import drops_orders, rules_in_files
 
 
 def data_text(facts: Facts, profile: Profile, stated: Stated, options: SolveOptions, *, clock: bool) -> str:
@@ -34,17 +39,22 @@ def data_text(facts: Facts, profile: Profile, stated: Stated, options: SolveOpti
     fields: Fields = [("travel", table_from_0(travel_um(facts, price, home_mm)))]
     if clock:
         fields += _clock(facts, options)
-    case = Case(facts, home_mm)
+    case, book = Case(facts, home_mm), profile.rulebook()
     for rule, setting in rules_in_files(profile, stated).items():
-        fields += twin_of(rule).data(case, setting.options)
-    return facts_dzn(without_dropped(facts, stated)) + assignments(fields)
+        own = book[rule]
+        if isinstance(own, ModelRule):
+            fields += own.data(facts, setting.options)
+        else:
+            fields += twin_of(rule).data(case, setting.options)
+    return facts_dzn(without_dropped(facts, stated, book)) + assignments(fields)
 
 
-def without_dropped(facts: Facts, stated: Stated) -> Facts:
+def without_dropped(facts: Facts, stated: Stated, book: Mapping[str, Rule[Any]]) -> Facts:
     """The facts without the pairs whose orders were dropped because they closed a cycle."""
     for rule in dict.fromkeys(d.rule for d in stated.dropped):
         orders = by_kind([d.statement for d in stated.dropped if d.rule == rule]).precede
-        facts = twin_of(rule).without(facts, {(s.before, s.after) for s in orders})
+        if drops_orders(book[rule]):
+            facts = twin_of(rule).without(facts, {(s.before, s.after) for s in orders})
     return facts
 
 

@@ -19,9 +19,7 @@ from kerfwise.rules.stating.state_rules import (
     Stated,
     every_statement,
     hopeless,
-    refuse_unknown,
     resolve,
-    unread_files,
 )
 
 from .cheapest import cheapest
@@ -107,7 +105,7 @@ def find_conflict(facts: Facts, profile: Profile, purse: Purse | None = None) ->
     finder = _Finder(facts, profile, purse)
     if alone := hopeless(statements):
         stuck, relax = _way_out_or_why_none(facts, profile, statements, finder)
-        return Conflict(alone, True, relax, stuck, tuple(unread_files(profile)), alone=True, compared=finder.compared)
+        return Conflict(alone, True, relax, stuck, (), alone=True, compared=finder.compared)
     core = finder.core(hard_groups(_asked(facts, profile, statements)), purse.part(CORE))
     if core is None:
         return None
@@ -115,11 +113,11 @@ def find_conflict(facts: Facts, profile: Profile, purse: Purse | None = None) ->
     stuck, relax = _way_out_or_why_none(facts, profile, statements, finder)
     clashing = by_kind(s for group in core.groups for s in group.statements)
     forbidden = {s.candidate for s in clashing.forbid}
-    notes = (*_only_ways(facts, profile, forbidden), *unread_files(profile))
+    notes = tuple(_only_ways(facts, profile, forbidden))
     return Conflict(clash, core.minimal, relax, stuck, notes, compared=finder.compared)
 
 
-def state_relaxed(facts: Facts, profile: Profile, *, reads_files: bool = False, purse: Purse | None = None) -> Stated:
+def state_relaxed(facts: Facts, profile: Profile, *, purse: Purse | None = None) -> Stated:
     """As `rules.state.state_rules`, but where hard rules contradict each other the cheapest way out is taken.
 
     What gives way costs more than any plan travels and is among `dropped`, each with a reason that begins with
@@ -132,7 +130,6 @@ def state_relaxed(facts: Facts, profile: Profile, *, reads_files: bool = False, 
     RulesConflict
         If nothing that may give way helps, or nothing was found within the work allowed.
     """
-    refuse_unknown(profile, reads_files)
     statements, exempt = every_statement(facts, profile)
     out = _way_out(facts, profile, statements, _Finder(facts, profile, purse or Purse(), trusting=True))
     relaxed = set(out)

@@ -21,7 +21,7 @@ from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import Precede
-from kerfwise.rules.stating.state_rules import Stated, unread_files
+from kerfwise.rules.stating.state_rules import Stated
 
 NEAR_MM = 1e-3
 """A cut is a candidate's if it is pierced this near to it, the same way round."""
@@ -81,7 +81,6 @@ def make_setting(facts: Facts, profile: Profile, stated: Stated, plan: Plan) -> 
     ):
         if stands.get("sha256") != now:
             notes.append(f"the {what} is not the one the plan was made with (its sha256 differs)")
-    notes += unread_files(profile)
     candidates = [_candidate_of(facts, problem, planned.cut, notes) for planned in plan.cuts]
     route = tuple(int(problem.candidate_site[c]) for c in candidates)
     conditions: dict[int, list[Condition]] = defaultdict(list)

@@ -11,13 +11,13 @@ from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
-from kerfwise.postproc.check.judge import judge
 from kerfwise.rules.case import cut, in_order
 from kerfwise.rules.own import OwnFile, Thresholds, as_rule
 from kerfwise.rules.own.demand import MOST
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.text import profile_yaml
 from kerfwise.rules.rule import Violation
+from kerfwise.rules.statements import Precede
 from kerfwise.rules.stating.state_rules import Stated, state_rules
 from kerfwise.tests.rules.own.made import rules_of
 
@@ -150,21 +150,20 @@ def test_points_are_judged_to_what_programs_round_to() -> None:
         assert found == breaches, x
 
 
-def test_file_is_for_one_engine_and_cannot_be_judged(tmp_path: Path) -> None:
-    (tmp_path / "plant_rule.mzn").write_text("constraint true;\n", encoding="utf-8")
+@pytest.mark.minizinc
+def test_a_file_states_what_it_says(tmp_path: Path) -> None:
+    rule = 'constraint forall(i, j in CONTOUR where contour_id[i] = "P1.outer" /\\ i != j)(before(i, j));\n'
+    (tmp_path / "plant_rule.mzn").write_text(rule, encoding="utf-8")
     path = tmp_path / "plant.yaml"
-    path.write_text("own_rules:\n  - {file: plant_rule.mzn}\n", encoding="utf-8")
+    path.write_text("own_rules:\n  - {file: plant_rule.mzn, why: P1 is hot}\n", encoding="utf-8")
     profile = load_profile(path)
     (own,) = profile.own_rules
     assert isinstance(own, OwnFile)
     assert (own.id, own.path) == ("own:plant_rule", tmp_path / "plant_rule.mzn")
-    with pytest.raises(InputError, match=r"plant\.yaml:2:5: own_rules: only the MiniZinc engine reads plant_rule\.mzn"):
-        stated(profile)
     facts = compute_facts(ROW, profile.fact_options(ROW), ())
-    assert state_rules(facts, profile, reads_files=True).statements
-    (judgement,) = (j for j in judge(ROW, in_order(ROW, "P0.outer"), profile) if j.id == own.id)
-    assert judgement.verdict == "not judged"
-    assert judgement.unjudged == "it is written in MiniZinc (plant_rule.mzn), which only that engine reads"
+    stated = [s for s in state_rules(facts, profile).statements if s.about.rule == own.id]
+    assert [ROW.contours[s.before].id for s in stated if isinstance(s, Precede)] == ["P1.outer"] * (facts.n - 1)
+    assert stated[0].about.sentence.endswith(": P1 is hot (plant_rule.mzn:1)")
     assert profile_yaml(load_profile(path)) == profile_yaml(profile)
 
 

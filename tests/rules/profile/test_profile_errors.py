@@ -19,7 +19,7 @@ def error_of(tmp_path: Path, text: str) -> list[str]:
 
 
 KEYS = (
-    "based_on, cuts, drawing, heat, leads, locks, machine, material, name, objective, own_rules, prices, python, "
+    "based_on, cuts, drawing, heat, leads, locks, machine, material, models, name, objective, own_rules, prices, python, "
     "rules, small_holes, time"
 )
 LENGTH = "a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in)"

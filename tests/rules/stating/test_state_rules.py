@@ -8,13 +8,12 @@ import pytest
 
 from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import build_candidates
-from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.start_side import StartSideOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.option import NoOptions
-from kerfwise.rules.own import OwnFile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import Leads, Objective, RuleSetting, default_settings
 from kerfwise.rules.statements import About, Contiguous, Forbid, IdleTravel, Precede
@@ -198,11 +197,6 @@ def test_order_into_a_run_is_an_order_of_the_whole_run() -> None:
 def test_order_asked_for_by_a_firm_rule_stays() -> None:
     statements = [order("weak", 0, 1), order("firm", 0, 1), order("weak", 1, 0)]
     assert [d.contours for d in resolve(statements, 2, RANKS).dropped] == [("c1", "c0")]
-
-
-def test_profile_is_not_obeyed_in_part() -> None:
-    with pytest.raises(InputError, match=r"own_rules: only the MiniZinc engine reads x\.mzn"):
-        stated(PLATE, replace(plant(), own_rules=(OwnFile("x.mzn", "x"),)))
 
 
 def test_empty_nest_states_idle_travel_only() -> None:
