@@ -19,8 +19,8 @@ def error_of(tmp_path: Path, text: str) -> list[str]:
 
 
 KEYS = (
-    "based_on, cuts, drawing, heat, leads, locks, machine, material, models, name, objective, own_rules, prices, python, "
-    "rules, small_holes, time"
+    "based_on, cuts, drawing, heat, leads, locks, machine, material, models, name, objective, own_rules, prices, "
+    "python, rules, small_holes, time"
 )
 LENGTH = "a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in)"
 SHIPPED = "laser-amg3m-1mm, laser-st10kp-2mm, laser-wood, oxyfuel-thick-plate, plasma-carbon-steel, water-jet"
