@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
-from kerfwise.encoder.candidates import build_candidates
+from kerfwise.encoder.candidates import build_with_older_kerfs
 from kerfwise.encoder.errors import MOST_DETAILS, InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
@@ -56,7 +56,7 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) ->
     check_locks(profile.locks, nest)
     loose = loose_in(nest, already.contours)
     try:
-        candidates = build_candidates(nest, profile.lead_options(nest), already, loose)
+        candidates, met = build_with_older_kerfs(nest, profile.lead_options(nest), already, loose)
     except InputError as error:
         unheated = replace(profile.fact_options(nest), zone_heat_kj=None)  # without candidates no heat is known
         if alone := hopeless_anyway(_left(compute_facts(nest, unheated, ()), already), profile):
@@ -64,7 +64,7 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) ->
             raise RulesConflict(HOPELESS, (*(f"{about.rule}: {about.sentence}" for about in alone), *besides)) from None
         raise
     heat_kj = contour_heat_kj(nest, candidates, profile)
-    return _left(compute_facts(nest, profile.fact_options(nest), candidates, heat_kj), already)
+    return _left(compute_facts(nest, profile.fact_options(nest), candidates, heat_kj, met), already)
 
 
 def _left(facts: Facts, already: AlreadyCut) -> Facts:

@@ -21,7 +21,7 @@ from .keep_apart import keep_apart
 from .lead_in import least_clearance_mm
 from .lead_out import lead_outs
 from .marks import mark_candidates
-from .older_kerfs import older_kerfs
+from .older_kerfs import OlderKerfs, older_kerfs
 from .refusal import cannot_be_cut, refusal
 from .surroundings import Surroundings
 from .tried import try_options
@@ -62,11 +62,18 @@ def build_candidates(
     >>> [(c.entry, c.direction) for c in found][:3]
     [((50.0, 50.0), 'cw'), ((50.0, 50.0), 'ccw'), ((90.0, 50.0), 'cw')]
     """
+    return build_with_older_kerfs(nest, options, already, loose)[0]
+
+
+def build_with_older_kerfs(
+    nest: Nest, options: LeadOptions, already: AlreadyCut = NOTHING_CUT, loose: Collection[str] = ()
+) -> tuple[tuple[Candidate, ...], OlderKerfs | None]:
+    """The same, and what the candidates meet of cuts made before them; None where the options do not ask for that."""
     _check(options, nest)
     if not nest.sheet.stated or options.reach is None or not all(map(math.isfinite, options.reach)):
         options = replace(options, edge_start=False)
     if not nest.contours:
-        return ()
+        return (), OlderKerfs.none()
     gone = already.contours.union(loose)
     left = [k for k, c in enumerate(nest.contours) if c.id not in gone]
     around = Surroundings.of(nest, Void.of(nest, already, options.kerf_mm, options.splash_mm or 0.0))
@@ -87,17 +94,19 @@ def build_candidates(
     if lost := sorted(set(tried.outlines) - {c.contour for c in reached}):
         details = tuple(f"{nest.contours[k].id}: no lead to it stays within the machine's travel" for k in lost)
         raise InputError(cannot_be_cut(len(lost)), file=nest.file or None, details=details)
-    torch = _apart(nest, reached, tried.locked, options)
-    return tuple(sorted([*marks, *torch], key=lambda c: c.contour))
-
-
-def _apart(nest: Nest, candidates: Sequence[Candidate], locked: Joints, options: LeadOptions) -> tuple[Candidate, ...]:
-    """The candidates whose leads keep out of each other's way, and those at entries that an operator asks for."""
     if options.splash_mm is None:
-        return tuple(candidates)
+        return tuple(sorted([*marks, *reached], key=lambda c: c.contour)), None
+    met = older_kerfs(nest, reached, options.kerf_mm, options.splash_mm, around)
+    kept = keep_apart(reached, met, _locked(reached, tried.locked))
+    every = [*reached, *marks]
+    places = sorted([*range(len(reached), len(every)), *kept], key=lambda k: every[k].contour)
+    return tuple(every[k] for k in places), met.of_kept(places, len(every))
+
+
+def _locked(candidates: Sequence[Candidate], locked: Joints) -> set[int]:
+    """The numbers of the candidates at entries that an operator asks for."""
     asked = set(zip(locked.contour.tolist(), locked.entry_mm.tolist(), strict=True))
-    fixed = {k for k, c in enumerate(candidates) if (c.contour, c.entry_mm) in asked}
-    return keep_apart(candidates, older_kerfs(nest, candidates, options.kerf_mm, options.splash_mm), fixed)
+    return {k for k, c in enumerate(candidates) if (c.contour, c.entry_mm) in asked}
 
 
 def _check(options: LeadOptions, nest: Nest) -> None:

@@ -13,8 +13,8 @@ from .candidate import Candidate
 from .older_kerfs import OlderKerfs
 
 
-def keep_apart(candidates: Sequence[Candidate], met: OlderKerfs, locked: Collection[int] = ()) -> tuple[Candidate, ...]:
-    """The candidates without most of those that meet others' leads.
+def keep_apart(candidates: Sequence[Candidate], met: OlderKerfs, locked: Collection[int] = ()) -> tuple[int, ...]:
+    """The numbers of the candidates without most of those that meet others' leads.
 
     Contours take turns, whoever has fewest candidates left first; each keeps the one that meets fewest kerfs of
     contours and then fewest other candidates, and those that it meets go. The candidates numbered `locked`, which an
@@ -25,7 +25,7 @@ def keep_apart(candidates: Sequence[Candidate], met: OlderKerfs, locked: Collect
         rivals[later].add(earlier)
         rivals[earlier].add(later)
     if not rivals:
-        return tuple(candidates)
+        return tuple(range(len(candidates)))
     bound: dict[int, int] = defaultdict(int)
     for k, _ in met.rings.tolist():
         bound[k] += 1
@@ -56,4 +56,4 @@ def keep_apart(candidates: Sequence[Candidate], met: OlderKerfs, locked: Collect
         keep(min(left, key=lambda k: (bound[k], len(rivals[k] - out), k)))
     out -= set(locked)
     bare = {c.contour for c in candidates} - {c.contour for k, c in enumerate(candidates) if k not in out}
-    return tuple(c for k, c in enumerate(candidates) if k not in out or c.contour in bare)
+    return tuple(k for k, c in enumerate(candidates) if k not in out or c.contour in bare)

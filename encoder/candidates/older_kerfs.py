@@ -11,18 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
-from kerfwise.arrays import Ints
+from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.nest import Nest
 
 from .candidate import Candidate
 from .lead_shapes import Leads
-
-EXACT_MM = 1e-6
-"""Distances that fall short by no more than this do not."""
-
-Lines = NDArray[np.object_]
+from .near import EXACT_MM, Lines, nearer
+from .surroundings import Surroundings
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -44,9 +40,31 @@ class OlderKerfs:
         """Nothing meets anything."""
         return OlderKerfs(np.empty((0, 2), dtype=np.int64), np.empty((0, 2), dtype=np.int64))
 
+    def of_kept(self, kept: Sequence[int], count: int) -> OlderKerfs:
+        """The same of some of `count` candidates, which are numbered by their place in `kept` from now on.
 
-def older_kerfs(nest: Nest, candidates: Sequence[Candidate], kerf_mm: float, splash_mm: float) -> OlderKerfs:
-    """What each candidate would meet of the others.
+        Examples
+        --------
+        >>> met = OlderKerfs(np.array([[0, 7], [2, 7]]), np.array([[0, 1], [2, 0]]))
+        >>> left = met.of_kept([2, 0], 3)
+        >>> left.rings.tolist(), left.leads.tolist()
+        ([[0, 7], [1, 7]], [[0, 1]])
+        """
+        number = np.full(count, -1, dtype=np.int64)
+        number[list(kept)] = np.arange(len(kept))
+        rings = np.column_stack([number[self.rings[:, 0]], self.rings[:, 1]])
+        leads = number[self.leads]
+        return OlderKerfs(_sorted(rings[rings[:, 0] >= 0]), _sorted(leads[(leads >= 0).all(axis=1)]))
+
+
+def older_kerfs(
+    nest: Nest,
+    candidates: Sequence[Candidate],
+    kerf_mm: float,
+    splash_mm: float,
+    around: Surroundings | None = None,
+) -> OlderKerfs:
+    """What each candidate would meet of the others; `around` are the surroundings of the nest, where they are at hand.
 
     The kerf of a cut is the strip of `kerf_mm` around the torch's path. A pierce keeps `kerf_mm / 2 + splash_mm` from
     it, measured from the middle of the pierce; a lead's middle line does not enter it, but for the last
@@ -70,10 +88,11 @@ def older_kerfs(nest: Nest, candidates: Sequence[Candidate], kerf_mm: float, spl
         dtype=np.int64,
     )
     paths = _Paths.of(burning, candidates, part, kerf_mm)
-    rings, leads = _ring_rows(nest, paths, part, kerf_mm, splash_mm), _lead_rows(paths, kerf_mm, splash_mm)
+    around = Surroundings.of(nest) if around is None else around
+    rings, leads = _ring_rows(nest, around, paths, part, kerf_mm, splash_mm), _lead_rows(paths, kerf_mm, splash_mm)
     of = np.array([c.contour for c in candidates], dtype=np.int64)
-    around = np.array([nest.index.get(c.slot_of, -1) for c in nest.contours], dtype=np.int64)
-    return OlderKerfs(rings[around[of[rings[:, 0]]] != rings[:, 1]], leads[around[of[leads[:, 0]]] != of[leads[:, 1]]])
+    slot = np.array([nest.index.get(c.slot_of, -1) for c in nest.contours], dtype=np.int64)
+    return OlderKerfs(rings[slot[of[rings[:, 0]]] != rings[:, 1]], leads[slot[of[leads[:, 0]]] != of[leads[:, 1]]])
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -112,18 +131,33 @@ class _Paths:
             of[long],
         )
 
-    def met(self, lines: Lines, name: Ints, part: Ints, pierce_mm: float, lead_mm: float) -> Ints:
+    def met(
+        self,
+        tree: shapely.STRtree,
+        name: Ints,
+        part: Ints,
+        pierce_mm: float,
+        lead_mm: float,
+        asked: Bools | None = None,
+    ) -> Ints:
         """Rows (candidate, name of a line), sorted, where a candidate comes too near to a line of another part.
 
-        `pierce_mm` is what pierces keep, `lead_mm` what leads keep; `part` numbers the part of each line.
+        `pierce_mm` is what pierces keep, `lead_mm` what leads keep; `part` numbers the part of each line. Only lines
+        that are `asked` count, where not all do.
         """
-        tree = shapely.STRtree(lines)
         found = []
         for shapes, of, least_mm in ((self.pierces, self.pierce_of, pierce_mm), (self.free, self.free_of, lead_mm)):
-            row, line = tree.query(shapes, "dwithin", distance=max(least_mm - EXACT_MM, 0.0))
+            row, line = nearer(tree, shapes, least_mm)
             others = self.part[of[row]] != part[line]
+            if asked is not None:
+                others &= asked[line]
             found.append(np.column_stack([of[row[others]], name[line[others]]]))
-        return np.unique(np.concatenate(found), axis=0)
+        return _sorted(np.concatenate(found))
+
+
+def _sorted(rows: Ints) -> Ints:
+    """Each row once."""
+    return np.asarray(np.unique(rows, axis=0), dtype=np.int64).reshape(-1, 2)
 
 
 def _lead_ends(number: int, candidate: Candidate) -> list[tuple[int, tuple[float, ...]]]:
@@ -131,40 +165,29 @@ def _lead_ends(number: int, candidate: Candidate) -> list[tuple[int, tuple[float
     found: list[tuple[int, tuple[float, ...]]] = []
     if candidate.lead_in is not None:
         (x0, y0, bulge), (x1, y1, _) = candidate.lead_in.vertices.tolist()
-        found.append((number, (x0, y0, x1, y1, bulge, candidate.lead_in.length_mm)))
+        found.append((number, (x0, y0, x1, y1, bulge, candidate.lead_in.segments[0].length_mm)))
     if candidate.lead_out is not None and candidate.leaves:
         last = candidate.lead_out.segments[-1]
         found.append((number, (*last.end, *last.start, -last.bulge, last.length_mm)))
     return found
 
 
-def _ring_rows(nest: Nest, paths: _Paths, part: Ints, kerf_mm: float, splash_mm: float) -> Ints:
+def _ring_rows(nest: Nest, around: Surroundings, paths: _Paths, part: Ints, kerf_mm: float, splash_mm: float) -> Ints:
     """Rows (candidate, contour).
 
     A kerf's far edge lies one kerf from its contour, on the side that is waste, and half a kerf from a slit.
     """
-    rings = _met(nest, [k for k, c in enumerate(nest.contours) if c.encloses], kerf_mm, paths, part, kerf_mm, splash_mm)
-    slits = [k for k, c in enumerate(nest.contours) if c.kind == "slit"]
-    if not slits:
-        return rings
-    met = np.concatenate([rings, _met(nest, slits, kerf_mm / 2, paths, part, kerf_mm, splash_mm)])
-    return np.unique(met, axis=0)
-
-
-def _met(
-    nest: Nest, numbers: Sequence[int], far_mm: float, paths: _Paths, part: Ints, kerf_mm: float, splash_mm: float
-) -> Ints:
-    """Rows (candidate, contour) of some contours, whose kerf reaches so far from them."""
-    if not numbers:
-        return np.empty((0, 2), dtype=np.int64)
-    contours = [(k, nest.contours[k]) for k in numbers]
-    points, of = shapely.get_coordinates([c.line for _, c in contours], return_index=True)
-    follows = np.flatnonzero(of[1:] == of[:-1])
-    chords = shapely.linestrings(np.stack([points[follows], points[follows + 1]], axis=1))
-    contour = np.array([k for k, _ in contours], dtype=np.int64)[of[follows]]
-    return paths.met(chords, contour, part[contour], far_mm + kerf_mm / 2 + splash_mm, far_mm)
+    rings = np.array([c.encloses for c in nest.contours], dtype=np.bool_)
+    found = []
+    for whose, far_mm in ((rings, kerf_mm), (around.slit, kerf_mm / 2)):
+        if whose.any():
+            of, pierce_mm = around.contour, far_mm + kerf_mm / 2 + splash_mm
+            found.append(paths.met(around.chords, of, part[of], pierce_mm, far_mm, whose[of]))
+    return _sorted(np.concatenate([np.empty((0, 2), dtype=np.int64), *found]))
 
 
 def _lead_rows(paths: _Paths, kerf_mm: float, splash_mm: float) -> Ints:
     """Rows (later, earlier) of candidates."""
-    return paths.met(paths.leads, paths.lead_of, paths.part[paths.lead_of], kerf_mm + splash_mm, kerf_mm / 2)
+    return paths.met(
+        shapely.STRtree(paths.leads), paths.lead_of, paths.part[paths.lead_of], kerf_mm + splash_mm, kerf_mm / 2
+    )

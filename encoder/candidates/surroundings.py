@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.nest import Contour, Nest
 
 from .lead_shapes import Leads
+from .near import EXACT_MM, Lines, nearer
 from .void import Void
 
 CHORD_MM = 0.01
@@ -20,14 +20,10 @@ CHORD_MM = 0.01
 NEAR_JOIN_MM = 0.5
 """So close to where it joins, a lead is as near to its own contour as the cut itself."""
 
-_EXACT_MM = 1e-6
-
-Lines = NDArray[np.object_]
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Surroundings:
-    """Every contour of a nest, also in chords (`contour` tells whose each is), the parts' metal and the sheet.
+    """Every contour of a nest, its line, also in chords (`contour` tells whose each is), the parts' metal, the sheet.
 
     `part` numbers the part of each contour, `through` says that it is cut through, which a mark is not. `around` is the
     contour that the slot of a slit is of, else a contour itself.
@@ -39,6 +35,7 @@ class Surroundings:
     through: Bools
     slit: Bools
     around: Ints
+    lines: Lines
     chords: shapely.STRtree
     contour: Ints
     metal: shapely.STRtree
@@ -49,7 +46,8 @@ class Surroundings:
     @staticmethod
     def of(nest: Nest, void: Void | None = None) -> Surroundings:
         """The surroundings of all leads of a nest."""
-        points, of = shapely.get_coordinates([c.line for c in nest.contours], return_index=True)
+        lines = np.array([c.line for c in nest.contours], dtype=object)
+        points, of = shapely.get_coordinates(lines, return_index=True)
         follows = np.flatnonzero(of[1:] == of[:-1])
         chords = shapely.linestrings(np.stack([points[follows], points[follows + 1]], axis=1))
         metal = np.array([part.polygon for part in nest.parts], dtype=object)
@@ -67,6 +65,7 @@ class Surroundings:
             np.array([c.kind != "mark" for c in nest.contours], dtype=np.bool_),
             np.array([c.kind == "slit" for c in nest.contours], dtype=np.bool_),
             np.array([nest.index.get(c.slot_of, k) for k, c in enumerate(nest.contours)], dtype=np.int64),
+            lines,
             shapely.STRtree(chords),
             of[follows],
             shapely.STRtree(metal),
@@ -102,7 +101,7 @@ class Surroundings:
         With `not_own` (m,) or (m, k) each point may be near these contours.
         """
         at = shapely.points(points)
-        clear = np.asarray(self.in_sheet(points) & ~shapely.dwithin(self.edges, at, clearance_mm - _EXACT_MM))
+        clear = np.asarray(self.in_sheet(points) & ~shapely.dwithin(self.edges, at, clearance_mm - EXACT_MM))
         surely_mm = float(np.nextafter(clearance_mm - CHORD_MM, 0.0))
         if not_own is None and surely_mm > 0:  # then most is told without any distance
             clear[self.chords.query(at, predicate="dwithin", distance=surely_mm)[0]] = False
@@ -118,7 +117,7 @@ class Surroundings:
         # What the chords leave in doubt is decided by the contours themselves.
         doubt = clear[row]
         for i, k in sorted(set(zip(row[doubt].tolist(), self.contour[chord[doubt]].tolist(), strict=True))):
-            if clear[i] and self.contours[k].curve.project(points[i])[1] < clearance_mm - _EXACT_MM:
+            if clear[i] and self.contours[k].curve.project(points[i])[1] < clearance_mm - EXACT_MM:
                 clear[i] = False
         return clear if self.void is None else clear & self.void.clear_pierces(points)
 
@@ -127,8 +126,7 @@ class Surroundings:
         clear = np.full(len(points), True)
         slits = np.flatnonzero(self.slit)
         if len(slits):
-            lines = shapely.STRtree([self.contours[k].line for k in slits.tolist()])
-            row, k = lines.query(shapely.points(points), predicate="dwithin", distance=distance_mm - _EXACT_MM)
+            row, k = nearer(shapely.STRtree(self.lines[slits]), shapely.points(points), distance_mm)
             clear[row if not_own is None else row[slits[k] != not_own[row]]] = False
         return clear
 
@@ -137,21 +135,21 @@ class Surroundings:
 
         Two such pierces of two contours are `apart_mm` apart at the least, wherever they are in the street.
         """
-        lines = np.array([c.line for c in self.contours], dtype=object)
-        own_mm = np.asarray(shapely.distance(shapely.points(leads.pierce), lines[self.around[contour]]))
-        return ~self._near_others(shapely.points(leads.pierce), contour, own_mm + apart_mm)
+        pierces = shapely.points(leads.pierce)
+        own_mm = np.asarray(shapely.distance(pierces, self.lines[self.around[contour]]))
+        return ~self._near_others(pierces, contour, own_mm + apart_mm)
 
     def off_kerfs(self, leads: Leads, contour: Ints, kerf_mm: float, splash_mm: float) -> Bools:
         """Leads that would be lawful after the contours of all other parts: off their kerfs, which are then void."""
         near = self._near_others(shapely.points(leads.pierce), contour, 1.5 * kerf_mm + splash_mm)
-        free = leads.length_mm > kerf_mm / 2 + _EXACT_MM
+        free = leads.length_mm > kerf_mm / 2 + EXACT_MM
         lines = shapely.linestrings(leads.take(free).points(kerf_mm / 2, most=1.0))
         near[free] |= self._near_others(lines, contour[free], kerf_mm)
         return ~near
 
     def _near_others(self, shapes: Lines, contour: Ints, distance_mm: Floats | float) -> Bools:
         """Which shapes come nearer than a distance to a contour of another part that is cut through."""
-        row, chord = self.chords.query(shapes, predicate="dwithin", distance=np.maximum(distance_mm - _EXACT_MM, 0.0))
+        row, chord = nearer(self.chords, shapes, distance_mm)
         met, own = self.contour[chord], contour[row]
         near = np.full(len(shapes), False)
         near[row[(self.part[met] != self.part[own]) & self.through[met]]] = True

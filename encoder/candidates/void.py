@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.already_cut import AlreadyCut
@@ -19,9 +18,10 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 
+from .near import Lines, nearer
+
 CHORD_MM = 0.01
 NOBODY = -1
-_EXACT_MM = 1e-6
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -62,19 +62,15 @@ class Void:
         [False, True]
         """
         clear = np.full(len(points), True)
-        clear[self._near(shapely.points(points), self.kerf_mm + self.splash_mm)[0]] = False
+        clear[nearer(self.paths, shapely.points(points), self.kerf_mm + self.splash_mm)[0]] = False
         return clear
 
-    def clear_leads(self, lines: NDArray[np.object_], contour: Ints) -> Bools:
+    def clear_leads(self, lines: Lines, contour: Ints) -> Bools:
         """Leads of contours, as lines without the last half kerf before they join, that stay on metal."""
         clear = np.full(len(lines), True)
-        row, path = self._near(lines, self.kerf_mm / 2)
+        row, path = nearer(self.paths, lines, self.kerf_mm / 2)
         clear[row[self.round_of[path] != contour[row]]] = False
         return clear
-
-    def _near(self, shapes: NDArray[np.object_], distance_mm: float) -> tuple[Ints, Ints]:
-        row, path = self.paths.query(shapes, predicate="dwithin", distance=distance_mm - _EXACT_MM)
-        return row, path
 
 
 def _round(nest: Nest, cut: Cut, kerf_mm: float) -> Curve:

@@ -27,7 +27,11 @@ from .zones import zones_of
 
 
 def compute_facts(
-    nest: Nest, options: FactOptions, candidates: Sequence[Candidate] = (), heat_kj: Floats | None = None
+    nest: Nest,
+    options: FactOptions,
+    candidates: Sequence[Candidate] = (),
+    heat_kj: Floats | None = None,
+    met: OlderKerfs | None = None,
 ) -> Facts:
     """The facts of a nest and of the candidates of its contours.
 
@@ -41,6 +45,8 @@ def compute_facts(
         Sorted by contour index; may be empty.
     heat_kj
         The most heat that cutting each contour leaves in the sheet, (n,), which the machine and the material decide.
+    met
+        What the candidates meet of cuts made before them under the same options, where that is known already.
 
     Raises
     ------
@@ -107,7 +113,13 @@ def compute_facts(
         first=np.searchsorted(contour, np.arange(outlines.n + 1)),
         head=stretch_of(outlines, runs, candidates, options.head_share, "head"),
         tail=stretch_of(outlines, runs, candidates, options.tail_share, "tail"),
-        older_kerfs=OlderKerfs.none()
-        if options.splash_mm is None
-        else older_kerfs(nest, candidates, options.kerf_mm, options.splash_mm),
+        older_kerfs=_older_kerfs(nest, options, candidates, met),
     )
+
+
+def _older_kerfs(
+    nest: Nest, options: FactOptions, candidates: Sequence[Candidate], met: OlderKerfs | None
+) -> OlderKerfs:
+    if options.splash_mm is None:
+        return OlderKerfs.none()
+    return older_kerfs(nest, candidates, options.kerf_mm, options.splash_mm) if met is None else met

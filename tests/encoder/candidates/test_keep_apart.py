@@ -24,7 +24,7 @@ def meetings(leads: Sequence[tuple[int, int]], rings: Sequence[tuple[int, int]] 
 
 
 def kept(contours: Sequence[int], met: OlderKerfs, locked: Sequence[int] = ()) -> list[int]:
-    return [int(c.entry_mm) for c in keep_apart(ways(*contours), met, locked)]
+    return list(keep_apart(ways(*contours), met, locked))
 
 
 def test_what_meets_nothing_stays() -> None:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from kerfwise.encoder.by_hand import circle, nest, part, rect
-from kerfwise.encoder.candidates import Candidate, LeadOptions, build_candidates
+from kerfwise.encoder.candidates import Candidate, LeadOptions, build_candidates, build_with_older_kerfs
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs, older_kerfs
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
@@ -91,3 +92,17 @@ def test_without_the_rule_nothing_is_asked() -> None:
     plain = build_candidates(sheet, LeadOptions(splash_mm=None, edge_start=False))
     assert len(older_kerfs(sheet, plain, KERF_MM, SPLASH_MM).leads) > 0
     assert np.array_equal([c.contour for c in plain], sorted(c.contour for c in plain))
+
+
+@pytest.mark.parametrize(("gap_mm", "rings", "leads"), [(2.5, True, False), (4.0, False, True), (5.0, False, False)])
+def test_what_is_known_from_thinning_is_what_is_measured_anew(gap_mm: float, rings: bool, leads: bool) -> None:
+    """Two entries that face each other are asked for, so that in a street of 4 mm both stay."""
+    squares = [part(f"P{k}", rect(10 + k % 3 * (50 + gap_mm), 10 + k // 3 * (50 + gap_mm), 50, 50)) for k in range(6)]
+    asked = {"P0.outer": (60.0, 35.0), "P1.outer": (60.0 + gap_mm, 35.0)} if gap_mm == 4.0 else {}
+    options = LeadOptions(entries=2, lead_in_mm=4.0, lead_in_min_mm=1.0, splash_mm=SPLASH_MM, entry_points=asked)
+    street = nest(250, 200, *squares, part("M", rect(200, 10, 30, 30), marks=[[(205, 20), (220, 20)]]))
+    candidates, known = build_with_older_kerfs(street, options)
+    assert known is not None
+    anew = older_kerfs(street, candidates, options.kerf_mm, SPLASH_MM)
+    assert (known.rings.tolist(), known.leads.tolist()) == (anew.rings.tolist(), anew.leads.tolist())
+    assert (len(known.rings) > 0, len(known.leads) > 0) == (rings, leads)
