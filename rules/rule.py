@@ -176,6 +176,13 @@ class Rule(ABC, Generic[OptionsT]):
         """
         return ()
 
+    def allowances(self, options: OptionsT) -> tuple[OptionsT, ...]:
+        """The options by which the check is as strict as what is stated, at the least and at the most.
+
+        Of rules that judge by finer steps than they state: their `violations` allow for it. The least comes first.
+        """
+        return ()
+
     def still_counts(self, violation: Violation, made: int) -> bool:
         """Whether a violation is one of the cuts after the first `made`, which are facts."""
         decides = max if self.minds_what_is_out else min

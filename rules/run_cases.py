@@ -4,42 +4,40 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import get_args
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, get_args
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.faults import file_of
 from kerfwise.rules.options.suggest import unknown
 
 from . import cases as folder
 from .case import Case, CaseKind
+from .outcome import Outcome
 from .registry import RULES
+from .rule import Rule
 
 
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """How one case went; `wrong` is empty where it went as it says."""
+def cases_of(rule: str, known: Mapping[str, Rule[Any]] = RULES) -> tuple[Case, ...]:
+    """The cases of a rule, tiny nests with cuts and what is wrong with them; `known` are the rules that there are.
 
-    rule: str
-    case: str
-    wrong: tuple[str, ...] = ()
-
-
-def cases_of(rule: str) -> tuple[Case, ...]:
-    """The cases of a rule, tiny nests with cuts and what is wrong with them.
+    Those of a rule from outside are `CASES` in its own module: a tuple, or where there are several rules, by rule id.
 
     Raises
     ------
     InputError
-        If there is no such rule, or the rule has no file of cases.
+        If there is no such rule, or the rule has no cases.
 
     Examples
     --------
     >>> cases_of("hull-before")[0].kind
     'passes'
     """
-    if rule not in RULES:
-        raise InputError(unknown("rule", rule, RULES))
+    if rule not in known:
+        raise InputError(unknown("rule", rule, known))
+    if known[rule].brought:
+        return _beside(known[rule])
     name = rule.replace("-", "_")
     module = f"{folder.__name__}.{name}"
     if importlib.util.find_spec(module) is None:
@@ -48,14 +46,28 @@ def cases_of(rule: str) -> tuple[Case, ...]:
     return cases
 
 
-def run_cases(rule: str) -> Iterator[Outcome]:
+def _beside(rule: Rule[Any]) -> tuple[Case, ...]:
+    """The cases in the module of a rule from outside."""
+    cls = type(rule)
+    found = getattr(sys.modules[cls.__module__], "CASES", None)
+    cases = found.get(rule.id) if isinstance(found, Mapping) else found
+    if not isinstance(cases, Sequence) or not all(isinstance(case, Case) for case in cases):
+        raise InputError(
+            f"rule {rule.id} has no cases: expected CASES = (Case(…), …) in its file, or CASES = {{'{rule.id}': (…)}} "
+            "where there are several rules",
+            file=file_of(cls) or None,
+        )
+    return tuple(cases)
+
+
+def run_cases(rule: str, known: Mapping[str, Rule[Any]] = RULES) -> Iterator[Outcome]:
     """Judge every case of a rule and compare to the letter; a rule without a case of each kind is wrong too."""
-    cases = cases_of(rule)
+    cases = cases_of(rule, known)
     missing = [kind for kind in get_args(CaseKind) if all(case.kind != kind for case in cases)]
     if missing:
         yield Outcome(rule, "all", (f"there is no case of kind {', '.join(missing)}",))
     for case in cases:
-        found = tuple(RULES[rule].violations(case.nest, case.cuts, case.options or RULES[rule].Options()))
+        found = tuple(known[rule].violations(case.nest, case.cuts, case.options or known[rule].Options()))
         if found == case.violations:
             yield Outcome(rule, case.name)
             continue

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence
@@ -108,6 +108,10 @@ class NoIslands(Rule[NoIslandsOptions]):
                 )
                 found.append(Violation(self.id, names, text, (k,)))
         return sorted(found, key=lambda violation: violation.cuts)
+
+    def allowances(self, options: NoIslandsOptions) -> tuple[NoIslandsOptions, ...]:
+        shares = (min(options.frame_share + share, 1.0) + ALLOWANCE for share in (-ALLOWANCE, ALLOWANCE))
+        return tuple(replace(options, frame_share=share) for share in shares)
 
     def excuse(
         self, nest: Nest, cuts: CutSequence, options: NoIslandsOptions, violation: Violation, forced: Forced

@@ -147,6 +147,10 @@ class PartRigidity(Rule[PartRigidityOptions]):
                 found.append(Violation(self.id, (name,), text, (k,)))
         return found
 
+    def allowances(self, options: PartRigidityOptions) -> tuple[PartRigidityOptions, ...]:
+        shares = (min(options.rigid_min + share, 1.0) + ALLOWANCE for share in (-ALLOWANCE, ALLOWANCE))
+        return tuple(replace(options, rigid_min=share) for share in shares)
+
     def excuse(
         self, nest: Nest, cuts: CutSequence, options: PartRigidityOptions, violation: Violation, forced: Forced
     ) -> str | None:

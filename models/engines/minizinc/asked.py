@@ -43,7 +43,7 @@ def asked(profile: Profile, stated: Stated, afterwards: Sequence[Statement] = ()
     """
     files = rules_in_files(profile, stated)
     book = profile.rulebook()
-    arrays = [array for rule, setting in files.items() for array in _of_rule(book[rule], setting)]
+    arrays = [array for rule, setting in files.items() for array in arrays_of(book[rule], setting)]
     in_data = by_kind(stated.statements).idle_travel  # the table of travel has their price
     others = [s for s in stated.statements if s not in in_data and s.about.rule not in files]
     return (*arrays, *_in_words([*others, *afterwards]))
@@ -65,7 +65,7 @@ def rules_in_files(profile: Profile, stated: Stated) -> dict[str, RuleSetting]:
         for rule, setting in profile.settings().items()
         if _file_of(book[rule]).exists()
         and rule not in picked_at
-        and weights.get(rule, set()) <= {array.weight_mm for array in _of_rule(book[rule], setting)}
+        and weights.get(rule, set()) <= {array.weight_mm for array in arrays_of(book[rule], setting)}
     }
 
 
@@ -83,7 +83,7 @@ def _file_of(rule: Rule[Any]) -> Path:
     return rule.file.path.resolve() if isinstance(rule, ModelRule) else rule_file(rule.id)
 
 
-def _of_rule(rule: Rule[Any], setting: RuleSetting) -> Iterator[Asked]:
+def arrays_of(rule: Rule[Any], setting: RuleSetting) -> Iterator[Asked]:
     hard = EXEMPTION_MM if rule.excusable else None
     weight_mm = setting.weight
     array = rule.file.array if isinstance(rule, ModelRule) else f"{rule.id.replace('-', '_')}_holds"

@@ -118,7 +118,7 @@ def _run(solver: Solver, text: str, limit_s: float, progress: Progress | None) -
     """What the solver makes of a model with its data; there is a solution in it."""
     from minizinc import Instance
 
-    with _clear_errors():
+    with clear_errors():
         instance = Instance(solver, driver=driver())
         instance.add_string(text)
         said = asyncio.run(_listened(instance, limit_s, progress))
@@ -156,7 +156,7 @@ async def _listened(instance: Instance, limit_s: float, progress: Progress | Non
 
 
 @contextmanager
-def _clear_errors() -> Iterator[None]:
+def clear_errors() -> Iterator[None]:
     """Turn an error of MiniZinc into one message with the file and line that MiniZinc gives."""
     from minizinc import MiniZincError
     from minizinc.error import MiniZincWarning

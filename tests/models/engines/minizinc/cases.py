@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.nest import Nest, Part
+from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.trials.nests import random_nest
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.physics.timing.constant import Feeds
@@ -29,9 +29,6 @@ from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.registry import RULES
 from kerfwise.tests.drawn_options import with_drawn_options
-
-PITCH = 110
-SHAPES = ("plate", "marked", "ring", "disc", "host", "right", "up", "small")
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,41 +78,6 @@ def _drawn(seed: int, contours: int) -> tuple[Nest, Profile]:
     rng = np.random.default_rng(seed)
     drawn = random_nest(rng, contours)
     return drawn, random_profile(rng, drawn)
-
-
-def random_nest(rng: np.random.Generator, contours: int, least: int = 5) -> Nest:
-    """Plates, rings, hosts with a guest, channels with a guest and marked plates, row after row of three."""
-    parts: list[Part] = []
-    while sum(len(list(p)) for p in parts) < min(least, contours):
-        x, y = PITCH * (len(parts) % 3), PITCH * (len(parts) // 3)
-        made = _shape(str(rng.choice(SHAPES)), f"P{len(parts)}", x + int(rng.integers(3, 12)), y + 5, rng)
-        if sum(len(list(p)) for p in [*parts, *made]) <= contours:
-            parts += made
-    width, height = 3 * PITCH + int(rng.choice([0, 60, 300])), PITCH * (2 + (len(parts) > 6)) + int(rng.choice([0, 80]))
-    return nest(width, height, *parts)
-
-
-def _shape(shape: str, name: str, x: int, y: int, rng: np.random.Generator) -> list[Part]:
-    w, h = int(rng.integers(70, 99)), int(rng.integers(70, 99))
-    guest = part(f"{name}g", rect(x + 24, y + 24, 22, 22))
-    u = [(0, 0), (w, 0), (w, 10), (10, 10), (10, h - 10), (w, h - 10), (w, h), (0, h)]
-    match shape:
-        case "plate":
-            return [part(name, rect(x, y, w, h))]
-        case "marked":
-            return [part(name, rect(x, y, w, h), marks=[[(x + 9, y + 9), (x + 30, y + 9)]])]
-        case "ring":
-            return [part(name, rect(x, y, w, h), [rect(x + 12, y + 12, 20, 20), circle(x + 55, y + 50, 9)])]
-        case "disc":
-            return [part(name, circle(x + 40, y + 40, 38), [circle(x + 40, y + 40, 12)])]
-        case "host":
-            return [part(name, rect(x, y, w, h), [rect(x + 10, y + 10, 50, 50)]), guest]
-        case "right":
-            return [part(name, [(x + a, y + b) for a, b in u]), guest]
-        case "up":
-            return [part(name, [(x + b, y + a) for a, b in u][::-1]), guest]
-        case _:
-            return [part(name, rect(x, y, 30, 30)), part(f"{name}b", rect(x, y + 40, 30, 30))]
 
 
 SIMULATED = "t-max"
