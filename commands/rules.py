@@ -84,9 +84,27 @@ def _draw(rule: str, path: Path) -> None:
 
 @command.command()
 @click.argument("name")
+@click.option(
+    "--python", "language", flag_value="python", help="A rule of your own in Python, with its cases: one file."
+)
+@click.option("--mzn", "language", flag_value="mzn", help="A rule of your own in MiniZinc, with its cases: one file.")
+@click.option("-o", "folder", metavar="FOLDER", type=click.Path(path_type=Path), help="Where to write it, if not here.")
 @click.option("--into", metavar="DIR", type=click.Path(path_type=Path), help="The source checkout, if not this one.")
-def new(name: str, into: Path | None) -> None:
-    """Write the three files of a rule NAME, with an example in them that works: change it into your own."""
+def new(name: str, language: str | None, folder: Path | None, into: Path | None) -> None:
+    """Write a rule NAME with an example in it that works: change it into your own.
+
+    With --python or --mzn it is one file, in any folder. Without, it is the three files of a rule of the catalogue, in
+    a source checkout of kerfwise.
+    """
+    if language is not None:
+        if into is not None:
+            raise InputError(
+                "--into names a checkout, for a rule of the catalogue: say -o FOLDER with --python or --mzn"
+            )
+        _new_outside(name, language, folder or Path())
+        return
+    if folder is not None:
+        raise InputError("-o goes with --python or --mzn: a rule of the catalogue is written --into a checkout")
     from kerfwise.rules.pages.new_rule import is_checkout, new_rule
 
     running = Path(__file__).resolve().parents[1]
@@ -98,19 +116,38 @@ def new(name: str, into: Path | None) -> None:
     click.echo(f"next: kerfwise rules test {name}, then docs/writing-a-rule.md")
 
 
-@command.command()
-@click.argument("rule", required=False)
-def test(rule: str | None) -> int:
-    """Run the cases of RULE, or of every rule; exit 1 if one does not go as it says."""
-    from kerfwise.rules.registry import RULES
-    from kerfwise.rules.run_cases import run_cases
+def _new_outside(name: str, language: str, folder: Path) -> None:
+    from kerfwise.rules.pages.new_rule import new_outside_rule
 
-    failed = count = 0
-    for name in [rule] if rule else RULES:
-        for outcome in run_cases(name):
-            count, failed = count + 1, failed + bool(outcome.wrong)
-            click.echo(f"{'FAILED' if outcome.wrong else 'ok':7} {outcome.rule}: {outcome.case}")
+    path = new_outside_rule(name, language, folder)
+    key = {"python": "python", "mzn": "models"}[language]
+    click.echo(f"written: {path}")
+    click.echo(f"next: kerfwise rules test {path}, then in your profile: {key}: [{path.name}]")
+
+
+@command.command()
+@click.argument("rules", nargs=-1, metavar="[FILE|NAME]…")
+@click.option("--cases", "cases_only", is_flag=True, help="Run the cases alone; no nests are tried.")
+@PROFILE
+@TRUST
+def test(rules: tuple[str, ...], cases_only: bool, profile: str, trust: bool) -> int:
+    """Try each rule in a FILE (.py or .mzn), or of that NAME, or every rule; exit 1 if something is wrong.
+
+    The cases of a rule are run. Then, on all plans of small nests, its statements, its violations, its text in MiniZinc
+    and every engine are held against each other. A file of Python that is named here is run.
+    """
+    from kerfwise.jobs.trials import rules_to_try, try_rule
+
+    with_rules, names = rules_to_try(load_profile(profile, trust=trust), rules)
+    cases = tried = failed = 0
+    for name in names:
+        for outcome in try_rule(name, with_rules, cases_only):
+            cases, tried = cases + outcome.is_case, tried + (not outcome.is_case)
+            failed += bool(outcome.wrong)
+            note = f" ({outcome.note})" if outcome.note else ""
+            click.echo(f"{'FAILED' if outcome.wrong else 'ok':7} {outcome.rule}: {outcome.case}{note}")
             for line in outcome.wrong:
                 click.echo(f"        {line}")
-    click.echo(f"{count} cases, {failed} failed")
+    comparisons = f" and {tried} comparisons" if tried else ""
+    click.echo(f"{cases} cases{comparisons}, {failed} failed")
     return 1 if failed else 0

@@ -9,11 +9,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, get_args
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.faults import file_of
+from kerfwise.encoder.faults import file_of, rule_of, said
 from kerfwise.rules.options.suggest import unknown
 
 from . import cases as folder
 from .case import Case, CaseKind
+from .flat.model_rule import ModelRule
+from .model_cases import model_cases
 from .outcome import Outcome
 from .registry import RULES
 from .rule import Rule
@@ -38,12 +40,39 @@ def cases_of(rule: str, known: Mapping[str, Rule[Any]] = RULES) -> tuple[Case, .
         raise InputError(unknown("rule", rule, known))
     if known[rule].brought:
         return _beside(known[rule])
+    if isinstance(given := known[rule], ModelRule):
+        return model_cases(given, given.file.path)
     name = rule.replace("-", "_")
     module = f"{folder.__name__}.{name}"
     if importlib.util.find_spec(module) is None:
         raise InputError(f"rule {rule} has no cases: expected the file rules/cases/{name}.py")
     cases: tuple[Case, ...] = importlib.import_module(module).CASES
     return cases
+
+
+def told(error: Exception) -> str:
+    """What a rule has raised, in one line, with the place in its file."""
+    if isinstance(error, InputError):
+        return str(error)
+    at_work = rule_of(error)
+    return f"{said(error)}{f', in rule {at_work}' if at_work else ''}"
+
+
+def _run_model_cases(rule: Rule[Any], cases: Sequence[Case]) -> Iterator[Outcome]:
+    """Judge every order of a model file's cases: those that are right, and those that are wrong."""
+    for kind, word in (("passes", "right"), ("fails", "wrong")):
+        if all(case.kind != kind for case in cases):
+            yield Outcome(rule.id, "all", (f"there is no order under {word}",))
+    for case in cases:
+        options = case.options or rule.Options()
+        if (why := rule.unjudged(case.nest, case.cuts, options)) is not None:
+            yield Outcome(rule.id, case.name, (f"it cannot be judged: {why}",))
+            continue
+        found = rule.violations(case.nest, case.cuts, options)
+        if case.kind == "passes":
+            yield Outcome(rule.id, case.name, tuple(f"it should be right, but: {v.text}" for v in found))
+        else:
+            yield Outcome(rule.id, case.name, () if found else ("it should be wrong, and the rule finds nothing",))
 
 
 def _beside(rule: Rule[Any]) -> tuple[Case, ...]:
@@ -63,11 +92,18 @@ def _beside(rule: Rule[Any]) -> tuple[Case, ...]:
 def run_cases(rule: str, known: Mapping[str, Rule[Any]] = RULES) -> Iterator[Outcome]:
     """Judge every case of a rule and compare to the letter; a rule without a case of each kind is wrong too."""
     cases = cases_of(rule, known)
+    if isinstance(known[rule], ModelRule):
+        yield from _run_model_cases(known[rule], cases)
+        return
     missing = [kind for kind in get_args(CaseKind) if all(case.kind != kind for case in cases)]
     if missing:
         yield Outcome(rule, "all", (f"there is no case of kind {', '.join(missing)}",))
     for case in cases:
-        found = tuple(known[rule].violations(case.nest, case.cuts, case.options or known[rule].Options()))
+        try:
+            found = tuple(known[rule].violations(case.nest, case.cuts, case.options or known[rule].Options()))
+        except Exception as error:
+            yield Outcome(rule, case.name, (told(error),))
+            continue
         if found == case.violations:
             yield Outcome(rule, case.name)
             continue

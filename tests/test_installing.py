@@ -110,7 +110,9 @@ def test_the_wheel_in_an_empty_environment(built: Built, tmp_path: Path) -> None
     assert where.startswith(str(tmp_path / "venv"))
     kerfwise_ = str(commands / "kerfwise")
     assert run([kerfwise_, "--version"], tmp_path) == f"kerfwise, version {kerfwise.__version__}\n"
-    assert run([kerfwise_, "rules", "test"], tmp_path).endswith(" 0 failed\n")
+    assert run([kerfwise_, "rules", "test", "--cases"], tmp_path).endswith(" 0 failed\n")
+    run([kerfwise_, "rules", "new", "bars-last", "--python"], tmp_path)
+    assert run([kerfwise_, "rules", "test", "bars_last.py"], tmp_path).endswith(" 0 failed\n")
     run([kerfwise_, "rules", "hull-before", "--picture", "rule.svg"], tmp_path)
     nest = str(built.unpacked / "examples" / "nests" / "e1x_6.dxf")
     assert "ok: every hard rule holds" in run([kerfwise_, "solve", nest], tmp_path)

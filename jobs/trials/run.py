@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import Any
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.faults import said
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.engines.minizinc.installation import driver
 from kerfwise.rules.case import Case
@@ -16,7 +15,7 @@ from kerfwise.rules.options.option import options_of
 from kerfwise.rules.outcome import Outcome
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Rule
-from kerfwise.rules.run_cases import cases_of, run_cases
+from kerfwise.rules.run_cases import cases_of, run_cases, told
 
 from .agree import against_text, against_violations
 from .nests import trial_nest
@@ -39,7 +38,7 @@ ORDERS, TEXT, ENGINES, OPTIONS = (
 )
 
 
-def try_rule(rule: str, profile: Profile) -> Iterator[Outcome]:
+def try_rule(rule: str, profile: Profile, cases_only: bool = False) -> Iterator[Outcome]:
     """Run the cases of a rule, then hold its halves against each other on every plan of small nests.
 
     The nests are those of its cases and a few that are made at random, always the same. The profile gives the machine
@@ -47,15 +46,14 @@ def try_rule(rule: str, profile: Profile) -> Iterator[Outcome]:
     """
     known = profile.known_rules()
     yield from run_cases(rule, known)
+    if cases_only:
+        return
     bench = Bench(known[rule], profile, cases_of(rule, known))
     for what, look in ((ORDERS, bench.orders), (TEXT, bench.text), (ENGINES, bench.engines), (OPTIONS, bench.options)):
         try:
             wrong, note = look()
-        except InputError as error:
-            wrong, note = (str(error),), ""
-        except Exception as error:  # of a rule of the catalogue: those from outside are told by themselves
-            notes = "; ".join(getattr(error, "__notes__", ()))
-            wrong, note = (f"{said(error)}{f', {notes}' if notes else ''}",), ""
+        except Exception as error:
+            wrong, note = (told(error),), ""
         yield Outcome(rule, what, wrong, is_case=False, note=note)
 
 

@@ -1,22 +1,23 @@
-"""A new rule's three files, made from templates: the rule, the same in MiniZinc, and its cases."""
+"""A new rule's files, made from templates: three in a checkout of kerfwise, or one of a plant's own, with its cases."""
 
 from __future__ import annotations
 
-import re
 from importlib import resources
 from pathlib import Path
 from string import Template
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.rules.outside.names import wrong_name
 from kerfwise.rules.registry import RULES
 
-RESERVED = ("new", "page", "test")
 FILES = {
     "rule.py.txt": "rules/catalogue/{module}.py",
     "rule.mzn.txt": "rules/minizinc/rules/{module}.mzn",
     "cases.py.txt": "rules/cases/{module}.py",
 }
 """Template → where what is made of it goes in a checkout."""
+OF_A_PLANT = {"python": ("outside.py.txt", ".py"), "mzn": ("outside.mzn.txt", ".mzn")}
+"""Language → the template of a rule of a plant's own, and the file's ending."""
 
 
 def is_checkout(root: Path) -> bool:
@@ -38,22 +39,47 @@ def new_rule(name: str, root: Path) -> tuple[Path, ...]:
     for path in paths.values():
         if not is_checkout(root) or not path.parent.is_dir():
             raise InputError(
-                f"{root} is no source checkout of kerfwise, where rules are written: go to one, or name it with --into"
+                f"{root} is no source checkout of kerfwise: say --python or --mzn for a rule of your own in any "
+                "folder, or name the checkout with --into"
             )
         if path.exists():
             raise InputError("the file is there already; choose another name, or remove it", file=path)
-    words = {"id": name, "module": module, "class_name": module.title().replace("_", "")}
-    folder = resources.files(__package__) / "templates"
     for template, path in paths.items():
-        text = Template((folder / template).read_text(encoding="utf-8")).substitute(words)
-        path.write_text(text, encoding="utf-8", newline="\n")
+        _write(template, path, name)
     return tuple(paths.values())
 
 
+def new_outside_rule(name: str, language: str, folder: Path) -> Path:
+    """Write a rule of a plant's own called `name`, with its cases, as one file in a folder; the file.
+
+    Raises
+    ------
+    InputError
+        If the name is not one or is taken, the file is there already, or nothing can be written there.
+    """
+    _check_name(name)
+    template, ending = OF_A_PLANT[language]
+    path = folder / f"{name.replace('-', '_')}{ending}"
+    if path.exists():
+        raise InputError("the file is there already; choose another name, or remove it", file=path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        _write(template, path, name)
+    except OSError as error:
+        raise InputError(f"cannot write here: {error.strerror}", file=path) from None
+    return path
+
+
+def _write(template: str, path: Path, name: str) -> None:
+    module = name.replace("-", "_")
+    words = {"id": name, "module": module, "class_name": module.title().replace("_", "")}
+    folder = resources.files(__package__) / "templates"
+    text = Template((folder / template).read_text(encoding="utf-8")).substitute(words)
+    path.write_text(text, encoding="utf-8", newline="\n")
+
+
 def _check_name(name: str) -> None:
-    if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", name):
-        raise InputError(f"{name!r} is not a name of a rule: expected small letters and digits such as long-parts-last")
-    if name in RESERVED:
-        raise InputError(f"a rule cannot be called {name!r}: `kerfwise rules {name}` means something else")
+    if wrong := wrong_name(name):
+        raise InputError(wrong)
     if name in RULES:
         raise InputError(f"there is a rule {name!r} already; see `kerfwise rules {name}`")

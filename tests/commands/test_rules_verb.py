@@ -58,7 +58,7 @@ def test_picture_shows_order_and_what_is_wrong(tmp_path: Path) -> None:
 
 
 def test_cases_are_run() -> None:
-    lines = said("test", "marks-first").splitlines()
+    lines = said("test", "marks-first", "--cases").splitlines()
     assert lines[0] == "ok      marks-first: all marks first"
     assert lines[-1] == "6 cases, 0 failed"
 
@@ -66,7 +66,7 @@ def test_cases_are_run() -> None:
 def test_case_that_fails_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     first, *others = runner.cases_of("marks-first")
     wrong = replace(others[0], violations=())
-    monkeypatch.setattr(runner, "cases_of", lambda rule: (first, wrong))
+    monkeypatch.setattr(runner, "cases_of", lambda rule, known: (first, wrong))
     outcomes = list(runner.run_cases("marks-first"))
     assert [outcome.case for outcome in outcomes] == ["all", first.name, wrong.name]
     assert outcomes[0].wrong == ("there is no case of kind boundary",)
@@ -120,5 +120,41 @@ def test_names_that_a_rule_cannot_have(name: str, tmp_path: Path) -> None:
 
 
 def test_a_checkout_is_needed(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="is no source checkout of kerfwise"):
+    with pytest.raises(InputError, match="is no source checkout of kerfwise: say --python or --mzn for a rule of your"):
         new_rule("bars-last", tmp_path)
+
+
+@pytest.mark.parametrize(("language", "ending", "key"), [("python", "py", "python"), ("mzn", "mzn", "models")])
+def test_a_rule_of_a_plant_is_one_file_in_any_folder(language: str, ending: str, key: str, tmp_path: Path) -> None:
+    folder = tmp_path / "plant" / "rules"
+    out = said("new", "bars-last", f"--{language}", "-o", str(folder))
+    (made,) = folder.iterdir()
+    assert made == folder / f"bars_last.{ending}"
+    assert f"written: {made}\n" in out
+    assert f"next: kerfwise rules test {made}, then in your profile: {key}: [bars_last.{ending}]" in out
+    assert "$" not in made.read_text(encoding="utf-8")
+    with pytest.raises(InputError, match=r"bars_last.*: the file is there already"):
+        said("new", "bars-last", f"--{language}", "-o", str(folder))
+    with pytest.raises(InputError, match="there is a rule 'pierce' already"):
+        said("new", "pierce", f"--{language}", "-o", str(folder))
+
+
+def test_where_a_rule_is_written(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="say -o FOLDER with --python or --mzn"):
+        said("new", "bars-last", "--mzn", "--into", str(tmp_path))
+    with pytest.raises(InputError, match="-o goes with --python or --mzn"):
+        said("new", "bars-last", "-o", str(tmp_path))
+    (tmp_path / "taken").touch()
+    with pytest.raises(InputError, match="cannot write here"):
+        said("new", "bars-last", "--mzn", "-o", str(tmp_path / "taken"))
+
+
+def test_what_is_to_be_tried_must_be_there(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="unknown rule 'hull-befor': did you mean 'hull-before'"):
+        said("test", "hull-befor")
+    with pytest.raises(InputError, match=r"a file of rules ends in \.py or \.mzn"):
+        said("test", "plant/bars")
+    with pytest.raises(InputError, match="cannot read the Python file"):
+        said("test", str(tmp_path / "bars.py"))
+    with pytest.raises(InputError, match="cannot read the rule"):
+        said("test", str(tmp_path / "bars.mzn"))
