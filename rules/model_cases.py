@@ -31,6 +31,8 @@ from kerfwise.encoder.by_hand import nest as nest_of
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest, Part
+from kerfwise.rules.options.kind import Unfit
+from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.yaml_positions import Problems, compose, deepest, entries, items, plain, shape
 from kerfwise.rules.rule import Rule
@@ -91,7 +93,7 @@ def _of_one(number: int, node: yaml.Node, rule: Rule[Any], path: Path, problems:
     drawn = _nest(given["nest"], path, problems, f"{what}.nest")
     if drawn is None:
         return
-    options = _options(given.get("options"), rule)
+    options = _options(given.get("options"), rule, problems, f"{what}.options")
     sides: tuple[tuple[Literal["right", "wrong"], Literal["passes", "fails"]], ...]
     sides = (("right", "passes"), ("wrong", "fails"))
     for key, kind in sides:
@@ -101,19 +103,21 @@ def _of_one(number: int, node: yaml.Node, rule: Rule[Any], path: Path, problems:
                 yield Case(f"{number}, {key}: {order.value}", kind, drawn, cuts, options=options)
 
 
-def _options(node: yaml.Node | None, rule: Rule[Any]) -> Any:
-    """The options of a case: those of the rule, with what is given in their place."""
+def _options(node: yaml.Node | None, rule: Rule[Any], problems: Problems, what: str) -> Any:
+    """The options of a case: those of the rule, with what is given in their place; None where nothing is."""
     if node is None:
         return None
-    given = plain(node)
-    options = rule.Options()
-    if hasattr(options, "given"):
-        return replace(options, given=tuple((key, _as_minizinc(value)) for key, value in given.items()))
+    options, given = rule.Options(), {}
+    known = {option.key: option for option in options_of(options)}
+    for key, key_node, value in entries(node, problems, what):
+        if key not in known:
+            problems.add(key_node, f"{what}: {unknown('option', key, known)}")
+            continue
+        try:
+            given[known[key].name] = known[key].kind.read(value)
+        except Unfit as error:
+            problems.add(error.node or value, f"{what}.{key}: {error}")
     return replace(options, **given)
-
-
-def _as_minizinc(value: object) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _cuts(node: yaml.Node, drawn: Nest, problems: Problems, what: str) -> CutSequence | None:

@@ -38,10 +38,10 @@ def cases_of(rule: str, known: Mapping[str, Rule[Any]] = RULES) -> tuple[Case, .
     """
     if rule not in known:
         raise InputError(unknown("rule", rule, known))
-    if known[rule].brought:
-        return _beside(known[rule])
     if isinstance(given := known[rule], ModelRule):
         return model_cases(given, given.file.path)
+    if given.brought:
+        return _beside(given)
     name = rule.replace("-", "_")
     module = f"{folder.__name__}.{name}"
     if importlib.util.find_spec(module) is None:

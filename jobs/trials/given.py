@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.flat.model_rule import read_model_rule
+from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.outside import rules_in_file
 from kerfwise.rules.profile.profile import Profile
@@ -44,9 +44,9 @@ def rules_to_try(profile: Profile, named: Sequence[str]) -> tuple[Profile, tuple
 
 def _with(profile: Profile, rule: Rule[object]) -> Profile:
     """The profile with one more rule, or with it in the place of the one that has its name."""
-    if rule.brought and rule.id in RULES:
+    if rule.id in RULES and not isinstance(rule, ModelRule):
         raise InputError(
             f"{rule.brought}: two rules are called {rule.id!r}, the other one of kerfwise itself; choose another name"
         )
-    settings = dict(profile.rules) | {rule.id: RuleSetting("hard", None, rule.Options())}
+    settings = dict(profile.rules) | {rule.id: RuleSetting(rule.strengths[0], None, rule.Options())}
     return replace(profile, further_rules=dict(profile.further_rules) | {rule.id: rule}, rules=settings)

@@ -13,6 +13,7 @@ from kerfwise.models.engines.minizinc.data import data_text
 from kerfwise.models.engines.minizinc.engine import clear_errors
 from kerfwise.models.engines.minizinc.installation import driver, solver_named
 from kerfwise.models.engines.minizinc.model_text import model_text
+from kerfwise.rules.flat.model_rule import ModelRule
 from kerfwise.rules.minizinc.twin import rule_file
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
@@ -24,6 +25,8 @@ from .trial import PlanOf, Trial
 
 def text_of(rule: Rule[Any]) -> Path | None:
     """The file that states the rule in MiniZinc; None where there is none."""
+    if isinstance(rule, ModelRule):
+        return rule.file.path
     file = rule_file(rule.id)
     return file if rule.id in RULES and not rule.brought and file.exists() else None
 
@@ -39,7 +42,7 @@ def admitted_by_text(trial: Trial) -> frozenset[PlanOf]:
     from minizinc import Instance
     from minizinc.error import MiniZincWarning
 
-    own = arrays_of(trial.rule.id, trial.profile.settings()[trial.rule.id])
+    own = arrays_of(trial.rule, trial.profile.settings()[trial.rule.id])
     arrays = [array for array in own if array.weight_mm in (None, EXEMPTION_MM)]  # others have a price of their own
     stated = Stated((IdleTravel(About("trial", (), "")),), ())
     limits = options_for(trial.nest, trial.profile)
