@@ -88,7 +88,9 @@ class Rule(ABC, Generic[OptionsT]):
     judges a cut by what was cut before it, where the last of them is. A rule `of_whole_nest` states over the facts of
     the whole; what the cuts made have decided is left out.
 
-    `brought` says who has brought a rule that is not of the catalogue: `rules/outside` sets it.
+    The pairs of a rule whose `pairs_are` is the name of a fact about two contours are what the check knows of that
+    fact, by geometry of its own. `brought` says who has brought a rule that is not of the catalogue: `rules/outside`
+    sets it.
     """
 
     id: str
@@ -110,6 +112,7 @@ class Rule(ABC, Generic[OptionsT]):
     makes_zones: ClassVar[bool] = False
     shares: ClassVar[tuple[str, ...]] = ()
     brought: str = ""
+    pairs_are: ClassVar[str] = ""
 
     def __init_subclass__(cls, **options: Any) -> None:
         """What a rule raises that nobody foresaw names the rule."""

@@ -49,6 +49,7 @@ class HullBefore(OrderRule[NoOptions]):
     """
 
     id = "hull-before"
+    pairs_are = "in_hull"
     sentence = "A part that sits in the concavity of another is cut before it."
     source = "Pristupov 2016, fig. 4"
     Options = NoOptions

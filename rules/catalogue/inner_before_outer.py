@@ -41,6 +41,7 @@ class InnerBeforeOuter(OrderRule[NoOptions]):
     """
 
     id = "inner-before-outer"
+    pairs_are = "parent"
     sentence = "Every contour that lies inside another is cut before it."
     source = "Pristupov 2016, fig. 1; Verkhoturov et al., restriction 1"
     Options = NoOptions

@@ -50,6 +50,7 @@ class LevelAhead(OrderRule[NoOptions]):
     """
 
     id = "level-ahead"
+    pairs_are = "level_ahead"
     sentence = "A part that lies between another part and the start side is cut before it."
     source = "Pristupov 2016, fig. 3"
     Options = NoOptions

@@ -87,7 +87,7 @@ class PartRigidity(Rule[PartRigidityOptions]):
     Options = PartRigidityOptions
     minds_what_is_out = True
     excusable = True
-    shares = ("web_mm",)
+    shares = ("web_mm", "head_share", "tail_share")
 
     def statements(self, facts: Facts, options: PartRigidityOptions) -> Iterator[AtLeast]:
         ends = dict(self._ends(facts, options))

@@ -82,7 +82,7 @@ class StartSide(Rule[StartSideOptions]):
     source = "Petunin 2009, fig. 2"
     Options = StartSideOptions
     strengths = ("hard", "off")
-    shares = ("edge_band_mm", "long_ratio")
+    shares = ("edge_band_mm", "long_ratio", "offcut_share")
 
     def statements(self, facts: Facts, options: StartSideOptions) -> Sequence[Statement]:
         return ()

@@ -15,6 +15,7 @@ from kerfwise.rules.minizinc.trial import HOW_TO_INSTALL, expect_usable, found_p
 
 HERE = Path(__file__).parent
 WORDS = HERE / "words.mzn"
+JUDGED = HERE / "judged.mzn"
 LIMIT_S = 120.0
 """What a rule takes to be compiled for a nest of 300 contours is a second or two."""
 SAID = "%kerfwise "

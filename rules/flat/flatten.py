@@ -12,7 +12,7 @@ from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
 
-from .compiler import WORDS, compile_model, printing
+from .compiler import JUDGED, WORDS, compile_model, printing
 from .flatzinc import read_flatzinc
 from .meaning import SUMS, Meaning, NotUnderstood, Words
 from .model_file import ModelFile
@@ -92,11 +92,29 @@ def flatten(file: ModelFile, data: str, n: int, contour_of: Sequence[int], other
     return made
 
 
-def _model(file: ModelFile, data: str, others: tuple[str, ...]) -> str:
+def judge_order(file: ModelFile, data: str, others: tuple[str, ...] = ()) -> tuple[list[bool], list[str], bool]:
+    """Which elements of the file's array hold of cuts that are made, their sentences, and whether its constraints do.
+
+    `data` are the facts that the check has measured, and when each contour is cut.
+    """
+    compiled = compile_model(_model(file, data, others, judged=True), file.path)
+    flat = read_flatzinc(compiled.flat)
+    holds: list[bool] = []
+    possible = True
+    for constraint in flat.constraints:
+        if not constraint.name.startswith(KEPT):
+            possible = False
+        elif constraint.name == f"{KEPT}{file.array}" and isinstance(constraint.args[0], list):
+            holds = [value is True for value in constraint.args[0]]
+    says: list[str] = next((json.loads(value) for name, value in compiled.printed if name == "says"), [])
+    return holds, says, possible
+
+
+def _model(file: ModelFile, data: str, others: tuple[str, ...], judged: bool = False) -> str:
     """The model: the words, the file, its data, and what is to be left of it."""
-    text = "".join(_content(path) for path in _read(file))
-    kept = [name for name, words in _ARRAYS.items() if any(word in text for word in words)]
-    lines = [include(WORDS), include(file.path.resolve())]
+    text = whole_text(file)
+    kept = [name for name, words in _ARRAYS.items() if not judged and any(word in text for word in words)]
+    lines = [include(JUDGED if judged else WORDS), include(file.path.resolve())]
     for name in (*kept, *([file.array] if file.array else []), *others):
         kind = "int" if name in SUMS else "bool"
         lines.append(f"predicate {KEPT}{name}(array[int] of var {kind}: kept);")
@@ -109,6 +127,11 @@ def _model(file: ModelFile, data: str, others: tuple[str, ...]) -> str:
 def include(path: Path) -> str:
     """The line that includes a file."""
     return f"include {json.dumps(path.as_posix(), ensure_ascii=False)};"
+
+
+def whole_text(file: ModelFile) -> str:
+    """The text of the file and of what it includes beside it."""
+    return "".join(_content(path) for path in _read(file))
 
 
 def _read(file: ModelFile) -> list[Path]:

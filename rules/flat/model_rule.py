@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import re
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import field, make_dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,16 +16,19 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.minizinc.dzn import Fields, assignments
-from kerfwise.rules.minizinc.twin import Case, Further, twin_of
+from kerfwise.rules.minizinc.twin import Case, Further, Twin, rule_file, twin_of
 from kerfwise.rules.options.kind import Kind
 from kerfwise.rules.options.option import NoOptions, option
 from kerfwise.rules.options.plain_values import Flag, Number, Text
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.rule import Rule, Strength, Violation
-from kerfwise.rules.statements import Statement
+from kerfwise.rules.rule import Forced, Ids, Rule, Strength, Violation
+from kerfwise.rules.statements import Before, Statement
 
-from .flatten import flatten
+from .flatten import Flattened, flatten, judge_order, whole_text
+from .further_words import further_words
+from .measured_facts import Limits, measured_data, missing, order_data
 from .model_file import ModelFile, Parameter, read_model_file, states
+from .nodes import Lit, Node, contours_of, parts
 from .to_statements import NotHeld, Way, Writer
 
 if TYPE_CHECKING:
@@ -35,10 +39,16 @@ if TYPE_CHECKING:
 
 
 _MARKS = (
-    *("Options", "strengths", "default", "default_weight", "gives_way"),
-    *("excusable", "relaxable", "relaxed_last", "hard_with_head_down"),
+    *("strengths", "default", "default_weight", "gives_way"),
+    *("excusable", "relaxable", "relaxed_last", "hard_with_head_down", "of_whole_nest", "minds_what_is_out"),
 )
 """What a rule takes over from the one whose place it takes."""
+
+
+OF_CUTS = frozenset({"zone", "level_ahead", "start_side", "picked", "pick", "ways", "CANDIDATE", "HEAD", "TAIL"})
+"""Words that mean nothing before there are cuts."""
+MOST_TOLD = 12
+"""Contours that a violation names at the most."""
 
 
 class ModelRule(Rule[Any]):
@@ -58,6 +68,10 @@ class ModelRule(Rule[Any]):
         setattr(self, "Options", options_class(file.parameters))  # noqa: B010
         for mark in _MARKS if self.replaces is not None else ():
             setattr(self, mark, getattr(self.replaces, mark))
+        if self.replaces is not None:
+            setattr(self, "Options", options_in_place(self.replaces.Options))  # noqa: B010
+        else:
+            setattr(self, "of_whole_nest", True)  # noqa: B010
 
     def __eq__(self, other: object) -> bool:
         mine = (self.file, self.id, self.strength)
@@ -72,7 +86,7 @@ class ModelRule(Rule[Any]):
 
     def statements(self, facts: Facts, options: Any) -> Iterator[Statement]:
         further = self.further(options)
-        data = facts_data(facts) + assignments(self.data(facts, options))
+        data = facts_data(facts) + assignments(self.data(facts, options)) + self.words(facts.nest)
         flat = flatten(
             self.file, data, facts.n, [c.contour for c in facts.candidates], tuple(array.name for array in further)
         )
@@ -93,10 +107,14 @@ class ModelRule(Rule[Any]):
             for array, elements in zip(further, flat.others, strict=True):
                 one_by_one = dataclasses.replace(writer, in_parts=array.weight_mm is None and in_parts)
                 for statement in one_by_one.written(elements, (), ()):
-                    yield dataclasses.replace(statement, weight=array.weight_mm)
+                    yield dataclasses.replace(statement, weight=array.weight_mm)  # type: ignore[arg-type]
         except NotHeld as error:
             element = f"element {error.element} of {self.file.array}: " if error.element else ""
             raise InputError(f"rule {self.id}: {element}{error}", file=self.file.path, line=self.file.line) from None
+
+    def words(self, nest: Nest) -> str:
+        """MiniZinc text of the words beside the facts that the file names."""
+        return further_words(nest, whole_text(self.file))
 
     def data(self, facts: Facts, options: Any) -> Fields:
         """What the file reads beside the facts: that of the rule whose place it takes, or its parameters."""
@@ -125,10 +143,86 @@ class ModelRule(Rule[Any]):
         return [array for array in asked if states(self.file, array.name)]
 
     def violations(self, nest: Nest, cuts: CutSequence, options: Any) -> list[Violation]:
-        return []
+        if self.unjudged(nest, cuts, options) is not None:
+            return []
+        holds, says, possible = judge_order(self.file, self._order_data(nest, cuts, options))
+        at = cuts.positions()
+        flat = self._measured(nest, cuts, options)
+        found = []
+        for k, held in enumerate(holds):
+            if not held:
+                node = flat.elements[k] if k < len(flat.elements) else False
+                ids = tuple(nest.contours[number].id for number in contours_of(node))
+                said = says[k] if k < len(says) else self._told(nest, node)
+                positions = tuple(sorted(at[name] for name in ids)) if len(ids) <= MOST_TOLD else ()
+                found.append(Violation(self.id, ids[:MOST_TOLD], f"{said} ({self.file.place})", positions))
+        if not possible:
+            text = f"a constraint of the file does not hold: {self.sentence} ({self.file.path.name}:{self.file.bare})"
+            found.append(Violation(self.id, (), text))
+        return found
+
+    def _told(self, nest: Nest, node: Node) -> str:
+        """What does not hold, where the file has no sentence for it."""
+        if isinstance(node, Lit) and isinstance(node.atom, Before):
+            first, then = (node.atom.i, node.atom.j) if node.holds else (node.atom.j, node.atom.i)
+            return f"{nest.contours[first].id} must be cut before {nest.contours[then].id}: {self.sentence}"
+        ids = [nest.contours[number].id for number in contours_of(node)]
+        return f"{', '.join(ids[:MOST_TOLD])}: {self.sentence}" if ids else self.sentence
+
+    def pairs(self, nest: Nest, cuts: CutSequence, options: Any) -> list[Ids]:
+        """Every order that the file states by itself, over facts that the check has measured."""
+        if not cuts or self.unjudged(nest, cuts, options) is not None:
+            return []
+        return self._orders(nest, self._measured(nest, cuts, options))
+
+    def pairs_of_nest(self, nest: Nest, options: Any) -> list[Ids]:
+        """The same before there are cuts; none of a file that looks at zones, at the start side or at ways to cut."""
+        named = set(re.findall(r"[A-Za-z_]\w*", whole_text(self.file)))
+        if named & OF_CUTS or any(name.startswith(("cand_", "head_", "tail_")) for name in named):
+            return []
+        return self._orders(nest, self._measured(nest, CutSequence(()), options))
+
+    def _orders(self, nest: Nest, flat: Flattened) -> list[Ids]:
+        found = []
+        for node in (*flat.elements, *flat.further):
+            for part in parts(node):
+                if isinstance(part, Lit) and isinstance(part.atom, Before):
+                    i, j = (part.atom.i, part.atom.j) if part.holds else (part.atom.j, part.atom.i)
+                    found.append((nest.contours[i].id, nest.contours[j].id))
+        return list(dict.fromkeys(found))
+
+    def together(self, nest: Nest, options: Any) -> list[tuple[str, ...]]:
+        return [] if self.replaces is None else self.replaces.together(nest, options)
+
+    def excuse(self, nest: Nest, cuts: CutSequence, options: Any, violation: Violation, forced: Forced) -> str | None:
+        return None if self.replaces is None else self.replaces.excuse(nest, cuts, options, violation, forced)
 
     def unjudged(self, nest: Nest, cuts: CutSequence, options: Any) -> str | None:
-        return f"it is written in MiniZinc ({self.file.path.name})"
+        return missing(nest, cuts, whole_text(self.file))
+
+    def still_counts(self, violation: Violation, made: int) -> bool:
+        """A pair in the wrong order counts where both are new cuts, any other violation where the last of them is."""
+        decides = min if len(violation.cuts) == 2 else max
+        return not violation.cuts or decides(violation.cuts) > made
+
+    def _measured(self, nest: Nest, cuts: CutSequence, options: Any) -> Flattened:
+        """The file's flat form over facts that the check has measured, each cut being a candidate."""
+        n = len(nest.contours)
+        return flatten(self.file, self._measured_data(nest, cuts, options), n, range(n))
+
+    def _measured_data(self, nest: Nest, cuts: CutSequence, options: Any) -> str:
+        text = whole_text(self.file)
+        limits = Limits(
+            **{f.name: getattr(options, f.name) for f in dataclasses.fields(Limits) if hasattr(options, f.name)}
+        )
+        if self.replaces is None:
+            own = parameters_data(self.file, options)
+        else:
+            own = twin_of(self.replaces.id).measured(nest, cuts, options) or []
+        return assignments(measured_data(nest, cuts, limits, text) + own) + further_words(nest, text)
+
+    def _order_data(self, nest: Nest, cuts: CutSequence, options: Any) -> str:
+        return self._measured_data(nest, cuts, options) + assignments(order_data(nest, cuts))
 
     def lead_options(self, given: LeadOptions, options: Any, strength: Strength) -> LeadOptions:
         return given if self.replaces is None else self.replaces.lead_options(given, options, strength)
@@ -153,6 +247,12 @@ def read_model_rule(path: Path, rule_id: str = "", sentence: str = "") -> ModelR
         If the file cannot be read or states nothing; MiniZinc is not asked yet.
     """
     file = read_model_file(Path(path))
+    if (rule_id or file.name) in RULES and not can_be_replaced(file.name):
+        raise InputError(
+            f"rule {file.name} takes no file in its place: what its file reads beside the facts is not known to the "
+            f"check; give the file another name and set rules: {{{file.name}: off}}",
+            file=file.path,
+        )
     return ModelRule(dataclasses.replace(file, sentence=sentence) if sentence else file, rule_id)
 
 
@@ -166,13 +266,30 @@ def options_class(parameters: tuple[Parameter, ...]) -> type:
         (p.key, object, field(default=_value(p), metadata=option(_KINDS[p.type], p.help or f"{p.name} of the file")))
         for p in parameters
     ]
-    return make_dataclass("ModelOptions", fields, frozen=True, slots=True)
+    return make_dataclass("ModelOptions", [*fields, *_unset(NoOptions)], frozen=True)
+
+
+@cache
+def options_in_place(base: type) -> type:
+    """The options of a rule whose place a file takes, with the limits that facts hang on filled in by the profile."""
+    return make_dataclass(base.__name__, _unset(base), bases=(base,), frozen=True)
+
+
+def _unset(base: type) -> list[tuple[str, type, Any]]:
+    taken = {f.name for f in dataclasses.fields(base)}
+    return [(f.name, float, field(default=f.default)) for f in dataclasses.fields(Limits) if f.name not in taken]
 
 
 def _value(parameter: Parameter) -> object:
     if parameter.type == "int":
         return int(parameter.default)
     return parameter.default == "true" if parameter.type == "bool" else parameter.default.strip('"')
+
+
+def can_be_replaced(rule: str) -> bool:
+    """Whether a rule of the catalogue has a model file, and the check knows all that another in its place may read."""
+    twin = type(twin_of(rule))
+    return rule_file(rule).exists() and (twin.data is Twin.data or twin.measured is not Twin.measured)
 
 
 def parameters_data(file: ModelFile, options: Any) -> Fields:

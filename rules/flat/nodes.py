@@ -193,6 +193,16 @@ def literals(node: Node) -> Iterator[Lit]:
             yield from literals(term)
 
 
+def contours_of(node: Node) -> list[int]:
+    """The numbers of the contours that orders, gaps and runs in the node are about; not those of picks."""
+    found: dict[int, None] = {}
+    for lit in literals(node):
+        if not isinstance(lit.atom, Pick):
+            pair = (lit.atom.i, lit.atom.j)
+            found |= dict.fromkeys(pair if lit.holds or not isinstance(lit.atom, Before) else pair[::-1])
+    return list(found) or list(dict.fromkeys(lit.atom.c for lit in literals(node) if isinstance(lit.atom, Pick)))
+
+
 def holds_under(node: Node, known: Mapping[Lit, bool]) -> Node:
     """The node, with literals replaced by what is known of them."""
     if isinstance(node, bool):

@@ -14,8 +14,10 @@ from typing import Any, ClassVar, Generic, TypeVar
 import numpy as np
 
 from kerfwise.arrays import Ints
+from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
 
 from . import __path__ as _path
 from .dzn import Fields
@@ -57,6 +59,13 @@ class Twin(Generic[OptionsT]):
     def data(self, case: Case, options: OptionsT) -> Fields:
         """Names and values of what the file reads beside the facts: the options, and what only this rule looks at."""
         return []
+
+    def measured(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> Fields | None:
+        """The same for the check, which measures it from the nest and the cuts; None where it cannot.
+
+        A rule of which the check cannot know what its file reads cannot be given another file.
+        """
+        return None
 
     def further(self, options: OptionsT, weight_mm: float | None) -> Iterable[Further]:
         """Arrays beside `<rule>_holds`; `weight_mm` is that of the rule, None where it is hard."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import glob
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -13,9 +14,9 @@ import yaml
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
 from kerfwise.rules.options.kind import Unfit
+from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.plain_values import Text
 from kerfwise.rules.options.yaml_positions import Place, Problems, items, wrong_at
-from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule, RuleSetting
 
 Given = dict[str, Any]
@@ -59,9 +60,17 @@ def with_model_files(node: yaml.Node, given: Given, problems: Problems) -> Given
         taken[rule.id] = rule
         rules[rule.id] = rule
         sources[path.name] = ModelSource(path, place)
-        if rule.id not in RULES and rule.id not in settings:
-            settings[rule.id] = RuleSetting(rule.default, None, rule.Options())
+        settings[rule.id] = _setting(rule, settings.get(rule.id))
     return {"models": tuple(sources.values()), "further_rules": rules, "rules": settings}
+
+
+def _setting(rule: ModelRule, before: RuleSetting | None) -> RuleSetting:
+    """The setting of a rule that a file brings: that of the rule whose place it takes, with its options."""
+    if before is None:
+        return RuleSetting(rule.default, None, rule.Options())
+    names = (o.name for o in options_of(rule.Options))
+    given = {name: getattr(before.options, name) for name in names if hasattr(before.options, name)}
+    return dataclasses.replace(before, options=rule.Options(**given))
 
 
 def _paths(node: yaml.Node, problems: Problems) -> Iterator[tuple[Path, yaml.Node]]:

@@ -230,6 +230,7 @@ class Profile:
         Given a nest, zones keep to the orders of the plant's own hard rules too.
         """
         own = own_pairs(self.own_rules, nest, self._thresholds()) if nest is not None else ()
+        own += self._pairs_in_files(nest) if nest is not None else ()
         given = FactOptions(
             zone_respects=frozenset(),
             zone_pairs=(*((lock.contour, lock.before) for lock in self.locks if lock.contour and lock.before), *own),
@@ -241,6 +242,12 @@ class Profile:
         for rule, options, strength in self._every_rule():
             given = rule.fact_options(given, options, strength)
         return given
+
+    def _pairs_in_files(self, nest: Nest) -> tuple[tuple[str, str], ...]:
+        """Orders that hard rules in model files state of the nest alone, so that no zone contradicts them."""
+        on = self.settings()
+        hard = [rule for rule in self.model_rules() if on[rule.id].strength == "hard" and not rule.gives_way]
+        return tuple(pair for rule in hard for pair in rule.pairs_of_nest(nest, on[rule.id].options))
 
     def _zone_places(self, nest: Nest | None) -> tuple[tuple[str, int], ...]:
         """Part → the position that a lock gives one of its contours: its zone must reach there."""

@@ -40,13 +40,15 @@ def data_text(facts: Facts, profile: Profile, stated: Stated, options: SolveOpti
     if clock:
         fields += _clock(facts, options)
     case, book = Case(facts, home_mm), profile.rulebook()
+    words: dict[str, None] = {}
     for rule, setting in rules_in_files(profile, stated).items():
         own = book[rule]
         if isinstance(own, ModelRule):
             fields += own.data(facts, setting.options)
+            words |= dict.fromkeys(own.words(facts.nest).splitlines())
         else:
             fields += twin_of(rule).data(case, setting.options)
-    return facts_dzn(without_dropped(facts, stated, book)) + assignments(fields)
+    return facts_dzn(without_dropped(facts, stated, book)) + assignments(fields) + "\n".join(words)
 
 
 def without_dropped(facts: Facts, stated: Stated, book: Mapping[str, Rule[Any]]) -> Facts:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from kerfwise.encoder.nest import KINDS
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import KINDS, Nest
 from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
 from kerfwise.rules.minizinc.dzn import Fields, flags
 from kerfwise.rules.minizinc.twin import Case, Twin
@@ -12,6 +13,12 @@ class CutDirectionTwin(Twin[CutDirectionOptions]):
     """Which ways round each kind of contour is cut."""
 
     def data(self, case: Case, options: CutDirectionOptions) -> Fields:
+        return self._fields(options)
+
+    def measured(self, nest: Nest, cuts: CutSequence, options: CutDirectionOptions) -> Fields:
+        return self._fields(options)
+
+    def _fields(self, options: CutDirectionOptions) -> Fields:
         allowed = [options.allowed(kind) for kind in KINDS]
         return [
             ("cut_direction_cw", flags("cw" in ways for ways in allowed)),

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import combinations
 
-from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.minizinc.dzn import Fields, numbers
 from kerfwise.rules.minizinc.twin import Case, Further, Twin, rule_file
@@ -15,7 +16,13 @@ class HeatLagTwin(Twin[HeatLagOptions]):
     """Near contours of different parts, and the seconds between them in a file of their own."""
 
     def data(self, case: Case, options: HeatLagOptions) -> Fields:
-        near = near_pairs(case.facts, options.heat_radius_mm)
+        return self._fields(case.facts.nest, options)
+
+    def measured(self, nest: Nest, cuts: CutSequence, options: HeatLagOptions) -> Fields:
+        return self._fields(nest, options)
+
+    def _fields(self, nest: Nest, options: HeatLagOptions) -> Fields:
+        near = near_pairs(nest, options.heat_radius_mm)
         lag: Fields = [("heat_lag_ms", str(round(options.lag_s * 1000)))] if options.lag_s > 0 else []
         return [
             ("heat_lag_cuts", str(options.lag_cuts)),
@@ -30,9 +37,9 @@ class HeatLagTwin(Twin[HeatLagOptions]):
             yield Further(rule_file("heat-lag-seconds"), "heat_lag_missing_ms", weight_mm, round(options.lag_s * 1000))
 
 
-def near_pairs(facts: Facts, radius_mm: float) -> list[tuple[int, int]]:
+def near_pairs(nest: Nest, radius_mm: float) -> list[tuple[int, int]]:
     """Contours of different parts, cut through, that are nearer than the radius."""
-    cut = [(k, c) for k, c in enumerate(facts.nest.contours) if c.kind != "mark"]
+    cut = [(k, c) for k, c in enumerate(nest.contours) if c.kind != "mark"]
     return [
         (i, j)
         for (i, a), (j, b) in combinations(cut, 2)

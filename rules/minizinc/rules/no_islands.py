@@ -7,8 +7,12 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from kerfwise.arrays import Bools, Ints
+from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.no_islands import NoIslandsOptions
+from kerfwise.rules.judging.holding import clusters as together
+from kerfwise.rules.judging.holding import holding
 from kerfwise.rules.minizinc.dzn import Fields, flags, numbers
 from kerfwise.rules.minizinc.twin import Case, Twin
 
@@ -20,6 +24,19 @@ class NoIslandsTwin(Twin[NoIslandsOptions]):
         return [
             ("no_islands_framed", flags(on_the_frame(case.facts, options.frame_share).tolist())),
             ("no_islands_cluster", numbers((clusters(case.facts) + 1).tolist())),
+        ]
+
+    def measured(self, nest: Nest, cuts: CutSequence, options: NoIslandsOptions) -> Fields:
+        joined, framed = holding(nest, options.web_mm, options.edge_band_mm, options.frame_share)
+        outer = [nest.index[part.outer.id] for part in nest.parts]
+        cluster = list(range(len(nest.contours) + 1, 2 * len(nest.contours) + 1))
+        for number, members in enumerate(together(joined), 1):
+            for k in members:
+                cluster[outer[k]] = number
+        on_frame = {outer[k] for k in framed}
+        return [
+            ("no_islands_framed", flags(k in on_frame for k in range(len(nest.contours)))),
+            ("no_islands_cluster", numbers(cluster)),
         ]
 
 

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
 
 from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.facts.facts import Facts, Stretch
+from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
+from kerfwise.rules.judging.stretches import faced_by_cuts
 from kerfwise.rules.minizinc.dzn import Fields, numbers
 from kerfwise.rules.minizinc.twin import Case, Further, Twin, rule_file
 
 PER_MM = 100
+ALLOWANCE = 0.02
+"""Share of a tail by which the check, which measures it by itself, may differ."""
 """Lengths in MiniZinc data are whole hundredths of a millimetre."""
 
 
@@ -24,6 +30,18 @@ class PartRigidityTwin(Twin[PartRigidityOptions]):
             ("part_rigidity_needed", numbers(tail_needed(case.facts, options.rigid_min).tolist())),
             ("part_rigidity_freed", numbers(head_freed(case.facts, options.head_rigid_max).tolist())),
         ]
+
+    def measured(self, nest: Nest, cuts: CutSequence, options: PartRigidityOptions) -> Fields:
+        needed = [0] * len(nest.contours)
+        freed = [0] * len(nest.contours)
+        near = (options.web_mm, options.edge_band_mm)
+        for contour, end in faced_by_cuts(nest, cuts, options.tail_share, *near, last=True).items():
+            short_mm = (options.rigid_min - ALLOWANCE) * end.total_mm - end.solid_mm
+            needed[contour] = max(0, math.ceil(PER_MM * short_mm))
+        for contour, begin in faced_by_cuts(nest, cuts, options.head_share, *near, last=False).items():
+            rigid_mm = begin.solid_mm + sum(begin.contours_mm.values())
+            freed[contour] = max(0, math.ceil(PER_MM * (rigid_mm - options.head_rigid_max * begin.total_mm)))
+        return [("part_rigidity_needed", numbers(needed)), ("part_rigidity_freed", numbers(freed))]
 
     def further(self, options: PartRigidityOptions, weight_mm: float | None) -> Iterator[Further]:
         if options.head_weight_mm > 0:

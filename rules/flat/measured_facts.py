@@ -1,0 +1,224 @@
+"""The facts of `facts.mzn` as the check knows them: measured from the nest and its cuts, each cut being a candidate.
+
+Nothing here looks at the facts that models are built on. Only what a rule's file names is measured; the rest is there,
+as MiniZinc wants it, and empty.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import shapely
+
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import KINDS, Nest
+from kerfwise.rules.judging.stretches import Faced, faced_all_round, faced_by_cuts
+from kerfwise.rules.minizinc.dzn import Fields, flag, flags, numbers
+from kerfwise.rules.own.measures import edge_gaps_mm, is_long, measured
+from kerfwise.rules.registry import RULES
+
+PER_MM = 100
+PAIRS = ("level_ahead", "in_hull")
+SIDES = ("left", "right", "bottom", "top")
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What facts hang on: how near is near, shares of a cut, and how long is long."""
+
+    web_mm: float = 25.0
+    edge_band_mm: float = 25.0
+    long_ratio: float = 4.0
+    offcut_share: float = 0.15
+    head_share: float = 0.25
+    tail_share: float = 0.25
+
+
+def missing(nest: Nest, cuts: CutSequence, text: str) -> str | None:
+    """Why what the text of a rule names cannot be known of these cuts, where that is so."""
+    named = _words(text)
+    at = cuts.positions()
+    if any(contour.id not in at for contour in nest.contours):
+        return "not every contour is cut"
+    if "zone" in named and not any(cut.zone for cut in cuts):
+        return "the zones of the cuts are not stated"
+    if named & {"level_ahead", "start_side"} and cuts.start_side is None:
+        return "the side that cutting starts from is not stated"
+    if "pause_ms" in named and len(cuts) and not any(cut.end_s for cut in cuts):
+        return "the times of the cuts are not stated"
+    return None
+
+
+def measured_data(nest: Nest, cuts: CutSequence, limits: Limits, text: str) -> Fields:
+    """Every field of `facts.mzn`, and of the cuts what `judged.mzn` reads; what the text does not name is empty."""
+    n, contours, named = len(nest.contours), nest.contours, _words(text)
+    number = {part.id: k for k, part in enumerate(nest.parts, 1)}
+    parent = _parents(nest, cuts)
+    at, sheet = cuts.positions(), nest.sheet.polygon
+    own = [cuts[at[c.id] - 1] if c.id in at else None for c in contours]
+    known = measured(nest, cuts, limits.long_ratio, limits.web_mm)
+    fields: Fields = [
+        ("n_contours", str(n)),
+        ("contour_id", _texts(c.id for c in contours)),
+        ("part", numbers(number[c.part] for c in contours)),
+        ("kind", numbers(KINDS.index(c.kind) + 1 for c in contours)),
+        ("parent", numbers(parent[k] + 1 for k in range(n))),
+        ("zone", numbers(max(1, known.zones.get(c.id, _zone_of_part(nest, known.zones, c.part))) for c in contours)),
+        ("long", flags(is_long(known) if "long" in named else [False] * n)),
+        ("start_side", str(SIDES.index(cuts.start_side or "left") + 1)),
+        ("contains", _relation(_inside(parent), n)),
+        *(
+            (fact, _relation(_pairs(nest, cuts, fact) if fact in named else (), n))
+            for fact in ("level_ahead", "in_hull")
+        ),
+        ("edge_gap", _table([edge_gaps_mm(nest, side) for side in SIDES], n)),
+        *_all_round(nest, limits, named),
+        *_sides(nest, limits),
+        ("n_candidates", str(n)),
+        ("cand_contour", numbers(range(1, n + 1))),
+        ("cand_x", _lengths(0.0 if c is None else c.pierce[0] for c in own)),
+        ("cand_y", _lengths(0.0 if c is None else c.pierce[1] for c in own)),
+        ("cand_end_x", _lengths(0.0 if c is None else c.end[0] for c in own)),
+        ("cand_end_y", _lengths(0.0 if c is None else c.end[1] for c in own)),
+        ("cand_ccw", flags(c is not None and c.direction == "ccw" for c in own)),
+        ("cand_cut_length", _lengths(_torch_on_mm(nest, c) for c in own)),
+        ("cand_edge_start", flags(c is not None and not sheet.covers(shapely.Point(c.pierce)) for c in own)),
+    ]
+    for name, last, share in (("head", False, limits.head_share), ("tail", True, limits.tail_share)):
+        wanted = any(word.startswith(f"{name}_") or word == f"n_{name}" for word in named)
+        faced = faced_by_cuts(nest, cuts, share, limits.web_mm, limits.edge_band_mm, last=last) if wanted else {}
+        fields += _stretch(name, faced, n)
+    return fields
+
+
+def order_data(nest: Nest, cuts: CutSequence) -> Fields:
+    """When each contour is cut."""
+    at = cuts.positions()
+    own = [cuts[at[c.id] - 1] for c in nest.contours]
+    return [
+        ("position", numbers(at[c.id] for c in nest.contours)),
+        ("begin_ms", numbers(round(c.start_s * 1000) for c in own)),
+        ("end_ms", numbers(round(c.end_s * 1000) for c in own)),
+    ]
+
+
+def _words(text: str) -> set[str]:
+    return set(re.findall(r"[A-Za-z_]\w*", text))
+
+
+def _parents(nest: Nest, cuts: CutSequence) -> list[int]:
+    """The contour immediately around each, -1 for none."""
+    found = [-1] * len(nest.contours)
+    for inner, outer in _pairs(nest, cuts, "parent"):
+        found[inner] = outer
+    return found
+
+
+def _pairs(nest: Nest, cuts: CutSequence, fact: str) -> list[tuple[int, int]]:
+    """Pairs of contours of a fact, as the rule that judges by it measures them."""
+    return [
+        (nest.index[a], nest.index[b])
+        for rule in RULES.values()
+        if rule.pairs_are == fact
+        for a, b in rule.pairs(nest, cuts, rule.Options())
+    ]
+
+
+def _inside(parent: Sequence[int]) -> list[tuple[int, int]]:
+    """Each contour with every one that it lies in: (outer, inner)."""
+    found = []
+    for k, around in enumerate(parent):
+        while around >= 0:
+            found.append((around, k))
+            around = parent[around]
+    return found
+
+
+def _zone_of_part(nest: Nest, zones: Mapping[str, int], part: str) -> int:
+    return max((zones.get(c.id, 0) for c in nest.part_of[part]), default=0) if part in nest.part_of else 0
+
+
+def _all_round(nest: Nest, limits: Limits, named: set[str]) -> Fields:
+    n = len(nest.contours)
+    wanted = named & {"edge_length", "solid_length", "n_facing", "FACING", "facing_from", "facing_to", "facing_length"}
+    faced = faced_all_round(nest, limits.web_mm, limits.edge_band_mm) if wanted else {}
+    rows = [(i, j, mm) for i, own in sorted(faced.items()) for j, mm in sorted(own.contours_mm.items())]
+    lines = [c.line for c in nest.contours]
+    nearest = _nearest_sides(nest)
+    edges = [[faced[k].edge_mm if k in faced and nearest[k] == s else 0.0 for k in range(n)] for s in range(len(SIDES))]
+    return [
+        ("edge_length", _table(edges, n)),
+        ("solid_length", _lengths(faced[k].solid_mm if k in faced else 0.0 for k in range(n))),
+        ("n_facing", str(len(rows))),
+        ("facing_from", numbers(i + 1 for i, _, _ in rows)),
+        ("facing_to", numbers(j + 1 for _, j, _ in rows)),
+        ("facing_length", _lengths(mm for _, _, mm in rows)),
+        ("facing_gap", _lengths(shapely.distance(lines[i], lines[j]) for i, j, _ in rows)),
+    ]
+
+
+def _nearest_sides(nest: Nest) -> list[int]:
+    gaps = [edge_gaps_mm(nest, side) for side in SIDES]
+    return [min(range(len(SIDES)), key=lambda s: gaps[s][k]) for k in range(len(nest.contours))]
+
+
+def _sides(nest: Nest, limits: Limits) -> Fields:
+    x0, y0, x1, y1 = nest.sheet.bounds
+    extent = (x1 - x0, x1 - x0, y1 - y0, y1 - y0)
+    depth = [min([*edge_gaps_mm(nest, side), extent[s]]) for s, side in enumerate(SIDES)]
+    far = x1 - x0 + y1 - y0
+    a, b, c, d, mx, my = x0 - far, y0 - far, x1 + far, y1 + far, (x0 + x1) / 2, (y0 + y1) / 2
+    halves = ((a, b, mx, d), (mx, b, c, d), (a, b, c, my), (a, my, c, d))
+    lines = [contour.line for contour in nest.contours if contour.kind != "mark"]
+    outers = [part.outer.polygon for part in nest.parts]
+    middle = sorted(o.area for o in outers)[(len(outers) - 1) // 2] if outers else 0.0
+    small = [o.centroid for o in outers if o.area <= middle * (1 + 1e-9)]
+    return [
+        ("offcut_depth", _lengths(depth)),
+        ("offcut_large", flags(depth[s] > (limits.offcut_share + 1e-9) * extent[s] for s in range(len(SIDES)))),
+        ("heat_length", _lengths(float(shapely.length(shapely.clip_by_rect(lines, *h)).sum()) for h in halves)),
+        ("heat_parts", numbers(sum(bool(shapely.box(*h).contains(p)) for p in small) for h in halves)),
+    ]
+
+
+def _torch_on_mm(nest: Nest, cut: Any) -> float:
+    if cut is None:
+        return 0.0
+    leads = (cut.lead_in, cut.lead_out)
+    return float(nest.contour(cut.contour).curve.length_mm + sum(lead.length_mm for lead in leads if lead is not None))
+
+
+def _stretch(name: str, faced: Mapping[int, Faced], n: int) -> Fields:
+    rows = [(i, j, mm) for i, own in sorted(faced.items()) for j, mm in sorted(own.contours_mm.items())]
+    return [
+        (f"{name}_length", _lengths(faced[k].total_mm if k in faced else 0.0 for k in range(n))),
+        (f"{name}_edge", _lengths(faced[k].edge_mm if k in faced else 0.0 for k in range(n))),
+        (f"{name}_solid", _lengths(faced[k].solid_mm if k in faced else 0.0 for k in range(n))),
+        (f"n_{name}", str(len(rows))),
+        (f"{name}_cand", numbers(i + 1 for i, _, _ in rows)),
+        (f"{name}_contour", numbers(j + 1 for _, j, _ in rows)),
+        (f"{name}_facing", _lengths(mm for _, _, mm in rows)),
+    ]
+
+
+def _lengths(values_mm: Iterable[float]) -> str:
+    return numbers(round(v * PER_MM) if math.isfinite(v) else 0 for v in values_mm)
+
+
+def _texts(values: Iterable[str]) -> str:
+    return f"[{', '.join(json.dumps(v, ensure_ascii=False) for v in values)}]"
+
+
+def _relation(pairs: Iterable[tuple[int, int]], n: int) -> str:
+    holds = set(pairs)
+    return f"array2d(1..{n}, 1..{n}, [{', '.join(flag((i, j) in holds) for i in range(n) for j in range(n))}])"
+
+
+def _table(columns_mm: Sequence[Sequence[float]], n: int) -> str:
+    cells = [str(round(column[k] * PER_MM)) for k in range(n) for column in columns_mm]
+    return f"array2d(1..{n}, 1..{len(columns_mm)}, [{', '.join(cells)}])"

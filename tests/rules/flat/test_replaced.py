@@ -1,0 +1,124 @@
+"""Shipped rule files reversed, weakened and strengthened in a plant's folder: plans follow, and the check judges by them.
+
+Two judges look at each pair of plans: the shipped rule's own `violations()`, which knows nothing of the plant's file,
+and the check by that file.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.produce import Produced, produce
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.rules.minizinc.twin import rule_file
+from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.registry import RULES
+
+pytestmark = [pytest.mark.minizinc, pytest.mark.slow]
+
+HOLED = part("A", rect(20, 20, 100, 100), [rect(40, 40, 20, 20), rect(80, 80, 20, 20)])
+ROW = nest(460, 140, HOLED, part("B", rect(180, 20, 100, 100)), part("C", rect(340, 20, 100, 100)))
+HOOK = [(20, 20), (220, 20), (220, 60), (60, 60), (60, 140), (220, 140), (220, 180), (20, 180), (20, 20)]
+MOUTH = nest(420, 200, part("U", HOOK), part("V", rect(120, 85, 60, 30)), part("W", rect(300, 40, 100, 100)))
+OFF = (
+    "heat-lag, no-islands, no-narrow-strips, no-tip-travel, part-rigidity, zone-order, level-ahead, hull-before, "
+    "part-contiguous"
+)
+
+
+@dataclass(frozen=True)
+class Change:
+    """A shipped rule's file with `old` written otherwise; which of the two rules is kept by both plans, if any."""
+
+    rule: str
+    old: str
+    new: str
+    how: str
+    nest: Nest = ROW
+    setting: str = "hard"
+
+
+CHANGES = [
+    Change("level-ahead", "before(j, i)", "before(i, j)", "reversed"),
+    Change("level-ahead", "level_ahead[j, i]]", "level_ahead[j, i] /\\ part[j] = 2]", "weakened"),
+    Change(
+        "level-ahead",
+        "level_ahead[j, i]]",
+        "level_ahead[j, i] \\/ (kind[j] = HOLE /\\ kind[i] = OUTER)]",
+        "strengthened",
+    ),
+    Change("hull-before", "before(j, i)", "before(i, j)", "reversed", MOUTH),
+    Change("hull-before", "in_hull[j, i]]", "in_hull[j, i] /\\ false]", "weakened", MOUTH),
+    Change("zone-order", "before(i, j)", "before(j, i)", "reversed", ROW, "{zone_contours: 1}"),
+    Change("zone-order", "[before(i, j)", "[picked(1) \\/ before(i, j)", "weakened", ROW, "{zone_contours: 1}"),
+    Change("part-contiguous", "before(i, outer) |", "true |", "weakened"),
+    Change("part-contiguous", "[before(i, outer) |", "[before(i, outer) /\\ position[outer] >= 5 |", "strengthened"),
+]
+
+
+def profile_of(folder: Path, change: Change, plants: bool) -> Profile:
+    """A profile with one order rule on; of the plant's file, if wanted."""
+    off = ", ".join(f"{name}: off" for name in OFF.split(", ") if name != change.rule)
+    models = ""
+    if plants:
+        shipped = rule_file(change.rule).read_text(encoding="utf-8")
+        assert shipped.count(change.old) == 1
+        (folder / "plant").mkdir()
+        written = shipped.replace(change.old, change.new)
+        (folder / "plant" / rule_file(change.rule).name).write_text(written, encoding="utf-8")
+        models = "models: plant/*.mzn\n"
+    path = folder / f"{'own' if plants else 'shipped'}.yaml"
+    path.write_text(f"{models}rules: {{{off}, {change.rule}: {change.setting}}}\n", encoding="utf-8")
+    return load_profile(path)
+
+
+def planned(change: Change, profile: Profile) -> Produced:
+    made = produce(ask(facts_of(change.nest, profile), profile), profile, SolveOptions(work=10.0))
+    assert made.plan.solve.status == "optimal"
+    return made
+
+
+def cuts_of(made: Produced) -> CutSequence:
+    plan = made.plan
+    return CutSequence(tuple(planned.cut for planned in plan.cuts), plan.start_side)
+
+
+@pytest.mark.parametrize("change", CHANGES, ids=lambda c: f"{c.rule} {c.how}")
+def test_the_plants_file_is_obeyed_and_judged_by(tmp_path: Path, change: Change) -> None:
+    own, shipped = profile_of(tmp_path, change, True), profile_of(tmp_path, change, False)
+    of_own, of_shipped = planned(change, own), planned(change, shipped)
+    (judged,) = (j for j in of_own.verdict.rules if j.id == change.rule)
+    assert judged.verdict == "holds"
+    options = own.settings()[change.rule].options
+    by_shipped = RULES[change.rule].violations(change.nest, cuts_of(of_own), shipped.settings()[change.rule].options)
+    by_own = own.rulebook()[change.rule].violations(change.nest, cuts_of(of_shipped), options)
+    cost, before = of_own.plan.solve.objective, of_shipped.plan.solve.objective
+    if change.how == "reversed":
+        assert by_shipped != []
+        assert by_own != []
+    elif change.how == "weakened":
+        assert by_own == []
+        assert cost <= before
+        assert (by_shipped != []) == (cost < before)
+    else:
+        assert by_shipped == []
+        assert cost >= before
+        assert (by_own != []) == (cost > before)
+    assert all(f"({rule_file(change.rule).name}:" in violation.text for violation in by_own)
+
+
+@cache
+def names() -> frozenset[str]:
+    return frozenset(change.how for change in CHANGES)
+
+
+def test_every_kind_of_change_is_tried() -> None:
+    assert names() == {"reversed", "weakened", "strengthened"}
