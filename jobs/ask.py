@@ -11,6 +11,7 @@ from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.facts.remaining import loose_in, remaining
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.still_going import long_job, so_much
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.postproc.clock.contour_heat import contour_heat_kj
 from kerfwise.rules.flat.compiler import minizinc_program
@@ -37,6 +38,11 @@ class Asked:
     stated: Stated
 
 
+def _measuring(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) -> str:
+    return f"measuring {nest.file or 'the nest'}"
+
+
+@long_job(_measuring)
 def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) -> Facts:
     """All facts of the nest, as the profile has it cut, under the profile's thresholds.
 
@@ -52,6 +58,7 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) ->
     """
     if profile.model_rules():
         minizinc_program()
+    so_much(len(nest.contours), "contour", "contours")
     nest = profile.as_cut(nest)
     check_locks(profile.locks, nest)
     loose = loose_in(nest, already.contours)

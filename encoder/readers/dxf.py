@@ -15,6 +15,7 @@ from ezdxf.lldxf.const import DXFError
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Note
+from kerfwise.encoder.still_going import so_much
 
 from .copies import check_copies
 from .drawing import Drawing, Piece
@@ -52,6 +53,7 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions) -> Drawing:
     pieces, unread = [], Unread()
     try:
         _check_blocks(document)
+        so_much(len(document.modelspace()), "entity", "entities")
         for order, (entity, layer) in enumerate(entities(document.modelspace(), hidden, unread)):
             drawn = _curve(entity, layer, MM_PER[units])
             if drawn is None:

@@ -10,6 +10,7 @@ from typing import Any
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Kind, Nest, Note, Part, Sheet
+from kerfwise.encoder.still_going import so_much
 from kerfwise.encoder.strict_json import strict_json
 
 from .json_place import places
@@ -30,6 +31,8 @@ def read_json(data: bytes, options: ReadOptions) -> Nest:
         When it is not JSON, not of this format, or a number in it cannot be a coordinate.
     """
     text, document = _parsed(data)
+    if isinstance(document, dict) and isinstance(parts := document.get("parts"), list):
+        so_much(len(parts), "part", "parts")
     check_schema(document, text)
     units = options.units or document.get("units", "mm")
     scale = MM_PER[units]

@@ -11,6 +11,7 @@ from pathlib import Path
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.shown import shown
+from kerfwise.encoder.still_going import told_if_long
 from kerfwise.encoder.validate import validated
 
 from .mend import mended
@@ -69,6 +70,11 @@ def read_nest(path: str | Path, options: ReadOptions = ReadOptions()) -> Nest:  
     suffix = file.suffix.lower()
     if suffix not in SUFFIXES:
         raise InputError(f"cannot tell the format of '{file.name}': expected {', '.join(SUFFIXES)}", file=file)
+    with told_if_long(f"reading {file.name}"):
+        return _read(file, suffix, options)
+
+
+def _read(file: Path, suffix: str, options: ReadOptions) -> Nest:
     data = _bytes(file)
     try:
         nest = _nest(file, suffix, data, options)

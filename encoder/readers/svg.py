@@ -12,6 +12,7 @@ import svgelements
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Note
+from kerfwise.encoder.still_going import so_much
 
 from .drawing import Drawing, Piece
 from .foreign import FOREIGN_ERRORS
@@ -54,6 +55,7 @@ def read_svg(data: bytes, options: ReadOptions) -> Drawing:
     try:
         page = page_of(svg, options)
         shown = list(_shown(svg, (), ()))
+        so_much(len(shown), "shape", "shapes")
         drawn = [
             (c, s) for s in shown if isinstance(s.element, svgelements.Shape) for c in curves(s.element, page.to_mm)
         ]

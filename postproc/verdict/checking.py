@@ -9,6 +9,7 @@ from dataclasses import replace
 from kerfwise.encoder.cut import HotSpot
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.still_going import long_job, so_much
 from kerfwise.models.plan.plan import Plan, RuleReport
 from kerfwise.postproc.check import CheckResult, Claims, Heating, Relaxed, Thermometer, check_cuts
 from kerfwise.postproc.check import check_program as check_nc
@@ -17,11 +18,22 @@ from kerfwise.rules.profile.profile import Profile
 __all__ = ["check_plan", "check_program", "judge", "report_of", "thermometer_of"]
 
 
+def _of_plan(nest: Nest, plan: Plan, profile: Profile) -> str:
+    return f"checking the plan of {nest.file or 'the nest'}"
+
+
+def _of_program(nest: Nest, nc_text: str, profile: Profile, file: str = "") -> str:
+    program = file or f"the program of {nest.file or 'the nest'}"
+    return f"checking {program}"
+
+
+@long_job(_of_plan)
 def check_plan(nest: Nest, plan: Plan, profile: Profile) -> CheckResult:
     """Judge a plan by geometry and the profile alone, and what it states of itself.
 
     A plan whose `rules` are empty claims nothing about them; see `report_of` to fill them in.
     """
+    so_much(len(plan.cuts), "cut", "cuts")
     claims = Claims(
         plan.totals.cut_mm,
         plan.totals.idle_mm,
@@ -37,6 +49,7 @@ def check_plan(nest: Nest, plan: Plan, profile: Profile) -> CheckResult:
     return check_cuts(nest, plan.sequence(profile.home_on(nest)), profile, claims, relaxed, thermometer)
 
 
+@long_job(_of_program)
 def check_program(nest: Nest, nc_text: str, profile: Profile, file: str = "") -> CheckResult:
     """Judge an NC program by geometry, the profile and, where a rule asks for it, temperatures.
 
@@ -45,6 +58,7 @@ def check_program(nest: Nest, nc_text: str, profile: Profile, file: str = "") ->
     InputError
         With the line, for a program that is malformed or says something the reader does not understand.
     """
+    so_much(nc_text.count("\n"), "line", "lines")
     return check_nc(nest, nc_text, profile, file, thermometer_of(nest, profile))
 
 
