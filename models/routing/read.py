@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import zlib
+from collections.abc import Iterator, Sequence
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -18,8 +19,10 @@ KINDS = (".pcglns", ".sop")
 HEADS = ("EDGE_WEIGHT_SECTION", "GTSP_SET_SECTION", "GTSP_SET_ORDERING", "START_GROUP_SECTION", "EOF")
 
 
-MOST_BYTES = 256_000_000
-"""A full matrix of some eight thousand vertices; what is larger could not be planned in any case."""
+MOST_BYTES = 64_000_000
+"""A full matrix of some four thousand vertices; what is larger could not be planned in any case."""
+WORDS_AT_ONCE = 1 << 20
+"""Characters of a section that are split into words in one go, which takes twenty times their memory."""
 
 
 class _Fault(Exception):
@@ -97,15 +100,42 @@ def _matrix(sections: dict[str, list[str]]) -> Ints:
     size = int(sizes[0])
     if "EDGE_WEIGHT_SECTION" not in sections:
         raise _Fault("section EDGE_WEIGHT_SECTION is missing")
-    try:
-        weights = np.array(" ".join(sections["EDGE_WEIGHT_SECTION"]).split(), dtype=np.int64)
-    except (ValueError, OverflowError) as error:
-        raise _Fault(f"section EDGE_WEIGHT_SECTION: whole numbers were expected: {error}") from None
-    if len(weights) == size * size + 1 and weights[0] == size:
-        weights = weights[1:]
-    if len(weights) != size * size:
-        raise _Fault(f"section EDGE_WEIGHT_SECTION: {size} × {size} weights were expected, {len(weights)} are there")
+    weights, so_many = _numbers(sections["EDGE_WEIGHT_SECTION"], size * size + 1)
+    if so_many == size * size + 1 and weights[0] == size:
+        weights, so_many = weights[1:], size * size
+    if so_many != size * size:
+        raise _Fault(f"section EDGE_WEIGHT_SECTION: {size} × {size} weights were expected, {so_many} are there")
     return weights.reshape(size, size)
+
+
+def _numbers(lines: Sequence[str], most: int) -> tuple[Ints, int]:
+    """The whole numbers in lines of text, and how many there are; of more than `most` no more are kept."""
+    kept: list[Ints] = []
+    so_many = 0
+    for words in _words(lines):
+        if so_many > most:
+            so_many += len(words)
+            continue
+        try:
+            kept.append(np.array(words, dtype=np.int64))
+        except (ValueError, OverflowError) as error:
+            raise _Fault(f"section EDGE_WEIGHT_SECTION: whole numbers were expected: {error}") from None
+        so_many += len(words)
+    return np.concatenate([np.zeros(0, np.int64), *kept])[:most], so_many
+
+
+def _words(lines: Sequence[str]) -> Iterator[list[str]]:
+    """The words in lines of text, some at a time."""
+    waiting = ""
+    for line in lines:
+        for begin in range(0, len(line), WORDS_AT_ONCE):
+            waiting += line[begin : begin + WORDS_AT_ONCE]
+            if len(waiting) >= WORDS_AT_ONCE:
+                end = max(waiting.rfind(space) for space in " \t\n") + 1
+                yield waiting[:end].split()
+                waiting = waiting[end:]
+        waiting += "\n"
+    yield waiting.split()
 
 
 def _sequential(name: str, sections: dict[str, list[str]]) -> Instance:

@@ -14,7 +14,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.models.engines.names import Engine, member_of
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.evaluate import route_cost
-from kerfwise.models.routing import Instance, judge_tour, read_instance, solve_instance
+from kerfwise.models.routing import Instance, judge_tour, read, read_instance, solve_instance
 
 EXAMPLES = Path(kerfwise.__file__).parent / "examples" / "routing"
 
@@ -172,3 +172,15 @@ def test_a_small_file_that_unpacks_to_a_huge_one_is_refused(tmp_path: Path, monk
     bomb.write_bytes(gzip.compress(b"0 " * 600_000))
     with pytest.raises(InputError, match=r"bomb\.sop\.gz: holds over 1 MB of text"):
         read_instance(bomb)
+
+
+def test_a_matrix_is_split_into_words_a_little_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """240 MB of ones in a gzip of half a megabyte took 2.7 GB of memory."""
+    lines = ["12 345", "6 7890123", "", " 4\t5 ", "99999999"]
+    for at_once in range(1, 30):
+        monkeypatch.setattr(read, "WORDS_AT_ONCE", at_once)
+        split = [words for words in read._words(lines) if words]
+        assert [word for words in split for word in words] == " ".join(lines).split()
+        assert max(len(words) for words in split) <= at_once + 8
+        numbers, so_many = read._numbers(lines, 3)
+        assert (numbers.tolist(), so_many) == ([12, 345, 6], 7)
