@@ -91,11 +91,11 @@ class Grower:
         slots = np.empty(1 << (SLOTS_PER_CHILD * count).bit_length(), dtype=np.int32)
         masks, ready = np.empty((count, words), dtype=np.uint64), np.empty((count, words), dtype=np.uint64)
         rest = np.empty((count, layer.rest.shape[1]))
-        pending, left = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
-        hashes, set_of = np.empty(count, dtype=np.uint64), np.empty(count, dtype=np.int32)
+        hashes, pending = np.empty(count, dtype=np.uint64), np.empty(count, dtype=np.int32)
+        set_of = np.empty(count, dtype=np.int32)
         sets = gather(
-            self._tables, self._bound.price, layer.masks, layer.ready, layer.rest, layer.pending, layer.pending_left,
-            layer.hashes, children.site, children.source, slots, masks, ready, rest, pending, left, hashes, set_of,
+            self._tables, self._bound.price, layer.masks, layer.ready, layer.rest, layer.hashes,
+            children.site, children.source, slots, masks, ready, rest, pending, hashes, set_of,
         )  # fmt: skip
         order = np.argsort(set_of, kind="stable")
         grown = Layer(
@@ -104,7 +104,6 @@ class Grower:
             ready=ready[:sets],
             rest=rest[:sets],
             pending=pending[:sets],
-            pending_left=left[:sets],
             hashes=hashes[:sets],
             node_from=np.append(0, np.cumsum(np.bincount(set_of, minlength=sets))),
             site=children.site[order],

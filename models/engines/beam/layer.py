@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats, Ints
-from kerfwise.models.problem.bits import Masks, words
+from kerfwise.models.engines.ideals.sets import Sets
+from kerfwise.models.problem.bits import Masks
 
 from .bound import Bound
 from .tables import Shorts, Tables
@@ -20,16 +21,15 @@ class Layer:
     """s sets of `depth` contours in w words, and their states.
 
     `masks`, `ready` (s, w) are the sets and what may be cut next; `rest` (s, b) what each bound says of the contours
-    not in the set; `pending` (s) a contiguous block that is not whole, or -1, and `pending_left` how many it lacks.
-    States of set k are `node_from[k]` … `node_from[k + 1] - 1`: the last site, and the cost so far, µm.
+    not in the set; `pending` (s) a contiguous block that is not whole, or -1. States of set k are `node_from[k]` …
+    `node_from[k + 1] - 1`: the last site, and the cost so far, µm.
     """
 
     depth: int
     masks: Masks
     ready: Masks
     rest: Floats
-    pending: Ints
-    pending_left: Ints
+    pending: Shorts
     hashes: Masks
     node_from: Ints
     site: Shorts
@@ -84,18 +84,14 @@ class Children:
 
 def root(tables: Tables, bound: Bound) -> Layer:
     """Nothing is cut and the torch is at home."""
-    n = len(tables.needs)
-    ready = np.zeros((1, words(n)), dtype=np.uint64)
-    for i in np.flatnonzero(~tables.needs.any(axis=1)).tolist():
-        ready[0, i // 64] |= np.uint64(1 << i % 64)
+    nothing = Sets.empty(tables.orders, 1)
     return Layer(
         depth=0,
-        masks=np.zeros_like(ready),
-        ready=ready,
+        masks=nothing.masks,
+        ready=nothing.ready,
         rest=bound.price.sum(axis=1)[None, :],
-        pending=np.full(1, -1, dtype=np.int64),
-        pending_left=np.zeros(1, dtype=np.int64),
-        hashes=np.zeros(1, dtype=np.uint64),
+        pending=nothing.pending,
+        hashes=nothing.hashes,
         node_from=np.array([0, 1]),
         site=np.array([len(tables.site_contour)], dtype=np.int32),
         value=np.zeros(1, dtype=np.int64),

@@ -38,6 +38,8 @@ PATIENCE = 8
 """Rounds without a better bound after which the steps become shorter."""
 SHORTEST = 0.002
 """Steps below which no more rounds are worth it."""
+WORTH_SHARING = 2e5
+"""Additions at a place from which on other threads are worth waking."""
 INERTIA = 0.4
 """How much of the last direction is in the next (Camerini, Fratta and Maffioli 1975)."""
 
@@ -93,7 +95,7 @@ def complete(
     bound, step, waited, spent = -np.inf, 1.0, 0, 0
     while True:
         spent += 1
-        _look_back(n, (back, lawful, price, first, earliest, latest, near.carried, to_go, least))
+        _look_back(n, cost / max(1, n), (back, lawful, price, first, earliest, latest, near.carried, to_go, least))
         reached = walk_on(back, lawful, price, first, near.carried, to_go, walk) + price.sum()
         if reached > bound or spent == 1:
             bound, best_price, waited = reached, price, 0
@@ -116,8 +118,15 @@ def complete(
     return Completion(best, best_price, near.near, bound, spent * cost / ADDITIONS_PER_S)
 
 
-def _look_back(n: int, tables: tuple[NDArray[Any], ...]) -> None:
-    """The whole sweep, every place by all threads (numba's own would keep the process from forking later)."""
+def _look_back(n: int, additions: float, tables: tuple[NDArray[Any], ...]) -> None:
+    """The whole sweep, every place by all threads (numba's own would keep the process from forking later).
+
+    Where a place takes few `additions`, one thread is done before others have woken.
+    """
+    if additions < WORTH_SHARING:
+        for k in range(n, 0, -1):
+            look_back(k, 0, 1, *tables)
+        return
     with ThreadPoolExecutor(THREADS) as threads:
         for k in range(n, 0, -1):
             parts = [threads.submit(look_back, k, part, THREADS, *tables) for part in range(1, THREADS)]

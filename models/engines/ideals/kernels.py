@@ -193,7 +193,7 @@ def _keep_asked(  # pragma: no cover - compiled
     at, column, size = span
     lives = False
     for d in range(size):
-        total = best[d] + terms.site_cost[column + d] + _asked(terms, mask, i, np.int64(column + d))
+        total = best[d] + terms.site_cost[column + d] + asked(terms, mask, i, np.int64(column + d))
         fits = total + to_go[column + d] <= room
         new_values[at + d] = total if fits else never
         lives = lives or fits
@@ -270,7 +270,7 @@ def crossing(moves: Moves, mask: Masks, row: int, column: int) -> int:  # pragma
 
 
 @kept(nogil=True)
-def _asked(terms: Terms, mask: Masks, i: int, column: np.int64) -> int:  # pragma: no cover - compiled
+def asked(terms: Terms, mask: Masks, i: int, column: np.int64) -> int:  # pragma: no cover - compiled
     """What the conditions make cutting contour i at a site cost when a set is out."""
     cost = 0
     for q in range(terms.cond_of[i], terms.cond_of[i + 1]):

@@ -71,8 +71,8 @@ def grow(orders: Orders, sets: Sets, alive: Ints, entries: int) -> tuple[Sets, T
 
 
 @kept(nogil=True)
-def _open(orders: Orders, ready: Masks, pending: Shorts, k: int, w: int) -> np.uint64:  # pragma: no cover - compiled
-    """Word w of what may be cut next."""
+def ready_word(orders: Orders, ready: Masks, pending: Shorts, k: int, w: int) -> np.uint64:  # pragma: no cover
+    """Word w of what may be cut next, once set k is out."""
     bits = ready[k, w]
     if pending[k] >= 0:
         bits &= orders.block_mask[pending[k], w]
@@ -87,7 +87,7 @@ def _count(  # pragma: no cover - compiled
     for k in alive:
         sites = 0
         for w in range(ready.shape[1]):
-            bits = _open(orders, ready, pending, k, w)
+            bits = ready_word(orders, ready, pending, k, w)
             while bits:
                 low = bits & (~bits + ONE)
                 bits ^= low
@@ -99,7 +99,7 @@ def _count(  # pragma: no cover - compiled
 
 
 @kept(nogil=True)
-def _find(  # pragma: no cover - compiled
+def find_slot(  # pragma: no cover - compiled
     slots: Shorts, key: np.uint64, masks: Masks, hashes: Masks, source: Masks, word: int, bit: np.uint64
 ) -> int:
     """The slot of a set (`source` and one bit more), or the free slot where it belongs; slots hold numbers from 1."""
@@ -123,6 +123,24 @@ def _find(  # pragma: no cover - compiled
 
 
 @kept(nogil=True)
+def cut_one_more(  # pragma: no cover - compiled
+    orders: Orders, mask: Masks, ready: Masks, i: int, new_mask: Masks, new_ready: Masks
+) -> int:
+    """Write the set that cutting contour i leads to, and what may be cut next; the block that is not whole, or -1."""
+    bit = ONE << (np.uint64(i) & LOW)
+    new_mask[:] = mask
+    new_mask[i >> 6] |= bit
+    new_ready[:] = ready
+    new_ready[i >> 6] &= ~bit
+    for e in range(orders.open_from[i], orders.open_from[i + 1]):
+        j = orders.opens[e]
+        if not missing(orders.needs[j], new_mask):
+            new_ready[j >> 6] |= ONE << (np.uint64(j) & LOW)
+    block = orders.block[i]
+    return block if block >= 0 and missing(orders.block_mask[block], new_mask) else -1
+
+
+@kept(nogil=True)
 def _grow(  # pragma: no cover - compiled
     orders: Orders, masks: Masks, ready: Masks, pending: Shorts, hashes: Masks, alive: Ints, entries: int
 ) -> tuple[Masks, Masks, Shorts, Ints, Masks, Tinies, Shorts, Ints]:
@@ -137,28 +155,19 @@ def _grow(  # pragma: no cover - compiled
     for a in range(len(alive)):
         k = alive[a]
         for w in range(words):
-            bits = _open(orders, ready, pending, k, w)
+            bits = ready_word(orders, ready, pending, k, w)
             while bits:
                 bit = bits & (~bits + ONE)
                 bits ^= bit
                 i = w * 64 + place(bit)
                 key = hashes[k] ^ orders.noise[i]
-                slot = _find(slots, key, new_masks, new_hashes, masks[k], w, bit)
+                slot = find_slot(slots, key, new_masks, new_hashes, masks[k], w, bit)
                 if slots[slot] == 0:
                     slots[slot] = count + 1
                     new_hashes[count] = key
-                    new_masks[count] = masks[k]
-                    new_masks[count, w] |= bit
-                    new_ready[count] = ready[k]
-                    new_ready[count, w] &= ~bit
-                    for e in range(orders.open_from[i], orders.open_from[i + 1]):
-                        j = orders.opens[e]
-                        if not missing(orders.needs[j], new_masks[count]):
-                            new_ready[count, j >> 6] |= ONE << (np.uint64(j) & LOW)
-                    block = orders.block[i]
-                    if block >= 0 and not missing(orders.block_mask[block], new_masks[count]):
-                        block = -1
-                    new_pending[count] = block
+                    new_pending[count] = cut_one_more(
+                        orders, masks[k], ready[k], i, new_masks[count], new_ready[count]
+                    )
                     width[count] = 0
                     count += 1
                     known = count - 1

@@ -154,7 +154,7 @@ def test_sets_of_the_same_hash_are_told_apart(monkeypatch: pytest.MonkeyPatch) -
 
     def without_noise(given: Problem, travel: Ints) -> Tables:
         tables = make_tables(given, travel)
-        return tables._replace(noise=np.zeros_like(tables.noise))
+        return tables._replace(orders=tables.orders._replace(noise=np.zeros_like(tables.orders.noise)))
 
     monkeypatch.setattr(widening, "make_tables", without_noise)
     assert beam(plain) == right
