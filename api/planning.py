@@ -19,8 +19,9 @@ from kerfwise.jobs.stopped import already_cut
 from kerfwise.jobs.trade_off import Offer
 from kerfwise.jobs.trade_off import trade_off as made_trade_off
 from kerfwise.models.engines.baselines import STRATEGIES, Strategy
+from kerfwise.models.engines.budget import Budget
 from kerfwise.models.engines.names import OLD_NAMES, Engine
-from kerfwise.models.plan.conflict import Conflict, NotAnswered, Purse, find_conflict
+from kerfwise.models.plan.conflict import Conflict, NotAnswered, find_conflict
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.profile.profile import DEFAULT
@@ -186,7 +187,7 @@ def conflict(
     limits = options_for(given.nest, given.profile, work=work, time_s=time_s)
     known = facts_of(given.nest, given.profile)
     try:
-        return find_conflict(known, given.profile, Purse.of(limits))
+        return find_conflict(known, given.profile, Budget.of(limits))
     except NotAnswered:
         raise KerfwiseError(f"{NOT_SHOWN}: give more time_s or work") from None
 

@@ -96,11 +96,12 @@ def ask(
     """
     loose = loose_orders(facts)
     if relax:
-        from kerfwise.models.plan.conflict import Purse, state_relaxed
+        from kerfwise.models.engines.budget import Budget
+        from kerfwise.models.plan.conflict import state_relaxed
         from kerfwise.models.plan.plan import RELAXED
 
-        purse = None if limits is None else Purse.of(replace(limits, time_s=limits.time_s and RELAX * limits.time_s))
-        stated = state_relaxed(facts, profile, purse=purse)
+        budget = None if limits is None else Budget.of(replace(limits, time_s=limits.time_s and RELAX * limits.time_s))
+        stated = state_relaxed(facts, profile, budget=budget)
         left_out = (DroppedStatement(order, f"{RELAXED}{order.about.sentence}") for order in loose)
         return Asked(facts, replace(stated, dropped=(*stated.dropped, *left_out)))
     if loose:

@@ -102,10 +102,11 @@ def plan_nest(
         with listener:
             made = produce(asked, profile, left, listener, engine, solver, strategy)
     except RulesConflict as error:
-        from kerfwise.models.plan.conflict import NotAnswered, Purse, find_conflict
+        from kerfwise.models.engines.budget import Budget
+        from kerfwise.models.plan.conflict import NotAnswered, find_conflict
 
         try:
-            conflict = None if listener.interrupted else find_conflict(facts, profile, Purse.of(limits))
+            conflict = None if listener.interrupted else find_conflict(facts, profile, Budget.of(limits))
         except NotAnswered:
             raise NoPlan(error, facts, profile, within_limit=False) from error
         raise NoPlan(error, facts, profile, conflict) from error

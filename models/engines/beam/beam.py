@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from kerfwise.models.engines.budget import Budget
 from kerfwise.models.engines.solution import Incumbent, Progress
 from kerfwise.models.problem.bits import words
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 
-from .budget import Budget, Empty
-from .widening import Widening
+from .widening import OPERATIONS_PER_S, Empty, Widening
 
 FIRST_WIDTH = 16
 MOST_BYTES = 1_500_000_000
@@ -51,7 +51,7 @@ def beam(
     incumbent
         A lawful route: states that cannot lead to a cheaper one are left out.
     work
-        Deterministic limit, in seconds or so of the machine that `budget.OPERATIONS_PER_S` was measured on.
+        Deterministic limit, in seconds or so of the machine that `widening.OPERATIONS_PER_S` was measured on.
     time_s
         Wall-clock limit, s; whichever of the two is reached first counts.
     progress
@@ -59,10 +59,10 @@ def beam(
     first_width, last_width
         States a layer to begin with, and at the most; without the latter, as many as fit in `MOST_BYTES`.
     """
-    budget = Budget(work, time_s, progress)
+    budget = Budget(work, time_s, OPERATIONS_PER_S)
     if problem.n == 0:
         return BeamResult(Incumbent((), route_cost(problem, ())), route_cost(problem, ()), True)
-    widening = Widening(problem, incumbent, budget)
+    widening = Widening(problem, incumbent, budget, progress)
     interrupted = False
     try:
         widening.run(first_width, most_states(problem) if last_width is None else last_width)

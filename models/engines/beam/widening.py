@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.engines.budget import Budget
+from kerfwise.models.engines.solution import Incumbent, Progress
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 
 from .bound import Bound, least_in_and_out
-from .budget import Budget
 from .grower import Grower, Spent
 from .history import History
 from .layer import root
@@ -20,6 +21,7 @@ from .reversed_problem import can_reverse, reversed_problem
 from .tables import make_tables, travel_table
 from .walks import MOST_ROUNDS, priced_walks, walk_operations
 
+OPERATIONS_PER_S = 3e8
 WORTH_A_RUN = 1.3
 """A run that can only be so much wider than the last is not begun."""
 WORTH_PRICING = 128
@@ -30,6 +32,10 @@ SCOUTING = 0.25
 """Share of the work after which only the end of the better bound is gone on with."""
 ROUNDING = 1e-3
 """Bounds are sums of doubles, costs whole: what is under the next whole number by less is taken for it."""
+
+
+class Empty(Exception):
+    """A limit is reached."""
 
 
 class _End:
@@ -43,12 +49,12 @@ class _End:
         self.priced = False
         self.reached = -math.inf  # bound that its last run has proven
 
-    def price(self, target: int, budget: Budget) -> None:
-        """Better bounds, aiming at the cost of a plan."""
+    def price(self, target: int, operations: float, pay: Callable[[int], None]) -> None:
+        """Better bounds, aiming at the cost of a plan, for no more than so many operations."""
         self.priced = True
-        rounds = int(budget.left(PRICING) / walk_operations(self.problem, self.travel))
+        rounds = int(operations / walk_operations(self.problem, self.travel))
         if rounds >= MOST_ROUNDS // 10:
-            better = priced_walks(self.problem, self.travel, self.bound, target, rounds, budget.pay)
+            better = priced_walks(self.problem, self.travel, self.bound, target, rounds, pay)
             self.bound = Bound(
                 np.concatenate([self.bound.to_go, better.to_go]), np.concatenate([self.bound.price, better.price])
             )
@@ -57,8 +63,10 @@ class _End:
 class Widening:
     """One run after another, each twice as wide as the last."""
 
-    def __init__(self, problem: Problem, incumbent: Incumbent | None, budget: Budget) -> None:
-        self._problem, self._budget = problem, budget
+    def __init__(
+        self, problem: Problem, incumbent: Incumbent | None, budget: Budget, progress: Progress | None
+    ) -> None:
+        self._problem, self._budget, self._progress = problem, budget, progress
         self._ends = [_End(problem, False)]
         if can_reverse(problem):
             self._ends.append(_End(reversed_problem(problem), True))
@@ -74,7 +82,8 @@ class Widening:
                 width, before = min(width, most), self._budget.mark()
                 for end in self._ends:
                     if width >= WORTH_PRICING and self.incumbent is not None and not end.priced:
-                        end.price(self.incumbent.cost, self._budget)
+                        share = PRICING * max(0.0, 1.0 - self._budget.share_spent)
+                        end.price(self.incumbent.cost, share * self._budget.operations, self._pay)
                         before = self._budget.mark()
                     self._one(end, width, threads)
                     if self.proven:
@@ -97,7 +106,7 @@ class Widening:
             paid = spent.operations
             layer, parent = grower.grow(layer, limit, spent)
             history.note(parent, layer.site)
-            self._budget.pay(spent.operations - paid, self.incumbent, self.bound)
+            self._pay(spent.operations - paid, self.incumbent, self.bound)
         if len(layer.site):
             total = layer.value + end.bound.to_go[0, n, layer.site]
             best = int(np.argmin(total))
@@ -107,6 +116,14 @@ class Widening:
                 assert self.incumbent.cost == route_cost(self._problem, self.incumbent.route)
         end.reached = spent.dropped
         self._learn(spent.dropped)
+
+    def _pay(self, operations: int, incumbent: Incumbent | None = None, bound: int | None = None) -> None:
+        """Count, tell the listener, and raise `Empty` at a limit."""
+        self._budget.spend(operations)
+        cost = None if incumbent is None else incumbent.cost
+        heard = self._progress is None or self._progress("beam", cost, bound)
+        if not heard or self._budget.share_spent >= 1.0:
+            raise Empty
 
     def _learn(self, dropped: float) -> None:
         """`dropped` bounds every route that the run could have missed."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from kerfwise.models.engines.budget import Budget
+
 from .count import ADDITIONS_PER_S, BYTES_AN_ENTRY, MOST_BYTES, price
 from .sets import Growth
 
@@ -19,22 +21,17 @@ class TooLarge(Exception):
 
 
 @dataclass(slots=True)
-class Budget:
-    """What may still be spent; `bytes` are those that are free."""
+class SweepBudget:
+    """What sweeps may spend: `work` in additions, and of the memory the `bytes` that are free."""
 
-    additions: float
+    work: Budget
     bytes: float
     go: Callable[[], bool]
 
     @staticmethod
-    def of(work: float, go: Callable[[], bool]) -> Budget:
+    def of(work: float, go: Callable[[], bool]) -> SweepBudget:
         """So many deterministic seconds, as long as `go` says so."""
-        return Budget(work * ADDITIONS_PER_S, MOST_BYTES, go)
-
-    @property
-    def seconds(self) -> float:
-        """What is left of the work."""
-        return self.additions / ADDITIONS_PER_S
+        return SweepBudget(Budget(work, per_s=ADDITIONS_PER_S), MOST_BYTES, go)
 
     def expect(self, ahead: Growth, sets: int, words: int, width: int) -> None:
         """Pay for the layer after one of so many sets before it is made; values are `width` bytes wide.
@@ -44,11 +41,11 @@ class Budget:
         TooLarge
             If it is more than is left of either, or it is time to stop.
         """
-        self.additions -= price(ahead.additions, ahead.entries, ahead.states)
+        self.work.spend(price(ahead.additions, ahead.entries, ahead.states))
         new_sets = min(ahead.entries, NEW_SETS_PER_SET * sets)
         taken = ahead.entries * (BYTES_A_NEW_ENTRY + BYTES_AN_ENTRY) + ahead.states * width
         taken += new_sets * (BYTES_A_NEW_SET + 16 * (words - 1))
-        if self.additions < 0 or taken > self.bytes or not self.go():
+        if self.work.left < 0 or taken > self.bytes or not self.go():
             raise TooLarge
 
     def keep(self, entries: int, states: int, width: int) -> None:

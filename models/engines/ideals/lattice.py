@@ -14,7 +14,7 @@ import numpy as np
 from kerfwise.arrays import Ints
 from kerfwise.models.problem.bits import masks_of
 
-from .budget import Budget
+from .budget import SweepBudget
 from .kernels import Costs, Moves, Rest, arrange, crossing, leaving, sweep
 from .local import Local
 from .sets import Sets, Shorts, Tinies, grow, growth
@@ -57,7 +57,7 @@ class Stretch:
     never: int
 
 
-def sweep_layers(stretch: Stretch, entrance: Costs, budget: Budget, threads: Executor) -> list[Layer]:
+def sweep_layers(stretch: Stretch, entrance: Costs, budget: SweepBudget, threads: Executor) -> list[Layer]:
     """All layers of a stretch, the first the empty set with the values at its entrance.
 
     States that cost more than the limit, less what is still to come, are dropped: they cannot be part of a better plan.

@@ -13,7 +13,7 @@ from kerfwise.models.engines.bounds import Completion, complete
 from kerfwise.models.engines.solution import Incumbent, Progress
 from kerfwise.models.problem.problem import Problem
 
-from .budget import Budget, TooLarge
+from .budget import SweepBudget, TooLarge
 from .lattice import THREADS
 from .series import series
 from .sweep import sweep_through
@@ -118,7 +118,7 @@ class _Rounds:
 
     def sweep(self, bound: Completion | None, most: float) -> Proof | None:
         """What a sweep of no more than so many seconds proves."""
-        budget = Budget.of(max(0.0, most), self.go)
+        budget = SweepBudget.of(max(0.0, most), self.go)
         best: Incumbent | None = None
         with ThreadPoolExecutor(THREADS) as threads:
             try:
@@ -126,5 +126,5 @@ class _Rounds:
                 swept = True
             except TooLarge:
                 swept = False
-        self.left -= most - max(0.0, budget.seconds)
+        self.left -= most - max(0.0, budget.work.left)
         return Proof(best, self.work - self.left) if swept else None

@@ -165,9 +165,7 @@ def _grow(  # pragma: no cover - compiled
                 if slots[slot] == 0:
                     slots[slot] = count + 1
                     new_hashes[count] = key
-                    new_pending[count] = cut_one_more(
-                        orders, masks[k], ready[k], i, new_masks[count], new_ready[count]
-                    )
+                    new_pending[count] = cut_one_more(orders, masks[k], ready[k], i, new_masks[count], new_ready[count])
                     width[count] = 0
                     count += 1
                     known = count - 1

@@ -10,7 +10,7 @@ from kerfwise.models.engines.bounds import Completion
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.problem import Problem
 
-from .budget import Budget
+from .budget import SweepBudget
 from .by_contour import ByContour
 from .crossed import HOME
 from .lattice import Layer, Stretch, sweep_layers, walk_back
@@ -21,7 +21,7 @@ from .stretches import dearest, entrance_of, make_moves, never, way_home
 
 
 def sweep_through(
-    problem: Problem, known: int | None, bound: Completion | None, budget: Budget, threads: Executor
+    problem: Problem, known: int | None, bound: Completion | None, budget: SweepBudget, threads: Executor
 ) -> Incumbent | None:
     """The best route of all that cost no more than `known`, None where there is none; `TooLarge` over the budget."""
     limit = dearest(problem) if known is None else known

@@ -17,9 +17,8 @@ from kerfwise.models.problem.bits import masks_of
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 
-from .budget import Budget, TooLarge
+from .budget import SweepBudget, TooLarge
 from .by_contour import ByContour
-from .count import ADDITIONS_PER_S
 from .crossed import HOME, add_settled
 from .lattice import Layer, Stretch, sweep_layers, walk_back
 from .local import Local, Orders, localise
@@ -53,7 +52,7 @@ def polish(problem: Problem, incumbent: Incumbent, work: float, progress: Progre
     def go() -> bool:
         return progress is None or progress("windows", incumbent.cost, None)
 
-    budget = Budget.of(work, go)
+    budget = SweepBudget.of(work, go)
     with ThreadPoolExecutor(1) as thread:
         windows = _Windows(problem, budget, thread)
         last = max(0, problem.n - WIDTH)
@@ -69,13 +68,13 @@ def polish(problem: Problem, incumbent: Incumbent, work: float, progress: Progre
                         waiting |= {s for s in starts if abs(s - start) < WIDTH and s != start}
         except TooLarge:
             pass
-    return Polished(incumbent, work - max(0.0, budget.additions) / ADDITIONS_PER_S)
+    return Polished(incumbent, work - max(0.0, budget.work.left))
 
 
 class _Windows:
     """What all windows of a problem share."""
 
-    def __init__(self, problem: Problem, budget: Budget, thread: Executor) -> None:
+    def __init__(self, problem: Problem, budget: SweepBudget, thread: Executor) -> None:
         self._problem, self._budget, self._thread = problem, budget, thread
         self._least, self._dearest = least_in(problem), dearest(problem)
         self._parts = ByContour(problem)
@@ -107,13 +106,13 @@ class _Windows:
     ) -> tuple[int, list[int]] | None:
         """The cheapest way through a window from one site to another, and its cost; None if it is over the limit."""
         everything = frozenset(range(problem.n))
-        self._budget.additions -= SETTING_UP
+        self._budget.work.spend(SETTING_UP)
         moves = make_moves(problem, local, earlier, before, limit)
         rests = least_rest(local, everything - frozenset(local.contours), self._least)
         stretch = Stretch(local, moves, rests, limit, never(limit))
-        allowed = replace(self._budget)
+        allowed = replace(self._budget, work=self._budget.work.part(1.0))
         layers = sweep_layers(stretch, entrance_of([0], limit), allowed, self._thread)
-        self._budget.additions = allowed.additions
+        self._budget.work.spend(allowed.work.operations_spent)
         if not len(layers[-1].contour):
             return None
         total = layers[-1].values + self._onward(local, earlier, layers[-1], after)

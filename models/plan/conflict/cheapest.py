@@ -47,11 +47,11 @@ def cheapest(
     sets = [given for given in ways if set(given) != set(found)]
     if not sets:
         return tuple(found), whole
-    purse, began = engines.purse, engines.purse.left
+    budget, began = engines.budget, engines.budget.left
     best, (cost, first) = tuple(found), _cost(engines, statements, found, gives_way)
-    took = began - purse.left
+    took = began - budget.left
     for given in sets:
-        if purse.left <= 0 or (purse.timed and purse.left < took):
+        if budget.left <= 0 or (budget.timed and budget.left < took):
             return best, False
         other, problem = _cost(engines, statements, given, gives_way, first)
         alike = first is None or problem is None or first.left_out == problem.left_out
@@ -88,12 +88,12 @@ def _cost(
 ) -> tuple[int | None, Problem | None]:
     """The cost of the best plan that was found once these have given way, µm, and the problem that it solves.
 
-    With a purse that counts seconds no plan takes much more than its share of them: moves over parts that are out have
+    With a budget that counts seconds no plan takes much more than its share of them: moves over parts that are out have
     no price where looking at them takes longer, or had none in an `earlier` problem.
     """
-    purse = engines.purse
-    most_s = min(WORK, SHARE * max(purse.left, 0.0))
-    until = purse.left - MOVES * most_s
+    budget = engines.budget
+    most_s = min(WORK, SHARE * max(budget.left, 0.0))
+    until = budget.left - MOVES * most_s
     try:
         stated = resolve(soften(statements, given), engines.facts.n, gives_way).statements
         problem = make_problem(
@@ -102,11 +102,11 @@ def _cost(
             engines.home_mm,
             engines.feeds,
             earlier,
-            lambda share: not purse.timed or purse.left > until,
+            lambda share: not budget.timed or budget.left > until,
         )
     except RulesConflict:
         return None, None
-    options = SolveOptions(work=WORK, time_s=most_s if purse.timed else None)
+    options = SolveOptions(work=WORK, time_s=most_s if budget.timed else None)
     known = run_portfolio(simplify(problem), options, Watch(options))
-    purse.spend(known.work)
+    budget.spend(known.work)
     return None if known.incumbent is None else known.incumbent.cost, problem

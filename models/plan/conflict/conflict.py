@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.models.engines.budget import Budget
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.plan.plan import RELAXED
 from kerfwise.rules.by_kind import by_kind
@@ -25,8 +26,8 @@ from kerfwise.rules.stating.state_rules import (
 from .cheapest import cheapest
 from .core import Core, find_core
 from .group import Group, hard_groups, moves_or_seconds, on_order
-from .purse import NotAnswered, Purse
 from .relax import find_relaxation, may_give_way, soften
+from .solver import DEFAULT_WORK, NotAnswered
 from .whole import Engines, find_whole_core
 
 MOST = 20
@@ -89,24 +90,24 @@ class Conflict:
             yield f"  relax {rule}: {count} about {_few(names)}"
 
 
-def find_conflict(facts: Facts, profile: Profile, purse: Purse | None = None) -> Conflict | None:
+def find_conflict(facts: Facts, profile: Profile, budget: Budget | None = None) -> Conflict | None:
     """Why no plan of this nest can hold every hard rule of the profile; None if no contradiction is shown.
 
     Looked for among statements on order and entries first; where these can hold, among all, what moves cross and
-    seconds included, by the engines. No more is spent than the purse holds: what is told then is what was shown so far.
+    seconds included, by the engines. No more is spent than the budget holds: what is told then was shown before.
 
     Raises
     ------
     NotAnswered
         If it was not shown whether there is a contradiction.
     """
-    purse = purse or Purse()
+    budget = budget or Budget(DEFAULT_WORK)
     statements, _ = every_statement(facts, profile)
-    finder = _Finder(facts, profile, purse)
+    finder = _Finder(facts, profile, budget)
     if alone := hopeless(statements):
         stuck, relax = _way_out_or_why_none(facts, profile, statements, finder)
         return Conflict(alone, True, relax, stuck, (), alone=True, compared=finder.compared)
-    core = finder.core(hard_groups(_asked(facts, profile, statements)), purse.part(CORE))
+    core = finder.core(hard_groups(_asked(facts, profile, statements)), budget.part(CORE))
     if core is None:
         return None
     clash = tuple(group.about for group in core.groups)
@@ -117,8 +118,8 @@ def find_conflict(facts: Facts, profile: Profile, purse: Purse | None = None) ->
     return Conflict(clash, core.minimal, relax, stuck, notes, compared=finder.compared)
 
 
-def state_relaxed(facts: Facts, profile: Profile, *, purse: Purse | None = None) -> Stated:
-    """As `rules.state.state_rules`, but where hard rules contradict each other the cheapest way out is taken.
+def state_relaxed(facts: Facts, profile: Profile, *, budget: Budget | None = None) -> Stated:
+    """As `state_rules`, but where hard rules contradict each other the cheapest way out is taken.
 
     What gives way costs more than any plan travels and is among `dropped`, each with a reason that begins with
     `models.plan.RELAXED`.
@@ -126,12 +127,12 @@ def state_relaxed(facts: Facts, profile: Profile, *, purse: Purse | None = None)
     Raises
     ------
     InputError
-        As `rules.state.state_rules` does.
+        As `state_rules` does.
     RulesConflict
         If nothing that may give way helps, or nothing was found within the work allowed.
     """
     statements, exempt = every_statement(facts, profile)
-    out = _way_out(facts, profile, statements, _Finder(facts, profile, purse or Purse(), trusting=True))
+    out = _way_out(facts, profile, statements, _Finder(facts, profile, budget or Budget(DEFAULT_WORK), trusting=True))
     relaxed = set(out)
     never_met = set(hopeless(statements))
     left = [s for s in soften(statements, relaxed) if s.about not in never_met]  # they would only add to every cost
@@ -142,19 +143,19 @@ def state_relaxed(facts: Facts, profile: Profile, *, purse: Purse | None = None)
 
 
 class _Finder:
-    """Finds contradictions, with so much work of the engines in all, and no more than the purse holds.
+    """Finds contradictions, with so much work of the engines in all, and no more than the budget holds.
 
     With `trusting`, what the engines show nothing of counts as none: whoever solves will see. `compared` says whether
     plans were made for every way out that is as short as the one found.
     """
 
-    def __init__(self, facts: Facts, profile: Profile, purse: Purse, trusting: bool = False) -> None:
-        self.facts, self.gives_way, self.trusting, self.purse = facts, _gives_way(profile), trusting, purse
-        self.engines = Engines(facts, profile.home_on(facts.nest), feeds_of(profile), purse=purse)
+    def __init__(self, facts: Facts, profile: Profile, budget: Budget, trusting: bool = False) -> None:
+        self.facts, self.gives_way, self.trusting, self.budget = facts, _gives_way(profile), trusting, budget
+        self.engines = Engines(facts, profile.home_on(facts.nest), feeds_of(profile), budget=budget)
         self.compared = True
 
-    def core(self, groups: Sequence[Group], part: Purse | None = None) -> Core | None:
-        """A contradiction, on order and entries alone where there is one, within a part of the purse.
+    def core(self, groups: Sequence[Group], part: Budget | None = None) -> Core | None:
+        """A contradiction, on order and entries alone where there is one, within a part of the budget.
 
         Raises
         ------
@@ -163,10 +164,10 @@ class _Finder:
         """
         left = part.left if part else 0.0
         try:
-            found = find_core(self.facts, on_order(groups), self.gives_way, part or self.purse)
+            found = find_core(self.facts, on_order(groups), self.gives_way, part or self.budget)
         finally:
             if part is not None:
-                self.purse.spend(left - part.left)
+                self.budget.spend(left - part.left)
         if found is not None or not moves_or_seconds(groups):
             return found
         try:
@@ -196,11 +197,11 @@ def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement], fi
     clashes: list[frozenset[About]] = []
     more = 0
     while True:
-        began = finder.purse.left
+        began = finder.budget.left
         left = soften(statements, out)
         try:
             groups = hard_groups(_asked(facts, profile, left))
-            found = find_relaxation(groups, book, finder.core, finder.purse)
+            found = find_relaxation(groups, book, finder.core, finder.budget)
         except NotAnswered:
             if finder.trusting and more:  # what was found so far may do, or nothing was left to ask
                 return tuple(out)
@@ -209,7 +210,7 @@ def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement], fi
             raise RulesConflict(NO_HELP)
         if not found.groups:
             first = out[: len(out) - more]
-            if finder.purse.timed and finder.purse.left < PLANS * (began - finder.purse.left):
+            if finder.budget.timed and finder.budget.left < PLANS * (began - finder.budget.left):
                 finder.compared = not more
                 return tuple(out)
             left = soften(statements, first)

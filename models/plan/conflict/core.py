@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from functools import partial
 
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.models.engines.budget import Budget
 
 from .group import Group
 from .order_model import clash, clash_at_once
-from .purse import NotAnswered, Purse
+from .solver import DEFAULT_WORK, NotAnswered
 
 Clash = Callable[[Sequence[Group]], list[int] | None]
 """Numbers of groups that cannot all hold, None if all can; raises NotAnswered where neither is shown."""
@@ -25,7 +26,7 @@ class Core:
 
 
 def find_core(
-    facts: Facts, groups: Sequence[Group], gives_way: Mapping[str, int], purse: Purse | None = None
+    facts: Facts, groups: Sequence[Group], gives_way: Mapping[str, int], budget: Budget | None = None
 ) -> Core | None:
     """A minimal contradiction among the groups; None if there is none.
 
@@ -38,9 +39,9 @@ def find_core(
     NotAnswered
         If it was not shown whether all can hold.
     """
-    purse = purse or Purse()
+    budget = budget or Budget(DEFAULT_WORK)
     ranked = sorted(groups, key=lambda group: -gives_way.get(group.about.rule, 0))
-    at_once = partial(clash_at_once, facts, purse=purse)
+    at_once = partial(clash_at_once, facts, budget=budget)
     try:
         if at_once(ranked) is None:
             return None
@@ -50,14 +51,14 @@ def find_core(
         shown = True
         ranked, _ = shrink(without_rules(ranked, gives_way, at_once), at_once)
     try:
-        left = clash(facts, ranked, purse)
+        left = clash(facts, ranked, budget)
     except NotAnswered:
         if not shown:
             raise
         return in_order(groups, ranked, minimal=False)
     if left is None:
         return None
-    core, minimal = shrink([ranked[k] for k in left], partial(clash, facts, purse=purse))
+    core, minimal = shrink([ranked[k] for k in left], partial(clash, facts, budget=budget))
     return in_order(groups, core, minimal)
 
 

@@ -24,13 +24,14 @@ from ortools.sat.python.cp_model import (
 )
 
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.models.engines.budget import Budget
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.statements import AtLeast, Before, Contiguous, Crossing, Forbid, Lag, NoGood, Precede
 from kerfwise.rules.stating.places import ends_of
 
 from .group import Asked, Group, contours_of
 from .likely_order import likely_order
-from .purse import WORK_PER_STATEMENT, NotAnswered, Purse
+from .solver import WORK_PER_STATEMENT, NotAnswered, solver_within
 
 WORK = 20.0
 """CP-SAT's deterministic seconds for one question; past them it counts as not answered."""
@@ -170,21 +171,21 @@ def _ask(built: OrderModel, statement: Asked, holds: IntVar) -> None:
             assert_never(statement)
 
 
-def clash(facts: Facts, groups: Sequence[Group], purse: Purse) -> list[int] | None:
+def clash(facts: Facts, groups: Sequence[Group], budget: Budget) -> list[int] | None:
     """Numbers of groups that cannot all hold, not yet the fewest; None if all can.
 
     Raises
     ------
     NotAnswered
-        If neither was shown within `WORK`, or nothing is left in the purse.
+        If neither was shown within `WORK`, or nothing is left in the budget.
     """
     if not groups:
         return None
-    built = _built(facts, groups, purse)
+    built = _built(facts, groups, budget)
     built.model.add_assumptions(built.holds)
-    solver = purse.solver(WORK)
+    solver = solver_within(budget, WORK)
     status = solver.solve(built.model)
-    purse.spend(solver.response_proto.deterministic_time)
+    budget.spend(solver.response_proto.deterministic_time)
     if status in (OPTIMAL, FEASIBLE):
         return None
     if status != INFEASIBLE:
@@ -193,7 +194,7 @@ def clash(facts: Facts, groups: Sequence[Group], purse: Purse) -> list[int] | No
     return [k for k, holds in enumerate(built.holds) if holds.index in named]
 
 
-def clash_at_once(facts: Facts, groups: Sequence[Group], purse: Purse) -> list[int] | None:
+def clash_at_once(facts: Facts, groups: Sequence[Group], budget: Budget) -> list[int] | None:
     """All the groups by number if they cannot all hold, None if they can, where it takes next to nothing to see which.
 
     With every group fixed, presolve sees most contradictions, which is much faster than asking which groups they need.
@@ -202,27 +203,27 @@ def clash_at_once(facts: Facts, groups: Sequence[Group], purse: Purse) -> list[i
     Raises
     ------
     NotAnswered
-        If neither is seen at once, or nothing is left in the purse.
+        If neither is seen at once, or nothing is left in the budget.
     """
     if not groups:
         return None
     for presolve in (False, True):
-        answer = _answer(facts, groups, purse, presolve)
+        answer = _answer(facts, groups, budget, presolve)
         if answer != UNKNOWN:
             return list(range(len(groups))) if answer == INFEASIBLE else None
     raise NotAnswered
 
 
-def _answer(facts: Facts, groups: Sequence[Group], purse: Purse, presolve: bool) -> CpSolverStatus:
+def _answer(facts: Facts, groups: Sequence[Group], budget: Budget, presolve: bool) -> CpSolverStatus:
     """Whether all can hold, as far as next to no work tells."""
-    built = _built(facts, groups, purse)
+    built = _built(facts, groups, budget)
     for holds in built.holds:
         built.model.add(holds == 1)
     _hint(built, groups)
-    solver = purse.solver(QUICK)
+    solver = solver_within(budget, QUICK)
     solver.parameters.cp_model_presolve = presolve
     status = solver.solve(built.model)
-    purse.spend(solver.response_proto.deterministic_time)
+    budget.spend(solver.response_proto.deterministic_time)
     return status
 
 
@@ -247,9 +248,9 @@ def _hint(built: OrderModel, groups: Sequence[Group]) -> None:
             built.model.add_hint(position, places[number[contour]])
 
 
-def _built(facts: Facts, groups: Sequence[Group], purse: Purse) -> OrderModel:
+def _built(facts: Facts, groups: Sequence[Group], budget: Budget) -> OrderModel:
     """The model, as long as anything is left to ask it with."""
-    if purse.left <= 0:
+    if budget.left <= 0:
         raise NotAnswered
-    purse.spend(WORK_PER_STATEMENT * sum(len(group.statements) for group in groups))
+    budget.spend(WORK_PER_STATEMENT * sum(len(group.statements) for group in groups))
     return build(facts, groups)

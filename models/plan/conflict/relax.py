@@ -8,13 +8,14 @@ from typing import Any
 
 from ortools.sat.python.cp_model import OPTIMAL, CpModel
 
+from kerfwise.models.engines.budget import Budget
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import RELAXED_MM, About, Statement
 
 from .core import Core
 from .group import Group
-from .purse import NotAnswered, Purse
+from .solver import DEFAULT_WORK, NotAnswered, solver_within
 
 LAST = frozenset(name for name, rule in RULES.items() if rule.relaxed_last)
 """Rules that give way only where all others together do not help, such as locks."""
@@ -36,7 +37,7 @@ def find_relaxation(
     groups: Sequence[Group],
     book: Mapping[str, Rule[Any]],
     core_of: Callable[[Sequence[Group]], Core | None],
-    purse: Purse | None = None,
+    budget: Budget | None = None,
 ) -> Relaxation | None:
     """The fewest groups without which the others can hold; None if no rule that may be soft helps.
 
@@ -51,11 +52,11 @@ def find_relaxation(
     NotAnswered
         If no answer was found within the work allowed.
     """
-    purse = purse or Purse()
+    budget = budget or Budget(DEFAULT_WORK)
     weights = _weights(groups, book)
     clashes: list[list[int]] = []
     while True:
-        out = _lightest(clashes, weights, purse)
+        out = _lightest(clashes, weights, budget)
         left = [k for k in range(len(groups)) if k not in out]
         whole = True
         if len(clashes) * len(groups) > MOST_ASKED:
@@ -78,16 +79,16 @@ def may_give_way(rule: Rule[Any]) -> bool:
     return not rule.of_fallen_metal and ("soft" in rule.strengths or rule.relaxable)
 
 
-def _lightest(clashes: Sequence[Sequence[int]], weights: Sequence[int | None], purse: Purse) -> set[int]:
+def _lightest(clashes: Sequence[Sequence[int]], weights: Sequence[int | None], budget: Budget) -> set[int]:
     """The groups of least total weight that hit every clash."""
     model = CpModel()
     taken = {k: model.new_bool_var("") for clash in clashes for k in clash}
     for clash in clashes:
         model.add_bool_or(taken[k] for k in clash)
     model.minimize(sum((weights[k] or 0) * literal for k, literal in taken.items()))
-    solver = purse.solver(WORK)
+    solver = solver_within(budget, WORK)
     status = solver.solve(model)
-    purse.spend(solver.response_proto.deterministic_time)
+    budget.spend(solver.response_proto.deterministic_time)
     if status != OPTIMAL:
         raise NotAnswered
     return {k for k, literal in taken.items() if solver.boolean_value(literal)}

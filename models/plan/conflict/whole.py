@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.models.engines.budget import Budget
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.engines.watch import Watch
@@ -19,7 +20,7 @@ from kerfwise.models.problem.simplify import simplify
 
 from .core import Core, in_order, shrink, without_rules
 from .group import Group
-from .purse import NotAnswered, Purse
+from .solver import DEFAULT_WORK, NotAnswered
 
 QUESTION = 3.0
 """Work, as `SolveOptions` counts it, for one question; past it the question counts as not answered."""
@@ -28,13 +29,13 @@ ALL_QUESTIONS = 45.0
 
 
 class Engines:
-    """What the engines answer, as long as their work and the purse last."""
+    """What the engines answer, as long as their work and the budget last."""
 
     def __init__(
-        self, facts: Facts, home_mm: Point, feeds: Feeds, work: float = ALL_QUESTIONS, purse: Purse | None = None
+        self, facts: Facts, home_mm: Point, feeds: Feeds, work: float = ALL_QUESTIONS, budget: Budget | None = None
     ) -> None:
         self.facts, self.home_mm, self.feeds, self.left = facts, home_mm, feeds, work
-        self.purse = purse or Purse()
+        self.budget = budget or Budget(DEFAULT_WORK)
 
     def clash(self, groups: Sequence[Group]) -> list[int] | None:
         """All the groups by number if they cannot all hold, None if they can.
@@ -44,17 +45,17 @@ class Engines:
         NotAnswered
             If neither was shown, or all work is done.
         """
-        if self.left <= 0 or self.purse.left <= 0:
+        if self.left <= 0 or self.budget.left <= 0:
             raise NotAnswered
         statements = tuple(s for group in groups for s in group.statements)
         try:
             problem = simplify(make_problem(self.facts, statements, self.home_mm, self.feeds, going=self._going))
         except RulesConflict:
             return list(range(len(groups)))
-        options = SolveOptions(work=QUESTION, time_s=min(QUESTION, self.purse.left) if self.purse.timed else None)
+        options = SolveOptions(work=QUESTION, time_s=min(QUESTION, self.budget.left) if self.budget.timed else None)
         known = run_portfolio(problem, options, Watch(options, lambda engine, cost_um, bound_um: cost_um is None))
         self.left -= known.work
-        self.purse.spend(known.work)
+        self.budget.spend(known.work)
         if known.incumbent is not None:
             return None
         if not known.infeasible:
@@ -63,7 +64,7 @@ class Engines:
 
     def _going(self, share: float) -> bool:
         """Asked while moves are looked at, as many as there are; there is no answer once nothing is left."""
-        if self.purse.timed and self.purse.left <= 0:
+        if self.budget.timed and self.budget.left <= 0:
             raise NotAnswered
         return True
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import pytest
 
+from kerfwise.models.engines.budget import Budget
 from kerfwise.models.engines.ideals import count_sets
-from kerfwise.models.engines.ideals.budget import Budget, TooLarge
+from kerfwise.models.engines.ideals.budget import SweepBudget, TooLarge
 from kerfwise.models.engines.ideals.sets import Growth
 from kerfwise.tests.models.engines.ideals.chains import chains
 from kerfwise.tests.models.problems import problem, scattered
@@ -50,12 +52,16 @@ def test_it_gives_up_early_where_sets_are_bound_to_be_too_many() -> None:
     assert str(count).startswith("more than ")
 
 
+def budget(additions: float, most_bytes: float, go: Callable[[], bool]) -> SweepBudget:
+    return SweepBudget(Budget(additions), most_bytes, go)
+
+
 def test_a_layer_that_does_not_fit_is_not_begun() -> None:
     layer = Growth(entries=1000, states=8000, additions=1e6)
     with pytest.raises(TooLarge):
-        Budget(1e12, 1e4, lambda: True).expect(layer, 500, 1, 4)
+        budget(1e12, 1e4, lambda: True).expect(layer, 500, 1, 4)
     with pytest.raises(TooLarge):
-        Budget(1e6, 1e9, lambda: True).expect(layer, 500, 1, 4)
+        budget(1e6, 1e9, lambda: True).expect(layer, 500, 1, 4)
     with pytest.raises(TooLarge):
-        Budget(1e12, 1e9, lambda: False).expect(layer, 500, 1, 4)
-    Budget(1e12, 1e9, lambda: True).expect(layer, 500, 1, 4)
+        budget(1e12, 1e9, lambda: False).expect(layer, 500, 1, 4)
+    budget(1e12, 1e9, lambda: True).expect(layer, 500, 1, 4)

@@ -10,9 +10,10 @@ from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.jobs.ask import facts_of
+from kerfwise.models.engines.budget import Budget
 from kerfwise.models.physics.timing.choose import feeds_of
-from kerfwise.models.plan.conflict import Purse, find_conflict
 from kerfwise.models.plan.conflict import conflict as conflict_module
+from kerfwise.models.plan.conflict import find_conflict
 from kerfwise.models.plan.conflict.cheapest import _cost
 from kerfwise.models.plan.conflict.core import find_core
 from kerfwise.models.plan.conflict.group import hard_groups, on_order
@@ -50,7 +51,7 @@ def test_one_contour_locked_at_two_positions_is_refused_before_any_plan() -> Non
 @pytest.mark.slow
 def test_two_positions_at_odds_are_named_and_one_is_let_go() -> None:
     facts, profile = locked(Lock(contour="P1.outer", position=5), Lock(contour="P2.outer", position=5))
-    conflict = find_conflict(facts, profile, Purse(work=10.0))
+    conflict = find_conflict(facts, profile, Budget(work=10.0))
     assert conflict is not None
     assert sorted(about.sentence for about in conflict.clash) == BOTH_FIFTH
     assert conflict.minimal
@@ -65,7 +66,7 @@ def test_it_takes_next_to_nothing_to_see_that_a_position_can_be_kept() -> None:
         locks += [Lock(contour="P1.outer", before="P2.outer"), Lock(contour="P2.outer", before="P3.outer")]
         facts, profile = locked(*locks)
         groups = [g for g in on_order(hard_groups(every_statement(facts, profile)[0])) if g.about.rule == "locks"]
-        core = find_core(facts, groups, {}, Purse(work=0.2))
+        core = find_core(facts, groups, {}, Budget(work=0.2))
         assert (core is None) == kept
         assert core is None or len(core.groups) == 3
 
@@ -75,8 +76,8 @@ def test_a_way_out_is_priced_without_moves_where_there_is_no_time_to_look_at_the
     statements = every_statement(facts, profile)[0]
     gives_way = {name: rule.gives_way for name, rule in profile.rulebook().items()}
     clock = iter(range(10**6))
-    late = Purse(time_s=60.0, clock=lambda: float(next(clock)))
-    cost, problem = _cost(Engines(facts, (0.0, 0.0), feeds_of(profile), purse=late), statements, (), gives_way)
+    late = Budget(time_s=60.0, clock=lambda: float(next(clock)))
+    cost, problem = _cost(Engines(facts, (0.0, 0.0), feeds_of(profile), budget=late), statements, (), gives_way)
     assert cost is not None
     assert problem is not None
     assert [rule for rule, _ in problem.left_out] == ["no-tip-travel"]
@@ -86,11 +87,11 @@ def test_a_way_out_is_priced_without_moves_where_there_is_no_time_to_look_at_the
 def test_ways_out_that_there_is_no_time_to_compare_are_said_to_be_so(monkeypatch: pytest.MonkeyPatch) -> None:
     facts, profile = locked(Lock(contour="P1.outer", position=5), Lock(contour="P2.outer", position=5))
     monkeypatch.setattr(conflict_module, "PLANS", 1e9)
-    for purse, said in (
-        (Purse(time_s=1000.0), "a way out (which one costs least was not compared):"),
-        (Purse(work=10.0), "the cheapest way out:"),
+    for budget, said in (
+        (Budget(time_s=1000.0), "a way out (which one costs least was not compared):"),
+        (Budget(work=10.0), "the cheapest way out:"),
     ):
-        conflict = find_conflict(facts, profile, purse)
+        conflict = find_conflict(facts, profile, budget)
         assert conflict is not None
         assert conflict.relax is not None
         assert said in list(conflict.lines())

@@ -15,7 +15,7 @@ from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.plan.conflict import Conflict, find_conflict, state_relaxed
 from kerfwise.models.plan.conflict.group import Group, hard_groups
-from kerfwise.models.plan.conflict.purse import NotAnswered
+from kerfwise.models.plan.conflict.solver import NotAnswered
 from kerfwise.models.plan.conflict.whole import Engines, find_whole_core
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.rules.profile.profile import Profile, load_profile
