@@ -18,7 +18,7 @@ from kerfwise.rules.profile.lock_text import read_lock
 from kerfwise.rules.profile.profile import DEFAULT, Profile
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.readers.options import Frame
+    from kerfwise.encoder.readers.options import FrameName
 
 
 LockLike = Lock | str | Mapping[str, Any]
@@ -35,7 +35,7 @@ def read_nest(
     *,
     units: str | None = None,
     sheet_mm: tuple[float, float] | None = None,
-    frame: Frame | None = None,
+    frame: FrameName | None = None,
     repair: bool = False,
 ) -> Nest:
     """Read a nest from a DXF, SVG or JSON file, by the layers and units that the profile's section `drawing` names.

@@ -23,7 +23,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import kerfwise
-from kerfwise.jobs.bench import BestKnown, Job, Result, gap_to, measure, read_best_known, totals
+from kerfwise.jobs.bench import BenchJob, BenchResult, BestKnown, gap_to, measure, read_best_known, results_in_all
 from kerfwise.models.routing import is_instance
 
 PAGE = """\
@@ -55,7 +55,7 @@ class Run:
     """One instance of one set; `set` says the limit too where a set is run with several."""
 
     set: str
-    result: Result
+    result: BenchResult
     best: float | None
 
     @property
@@ -89,7 +89,7 @@ def run_set(name: str, folder: Path, best: BestKnown, limit_s: float, seed: int)
     runs = []
     for path in sorted(folder.iterdir()):
         if is_instance(path):
-            runs.append(Run(name, measure(Job(str(path), seed=seed, time_s=limit_s)), best.of(path)))
+            runs.append(Run(name, measure(BenchJob(str(path), seed=seed, time_s=limit_s)), best.of(path)))
             print(runs[-1], file=sys.stderr, flush=True)
     return runs
 
@@ -99,7 +99,9 @@ def page(runs: Sequence[Run], limits: Limits, remarks: Path | None = None) -> st
     names = list(dict.fromkeys(run.set for run in runs))
     of = {name: [run for run in runs if run.set == name] for name in names}
     worse = [run for run in runs if run.gap is None or run.gap > 0]
-    lines = [f"- **{name}**: {totals([r.result for r in of[name]], [r.best for r in of[name]])}" for name in names]
+    lines = [
+        f"- **{name}**: {results_in_all([r.result for r in of[name]], [r.best for r in of[name]])}" for name in names
+    ]
     return PAGE.format(
         limit=limits.limit_s,
         seed=limits.seed,

@@ -46,13 +46,13 @@ def command(
     Every tour is judged by code of its own. Each run has a process of its own; its clock starts when the file is
     read and the compiled kernels are loaded. A file that cannot be read is named, and the others are run.
     """
-    from kerfwise.jobs.bench import Job, as_json, head, line, measure, read_best_known, totals
+    from kerfwise.jobs.bench import BenchJob, head, line, measure, read_best_known, results_as_json, results_in_all
 
     for file in files:
         _expect(Path(file))
     best = read_best_known(best_known) if best_known else None
     jobs = [
-        Job(file, engine, seed, work, time_limit, profile, trust)
+        BenchJob(file, engine, seed, work, time_limit, profile, trust)
         for file in files
         for engine in engines
         for seed in seeds
@@ -74,7 +74,7 @@ def command(
                 click.echo(line(results[-1], bests[-1]))
     except KeyboardInterrupt:
         interrupted = True
-    click.echo(as_json(results) if as_list else totals(results, bests))
+    click.echo(results_as_json(results) if as_list else results_in_all(results, bests))
     if bests and best and not any(found is not None for found in bests):
         click.echo("note: --best-known has no costs for these instances (its sets are names of folders)", err=True)
     if interrupted:

@@ -20,9 +20,9 @@ from .given import given_options, read_given
 def command(plan: str, contour: str, everything: bool, as_data: bool, **given: Any) -> None:
     """Say what holds CONTOUR (such as P3.outer) in its place, why it is entered so, and what moving it would cost."""
     from kerfwise.jobs.explaining import Explainer
-    from kerfwise.models.plan.explain import as_json, as_text
+    from kerfwise.models.plan.explain import as_text, explanation_as_json
     from kerfwise.models.plan.reader import read_plan
 
     asked = read_given(**given)
     told = Explainer(asked, read_plan(plan)).explain(contour)
-    click.echo(as_json(told) if as_data else as_text(told, everything))
+    click.echo(explanation_as_json(told) if as_data else as_text(told, everything))

@@ -16,7 +16,7 @@ from kerfwise.rules.profile.machine_section import ORIGINS, Origin
 from kerfwise.rules.profile.profile import DEFAULT, files_of
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.readers.options import Frame
+    from kerfwise.encoder.readers.options import FrameName
 
 Verb = Callable[..., Any]
 
@@ -74,7 +74,7 @@ def read_given(
     profile: str,
     units: str | None,
     sheet: str | None,
-    frame: Frame | None,
+    frame: FrameName | None,
     repair: bool,
     origin: Origin | None = None,
     trust: bool = False,

@@ -10,12 +10,12 @@ from typing import Concatenate, ParamSpec, TypeVar, cast
 from .nest import Nest
 
 Of = ParamSpec("Of")
-Answer = TypeVar("Answer")
+AnswerT = TypeVar("AnswerT")
 
 
 def kept_with_nest(
     most: int,
-) -> Callable[[Callable[Concatenate[Nest, Of], Answer]], Callable[Concatenate[Nest, Of], Answer]]:
+) -> Callable[[Callable[Concatenate[Nest, Of], AnswerT]], Callable[Concatenate[Nest, Of], AnswerT]]:
     """Has a function of a nest keep its last answers, `most` of them a nest, on the nest itself.
 
     The other arguments are given by position and are hashable.
@@ -33,9 +33,9 @@ def kept_with_nest(
     (600.0, 600.0)
     """
 
-    def keeping(function: Callable[Concatenate[Nest, Of], Answer]) -> Callable[Concatenate[Nest, Of], Answer]:
+    def keeping(function: Callable[Concatenate[Nest, Of], AnswerT]) -> Callable[Concatenate[Nest, Of], AnswerT]:
         @wraps(function)
-        def answer(nest: Nest, /, *args: Of.args, **kwargs: Of.kwargs) -> Answer:
+        def answer(nest: Nest, /, *args: Of.args, **kwargs: Of.kwargs) -> AnswerT:
             assert not kwargs, "given by position, since answers are kept by position"
             answers = nest.kept.setdefault(function, OrderedDict())
             if args in answers:
@@ -44,7 +44,7 @@ def kept_with_nest(
                 answers[args] = function(nest, *args, **kwargs)
                 if len(answers) > most:
                     answers.popitem(last=False)
-            return cast(Answer, answers[args])
+            return cast(AnswerT, answers[args])
 
         return answer
 

@@ -56,7 +56,7 @@ class Slit:
 
 
 @dataclass(frozen=True, slots=True)
-class Unfit:
+class LostFeature:
     """A feature that the kerf would lose and no pass along its middle keeps, and why."""
 
     slot: Lost
@@ -101,7 +101,7 @@ def slit_because(nest: Nest, kerf_mm: float) -> dict[str, str]:
     return told
 
 
-def in_the_way(nest: Nest, contour: Contour, kerf_mm: float) -> list[Unfit]:
+def in_the_way(nest: Nest, contour: Contour, kerf_mm: float) -> list[LostFeature]:
     """The slots of a contour that are slit, but whose slits would burn what is beside them: webs that are too thin."""
     part = nest.part_of[contour.part]
     own = {slit.line: slit for slit in slits_of(contour, kerf_mm)[0]}
@@ -111,7 +111,7 @@ def in_the_way(nest: Nest, contour: Contour, kerf_mm: float) -> list[Unfit]:
         near = [c.id for c in _cut(part) if c is not contour and c.line.dwithin(line, half_mm)]
         near += [c.id for c in part.slits if c is not one and c.line.dwithin(line, kerf_mm)]
         if near:
-            found.append(Unfit(own[one.curve].slot, f"the pass would burn through the web to {near[0]}"))
+            found.append(LostFeature(own[one.curve].slot, f"the pass would burn through the web to {near[0]}"))
     return found
 
 
@@ -120,22 +120,22 @@ def _cut(part: Part) -> Iterator[Contour]:
 
 
 @lru_cache(maxsize=1 << 15)
-def slits_of(contour: Contour, kerf_mm: float) -> tuple[tuple[Slit, ...], tuple[Unfit, ...]]:
+def slits_of(contour: Contour, kerf_mm: float) -> tuple[tuple[Slit, ...], tuple[LostFeature, ...]]:
     """The slots of a contour that one pass opens, along the contour; and features that it would lose all the same."""
     slits: list[tuple[float, Slit]] = []
-    unfit: list[Unfit] = []
+    unfit: list[LostFeature] = []
     walls = {wall: lost for lost, wall in lost_walls([contour], kerf_mm).get(contour.id, ())}
     if len(walls) > MOST_FEATURES:
         why = f"{contour.id} has {len(walls)} such features, and slits are tried for up to {MOST_FEATURES} of a contour"
-        return (), tuple(Unfit(lost, why) for lost in walls.values())
+        return (), tuple(LostFeature(lost, why) for lost in walls.values())
     fitted = {wall: _fitted(contour, lost, wall, kerf_mm) for wall, lost in walls.items()}
     passes = [made.line for made in fitted.values() if isinstance(made, Slit)]
     left = lost_walls([contour], kerf_mm, None, {contour.id: passes}).get(contour.id, ()) if passes else ()
     for wall, made in fitted.items():
         if isinstance(made, str):
-            unfit.append(Unfit(walls[wall], made))
+            unfit.append(LostFeature(walls[wall], made))
         elif any(rest.dwithin(wall, NEAR_MM) for _, rest in left):
-            unfit.append(Unfit(walls[wall], "it forks or bends: one pass would leave some of it"))
+            unfit.append(LostFeature(walls[wall], "it forks or bends: one pass would leave some of it"))
         else:
             at_mm = contour.curve.project(made.line.vertices[-1, :2].tolist())[0]
             slits.append((at_mm, made))

@@ -22,7 +22,7 @@ from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.engines.solution import Solution
 from kerfwise.models.heat_prices.near_pairs import NEAR_BANDS
 from kerfwise.models.physics.heat.grid import Grid, make_grid
-from kerfwise.models.physics.heat.pacing import Heated, Pace, pace
+from kerfwise.models.physics.heat.pacing import Heated, Pacing, pace
 from kerfwise.models.physics.heat.timed_path import TimedPath
 from kerfwise.models.physics.heat.watch import hot_spots
 from kerfwise.models.physics.timing.choose import feeds_of
@@ -62,12 +62,12 @@ Planned = Callable[[Solution], Plan]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Tried:
+class TriedPlan:
     """A solution, its plan, and the waits that the plan needs."""
 
     solution: Solution
     plan: Plan
-    pace: Pace
+    pace: Pacing
 
     @property
     def least_s(self) -> float:
@@ -99,7 +99,7 @@ class Cooler:
             If none does: with the temperature of the coolest, and the waits that would do.
         """
         grid = make_grid(self.facts.nest, self.profile.heat.grid_mm)
-        tried: list[Tried] = []
+        tried: list[TriedPlan] = []
         asked: dict[tuple[str, ...], Lag | NoGood] = {}
         for k in range(ROUNDS if again else 1):
             share = 1.0 if not again else FIRST if k == 0 else (1 - FIRST) / (ROUNDS - 1)
@@ -129,21 +129,21 @@ class Cooler:
         report = self.planned(solution).solve
         return solution, replace(best.plan, solve=report)
 
-    def _tried(self, solution: Solution, grid: Grid) -> Tried:
+    def _tried(self, solution: Solution, grid: Grid) -> TriedPlan:
         """The plan of a solution, and the waits that it needs, however long."""
         plan = self.planned(solution)
-        return Tried(solution, plan, self._pace(path_of_plan(plan, self.facts.nest, self.profile), grid))
+        return TriedPlan(solution, plan, self._pace(path_of_plan(plan, self.facts.nest, self.profile), grid))
 
-    def _pace(self, path: TimedPath, grid: Grid) -> Pace:
+    def _pace(self, path: TimedPath, grid: Grid) -> Pacing:
         profile = self.profile
         limit_c = self.limit.most_c - MARGIN_K
         return pace(self.facts.nest, path, profile.heat, profile.material.thickness_mm, limit_c, LONGEST_S, grid)
 
-    def _allowed(self, paced: Pace) -> bool:
+    def _allowed(self, paced: Pacing) -> bool:
         """Whether the profile lets the torch wait as long as the order needs."""
         return paced.possible and max(paced.waits.values(), default=0.0) <= self.limit.allowed_dwell_s
 
-    def _hottest(self, one: Tried) -> tuple[str, HotSpot]:
+    def _hottest(self, one: TriedPlan) -> tuple[str, HotSpot]:
         """The burn, and the place, with which a plan is hottest as it stands."""
         nest, profile = self.facts.nest, self.profile
         path = path_of_plan(one.plan, nest, profile)
@@ -151,9 +151,9 @@ class Cooler:
         hottest = zip((burn.contour for burn in path.burns), spots, strict=True)
         return max(hottest, key=lambda found: found[1].peak_c)
 
-    def _soonest_done(self, tried: Sequence[Tried], grid: Grid) -> Tried | None:
+    def _soonest_done(self, tried: Sequence[TriedPlan], grid: Grid) -> TriedPlan | None:
         """Of the plans that waits make keep to the limit the one that is done first; None if the waits are too long."""
-        best: Tried | None = None
+        best: TriedPlan | None = None
         for one in sorted((one for one in tried if self._allowed(one.pace)), key=lambda one: one.least_s):
             if best is not None and one.least_s >= best.plan.totals.time_s:
                 break
@@ -162,7 +162,7 @@ class Cooler:
                 best = waiting
         return best
 
-    def _with_waits(self, one: Tried, grid: Grid) -> Tried | None:
+    def _with_waits(self, one: TriedPlan, grid: Grid) -> TriedPlan | None:
         """The plan with its waits, by the plan's clock and by the program's; None if they get too long."""
         nest, profile, plan = self.facts.nest, self.profile, one.plan
         waits = dict(one.pace.waits)
@@ -200,7 +200,7 @@ class Cooler:
             notes=(*first.notes, *best.notes),
         )
 
-    def _demands(self, found: Tried) -> Iterator[Lag | NoGood]:
+    def _demands(self, found: TriedPlan) -> Iterator[Lag | NoGood]:
         """What would have kept the burns of a plan cooler."""
         facts, heat = self.facts, self.profile.heat
         contours, index = facts.nest.contours, facts.nest.index

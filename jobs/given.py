@@ -13,7 +13,7 @@ from kerfwise.rules.profile.machine_section import Origin
 from kerfwise.rules.profile.profile import DEFAULT, Profile, load_profile
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.readers.options import Frame
+    from kerfwise.encoder.readers.options import FrameName
     from kerfwise.models.plan.plan import Plan
     from kerfwise.postproc.check.reader.program import NcProgram
 
@@ -56,7 +56,7 @@ def drawn_nest(
     *,
     units: str | None = None,
     sheet_mm: tuple[float, float] | None = None,
-    frame: Frame | None = None,
+    frame: FrameName | None = None,
     repair: bool = False,
 ) -> Nest:
     """The nest as it is drawn, read as the profile's section `drawing` says, unless it is said here.

@@ -26,7 +26,7 @@ FIRST = 0.4
 LATER = (1 - FIRST) / ROUNDS
 """Share for each plan with prices."""
 
-Solved = Callable[[float, Stated], Solution]
+SolveStated = Callable[[float, Stated], Solution]
 """Solves with a share of the limits."""
 
 
@@ -60,7 +60,7 @@ def solve_priced(
     asked: Asked,
     profile: Profile,
     limits: SolveOptions,
-    solved: Solved,
+    solved: SolveStated,
     progress: Progress | None = None,
     cooler: CoolerOrders | None = None,
 ) -> tuple[Solution, Stated]:

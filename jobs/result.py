@@ -22,7 +22,7 @@ from .explaining import Explainer
 from .given import Given
 from .picture import Picture, PictureKind
 from .summary import proof_of, summary
-from .table import CUT_COLUMNS, cut_rows, frame_of
+from .table import CUT_COLUMNS, cut_rows, data_frame
 
 if TYPE_CHECKING:
     import pandas
@@ -121,7 +121,7 @@ class Result:
         InputError
             If pandas is not installed.
         """
-        return frame_of(list(cut_rows(self.plan)), CUT_COLUMNS)
+        return data_frame(list(cut_rows(self.plan)), CUT_COLUMNS)
 
     def save(self, folder: str | Path, name: str | None = None) -> tuple[Path, Path, Path]:
         """Write NAME.nc, NAME.plan.json and NAME.svg to a folder, all of them or none; the name is the nest's.

@@ -22,7 +22,7 @@ from kerfwise.rules.profile.heat_section import Heat, HeatModel
 
 from .given import Given, Tell, differences, is_plan_file, read_program_of, silent
 from .picture import Picture
-from .table import frame_of
+from .table import data_frame
 
 if TYPE_CHECKING:
     import pandas
@@ -76,7 +76,7 @@ class Simulation:
         InputError
             If pandas is not installed.
         """
-        return frame_of(self.as_json()["parts"])
+        return data_frame(self.as_json()["parts"])
 
     def as_json(self) -> dict[str, Any]:
         """What was found, as `kerfwise heat --json` prints it."""

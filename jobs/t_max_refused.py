@@ -6,14 +6,14 @@ from collections.abc import Sequence
 
 from kerfwise.encoder.cut import HotSpot
 from kerfwise.encoder.errors import RulesConflict
-from kerfwise.models.physics.heat.pacing import Pace
+from kerfwise.models.physics.heat.pacing import Pacing
 from kerfwise.rules.temperature_limit import TemperatureLimit
 
 LISTED = 5
 """Waits that are told one by one."""
 
 
-def too_hot(unpaced: Sequence[tuple[str, HotSpot]], tried: Sequence[Pace], limit: TemperatureLimit) -> RulesConflict:
+def too_hot(unpaced: Sequence[tuple[str, HotSpot]], tried: Sequence[Pacing], limit: TemperatureLimit) -> RulesConflict:
     """The conflict, from the orders that were tried: at least one, and none of them allowed.
 
     `unpaced` are the contour and the place with which each is hottest without any waits.
@@ -34,7 +34,7 @@ def said(contour: str, spot: HotSpot) -> str:
     return f"{contour} makes {where} {spot.peak_c:.1f} °C hot at ({x:.0f}, {y:.0f})"
 
 
-def _waits(paced: Pace, limit: TemperatureLimit) -> str:
+def _waits(paced: Pacing, limit: TemperatureLimit) -> str:
     listed = [f"{wait_s:.1f} s before {contour}" for contour, wait_s in paced.waits.items()]
     more = f" and {len(listed) - LISTED} more" if len(listed) > LISTED else ""
     allowed = f"longest_dwell is {limit.longest_dwell_s:g} s" if limit.dwells else "dwells are not allowed"
@@ -48,7 +48,7 @@ def _waits(paced: Pace, limit: TemperatureLimit) -> str:
     )
 
 
-def _no_wait(paced: Pace) -> str:
+def _no_wait(paced: Pacing) -> str:
     alone = max((hot for hot in paced.heated if hot.wait_s is None), key=lambda hot: hot.least_c)
     return (
         f"no wait helps: the least temperature that was reached is {paced.peak_c:.1f} °C, with waits however long; "

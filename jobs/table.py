@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 NO_PANDAS = "a table needs pandas, which is not installed: pip install pandas"
 
 
-def frame_of(rows: Sequence[dict[str, Any]], columns: Sequence[str] | None = None) -> pandas.DataFrame:
+def data_frame(rows: Sequence[dict[str, Any]], columns: Sequence[str] | None = None) -> pandas.DataFrame:
     """The rows as a table.
 
     Raises

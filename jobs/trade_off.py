@@ -21,7 +21,7 @@ from .listening import Listener
 from .picture import Picture
 from .priced_heat import cooler_orders
 from .produce import Produced, produce
-from .table import frame_of
+from .table import data_frame
 
 if TYPE_CHECKING:
     import pandas
@@ -180,7 +180,7 @@ class Offer:
         InputError
             If pandas is not installed.
         """
-        return frame_of(self.rows())
+        return data_frame(self.rows())
 
     def save(self, folder: str | Path) -> tuple[Path, ...]:
         """Write the plan and the program of each price to a folder, all or none; the check must take them.

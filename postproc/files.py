@@ -15,7 +15,7 @@ from pathlib import Path
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.shown import shown
 
-from .swap import LIST, Move, remove, swap
+from .swap import LIST, FileMove, remove, swap
 
 
 def expect_folders(paths: Iterable[Path]) -> None:
@@ -127,7 +127,7 @@ def write_files(contents: Mapping[Path, str | bytes]) -> None:
     InputError
         If a folder does not exist or may not be written, the disk is full, or a place is no regular file.
     """
-    moves: list[Move] = []
+    moves: list[FileMove] = []
     try:
         for path, content in contents.items():
             _expect_regular(path)

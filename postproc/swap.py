@@ -23,11 +23,11 @@ PATIENCE_S = 10.0
 """How long another's list may stand before it is taken over: moving takes milliseconds."""
 HELPER_S = 10.0
 
-Move = tuple[str, str, "str | None"]
+FileMove = tuple[str, str, "str | None"]
 """The new content beside its place, the place, and a second name of what stands there now (None where nothing does)."""
 
 
-def swap(moves: Sequence[Move]) -> None:
+def swap(moves: Sequence[FileMove]) -> None:
     """Make every move, or none.
 
     Raises
@@ -54,7 +54,7 @@ def swap(moves: Sequence[Move]) -> None:
         remove([path, *(before for _, _, before in moves)])
 
 
-def write_list(path: str, moves: Sequence[Move]) -> None:
+def write_list(path: str, moves: Sequence[FileMove]) -> None:
     """Write the list of moves, once no other is in its place; one that stands too long is taken over.
 
     Raises
@@ -97,7 +97,7 @@ def take_over(path: str) -> None:
     remove([path])
 
 
-def read_list(path: str) -> list[Move]:
+def read_list(path: str) -> list[FileMove]:
     """The moves of a list.
 
     Raises
@@ -114,7 +114,7 @@ def read_list(path: str) -> list[Move]:
     return [(new, place, before) for new, place, before in json.loads(text)]
 
 
-def make(moves: Sequence[Move]) -> None:
+def make(moves: Sequence[FileMove]) -> None:
     """Make the moves that are still to be made.
 
     Raises
@@ -136,7 +136,7 @@ def remove(paths: Iterable[str | None]) -> None:
                 os.unlink(path)
 
 
-def undo(moves: Iterable[Move]) -> None:
+def undo(moves: Iterable[FileMove]) -> None:
     """Put back what stood there before the moves that were made."""
     for new, place, before in moves:
         if os.path.exists(new):

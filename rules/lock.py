@@ -11,7 +11,7 @@ import yaml
 from kerfwise.encoder.cut import Direction
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.options.kind import Kind
+from kerfwise.rules.options.kind import OptionKind
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.plain_values import Choice, Number, Text
 from kerfwise.rules.options.quantities import PointXY
@@ -20,7 +20,7 @@ from kerfwise.rules.options.yaml_positions import Place, wrong_at
 
 
 @dataclass(frozen=True, slots=True)
-class Position(Kind):
+class Position(OptionKind):
     """first, last, or a position counted from 1."""
 
     def read(self, node: yaml.Node) -> int | str:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class CaseOutcome:
     """What was tried of a rule: a case, by its name, or something else; `wrong` is empty where it went as it should.
 
     `note` says what could not be tried, where that is no fault of the rule's.

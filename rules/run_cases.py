@@ -16,7 +16,7 @@ from . import cases as folder
 from .case import Case, CaseKind
 from .flat.model_rule import ModelRule
 from .model_cases import model_cases
-from .outcome import Outcome
+from .outcome import CaseOutcome
 from .registry import RULES
 from .rule import Rule
 
@@ -58,21 +58,21 @@ def told(error: Exception) -> str:
     return f"{said(error)}{f', in rule {at_work}' if at_work else ''}"
 
 
-def _run_model_cases(rule: Rule[Any], cases: Sequence[Case]) -> Iterator[Outcome]:
+def _run_model_cases(rule: Rule[Any], cases: Sequence[Case]) -> Iterator[CaseOutcome]:
     """Judge every order of a model file's cases: those that are right, and those that are wrong."""
     for kind, word in (("passes", "right"), ("fails", "wrong")):
         if all(case.kind != kind for case in cases):
-            yield Outcome(rule.id, "all", (f"there is no order under {word}",))
+            yield CaseOutcome(rule.id, "all", (f"there is no order under {word}",))
     for case in cases:
         options = case.options or rule.Options()
         if (why := rule.unjudged(case.nest, case.cuts, options)) is not None:
-            yield Outcome(rule.id, case.name, (f"it cannot be judged: {why}",))
+            yield CaseOutcome(rule.id, case.name, (f"it cannot be judged: {why}",))
             continue
         found = rule.violations(case.nest, case.cuts, options)
         if case.kind == "passes":
-            yield Outcome(rule.id, case.name, tuple(f"it should be right, but: {v.text}" for v in found))
+            yield CaseOutcome(rule.id, case.name, tuple(f"it should be right, but: {v.text}" for v in found))
         else:
-            yield Outcome(rule.id, case.name, () if found else ("it should be wrong, and the rule finds nothing",))
+            yield CaseOutcome(rule.id, case.name, () if found else ("it should be wrong, and the rule finds nothing",))
 
 
 def _beside(rule: Rule[Any]) -> tuple[Case, ...]:
@@ -89,7 +89,7 @@ def _beside(rule: Rule[Any]) -> tuple[Case, ...]:
     return tuple(cases)
 
 
-def run_cases(rule: str, known: Mapping[str, Rule[Any]] = RULES) -> Iterator[Outcome]:
+def run_cases(rule: str, known: Mapping[str, Rule[Any]] = RULES) -> Iterator[CaseOutcome]:
     """Judge every case of a rule and compare to the letter; a rule without a case of each kind is wrong too."""
     cases = cases_of(rule, known)
     if isinstance(known[rule], ModelRule):
@@ -97,16 +97,16 @@ def run_cases(rule: str, known: Mapping[str, Rule[Any]] = RULES) -> Iterator[Out
         return
     missing = [kind for kind in get_args(CaseKind) if all(case.kind != kind for case in cases)]
     if missing:
-        yield Outcome(rule, "all", (f"there is no case of kind {', '.join(missing)}",))
+        yield CaseOutcome(rule, "all", (f"there is no case of kind {', '.join(missing)}",))
     for case in cases:
         try:
             found = tuple(known[rule].violations(case.nest, case.cuts, case.options or known[rule].Options()))
         except Exception as error:
-            yield Outcome(rule, case.name, (told(error),))
+            yield CaseOutcome(rule, case.name, (told(error),))
             continue
         if found == case.violations:
-            yield Outcome(rule, case.name)
+            yield CaseOutcome(rule, case.name)
             continue
         lines = [f"expected: {v}" for v in case.violations if v not in found]
         lines += [f"found:    {v}" for v in found if v not in case.violations]
-        yield Outcome(rule, case.name, tuple(lines) or ("the same violations, in another order",))
+        yield CaseOutcome(rule, case.name, tuple(lines) or ("the same violations, in another order",))

@@ -11,10 +11,10 @@ from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.nest import Nest
 
 from .candidate import Candidate
-from .tried import Tried
+from .tried import TriedLeads
 
 
-def again_as_it_was(nest: Nest, cut: Cut | None, tried: Tried, kerf_mm: float) -> list[Candidate]:
+def again_as_it_was(nest: Nest, cut: Cut | None, tried: TriedLeads, kerf_mm: float) -> list[Candidate]:
     """The cut that broke off as the only way to cut its contour, where none was found; marks are made anew anyway."""
     if cut is None or (contour := nest.contour(cut.contour)).kind == "mark":
         return []

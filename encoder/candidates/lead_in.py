@@ -12,7 +12,7 @@ from kerfwise.arrays import Bools, Floats, Ints
 
 from .approaches import Approaches, Ways
 from .candidate import LEAST_WASTE_MM, LeadOptions
-from .lead_shapes import Leads, Shape, shaped
+from .lead_shapes import Leads, LeadShape, shaped
 from .surroundings import CHORD_MM, Surroundings
 
 EDGE_ANGLE_RAD = math.radians(60)
@@ -24,17 +24,17 @@ def least_clearance_mm(options: LeadOptions) -> float:
     return max(options.pierce_clearance_mm, options.kerf_mm / 2 + LEAST_WASTE_MM)
 
 
-def shapes(options: LeadOptions, patient: bool = False) -> list[Shape]:
+def shapes(options: LeadOptions, patient: bool = False) -> list[LeadShape]:
     """The leads to try, best first: as long as possible, then shorter, then turned.
 
     The patient list is longer, and in it lines stand in where no arc finds room.
     """
     lengths = np.linspace(0, 1, 8 if patient else 6).tolist()
     turns = (0, 20, -20, 40, -40, 65, -65) if patient else (0, 20, -20, 40, -40)
-    lines = [Shape("line", shortened, math.radians(turn)) for turn in turns for shortened in lengths]
+    lines = [LeadShape("line", shortened, math.radians(turn)) for turn in turns for shortened in lengths]
     if options.lead == "line":
         return lines
-    arcs = [Shape("arc", shortened, math.radians(sweep)) for sweep in (90, 60, 45) for shortened in lengths]
+    arcs = [LeadShape("arc", shortened, math.radians(sweep)) for sweep in (90, 60, 45) for shortened in lengths]
     return arcs + lines if patient else arcs
 
 

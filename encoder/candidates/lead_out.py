@@ -14,7 +14,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from .approaches import Approaches, Ways
 from .candidate import LeadOptions
 from .joints import Joints, Outline
-from .lead_shapes import Leads, Shape, shaped
+from .lead_shapes import Leads, LeadShape, shaped
 from .surroundings import Surroundings
 
 
@@ -80,7 +80,7 @@ def _leads(ends: Ways, around: Surroundings, options: LeadOptions) -> Leads:
             rows = np.flatnonzero(leads.length_mm == 0)
             if len(rows) == 0:
                 return leads
-            left, shape = ends.take(rows), Shape(kind, shortened, math.radians(angle))
+            left, shape = ends.take(rows), LeadShape(kind, shortened, math.radians(angle))
             tried = shaped(shape, left.joints, left.along, longest_mm[rows], options.lead_out_mm / 4)
             clear = around.inside_edges(tried) & around.in_waste(tried.pierce)
             clear[clear] = around.clear_leads(tried.take(clear), left.joints.contour[clear], options.kerf_mm / 2)

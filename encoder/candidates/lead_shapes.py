@@ -19,7 +19,7 @@ _POINTS = 17
 
 
 @dataclass(frozen=True, slots=True)
-class Shape:
+class LeadShape:
     """How a lead is tried.
 
     `shortened` runs from 0 (as long as it may be) to 1 (as short as it may be). A line is turned by `angle_rad` from
@@ -76,13 +76,13 @@ class Leads:
         return np.stack([x, y], axis=2)
 
 
-def shaped(shape: Shape, joints: Joints, along: Floats, longest_mm: Floats, shortest_mm: float) -> Leads:
+def shaped(shape: LeadShape, joints: Joints, along: Floats, longest_mm: Floats, shortest_mm: float) -> Leads:
     """Leads of one shape to all joints, where the torch then goes `along` (m, 2).
 
     Examples
     --------
     >>> at = Joints(*(np.array(a) for a in ([0], [0.0], [[0.0, 0.0]], [0.0], [[0.0, 0.0]], [[0.0, 1.0]])))
-    >>> shaped(Shape("line", 0.0, 0.0), at, np.array([[1.0, 0.0]]), np.array([6.0]), 1.0).pierce.tolist()
+    >>> shaped(LeadShape("line", 0.0, 0.0), at, np.array([[1.0, 0.0]]), np.array([6.0]), 1.0).pierce.tolist()
     [[0.0, 6.0]]
     """
     length_mm = longest_mm * (shortest_mm / longest_mm) ** shape.shortened

@@ -17,7 +17,7 @@ from .lead_in import lead_ins, least_clearance_mm, shapes
 from .lead_shapes import shaped
 from .search import dense, longest_lead_mm
 from .surroundings import Surroundings
-from .tried import Tried
+from .tried import TriedLeads
 
 ALONE = ("reach", "narrow", "slit")
 """Causes that are told of each contour by itself: how far it is out, or which places of it."""
@@ -43,7 +43,7 @@ class Reason:
     gap_mm: float | None = None
 
 
-def reasons(tried: Tried, around: Surroundings, options: LeadOptions) -> dict[int, Reason]:
+def reasons(tried: TriedLeads, around: Surroundings, options: LeadOptions) -> dict[int, Reason]:
     """The reason of every contour at fault, by number."""
     said = {k: Reason(text, "small") for k, text in tried.small.items()}
     said |= {k: Reason(text, "kerf") for k, text in tried.uncut.items()}
@@ -68,7 +68,7 @@ def reasons(tried: Tried, around: Surroundings, options: LeadOptions) -> dict[in
     return said
 
 
-def _but_for_what_is_cut(tried: Tried, around: Surroundings, options: LeadOptions) -> set[int]:
+def _but_for_what_is_cut(tried: TriedLeads, around: Surroundings, options: LeadOptions) -> set[int]:
     """Contours that have room for a lead but for metal that a stopped program has burnt away."""
     if around.void is None:
         return set()

@@ -12,7 +12,7 @@ from .candidate import LeadOptions
 from .no_room import ALONE, WITHOUT_ROOM, Reason, reasons
 from .remedies import ORDER, Key, Remedies, Remedy
 from .surroundings import Surroundings
-from .tried import Tried
+from .tried import TriedLeads
 
 MOST_GROUPS = 8
 """With more groups than this, contours that the same options free at different values are taken together."""
@@ -28,7 +28,7 @@ class _Group:
     remedies: tuple[Remedy, ...]
 
 
-def refusal(nest: Nest, tried: Tried, around: Surroundings, options: LeadOptions) -> InputError:
+def refusal(nest: Nest, tried: TriedLeads, around: Surroundings, options: LeadOptions) -> InputError:
     """The error that tells of every contour at fault, a line a group, and first which option frees all of them."""
     why = reasons(tried, around, options)
     remedies = Remedies(nest, tried, why, around, options)

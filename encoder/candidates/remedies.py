@@ -19,7 +19,7 @@ from .candidate import IN_PROFILE, LEAST_WASTE_MM, LeadOptions
 from .lead_in import least_clearance_mm
 from .no_room import Reason
 from .surroundings import Surroundings
-from .tried import Tried, try_options
+from .tried import TriedLeads, try_options
 
 Key = Literal["pierce_clearance_mm", "under", "least_mm", "lead_in_min_mm", "kerf_mm"]
 
@@ -72,7 +72,7 @@ class Remedies:
     """What frees the contours at fault in one nest; `reasons` are theirs, by number."""
 
     def __init__(
-        self, nest: Nest, tried: Tried, reasons: Mapping[int, Reason], around: Surroundings, options: LeadOptions
+        self, nest: Nest, tried: TriedLeads, reasons: Mapping[int, Reason], around: Surroundings, options: LeadOptions
     ) -> None:
         self._nest, self._tried, self._reasons = nest, tried, reasons
         self._around, self._options = around, options

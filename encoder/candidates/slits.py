@@ -13,7 +13,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from .candidate import Candidate, LeadOptions
 from .joints import Joints
 from .lead_in import least_clearance_mm, wishes
-from .lead_shapes import Leads, Shape, shaped
+from .lead_shapes import Leads, LeadShape, shaped
 from .surroundings import Surroundings
 
 TURNS_DEG = (0, 20, -20, 40, -40, 65, -65)
@@ -40,7 +40,7 @@ def slit_candidates(index: int, around: Surroundings, options: LeadOptions) -> l
         return found
     for turn in TURNS_DEG:
         for asks, shortened in product(wishes(around, options), np.linspace(0, 1, _LENGTHS).tolist()):
-            shape = Shape("line", shortened, math.radians(turn))
+            shape = LeadShape("line", shortened, math.radians(turn))
             leads = shaped(shape, joint, aside, np.array([options.lead_in_mm]), options.lead_in_min_mm)
             if _clear(leads, index, around, options)[0] and asks(leads, joint.contour)[0]:
                 px, py = leads.pierce[0].tolist()

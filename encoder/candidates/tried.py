@@ -12,7 +12,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.narrow import Lost, lost_walls, said_of
 from kerfwise.encoder.nest import Contour, Nest
-from kerfwise.encoder.slits import Unfit, in_the_way, slits_of
+from kerfwise.encoder.slits import LostFeature, in_the_way, slits_of
 from kerfwise.encoder.small_holes import HoleLimits, diameter_under, kept_because, too_small
 
 from .approaches import Approaches
@@ -30,7 +30,7 @@ class Narrow:
 
     contour: Contour
     lost: tuple[Lost, ...]
-    burnt: tuple[Unfit, ...]
+    burnt: tuple[LostFeature, ...]
 
     def sentence(self, options: LeadOptions) -> str:
         """What is lost, what to do about it, and why slits do not help."""
@@ -39,7 +39,7 @@ class Narrow:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Tried:
+class TriedLeads:
     """The outlines of the contours that may be cut, the approaches found, and the joints that locks ask for.
 
     By contour number, `small` says what is wrong with holes that are too small, `uncut` with contours that the kerf
@@ -67,7 +67,7 @@ class Tried:
         return frozenset((*self.small, *self.uncut, *self.narrow, *self.beyond, *self.shut, *self.bare, *unmet))
 
 
-def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, options: LeadOptions) -> Tried:
+def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, options: LeadOptions) -> TriedLeads:
     """Look for approaches to the contours of these numbers; marks need none, those of slits are whole candidates."""
     chosen = list(contours)
     small = _small_holes(nest, chosen, options.holes)
@@ -101,7 +101,7 @@ def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, optio
     slits = tuple(c for of in ways_in.values() for c in within_reach(of, options.reach))
     led_in = {c.contour for c in slits}
     shut = {k: no_room(k, around, options) for k in ways_in if k not in led_in and k not in beyond}
-    return Tried(outlines, found, locked, small, uncut, narrow, beyond, slits, shut, bare, unmet)
+    return TriedLeads(outlines, found, locked, small, uncut, narrow, beyond, slits, shut, bare, unmet)
 
 
 def _narrow(
@@ -122,7 +122,7 @@ def _narrow(
     return found
 
 
-def _what_to_do(contour: Contour, burnt: Sequence[Unfit], options: LeadOptions) -> str:
+def _what_to_do(contour: Contour, burnt: Sequence[LostFeature], options: LeadOptions) -> str:
     """What a planner can do about slots that would be lost, and why slits do not help."""
     change = "change the drawing, or the kerf"
     unfit = slits_of(contour, options.kerf_mm)[1]

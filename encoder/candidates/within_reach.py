@@ -7,15 +7,15 @@ from collections.abc import Iterable, Sequence
 import shapely
 
 from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Box
 from kerfwise.encoder.nest import Contour
 
 from .candidate import Candidate
 
-Bounds = tuple[float, float, float, float]
 _SLACK_MM = 1e-6
 
 
-def within_reach(candidates: Iterable[Candidate], reach: Bounds | None) -> list[Candidate]:
+def within_reach(candidates: Iterable[Candidate], reach: Box | None) -> list[Candidate]:
     """The candidates whose leads and ends the torch can go to; edge starts only where anybody has said how far it goes.
 
     The rings between them are judged once for each contour (`out_of_reach`).
@@ -25,7 +25,7 @@ def within_reach(candidates: Iterable[Candidate], reach: Bounds | None) -> list[
     return [c for c in candidates if all(inside(xy, reach) for xy in _points(c))]
 
 
-def out_of_reach(contour: Contour, path: Curve, reach: Bounds | None) -> str | None:
+def out_of_reach(contour: Contour, path: Curve, reach: Box | None) -> str | None:
     """Where the torch's path round a contour leaves what it can go to, as a sentence; None if it does not."""
     if reach is None:
         return None
@@ -39,12 +39,12 @@ def out_of_reach(contour: Contour, path: Curve, reach: Bounds | None) -> str | N
     )
 
 
-def inside(point: Sequence[float], reach: Bounds) -> bool:
+def inside(point: Sequence[float], reach: Box) -> bool:
     """Whether the torch can go to a point."""
     return beyond_mm(point, reach) <= _SLACK_MM
 
 
-def beyond_mm(point: Sequence[float], reach: Bounds) -> float:
+def beyond_mm(point: Sequence[float], reach: Box) -> float:
     """How far a point is beyond what the torch can go to, along the worse axis; 0 or less within it."""
     x0, y0, x1, y1 = reach
     return max(x0 - point[0], point[0] - x1, y0 - point[1], point[1] - y1)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.geometry.segment import Box
 
 from .facts import SIDES
 from .outlines import ROUNDING_MM, SAME_SHARE, Outlines
-from .sides import AWAY, AXIS, Bounds
+from .sides import AWAY, AXIS
 
 
-def heat(outlines: Outlines, sheet_mm: Bounds) -> tuple[Floats, Ints]:
+def heat(outlines: Outlines, sheet_mm: Box) -> tuple[Floats, Ints]:
     """Cut length, mm, and number of small parts in the half of the sheet at each side, in the order of SIDES.
 
     Marks are left out: they do not cut through. A part counts as small when its outer contour encloses no more than

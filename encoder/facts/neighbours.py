@@ -35,7 +35,7 @@ class Outlook:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Surroundings:
+class OutlookSums:
     """The sums of an outlook over whole contours; arrays as in `Facts`."""
 
     neighbours: Facing
@@ -53,7 +53,7 @@ def outlook_of(outlines: Outlines, parent: Ints, sheet: Sheet, cells: Cells, opt
     return Outlook(cells, np.where(beyond, NOTHING, faces), outlines.n)
 
 
-def surroundings_of(outlines: Outlines, parent: Ints, outlook: Outlook) -> Surroundings:
+def surroundings_of(outlines: Outlines, parent: Ints, outlook: Outlook) -> OutlookSums:
     """Sum up what each contour faces."""
     n, cells, faces = outlines.n, outlook.cells, outlook.faces
     at_edge = faces >= n
@@ -64,7 +64,7 @@ def surroundings_of(outlines: Outlines, parent: Ints, outlook: Outlook) -> Surro
     row, neighbour, length_mm = summed_by_pair(cells.contour[at_part], faces[at_part], cells.length_mm[at_part], n)
     facing = Facing(row, neighbour, length_mm, _gaps(outlines, parent, row, neighbour))
     solid_mm = outlines.length_mm - edge_length_mm.sum(axis=1) - summed_by(row, length_mm, n)
-    return Surroundings(facing, edge_length_mm, np.maximum(solid_mm, 0.0))
+    return OutlookSums(facing, edge_length_mm, np.maximum(solid_mm, 0.0))
 
 
 def _gaps(outlines: Outlines, parent: Ints, row: Ints, neighbour: Ints) -> Floats:

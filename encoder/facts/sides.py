@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from kerfwise.encoder.cut import Side
+from kerfwise.encoder.geometry.segment import Box
 
 from .outlines import SAME_SHARE
-
-Bounds = tuple[float, float, float, float]
 
 AXIS: dict[Side, int] = {"left": 0, "right": 0, "bottom": 1, "top": 1}
 """The coordinate (0 for x, 1 for y) that changes as one walks away from the side."""
@@ -17,7 +16,7 @@ AWAY: dict[Side, int] = {"left": 1, "right": -1, "bottom": 1, "top": -1}
 OPPOSITE: dict[Side, Side] = {"left": "right", "right": "left", "bottom": "top", "top": "bottom"}
 
 
-def narrow_sides(bounds_mm: Bounds) -> tuple[Side, Side]:
+def narrow_sides(bounds_mm: Box) -> tuple[Side, Side]:
     """The two short sides of the sheet's bounding rectangle; left and right of a square, a millionth more or less.
 
     Examples

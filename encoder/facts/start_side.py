@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.cut import Side
+from kerfwise.encoder.geometry.segment import Box
 
 from .facts import SIDES, Because, FactOptions
 from .outlines import ROUNDING_MM, SAME_SHARE
-from .sides import OPPOSITE, Bounds, narrow_sides
+from .sides import OPPOSITE, narrow_sides
 
 
 def start_side(
-    sheet_mm: Bounds,
+    sheet_mm: Box,
     options: FactOptions,
     is_long: Bools,
     edge_gap_mm: Floats,

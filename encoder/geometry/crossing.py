@@ -25,10 +25,10 @@ class Circle:
     turn: int
 
 
-Track = Line | Circle
+LineOrCircle = Line | Circle
 
 
-def crossings(a: Track, b: Track) -> list[Point]:
+def crossings(a: LineOrCircle, b: LineOrCircle) -> list[Point]:
     """The points that both tracks pass through: none, one or two.
 
     Examples

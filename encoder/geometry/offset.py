@@ -11,7 +11,7 @@ import shapely
 
 from kerfwise.arrays import Floats
 
-from .crossing import Circle, Line, Track, crossings
+from .crossing import Circle, Line, LineOrCircle, crossings
 from .curve import Curve
 from .offset_nearest import NOTHING, Nearest
 from .offset_region import SLIVER_MM, offset_ring
@@ -143,7 +143,9 @@ def _closed(pieces: list[Segment]) -> Curve | None:
     return Curve.of(rows) if len(rows) > 1 else None
 
 
-def _meet(sources: Sources, tracks: dict[int, Track], a: _Stretch, b: _Stretch, ring: Floats | None) -> Point | None:
+def _meet(
+    sources: Sources, tracks: dict[int, LineOrCircle], a: _Stretch, b: _Stretch, ring: Floats | None
+) -> Point | None:
     """Where stretch b follows on stretch a."""
     step = (b.source - a.source) % (2 * len(sources))
     k = a.source // 2
@@ -174,7 +176,7 @@ def _ring_point(ring: Floats, after: float, before: float, mitre: Point | None) 
     return x, y
 
 
-def _bulge(track: Track, start: Point, end: Point, longest_rad: float) -> float | None:
+def _bulge(track: LineOrCircle, start: Point, end: Point, longest_rad: float) -> float | None:
     """Bulge of the piece of a track from `start` to `end`; None if it would run backwards."""
     if isinstance(track, Line):
         ahead = (end[0] - start[0]) * track.direction[0] + (end[1] - start[1]) * track.direction[1]

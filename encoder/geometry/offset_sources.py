@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats
 
-from .crossing import Circle, Line, Track
+from .crossing import Circle, Line, LineOrCircle
 from .curve import Curve
 from .segment import Point
 from .segment_arrays import SegmentArrays
@@ -58,7 +58,7 @@ class Sources:
         one_way = bool((math.copysign(1.0, total_rad) * turns_rad > -1e-9).all())
         return one_way and abs(abs(total_rad) - math.tau) < 1e-6
 
-    def track(self, source: int) -> Track:
+    def track(self, source: int) -> LineOrCircle:
         """The line or circle that the offset of a source lies on."""
         k, is_corner = divmod(source, 2)
         if is_corner:

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Point = tuple[float, float]
+Box = tuple[float, float, float, float]
+"""Least x and y, greatest x and y, mm."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,13 +13,13 @@ from kerfwise.encoder.validate import coincident
 from kerfwise.encoder.validate.metal import metal_of
 
 from .depth import surrounding
-from .drawing import Piece
+from .drawing import DrawnCurve
 
 HOLES = re.compile(r"hole|inner|inside|innen|loch|bohr|cut-?outs?$|отверст", re.IGNORECASE)
 """Layers that say that what is drawn on them is the inside of a part."""
 
 
-def assemble(rings: Sequence[Piece], marks: Sequence[Piece] = ()) -> tuple[tuple[Part, ...], list[Note]]:
+def assemble(rings: Sequence[DrawnCurve], marks: Sequence[DrawnCurve] = ()) -> tuple[tuple[Part, ...], list[Note]]:
     """Parts P1, P2, … in the order their outer rings are drawn in, and notes on what was left out.
 
     A ring at even depth is the outside of a part, one at odd depth a hole of the part around it. Where rings overlap,
@@ -52,7 +52,7 @@ def assemble(rings: Sequence[Piece], marks: Sequence[Piece] = ()) -> tuple[tuple
     return marked, notes + lost
 
 
-def _repeat(again: Piece, first: Piece, name: str) -> Note:
+def _repeat(again: DrawnCurve, first: DrawnCurve, name: str) -> Note:
     """A note on a ring drawn twice; drawn once as a hole, by its layer, and once not, it is given to two parts."""
     text = f"the ring {again.place} is the same line as {name}; it is cut once, as {name}"
     if bool(HOLES.search(again.layer)) == bool(HOLES.search(first.layer)):
@@ -60,7 +60,7 @@ def _repeat(again: Piece, first: Piece, name: str) -> Note:
     return Note("warning", text, (f"the ring on layer '{again.layer}'", name), common=True)
 
 
-def with_marks(parts: Sequence[Part], marks: Sequence[Piece]) -> tuple[tuple[Part, ...], list[Note]]:
+def with_marks(parts: Sequence[Part], marks: Sequence[DrawnCurve]) -> tuple[tuple[Part, ...], list[Note]]:
     """The parts with these marks, and notes on marks that are on no part."""
     if not marks:
         return tuple(parts), []

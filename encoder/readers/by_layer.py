@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Note
 
-from .drawing import Piece
+from .drawing import DrawnCurve
 from .layers import DEFAULT, Layers, Purpose, Use, counted, setting
 
 SOUNDS_LIKE = {"mark": "marks", "ignore": "something not to be cut", "sheet": "the sheet", "scrap": "scrap lines"}
@@ -19,13 +19,13 @@ SOUNDS_LIKE = {"mark": "marks", "ignore": "something not to be cut", "sheet": "t
 class ByLayer:
     """What is cut, what is marked, what the sheet is drawn with, and a word on all that is left out."""
 
-    cut: tuple[Piece, ...]
-    mark: tuple[Piece, ...]
-    sheet: tuple[Piece, ...]
+    cut: tuple[DrawnCurve, ...]
+    mark: tuple[DrawnCurve, ...]
+    sheet: tuple[DrawnCurve, ...]
     notes: tuple[Note, ...]
 
 
-def by_layer(pieces: Sequence[Piece], layers: Layers) -> ByLayer:
+def by_layer(pieces: Sequence[DrawnCurve], layers: Layers) -> ByLayer:
     """The pieces by the purpose of their layers.
 
     Raises
@@ -36,7 +36,7 @@ def by_layer(pieces: Sequence[Piece], layers: Layers) -> ByLayer:
     if not pieces:
         raise InputError("nothing to cut: the drawing holds no line, arc, circle, polyline, ellipse or spline")
     uses = {names: layers.use(names) for names in dict.fromkeys(p.names for p in pieces)}
-    of: dict[Purpose | None, list[Piece]] = {}
+    of: dict[Purpose | None, list[DrawnCurve]] = {}
     for piece in pieces:
         of.setdefault(uses[piece.names].purpose, []).append(piece)
     if None in of:
@@ -51,7 +51,7 @@ def by_layer(pieces: Sequence[Piece], layers: Layers) -> ByLayer:
     return ByLayer(tuple(of["cut"]), tuple(of.get("mark", ())), tuple(of.get("sheet", ())), tuple(notes))
 
 
-def _left_out(of: dict[Purpose | None, list[Piece]]) -> list[Note]:
+def _left_out(of: dict[Purpose | None, list[DrawnCurve]]) -> list[Note]:
     notes = []
     if ignored := of.get("ignore"):
         text = f"left out, as drawing.layers.ignore matches their layers: {counted(p.layer for p in ignored)}"
@@ -62,7 +62,7 @@ def _left_out(of: dict[Purpose | None, list[Piece]]) -> list[Note]:
     return notes
 
 
-def _misheard(cut: Sequence[Piece]) -> list[Note]:
+def _misheard(cut: Sequence[DrawnCurve]) -> list[Note]:
     """Layers that are cut since a plant's own pattern took the place of the one that would have matched them."""
     heard = {p.layer: DEFAULT.use(p.names).purpose for p in cut}
     return [
@@ -76,7 +76,7 @@ def _misheard(cut: Sequence[Piece]) -> list[Note]:
     ]
 
 
-def _nothing(pieces: Sequence[Piece], uses: Mapping[tuple[str, ...], Use]) -> str:
+def _nothing(pieces: Sequence[DrawnCurve], uses: Mapping[tuple[str, ...], Use]) -> str:
     layers = {p.layer: uses[p.names] for p in pieces}
     listed = ", ".join(f"'{layer}' is {_word(layers[layer])}" for layer in sorted(layers)[:8])
     more = f" and {len(layers) - 8} more" if len(layers) > 8 else ""

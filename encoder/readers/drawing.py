@@ -13,7 +13,7 @@ from kerfwise.encoder.validate.rings import enclosed
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class DrawnCurve:
     """One drawn curve in mm, open or closed, on its layer; `order` counts in the order of the file.
 
     `within` are the names it can be known by, outermost first, where those are more than its layer's: groups of groups.
@@ -48,7 +48,7 @@ class Drawing:
     `units` is what it was read in; `page` the drawing area, for a format that has one.
     """
 
-    pieces: tuple[Piece, ...]
+    pieces: tuple[DrawnCurve, ...]
     units: str
     notes: tuple[Note, ...] = ()
     page: Sheet | None = None

@@ -7,8 +7,8 @@ from kerfwise.encoder.nest import Nest, Note, Severity, Sheet
 
 from .assemble import assemble, with_marks
 from .by_layer import by_layer
-from .drawing import Drawing, Piece
-from .frame import frame_note, frame_of, use_of_frame
+from .drawing import Drawing, DrawnCurve
+from .frame import frame_note, frame_of_drawing, use_of_frame
 from .join import Joined, join
 from .open_ends import REPAIR_FACTOR, ends, open_end_problems
 from .open_lines import settled
@@ -49,10 +49,10 @@ def nest_of(drawing: Drawing, options: ReadOptions) -> Nest:
 
 
 def _frame(
-    rings: tuple[Piece, ...], stock: tuple[Piece, ...], page: Sheet | None, options: ReadOptions
-) -> tuple[tuple[Piece, ...], tuple[Piece, ...], list[Note]]:
+    rings: tuple[DrawnCurve, ...], stock: tuple[DrawnCurve, ...], page: Sheet | None, options: ReadOptions
+) -> tuple[tuple[DrawnCurve, ...], tuple[DrawnCurve, ...], list[Note]]:
     """The rings of parts and those of the sheet, where a rectangle around everything may be either."""
-    frame = () if stock or not rings else frame_of(rings)
+    frame = () if stock or not rings else frame_of_drawing(rings)
     if not frame or use_of_frame(frame, rings, page, options) == "part":
         return rings, stock, []
     return tuple(p for p in rings if p not in frame), frame, [frame_note(frame)]

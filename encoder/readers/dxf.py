@@ -18,7 +18,7 @@ from kerfwise.encoder.nest import Note
 from kerfwise.encoder.still_going import so_much
 
 from .copies import check_copies
-from .drawing import Drawing, Piece
+from .drawing import Drawing, DrawnCurve
 from .dxf_entities import curve, entities
 from .foreign import FOREIGN_ERRORS
 from .options import ReadOptions
@@ -59,7 +59,7 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions) -> Drawing:
             if drawn is None:
                 unread.types[entity.dxftype(), layer] += 1
             else:
-                pieces.append(Piece(drawn, layer, order))
+                pieces.append(DrawnCurve(drawn, layer, order))
     except DXF_ERRORS as error:
         raise InputError(f"an entity of this DXF file is damaged ({error}); save it again in CAD") from error
     return Drawing(tuple(pieces), units, (*notes, *unit_notes, *unread.notes(options.layers)))

@@ -11,9 +11,9 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Note, Sheet
 from kerfwise.encoder.validate import coincident
 
-from .drawing import Piece
+from .drawing import DrawnCurve
 from .layers import setting
-from .options import Frame, ReadOptions
+from .options import FrameName, ReadOptions
 
 STRAIGHT_MM = 0.05
 """A ring is a rectangle if it leaves its bounding box by less than this, on the average of the box's outline."""
@@ -25,7 +25,7 @@ ROUGHLY = 0.8
 """A rectangle with sides of at least this share of those of the sheet that is given may be that sheet's margin."""
 
 
-def frame_of(rings: Sequence[Piece]) -> tuple[Piece, ...]:
+def frame_of_drawing(rings: Sequence[DrawnCurve]) -> tuple[DrawnCurve, ...]:
     """The rectangle that holds all other rings, with every copy of it; nothing where there is none."""
     areas = [p.area for p in rings]
     lines = np.array([p.curve.line() for p in rings], dtype=object)  # a ring that encloses nothing has no area to ask
@@ -38,7 +38,9 @@ def frame_of(rings: Sequence[Piece]) -> tuple[Piece, ...]:
     return tuple(rings[k] for k in sorted(around)) if len(around) < len(rings) else ()
 
 
-def use_of_frame(frame: Sequence[Piece], rings: Sequence[Piece], page: Sheet | None, options: ReadOptions) -> Frame:
+def use_of_frame(
+    frame: Sequence[DrawnCurve], rings: Sequence[DrawnCurve], page: Sheet | None, options: ReadOptions
+) -> FrameName:
     """What the frame is: as the options say, or as the size of the sheet or of the page makes plain.
 
     Raises
@@ -65,7 +67,7 @@ def use_of_frame(frame: Sequence[Piece], rings: Sequence[Piece], page: Sheet | N
     )
 
 
-def frame_note(frame: Sequence[Piece]) -> Note:
+def frame_note(frame: Sequence[DrawnCurve]) -> Note:
     """That the frame is taken for the sheet."""
     width, height = _size(frame[0])
     return Note(
@@ -73,7 +75,7 @@ def frame_note(frame: Sequence[Piece]) -> Note:
     )
 
 
-def _size(piece: Piece) -> tuple[float, float]:
+def _size(piece: DrawnCurve) -> tuple[float, float]:
     return _sides(piece.area.bounds)
 
 

@@ -15,7 +15,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 
 from .branches import faces, twins
-from .drawing import Piece
+from .drawing import DrawnCurve
 from .limits import SNAP_MM
 from .nodes import meeting_points
 from .overdrawn import trimmed
@@ -37,14 +37,14 @@ class Joined:
     `repeats` are lines drawn over others, `specks` pieces of no length, `gaps` the distances closed.
     """
 
-    rings: tuple[Piece, ...]
-    chains: tuple[Piece, ...]
-    repeats: tuple[Piece, ...] = ()
-    specks: tuple[Piece, ...] = ()
+    rings: tuple[DrawnCurve, ...]
+    chains: tuple[DrawnCurve, ...]
+    repeats: tuple[DrawnCurve, ...] = ()
+    specks: tuple[DrawnCurve, ...] = ()
     gaps: tuple[Gap, ...] = ()
 
 
-def join(pieces: Sequence[Piece], tolerance_mm: float, bridge_mm: float = 0.0) -> Joined:
+def join(pieces: Sequence[DrawnCurve], tolerance_mm: float, bridge_mm: float = 0.0) -> Joined:
     """Rings of the pieces whose ends meet; closed pieces are rings already. Near-linear in their number.
 
     Where more than two ends meet, a line goes on into the one drawn next to it in the file. If that leaves lines
@@ -63,7 +63,7 @@ def join(pieces: Sequence[Piece], tolerance_mm: float, bridge_mm: float = 0.0) -
     sound = [p for p in pieces if p.curve.length_mm > SNAP_MM]
     rings = [p for p in sound if p.curve.closed]
     loose = [p for p in sound if not p.curve.closed]
-    chains: list[Piece] = []
+    chains: list[DrawnCurve] = []
     gaps: list[Gap] = []
     if loose:
         ends = np.concatenate([p.curve.vertices[[0, -1], :2] for p in loose])
@@ -87,11 +87,11 @@ def join(pieces: Sequence[Piece], tolerance_mm: float, bridge_mm: float = 0.0) -
     return Joined(_in_order(rings), _in_order(open_chains), _in_order([*repeats, *shared]), specks, tuple(gaps))
 
 
-def _length(pieces: Iterable[Piece]) -> float:
+def _length(pieces: Iterable[DrawnCurve]) -> float:
     return sum(p.curve.length_mm for p in pieces)
 
 
-def _in_order(pieces: Iterable[Piece]) -> tuple[Piece, ...]:
+def _in_order(pieces: Iterable[DrawnCurve]) -> tuple[DrawnCurve, ...]:
     return tuple(sorted(pieces, key=lambda p: p.order))
 
 
@@ -125,7 +125,7 @@ def _left_over(trails: Sequence[Trail], twin: dict[int, int], curves: Sequence[C
     return round(sum(curves[k].length_mm for k in sorted(set(twin.values()) - used)), 6)
 
 
-def _linked(trail: Trail, loose: Sequence[Piece], tolerance_mm: float) -> tuple[Piece, list[Gap]]:
+def _linked(trail: Trail, loose: Sequence[DrawnCurve], tolerance_mm: float) -> tuple[DrawnCurve, list[Gap]]:
     """One piece of the trail's pieces, and the gaps closed on the way."""
     curves = [loose[k].curve if forward else loose[k].curve.reversed() for k, forward in trail.steps]
     rows = [_halved(c.vertices) for c in curves]
@@ -156,7 +156,7 @@ def _halved(vertices: Floats) -> Floats:
     return np.array([*rows, (*vertices[-1, :2], 0.0)])
 
 
-def _drawn_over(chains: Sequence[Piece], rings: Iterable[Piece], tolerance_mm: float) -> list[bool]:
+def _drawn_over(chains: Sequence[DrawnCurve], rings: Iterable[DrawnCurve], tolerance_mm: float) -> list[bool]:
     """Which chains lie wholly on lines of the rings."""
     lines = [r.curve.line() for r in rings]
     if not chains or not lines:

@@ -9,14 +9,14 @@ from scipy.spatial import cKDTree
 
 from kerfwise.arrays import Floats
 
-from .drawing import Piece
+from .drawing import DrawnCurve
 from .options import ReadOptions
 
 REPAIR_FACTOR = 10
 """With `repair`, gaps up to this many times the join tolerance are closed."""
 
 
-def ends(chain: Piece) -> str:
+def ends(chain: DrawnCurve) -> str:
     """How long a line is, where it starts and ends, and its layer."""
     (x0, y0), (x1, y1) = chain.curve.vertices[[0, -1], :2].tolist()
     return (
@@ -24,14 +24,14 @@ def ends(chain: Piece) -> str:
     )
 
 
-def nearest_ends(chains: Sequence[Piece]) -> Floats:
+def nearest_ends(chains: Sequence[DrawnCurve]) -> Floats:
     """Array (n, 2): how far the start and the end of each chain are from the nearest other end, its own too, mm."""
     points = np.concatenate([c.curve.vertices[[0, -1], :2] for c in chains])
     distances: Floats = cKDTree(points).query(points, k=2)[0][:, 1].reshape(-1, 2)
     return distances
 
 
-def open_end_problems(chains: Sequence[Piece], options: ReadOptions) -> list[str]:
+def open_end_problems(chains: Sequence[DrawnCurve], options: ReadOptions) -> list[str]:
     """A line for each open chain: where its ends are, how far the nearest other open end is, and what to do."""
     problems = []
     for chain, gaps in zip(chains, nearest_ends(chains).tolist(), strict=True):

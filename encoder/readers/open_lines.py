@@ -13,7 +13,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Note, Part
 from kerfwise.encoder.validate.metal import metal_of
 
-from .drawing import Piece
+from .drawing import DrawnCurve
 from .layers import setting
 from .limits import SNAP_MM
 from .open_ends import REPAIR_FACTOR, ends, nearest_ends, open_end_problems
@@ -27,12 +27,16 @@ BROKEN = 0.5
 class Settled:
     """What becomes of open lines: those that are marked, and a word on each."""
 
-    marks: tuple[Piece, ...]
+    marks: tuple[DrawnCurve, ...]
     notes: tuple[Note, ...]
 
 
 def settled(
-    chains: Sequence[Piece], rings: Sequence[Piece], parts: Sequence[Part], bridge_mm: float, options: ReadOptions
+    chains: Sequence[DrawnCurve],
+    rings: Sequence[DrawnCurve],
+    parts: Sequence[Part],
+    bridge_mm: float,
+    options: ReadOptions,
 ) -> Settled:
     """What is done with open lines on layers that are cut.
 
@@ -58,11 +62,11 @@ def settled(
     slack_mm = options.join_tolerance_mm
     closed = Counter(r.layer for r in rings)
     outlines = shapely.STRtree([r.curve.line() for r in rings])
-    dropped: list[Piece] = []
-    marked: list[Piece] = []
-    in_waste: list[Piece] = []
-    ignored: list[Piece] = []
-    left: list[Piece] = []
+    dropped: list[DrawnCurve] = []
+    marked: list[DrawnCurve] = []
+    in_waste: list[DrawnCurve] = []
+    ignored: list[DrawnCurve] = []
+    left: list[DrawnCurve] = []
     for chain, is_stated, is_whole, inside_mm in zip(chains, stated, whole, metal_mm, strict=True):
         is_stray = is_whole and not is_stated and not closed[chain.layer]
         if options.repair and (is_stray or (chain.curve.length_mm <= bridge_mm and _is_stub(chain, outlines, options))):
@@ -88,13 +92,13 @@ def settled(
     return Settled(tuple(marked), (*crumb_notes, *notes))
 
 
-def _is_stub(chain: Piece, outlines: shapely.STRtree, options: ReadOptions) -> bool:
+def _is_stub(chain: DrawnCurve, outlines: shapely.STRtree, options: ReadOptions) -> bool:
     """Whether a line begins or ends on a closed one: a corner that was drawn a little too far."""
     ends_at = shapely.points(chain.curve.vertices[[0, -1], :2])
     return len(outlines.query(ends_at, predicate="dwithin", distance=options.join_tolerance_mm)[0]) > 0
 
 
-def _maybe_broken(chains: Sequence[Piece], options: ReadOptions) -> list[bool]:
+def _maybe_broken(chains: Sequence[DrawnCurve], options: ReadOptions) -> list[bool]:
     """Which chains may be a contour, or a piece of one, that was meant to close."""
     across = [float(np.hypot(*(c.curve.vertices[-1, :2] - c.curve.vertices[0, :2]))) for c in chains]
     other = nearest_ends(chains).min(axis=1).tolist()
@@ -104,7 +108,7 @@ def _maybe_broken(chains: Sequence[Piece], options: ReadOptions) -> list[bool]:
     ]
 
 
-def _in_metal(chains: Sequence[Piece], parts: Sequence[Part]) -> list[float]:
+def _in_metal(chains: Sequence[DrawnCurve], parts: Sequence[Part]) -> list[float]:
     """How much of each chain lies in the metal of parts, mm."""
     metal = metal_of(parts)
     tree = shapely.STRtree(metal)
@@ -115,7 +119,7 @@ def _in_metal(chains: Sequence[Piece], parts: Sequence[Part]) -> list[float]:
     return lengths
 
 
-def _by_layer(left: Sequence[Piece], closed: Counter[str], cut: set[str], options: ReadOptions) -> list[str]:
+def _by_layer(left: Sequence[DrawnCurve], closed: Counter[str], cut: set[str], options: ReadOptions) -> list[str]:
     """A sentence for each layer: what it holds, and what a profile can say of it."""
     said = []
     stated = {c.layer: options.layers.use(c.names) == ("cut", True) for c in left}
@@ -140,8 +144,8 @@ def _by_layer(left: Sequence[Piece], closed: Counter[str], cut: set[str], option
     return said
 
 
-def _told(chains: Sequence[Piece], how: str) -> list[Note]:
-    by_layer: dict[str, list[Piece]] = {}
+def _told(chains: Sequence[DrawnCurve], how: str) -> list[Note]:
+    by_layer: dict[str, list[DrawnCurve]] = {}
     for chain in chains:
         by_layer.setdefault(chain.layer, []).append(chain)
     return [

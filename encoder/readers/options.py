@@ -11,7 +11,7 @@ from kerfwise.encoder.errors import InputError
 from .layers import DEFAULT, Layers
 from .units import MM_PER
 
-Frame = Literal["sheet", "part"]
+FrameName = Literal["sheet", "part"]
 OpenLines = Literal["mark", "ignore", "refuse"]
 
 
@@ -52,7 +52,7 @@ class ReadOptions:
     units: str | None = None
     sheet_size_mm: tuple[float, float] | None = None
     layers: Layers = DEFAULT
-    frame: Frame | None = None
+    frame: FrameName | None = None
     open_lines: OpenLines = "mark"
     margin_mm: float = 10.0
     join_tolerance_mm: float = 0.1
@@ -62,7 +62,7 @@ class ReadOptions:
         if self.units is not None and self.units not in MM_PER:
             raise InputError(f"unknown units '{self.units}': expected one of {', '.join(MM_PER)}")
         for name, given, words in (
-            ("frame", self.frame or "sheet", get_args(Frame)),
+            ("frame", self.frame or "sheet", get_args(FrameName)),
             ("open_lines", self.open_lines, get_args(OpenLines)),
         ):
             _require(given in words, f"unknown {name} '{given}': expected one of {', '.join(words)}")

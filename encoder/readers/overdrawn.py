@@ -10,11 +10,11 @@ import shapely
 
 from kerfwise.encoder.geometry.curve import Curve
 
-from .drawing import Piece
+from .drawing import DrawnCurve
 from .limits import SNAP_MM
 
 
-def trimmed(chains: Sequence[Piece], tolerance_mm: float) -> tuple[list[Piece], list[Piece]]:
+def trimmed(chains: Sequence[DrawnCurve], tolerance_mm: float) -> tuple[list[DrawnCurve], list[DrawnCurve]]:
     """The chains without the stretches where the last lines of two ends overlap, and those stretches.
 
     Two ends overlap if each lies on the straight line that leads to the other; the later one is cut back to the
@@ -22,7 +22,7 @@ def trimmed(chains: Sequence[Piece], tolerance_mm: float) -> tuple[list[Piece], 
 
     Examples
     --------
-    >>> lines = [Piece(Curve.of(rows, closed=False), "0", 0) for rows in ([(0, 0), (6, 0)], [(4, 0), (9, 0)])]
+    >>> lines = [DrawnCurve(Curve.of(rows, closed=False), "0", 0) for rows in ([(0, 0), (6, 0)], [(4, 0), (9, 0)])]
     >>> left, shared = trimmed(lines, 0.1)
     >>> [p.curve.as_rows() for p in left]
     [[[0.0, 0.0], [6.0, 0.0]], [[6.0, 0.0], [9.0, 0.0]]]
@@ -35,7 +35,7 @@ def trimmed(chains: Sequence[Piece], tolerance_mm: float) -> tuple[list[Piece], 
     end, line = tree.query(shapely.points(ends), predicate="dwithin", distance=tolerance_mm)
     lies_on = set(zip(end.tolist(), line.tolist(), strict=True))
     rows = [c.curve.vertices.copy() for c in chains]
-    shared: list[Piece] = []
+    shared: list[DrawnCurve] = []
     taken: set[int] = set()
     for a, b in sorted(lies_on):
         each_on_the_other = a < b and (b, a) in lies_on and not (last[a].is_arc or last[b].is_arc)

@@ -14,13 +14,13 @@ from kerfwise.encoder.nest import Note, Sheet
 from kerfwise.encoder.validate import coincident
 
 from .depth import surrounding
-from .drawing import Piece
+from .drawing import DrawnCurve
 from .frame import alike
 from .options import ReadOptions
 
 
 def choose_sheet(
-    drawn: Sequence[Piece], parts: Sequence[Piece], page: Sheet | None, options: ReadOptions
+    drawn: Sequence[DrawnCurve], parts: Sequence[DrawnCurve], page: Sheet | None, options: ReadOptions
 ) -> tuple[Sheet, list[Note]]:
     """The sheet, and what is to be said about the choice.
 
@@ -62,7 +62,7 @@ def choose_sheet(
     return sheet, [Note("warning", text)]
 
 
-def _drawn_sheet(drawn: Sequence[Piece]) -> Sheet:
+def _drawn_sheet(drawn: Sequence[DrawnCurve]) -> Sheet:
     again = {k for _, k in coincident([p.curve for p in drawn])}
     drawn = [p for k, p in enumerate(drawn) if k not in again]
     depth, _ = surrounding([p.area for p in drawn])

@@ -14,7 +14,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Note
 from kerfwise.encoder.still_going import so_much
 
-from .drawing import Drawing, Piece
+from .drawing import Drawing, DrawnCurve
 from .foreign import FOREIGN_ERRORS
 from .layers import Layers, Purpose
 from .options import ReadOptions
@@ -61,7 +61,7 @@ def read_svg(data: bytes, options: ReadOptions) -> Drawing:
         ]
     except FOREIGN_ERRORS as error:
         raise InputError(f"a shape of this SVG file is damaged ({error}); save it again as plain SVG") from error
-    pieces = tuple(Piece(c, s.layer, order, s.names) for order, (c, s) in enumerate(drawn))
+    pieces = tuple(DrawnCurve(c, s.layer, order, s.names) for order, (c, s) in enumerate(drawn))
     return Drawing(pieces, page.units, tuple(_unread(shown, options.layers)), page.sheet)
 
 

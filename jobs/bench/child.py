@@ -1,4 +1,4 @@
-"""The process that runs one engine on one file: a `Job` on standard input, a `Result` on standard output, as JSON."""
+"""The process that runs one engine on one file: a `BenchJob` on standard input, a `BenchResult` on standard output."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.engines.warm_up import load_kernels
 from kerfwise.models.routing import Instance, is_instance, judge_tour, read_instance, solve_instance
 
-from .measure import Job, Result
+from .measure import BenchJob, BenchResult
 from .memory import peak_mb
 
 
@@ -30,11 +30,11 @@ class _Outcome(NamedTuple):
     seconds: float
 
 
-def run(job: Job) -> Result:
+def run_in_child(job: BenchJob) -> BenchResult:
     """Run a job in this process."""
     options = SolveOptions(seed=job.seed, work=job.work, time_s=job.time_s, member=member_of(job.engine))
     outcome = _route(job, options) if is_instance(job.path) else _nest(job)
-    return Result(
+    return BenchResult(
         instance=outcome.instance,
         engine=job.engine,
         cost=outcome.cost,
@@ -48,7 +48,7 @@ def run(job: Job) -> Result:
     )
 
 
-def _route(job: Job, options: SolveOptions) -> _Outcome:
+def _route(job: BenchJob, options: SolveOptions) -> _Outcome:
     instance = read_instance(job.path)
     _load_kernels(options)
     started = time.perf_counter()
@@ -74,7 +74,7 @@ def _small() -> Instance:
     return Instance("small", cost, ((0,), (1, 2), (3,), (4,), (5,)), ((0, 1), (1, 2)), start=0, closed=True)
 
 
-def _nest(job: Job) -> _Outcome:
+def _nest(job: BenchJob) -> _Outcome:
     from pathlib import Path
 
     from kerfwise.encoder.readers import read_nest
@@ -103,7 +103,7 @@ def _nest(job: Job) -> _Outcome:
 
 if __name__ == "__main__":
     try:
-        print(json.dumps(asdict(run(Job(**json.load(sys.stdin))))))
+        print(json.dumps(asdict(run_in_child(BenchJob(**json.load(sys.stdin))))))
     except InputError as error:
         print(error, file=sys.stderr)
         sys.exit(2)

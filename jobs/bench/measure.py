@@ -12,7 +12,7 @@ from kerfwise.models.engines.names import Engine
 
 
 @dataclass(frozen=True, slots=True)
-class Job:
+class BenchJob:
     """What is to be run: a routing instance or a nest, and the limits (see `SolveOptions`)."""
 
     path: str
@@ -25,7 +25,7 @@ class Job:
 
 
 @dataclass(frozen=True, slots=True)
-class Result:
+class BenchResult:
     """What came of it.
 
     `cost` is in the file's own unit (mm of objective for nests), judged by code that shares nothing with the engines;
@@ -46,7 +46,7 @@ class Result:
     fault: str = ""
 
 
-def measure(job: Job) -> Result:
+def measure(job: BenchJob) -> BenchResult:
     """Run a job and wait for it.
 
     Raises
@@ -78,4 +78,4 @@ def measure(job: Job) -> Result:
         last = said.strip().splitlines()[-1:] or [f"exit code {child.returncode}"]
         raise InputError(f"the engine {job.engine} ended with an error: {last[0]}", file=job.path)
     fields = json.loads(answer)
-    return Result(**{**fields, "tour": tuple(fields["tour"])})
+    return BenchResult(**{**fields, "tour": tuple(fields["tour"])})

@@ -6,7 +6,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict
 
-from .measure import Result
+from .measure import BenchResult
 
 WIDTHS = (18, 13, 12, 12, 9, 7, 9, 9)
 TITLES = ("instance", "engine", "cost", "best known", "gap", "proven", "seconds", "memory")
@@ -17,7 +17,7 @@ def head() -> str:
     return _joined(TITLES)
 
 
-def line(result: Result, best: float | None) -> str:
+def line(result: BenchResult, best: float | None) -> str:
     """One result; the gap is to the best known cost."""
     bound = "" if result.bound is None else f"≥ {result.bound:g}"
     return _joined(
@@ -34,14 +34,14 @@ def line(result: Result, best: float | None) -> str:
     ) + (f"  {result.fault}" if result.fault else "")
 
 
-def gap_to(result: Result, best: float | None) -> float | None:
+def gap_to(result: BenchResult, best: float | None) -> float | None:
     """(cost - best) / best, None where either is not known."""
     if best is None or result.cost is None or not result.feasible:
         return None
     return (result.cost - best) / best if best else float(result.cost > 0)
 
 
-def totals(results: Sequence[Result], bests: Sequence[float | None]) -> str:
+def results_in_all(results: Sequence[BenchResult], bests: Sequence[float | None]) -> str:
     """How many, how good."""
     gaps = [gap for r, b in zip(results, bests, strict=True) if (gap := gap_to(r, b)) is not None]
     said = [
@@ -58,7 +58,7 @@ def totals(results: Sequence[Result], bests: Sequence[float | None]) -> str:
     return ", ".join(said)
 
 
-def as_json(results: Sequence[Result]) -> str:
+def results_as_json(results: Sequence[BenchResult]) -> str:
     """A list of objects, one a run."""
     return json.dumps([asdict(result) for result in results], indent=1)
 

@@ -12,7 +12,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models.engines.minizinc.installation import driver
 from kerfwise.rules.case import Case
 from kerfwise.rules.options.option import options_of
-from kerfwise.rules.outcome import Outcome
+from kerfwise.rules.outcome import CaseOutcome
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Rule
 from kerfwise.rules.run_cases import cases_of, run_cases, told
@@ -38,7 +38,7 @@ ORDERS, TEXT, ENGINES, OPTIONS = (
 )
 
 
-def try_rule(rule: str, profile: Profile, cases_only: bool = False) -> Iterator[Outcome]:
+def try_rule(rule: str, profile: Profile, cases_only: bool = False) -> Iterator[CaseOutcome]:
     """Run the cases of a rule, then hold its halves against each other on every plan of small nests.
 
     The nests are those of its cases and a few that are made at random, always the same. The profile gives the machine
@@ -54,7 +54,7 @@ def try_rule(rule: str, profile: Profile, cases_only: bool = False) -> Iterator[
             wrong, note = look()
         except Exception as error:
             wrong, note = (told(error),), ""
-        yield Outcome(rule, what, wrong, is_case=False, note=note)
+        yield CaseOutcome(rule, what, wrong, is_case=False, note=note)
 
 
 Looked = tuple[tuple[str, ...], str]

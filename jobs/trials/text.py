@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from kerfwise.jobs.solve_options import options_for
-from kerfwise.models.engines.minizinc.asked import Asked, arrays_of, asked
+from kerfwise.models.engines.minizinc.asked import AskedArray, arrays_of, asked
 from kerfwise.models.engines.minizinc.data import data_text
 from kerfwise.models.engines.minizinc.engine import clear_errors
 from kerfwise.models.engines.minizinc.installation import driver, solver_named
@@ -64,5 +64,5 @@ def admitted_by_text(trial: Trial) -> frozenset[PlanOf]:
     return frozenset(tuple(c - 1 for c in one.stop if c > 0) for one in solutions if all(one.verdict))
 
 
-def _holds(array: Asked) -> str:
+def _holds(array: AskedArray) -> str:
     return f"forall(ms in {array.name})(ms = 0)" if array.most_ms else f"forall({array.name})"

@@ -35,7 +35,7 @@ from kerfwise.rules.statements import Statement
 from .nearby_routes import nearby
 from .priced_statements import priced_statements
 from .prices import HeatPrices, fit_prices
-from .terms import Terms
+from .terms import HeatTerms
 
 Route = tuple[int, ...]
 
@@ -55,7 +55,7 @@ Planner = Callable[[int, tuple[Statement, ...]], Sequence[int]]
 Judge = Callable[[Sequence[int]], float | None]
 """What a route (candidates) costs by all rules, those that judge whole orders included, mm; None if it is unlawful."""
 
-Going = Callable[[], bool]
+MayGoOn = Callable[[], bool]
 """Asked after every few simulations whether to go on."""
 
 
@@ -64,7 +64,7 @@ def _always() -> bool:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Tried:
+class TriedRoute:
     """A simulated route (sites): its cost by the statements, mm, and its overheats near each contour, (n,)."""
 
     route: Route
@@ -83,7 +83,7 @@ class Tried:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Found:
+class CoolestFound:
     """The best route simulated (candidates), its cost by the rules, mm, its overheats, and the prices in the end."""
 
     route: Route
@@ -121,11 +121,11 @@ class CoolerOrders:
         self._paths = paths
         self._grid = make_grid(facts.nest, heat.grid_mm)
         self._regions = Regions(facts.nest, self._grid)
-        self._terms = Terms.of(facts, problem, heat)
-        self._tried: dict[Route, Tried] = {}
+        self._terms = HeatTerms.of(facts, problem, heat)
+        self._tried: dict[Route, TriedRoute] = {}
         self._started = False
 
-    def start(self, going: Going = _always) -> None:
+    def start(self, going: MayGoOn = _always) -> None:
         """Simulate random orders, if that was not done before.
 
         Raises
@@ -152,9 +152,9 @@ class CoolerOrders:
         price_mm: float,
         planner: Planner,
         judge: Judge | None = None,
-        going: Going = _always,
+        going: MayGoOn = _always,
         seed: int = 1,
-    ) -> Found:
+    ) -> CoolestFound:
         """The best route found where an overheat costs as much as `price_mm` of idle travel.
 
         Raises
@@ -181,11 +181,13 @@ class CoolerOrders:
             routes = (nearby(problem, best, prices, price_mm, chance) for _ in range(NEARBY))
             self._simulate((route for route in routes if route is not None), NEARBY_WEIGHT, going)
         tried, cost_mm = self._best(price_mm, judge, judged)
-        return Found(self._candidates(tried.route), cost_mm, tried.overheats, self.prices())
+        return CoolestFound(self._candidates(tried.route), cost_mm, tried.overheats, self.prices())
 
-    def _best(self, price_mm: float, judge: Judge | None, judged: dict[Route, float | None]) -> tuple[Tried, float]:
+    def _best(
+        self, price_mm: float, judge: Judge | None, judged: dict[Route, float | None]
+    ) -> tuple[TriedRoute, float]:
         """The lawful route that costs least, and its cost by the rules; what judges whole orders only adds to it."""
-        best: tuple[float, Tried, float] | None = None
+        best: tuple[float, TriedRoute, float] | None = None
         for tried in sorted(self._tried.values(), key=lambda one: one.total_mm(price_mm)):
             if best is not None and tried.total_mm(price_mm) >= best[0]:
                 break
@@ -205,7 +207,7 @@ class CoolerOrders:
     def _candidates(self, route: Route) -> Route:
         return tuple(self._problem.site_candidate[list(route)].tolist())
 
-    def _simulate(self, routes: Iterable[Route], weight: float, going: Going) -> None:
+    def _simulate(self, routes: Iterable[Route], weight: float, going: MayGoOn) -> None:
         """Simulate what is new of these routes, in small lots: after each it may be enough."""
         rest = iter(routes)
         with ThreadPoolExecutor() as pool:
@@ -213,7 +215,7 @@ class CoolerOrders:
                 new = [route for route in lot if route not in self._tried]
                 timed = [self._paths.of(self._candidates(route)) for route in new]
                 for route, hot in zip(new, pool.map(self._hot, timed), strict=True):
-                    self._tried[route] = Tried(route, route_cost(self._problem, route) / UM_PER_MM, hot, weight)
+                    self._tried[route] = TriedRoute(route, route_cost(self._problem, route) / UM_PER_MM, hot, weight)
                 if not going():
                     break
 

@@ -13,7 +13,7 @@ from kerfwise.rules.statements import About, AtLeast, Before, Forbid, Precede
 
 from .prices import HeatPrices
 
-Priced = Precede | Forbid | AtLeast
+PricedStatement = Precede | Forbid | AtLeast
 
 HEAT = "objective.heat"
 """What prices of heat are told by, in place of a rule."""
@@ -21,7 +21,9 @@ LEAST = 0.1
 """Prices under so many overheats are noise."""
 
 
-def priced_statements(facts: Facts, problem: Problem, prices: HeatPrices, price_mm: float) -> tuple[Priced, ...]:
+def priced_statements(
+    facts: Facts, problem: Problem, prices: HeatPrices, price_mm: float
+) -> tuple[PricedStatement, ...]:
     """The prices where an overheat costs `price_mm` of idle travel.
 
     A term that saves overheats is the same as a cost where it does not hold: only a constant differs.
@@ -40,7 +42,7 @@ class _Speaker:
             if site >= 0:
                 self._candidates[site].append(candidate)
 
-    def all(self) -> Iterator[Priced]:
+    def all(self) -> Iterator[PricedStatement]:
         yield from self._pairs()
         yield from self._entries()
         yield from self._both()

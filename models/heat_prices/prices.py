@@ -3,8 +3,8 @@
 Heat meets where cuts lie side by side, and a kerf that is already there holds the heat of the next cut back. What
 matters most is which near contours are out when a contour is cut, and where it is pierced; the pauses between the cuts
 matter little. So the overheats near each contour are taken as a constant, plus a price for every term about its own cut
-(see `Terms`). Ridge regression finds the prices contour by contour. Each contour has few terms, so that few simulations
-are enough, however large the nest.
+(see `HeatTerms`). Ridge regression finds the prices contour by contour. Each contour has few terms, so that few
+simulations are enough, however large the nest.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 
 from kerfwise.arrays import Floats, Ints
 
-from .terms import Terms
+from .terms import HeatTerms
 
 PENALTIES = (1.0, 3.0, 10.0, 30.0, 100.0)
 FOLDS = 5
@@ -26,7 +26,7 @@ FOLDS = 5
 class HeatPrices:
     """What each term makes more (or fewer), in overheats."""
 
-    terms: Terms
+    terms: HeatTerms
     overheats: Floats
 
     def of(self, route: Sequence[int]) -> float:
@@ -42,7 +42,7 @@ class HeatPrices:
         return sites, more
 
 
-def fit_prices(terms: Terms, routes: Sequence[Sequence[int]], hot: Floats | Ints, weights: Floats) -> HeatPrices:
+def fit_prices(terms: HeatTerms, routes: Sequence[Sequence[int]], hot: Floats | Ints, weights: Floats) -> HeatPrices:
     """Prices that explain best what was hot on these routes (sites).
 
     Parameters
@@ -61,7 +61,7 @@ def fit_prices(terms: Terms, routes: Sequence[Sequence[int]], hot: Floats | Ints
     return HeatPrices(terms, _fit(terms, rows, found, weights, penalty))
 
 
-def _fit(terms: Terms, rows: Floats, hot: Floats, weights: Floats, penalty: float) -> Floats:
+def _fit(terms: HeatTerms, rows: Floats, hot: Floats, weights: Floats, penalty: float) -> Floats:
     prices = np.zeros(rows.shape[1])
     for contour, columns in enumerate(terms.around):
         if len(columns) and hot[:, contour].any():
@@ -69,7 +69,7 @@ def _fit(terms: Terms, rows: Floats, hot: Floats, weights: Floats, penalty: floa
     return prices
 
 
-def _best_penalty(terms: Terms, rows: Floats, hot: Floats, weights: Floats) -> float:
+def _best_penalty(terms: HeatTerms, rows: Floats, hot: Floats, weights: Floats) -> float:
     """The penalty that predicts routes best that the fit has not seen (cross-validation)."""
     if len(rows) < 2 * FOLDS:
         return PENALTIES[-1]

@@ -22,7 +22,7 @@ MOST_NEAR = 6
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Terms:
+class HeatTerms:
     """Each term holds in a route or does not. They are counted on in this order:
 
     `pairs` (p, 2): the first contour is cut before the second. Every site, by its number: it is used. `entered` (q, 2):
@@ -37,7 +37,7 @@ class Terms:
     around: tuple[Ints, ...]
 
     @classmethod
-    def of(cls, facts: Facts, problem: Problem, heat: Heat) -> Terms:
+    def of(cls, facts: Facts, problem: Problem, heat: Heat) -> HeatTerms:
         """The terms of near contours."""
         contours, of = facts.nest.contours, problem.site_contour
         pairs = np.column_stack(near_pairs(facts.nest, heat))

@@ -36,7 +36,7 @@ def masks_of(sets: Sequence[Sequence[int]], n: int) -> Masks:
 
 
 @kept(nogil=True)
-def place(bit: np.uint64) -> int:  # pragma: no cover - compiled
+def bit_number(bit: np.uint64) -> int:  # pragma: no cover - compiled
     """The number of the only bit that is set."""
     number = 0
     if bit & np.uint64(0xFFFFFFFF00000000):

@@ -36,7 +36,7 @@ class Areas(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Moves:
+class IdleMoves:
     """Moves from every one of `leave` (k, 2) to every one of `reach` (l, 2), points of the contours `owner` (l,).
 
     `areas` are those that may be crossed.
@@ -49,7 +49,7 @@ class Moves:
 
 
 def crossed_areas(
-    groups: Sequence[Moves], areas: Sequence[shapely.Geometry], late: Bools, going: Going = lambda share: True
+    groups: Sequence[IdleMoves], areas: Sequence[shapely.Geometry], late: Bools, going: Going = lambda share: True
 ) -> list[tuple[Ints, Ints, Ints]]:
     """For every group of moves: where crossing ones leave and reach, as numbers in the group, and the area crossed.
 
@@ -64,7 +64,7 @@ def crossed_areas(
     Examples
     --------
     >>> reach = np.array([[9.0, 0.0], [0.0, 9.0], [9.0, 0.0]])
-    >>> moves = Moves(np.array([[0.0, 0.0]]), reach, np.array([0, 0, 1]), np.array([0]))
+    >>> moves = IdleMoves(np.array([[0.0, 0.0]]), reach, np.array([0, 0, 1]), np.array([0]))
     >>> late = np.array([[False], [True]])
     >>> [rows.tolist() for rows in crossed_areas([moves], [shapely.box(4, -1, 5, 1)], late)[0]]
     [[0], [0], [0]]
@@ -72,7 +72,7 @@ def crossed_areas(
     tree = shapely.STRtree(areas)
     made = _edges_of(areas)
 
-    def look(moves: Moves) -> tuple[Ints, Ints, Ints]:
+    def look(moves: IdleMoves) -> tuple[Ints, Ints, Ints]:
         ends = np.concatenate([moves.leave, moves.reach])
         around = tree.query(shapely.box(*ends.min(axis=0), *ends.max(axis=0)))
         near = np.intersect1d(around, moves.areas).astype(np.int64)

@@ -14,7 +14,7 @@ from kerfwise.encoder.geometry.microns import GRAZE_UM, UM_PER_MM
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import Crossing
 
-from .crossed_areas import Going, Moves, Stopped, crossed_areas
+from .crossed_areas import Going, IdleMoves, Stopped, crossed_areas
 
 FORBIDDEN = -1
 MOST_MOVES = 3_000_000
@@ -90,7 +90,7 @@ def find_crossings(
     ahead = [np.flatnonzero(lawful[c][owner]) for c in range(n)]
     left = [c for c in range(n) if len(ahead[c]) and sites[c]]
     asked = [
-        Moves(
+        IdleMoves(
             ends[first[c] : first[c + 1]],
             pierces[ahead[c]],
             owner[ahead[c]],
@@ -124,7 +124,7 @@ def from_home(statements: Sequence[Crossing], lawful: Bools, first: Ints, pierce
     owner = np.repeat(np.arange(n + 1), sites)
     pierces = pierces_um.astype(np.float64)
     ahead = np.flatnonzero(lawful[n][owner] & (owner < n))
-    moves = Moves(pierces[-1:], pierces[ahead], owner[ahead], np.arange(len(asked)))
+    moves = IdleMoves(pierces[-1:], pierces[ahead], owner[ahead], np.arange(len(asked)))
     never = np.zeros((n + 1, len(asked)), dtype=np.bool_)
     ((_, reach, area),) = crossed_areas([moves], _areas_um([statements[k] for k in asked]), never)
     return sorted((int(ahead[r]), asked[a]) for r, a in zip(reach.tolist(), area.tolist(), strict=True))

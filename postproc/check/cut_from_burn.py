@@ -20,12 +20,12 @@ from .program_rules import tolerance_mm
 from .splitting import Pieces, split
 from .torch_run import TorchRun, line_of
 
-Found = tuple[Cut, TorchRun, list[Violation]]
+CutFound = tuple[Cut, TorchRun, list[Violation]]
 
 
 def cut_from_burn(
     burn: Burn, path: shapely.LineString, contour: Contour, match: Match, kerf_mm: float, zone: int, position: int
-) -> Found:
+) -> CutFound:
     """The cut that a burn makes of the contour it matches, its path taken apart, and what is wrong with it."""
     marks = burn.tool != 0
     if contour.kind == "slit":

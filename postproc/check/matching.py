@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 
 from kerfwise.encoder.geometry.distances import distances_mm
+from kerfwise.encoder.geometry.segment import Box
 from kerfwise.encoder.nest import Nest
 
 from .program_rules import tolerance_mm
@@ -21,7 +22,6 @@ NEAR_MM = 2.0
 _SAMPLES = 24
 _RIGHT: tuple[Side, ...] = ("right",)
 _OTHER: tuple[Side, ...] = ("wrong", "on")
-Bounds = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -98,6 +98,6 @@ class Matcher:
         return Match(contour, side, ring, float(distances_mm(line, shapely.get_coordinates(ring)).max()))
 
 
-def _within(inner: Bounds, outer: Bounds) -> bool:
+def _within(inner: Box, outer: Box) -> bool:
     low = inner[0] > outer[0] - NEAR_MM and inner[1] > outer[1] - NEAR_MM
     return low and inner[2] < outer[2] + NEAR_MM and inner[3] < outer[3] + NEAR_MM

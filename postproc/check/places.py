@@ -16,7 +16,7 @@ WORK, WORK_IN_ALL = 5.0, 20.0
 """CP-SAT's deterministic seconds for a question, and for all; where they do not show that there is no room, some
 counts as being there."""
 
-Order = tuple[str, str]
+OrderedPair = tuple[str, str]
 Node = TypeVar("Node")
 
 
@@ -37,11 +37,11 @@ class Room:
         self._left = WORK_IN_ALL
         self.questions = 0
 
-    def none(self, orders: Sequence[Order]) -> bool:
+    def none(self, orders: Sequence[OrderedPair]) -> bool:
         """Whether no order of the names keeps the runs together, all orders (before, after), and the positions."""
         return self._crowded(orders) or (self._left > 0 and self._refuted(orders))
 
-    def _crowded(self, orders: Sequence[Order]) -> bool:
+    def _crowded(self, orders: Sequence[OrderedPair]) -> bool:
         """Whether more must come before a position, or after it, than there is room for."""
         turned = [(after, before) for before, after in orders]
         return any(
@@ -49,7 +49,7 @@ class Room:
             for name, position in self._at.items()
         )
 
-    def _ahead(self, name: str, orders: Iterable[Order]) -> int:
+    def _ahead(self, name: str, orders: Iterable[OrderedPair]) -> int:
         """How many names the orders put before one."""
         within: dict[str, set[str]] = defaultdict(set)
         between: dict[tuple[str, ...], set[tuple[str, ...]]] = defaultdict(set)
@@ -61,7 +61,7 @@ class Room:
                 between[other].add(one)
         return len(_reached(within, name)) + sum(map(len, _reached(between, self._run_of[name])))
 
-    def _refuted(self, orders: Sequence[Order]) -> bool:
+    def _refuted(self, orders: Sequence[OrderedPair]) -> bool:
         """Whether the model shows that there is no room."""
         model, run_of = CpModel(), self._run_of
         last = len(self._names) + 1

@@ -8,10 +8,9 @@ from collections.abc import Iterable, Iterator, Sequence
 import shapely
 
 from kerfwise.encoder.cut import CutSequence
-from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.geometry.segment import Box, Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check.reader.program import NcProgram
-from kerfwise.rules.profile.frame import Bounds
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
@@ -49,7 +48,7 @@ def rapids_beyond_travel(nest: Nest, program: NcProgram, profile: Profile) -> It
             yield Violation(_RULE, (), f"line {line}: the way without torch leads {text}")
 
 
-def _beyond(points: Iterable[Point], reach: Bounds, corner: Point) -> str | None:
+def _beyond(points: Iterable[Point], reach: Box, corner: Point) -> str | None:
     """How far, and where, the worst of the points is beyond the reach; None if none is."""
     x0, y0, x1, y1 = reach
     off = [(max(x0 - x, x - x1, y0 - y, y - y1), x, y) for x, y in points]

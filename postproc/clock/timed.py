@@ -9,7 +9,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.physics.timing.choose import machine_feeds, motion_of
-from kerfwise.models.physics.timing.clock import Times, times_of
+from kerfwise.models.physics.timing.clock import RunTimes, times_of
 from kerfwise.models.physics.timing.motion import Motion
 from kerfwise.models.physics.timing.report import TimeReport, report_times
 from kerfwise.models.physics.timing.run import Job, Run
@@ -27,7 +27,7 @@ class Timed:
 
     job: Job
     motion: Motion
-    times: Times
+    times: RunTimes
 
     @property
     def report(self) -> TimeReport:

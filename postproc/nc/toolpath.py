@@ -12,7 +12,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour
 
-Row = tuple[float, float, float]
+PathRow = tuple[float, float, float]
 
 _SPECK_MM = 3e-6
 """Plans are written to 6 decimals: nothing shorter than this is a move."""
@@ -70,8 +70,8 @@ def _join(cut: Cut) -> Point:
     return x, y
 
 
-def _rows(path: Curve) -> Iterator[Row]:
+def _rows(path: Curve) -> Iterator[PathRow]:
     """The vertices; the last one starts a line to whatever follows."""
-    rows: list[Row] = [(x, y, bulge) for x, y, bulge in path.vertices.tolist()]
+    rows: list[PathRow] = [(x, y, bulge) for x, y, bulge in path.vertices.tolist()]
     yield from rows[:-1]
     yield (*rows[-1][:2], 0.0)

@@ -17,7 +17,7 @@ from .svg import FONT
 
 PAGE, MARGIN, LINE = 720.0, 20.0, 18.0
 MOST_HEIGHT, MOST_LETTERS = 320.0, 95
-Place = Callable[[float, float], tuple[float, float]]
+ToPaper = Callable[[float, float], tuple[float, float]]
 INK, RED, METAL = "#1f2933", "#c62828", "#dbe4ee"
 
 
@@ -79,7 +79,7 @@ def _largest_first(nest: Nest) -> Iterator[Contour]:
     yield from sorted(nest.contours, key=lambda c: -c.polygon.area if c.encloses else 1.0)
 
 
-def _path(line: shapely.LineString, place: Place, ink: str, fill: str, width: float) -> str:
+def _path(line: shapely.LineString, place: ToPaper, ink: str, fill: str, width: float) -> str:
     points = " ".join("{:g},{:g}".format(*place(x, y)) for x, y in shapely.get_coordinates(line).tolist())
     return f'<polyline points="{points}" fill="{fill}" stroke="{ink}" stroke-width="{width:g}"/>'
 

@@ -14,8 +14,8 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import KINDS, Contour, Nest
 
 from . import colours
-from .scene import Dot, Item, Layer, Shape, Style, Text
-from .text_room import Place
+from .scene import Dot, Item, SceneLayer, Shape, Style, TextLine
+from .text_room import TextPlace
 from .view import View
 
 INKS: Mapping[str, str] = {
@@ -30,7 +30,7 @@ def contour_layer(
     order: Mapping[str, int],
     alert: frozenset[str] = frozenset(),
     out: frozenset[str] = frozenset(),
-) -> Layer:
+) -> SceneLayer:
     """Every contour as a line; those in `alert` thick and red, on top, those that are `out` dotted.
 
     Small holes that are not cut are dashed.
@@ -45,7 +45,7 @@ def contour_layer(
     items += [Shape((view.path(hole.curve),), dashed) for hole in nest.not_cut]
     loud = Style(stroke=colours.ALERT, width=3 * view.line_width)
     items += [_outline(c, view, order, loud) for c in nest.contours if c.id in alert]
-    return Layer("contours", tuple(items))
+    return SceneLayer("contours", tuple(items))
 
 
 def _ink(contour: Contour) -> str:
@@ -61,7 +61,7 @@ def _outline(contour: Contour, view: View, order: Mapping[str, int], style: Styl
     return Shape((path,), style, closed=contour.curve.closed, cut=order.get(contour.id, 0))
 
 
-def direction_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> Layer:
+def direction_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> SceneLayer:
     """Arrow heads on the contours: one soon after the entry, more on long contours."""
     items: list[Item] = []
     for k, cut in enumerate(cuts, 1):
@@ -81,7 +81,7 @@ def direction_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> Layer:
             s_mm = start_mm + (first + j * length / count) * view.mm
             heads.append(_head(view.point(curve.point_at(s_mm)), curve.tangent_at(s_mm), size))
         items.append(Shape(tuple(heads), Style(fill=_ink(contour)), cut=k))
-    return Layer("directions", tuple(items))
+    return SceneLayer("directions", tuple(items))
 
 
 def _head(middle: Point, tangent: Point, size: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
@@ -92,7 +92,7 @@ def _head(middle: Point, tangent: Point, size: float) -> np.ndarray[tuple[int, .
     return np.array([tail + along, tail + across, tail + along * 0.25, tail - across])
 
 
-def lead_layer(view: View, cuts: Sequence[Cut]) -> Layer:
+def lead_layer(view: View, cuts: Sequence[Cut]) -> SceneLayer:
     """Lead-ins, and lead-outs drawn thinner."""
     items = []
     for k, cut in enumerate(cuts, 1):
@@ -100,10 +100,10 @@ def lead_layer(view: View, cuts: Sequence[Cut]) -> Layer:
             if lead is not None and len(lead.segments) > 0:
                 style = Style(stroke=colours.PIERCE, width=width * view.line_width)
                 items.append(Shape((view.path(lead),), style, closed=False, cut=k))
-    return Layer("leads", tuple(items))
+    return SceneLayer("leads", tuple(items))
 
 
-def pierce_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> Layer:
+def pierce_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> SceneLayer:
     """A dot where the torch pierces, a ring where it begins off the sheet; blue and smaller where a mark begins."""
     items = []
     for k, cut in enumerate(cuts, 1):
@@ -115,10 +115,10 @@ def pierce_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> Layer:
         else:
             ring = Style(fill=colours.PAGE, stroke=colours.PIERCE, width=0.5 * view.dot_radius)
             items.append(Dot(x, y, view.dot_radius, ring, k))
-    return Layer("pierces", tuple(items))
+    return SceneLayer("pierces", tuple(items))
 
 
-def travel_layer(view: View, cuts: Sequence[Cut], home: Point, shares: Sequence[float]) -> Layer:
+def travel_layer(view: View, cuts: Sequence[Cut], home: Point, shares: Sequence[float]) -> SceneLayer:
     """Idle travel as dashed arrows, coloured by `shares`: when each begins, 0 … 1; the last leads home."""
     stops = [(home, cuts[0].pierce), *((a.end, b.pierce) for a, b in pairwise(cuts))]
     stops.append((cuts[-1].end, home))
@@ -138,26 +138,28 @@ def travel_layer(view: View, cuts: Sequence[Cut], home: Point, shares: Sequence[
         tangent = ((b[0] - a[0]) / length, (a[1] - b[1]) / length)
         middle = (a[0] + 0.55 * (b[0] - a[0]), a[1] + 0.55 * (b[1] - a[1]))
         heads.append(Shape((_head(middle, tangent, size),), Style(fill=colour), cut=cut))
-    return Layer("travel", tuple(items + heads))
+    return SceneLayer("travel", tuple(items + heads))
 
 
-def home_layer(view: View, home: Point) -> Layer:
+def home_layer(view: View, home: Point) -> SceneLayer:
     """The machine's home: a ring with a cross."""
     x, y = view.point(home)
     r = 5.0
     pen = Style(stroke=colours.INK, width=1.2)
     cross = (np.array([(x - 1.7 * r, y), (x + 1.7 * r, y)]), np.array([(x, y - 1.7 * r), (x, y + 1.7 * r)]))
-    return Layer("home", (Dot(x, y, r, Style(fill="#ffffff", stroke=colours.INK, width=1.2)), Shape(cross, pen, False)))
+    return SceneLayer(
+        "home", (Dot(x, y, r, Style(fill="#ffffff", stroke=colours.INK, width=1.2)), Shape(cross, pen, False))
+    )
 
 
-def number_layer(nest: Nest, view: View, places: Mapping[str, Place], order: Mapping[str, int]) -> Layer:
+def number_layer(nest: Nest, view: View, places: Mapping[str, TextPlace], order: Mapping[str, int]) -> SceneLayer:
     """The labels of the contours at their places: bold for outer contours, in the ink of the contour."""
     items = []
     for contour_id, place in places.items():
         contour = nest.contour(contour_id)
         x, y = view.point((place.x, place.y))
         items.append(
-            Text(
+            TextLine(
                 x,
                 y,
                 place.text,
@@ -169,4 +171,4 @@ def number_layer(nest: Nest, view: View, places: Mapping[str, Place], order: Map
                 cut=order.get(contour_id, 0),
             )
         )
-    return Layer("numbers", tuple(items))
+    return SceneLayer("numbers", tuple(items))

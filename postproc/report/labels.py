@@ -12,7 +12,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest, Part
 
-from .text_room import Place, find_room
+from .text_room import TextPlace, find_room
 
 _ENOUGH = 0.8  # share of the wanted size with which no better place is looked for
 _FINE = 0.02  # of the wanted size: how far an outline may be simplified
@@ -33,7 +33,7 @@ def place_labels(
     labels: Mapping[str, Label],
     wanted_mm: float,
     window: shapely.Polygon | None = None,
-) -> dict[str, Place]:
+) -> dict[str, TextPlace]:
     """The place of every label by contour id; contours outside the window have none.
 
     An outer contour's label lies in the part's metal; a hole's lies in the hole, clear of parts nested there and of
@@ -42,7 +42,7 @@ def place_labels(
     before the outer contour's or after it, whichever leaves the smallest of them larger.
     """
     filled = _nested_metal(nest, [h for p in nest.parts for h in p.holes if h.id in labels])
-    places: dict[str, Place] = {}
+    places: dict[str, TextPlace] = {}
     for part in nest.parts:
         metal = _free_metal(part, wanted_mm, window)
         tried = _place_part(part, metal, labels, wanted_mm, filled, window, outer_first=False)
@@ -53,7 +53,7 @@ def place_labels(
     return places
 
 
-def _smallest(places: Mapping[str, Place]) -> float:
+def _smallest(places: Mapping[str, TextPlace]) -> float:
     return min((p.size_mm for p in places.values()), default=math.inf)
 
 
@@ -74,11 +74,11 @@ def _place_part(
     filled: Mapping[str, shapely.Geometry],
     window: shapely.Polygon | None,
     outer_first: bool,
-) -> dict[str, Place]:
+) -> dict[str, TextPlace]:
     """The labels of one part, each in what the ones before it leave of the metal (or anywhere, if they leave none)."""
     whole, open_lines = metal, (*part.marks, *part.slits)
     contours = (part.outer, *part.holes, *open_lines) if outer_first else (*part.holes, part.outer, *open_lines)
-    places: dict[str, Place] = {}
+    places: dict[str, TextPlace] = {}
     for contour in contours:
         if contour.id not in labels:
             continue
@@ -106,13 +106,13 @@ def _point(label: Label) -> shapely.Point | None:
     return None if label.near is None else shapely.Point(label.near)
 
 
-def _in_hole(area: shapely.Geometry, label: Label, wanted_mm: float) -> Place | None:
+def _in_hole(area: shapely.Geometry, label: Label, wanted_mm: float) -> TextPlace | None:
     leads = [curve.line(0.5).buffer(0.2 * wanted_mm, quad_segs=2) for curve in label.obstacles if curve.segments]
     clear = area.difference(shapely.union_all(leads)) if leads else area
     return find_room(area if clear.is_empty else clear, label.text, wanted_mm, _point(label))
 
 
-def _beside(metal: shapely.Geometry, hole: Contour, label: Label, wanted_mm: float) -> Place | None:
+def _beside(metal: shapely.Geometry, hole: Contour, label: Label, wanted_mm: float) -> TextPlace | None:
     band = metal.intersection(hole.polygon.buffer(_BESIDE * wanted_mm, quad_segs=4))
     return find_room(band, label.text, wanted_mm, _point(label) or hole.line)
 

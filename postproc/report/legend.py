@@ -13,7 +13,7 @@ from kerfwise.models.plan.plan import Plan
 
 from . import colours
 from .cuts import INKS
-from .scene import Dot, Item, Layer, Shape, Style, Text, text_width
+from .scene import Dot, Item, SceneLayer, Shape, Style, TextLine, text_width
 from .view import FOOTER, HEADER, MARGIN, View
 
 _SMALL = 12.5
@@ -56,7 +56,7 @@ def nest_name(nest: Nest, plan: Plan | None) -> str:
     return Path(named).name or "nest"
 
 
-def header_layer(nest: Nest, plan: Plan | None, view: View, caption: str) -> Layer:
+def header_layer(nest: Nest, plan: Plan | None, view: View, caption: str) -> SceneLayer:
     """The name of the nest, the profile and the caption; under it the totals."""
     name = nest_name(nest, plan)
     profile = plan.profile.get("name", "") if plan else ""
@@ -70,13 +70,13 @@ def header_layer(nest: Nest, plan: Plan | None, view: View, caption: str) -> Lay
     indent = MARGIN + text_width(name, name_size, bold=True) + 14
     items: list[Item] = [
         _band(0, HEADER - 6, view),
-        Text(MARGIN, 24, name, name_size, colours.INK, "start", bold=True),
-        Text(MARGIN, 49, totals, _fitting(totals, 14, room), colours.INK, "start"),
+        TextLine(MARGIN, 24, name, name_size, colours.INK, "start", bold=True),
+        TextLine(MARGIN, 49, totals, _fitting(totals, 14, room), colours.INK, "start"),
     ]
     if about:
         size = _fitting(about, 15, MARGIN + room - indent)
-        items.append(Text(indent, 24.6, about, size, colours.FAINT, "start"))
-    return Layer("header", tuple(items))
+        items.append(TextLine(indent, 24.6, about, size, colours.FAINT, "start"))
+    return SceneLayer("header", tuple(items))
 
 
 def _band(top: float, bottom: float, view: View) -> Shape:
@@ -148,7 +148,7 @@ def duration(seconds: float) -> str:
     return f"{whole // 3600} h {whole % 3600 // 60} min"
 
 
-def footer_layer(view: View, clock: Clock | None, kinds: frozenset[str]) -> Layer:
+def footer_layer(view: View, clock: Clock | None, kinds: frozenset[str]) -> SceneLayer:
     """The scale bar; with a plan (that has a clock) also the key and the colour bar."""
     y = view.height - FOOTER / 2 + 4
     items: list[Item] = [_band(view.height - FOOTER + 6, view.height, view)]
@@ -156,7 +156,7 @@ def footer_layer(view: View, clock: Clock | None, kinds: frozenset[str]) -> Laye
     if clock is not None:
         end = _colour_bar(items, view, clock, y)
         _key(items, x + 40, end - 30, y, kinds)
-    return Layer("footer", tuple(items))
+    return SceneLayer("footer", tuple(items))
 
 
 def _scale_bar(items: list[Item], view: View, y: float) -> float:
@@ -167,7 +167,7 @@ def _scale_bar(items: list[Item], view: View, y: float) -> float:
     tip = np.array([(MARGIN + length, y - 4), (MARGIN + length, y + 4)])
     items.append(Shape((ends, tip), Style(stroke=colours.INK, width=1.4), closed=False))
     label = f"{length_mm / 1000:g} m" if length_mm >= 1000 else f"{length_mm:g} mm"
-    items.append(Text(MARGIN + length + 8, y, label, _SMALL, colours.INK, "start"))
+    items.append(TextLine(MARGIN + length + 8, y, label, _SMALL, colours.INK, "start"))
     return MARGIN + length + 8 + text_width(label, _SMALL)
 
 
@@ -181,8 +181,8 @@ def _colour_bar(items: list[Item], view: View, clock: Clock, y: float) -> float:
     for share, label in clock.ticks():
         x = left + share * length
         items.append(Shape((np.array([(x, y - 2), (x, y + 2)]),), Style(stroke=colours.FAINT, width=0.8), closed=False))
-        items.append(Text(x, y + 10, label, 11, colours.INK))
-    items.append(Text(left - 10, y - 6, "idle travel", _SMALL, colours.INK, "end"))
+        items.append(TextLine(x, y + 10, label, 11, colours.INK))
+    items.append(TextLine(left - 10, y - 6, "idle travel", _SMALL, colours.INK, "end"))
     return left - 10 - text_width("idle travel", _SMALL)
 
 
@@ -206,7 +206,7 @@ def _key(items: list[Item], x: float, end: float, y: float, kinds: frozenset[str
         if x + width > end:
             return
         items.extend(_sample(kind, x, y))
-        items.append(Text(x + 28, y, label, _SMALL, colours.INK, "start"))
+        items.append(TextLine(x + 28, y, label, _SMALL, colours.INK, "start"))
         x += width + 24
 
 

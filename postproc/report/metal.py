@@ -11,7 +11,7 @@ import shapely
 from kerfwise.encoder.nest import Nest, Part
 
 from . import colours
-from .scene import Layer, Shape, Style, Text
+from .scene import SceneLayer, Shape, Style, TextLine
 from .text_room import find_room
 from .view import View
 
@@ -50,32 +50,32 @@ def zone_map(nest: Nest, of_part: Mapping[str, int]) -> ZoneMap:
     return ZoneMap(of_part, tint)
 
 
-def sheet_layer(nest: Nest, view: View) -> Layer:
+def sheet_layer(nest: Nest, view: View) -> SceneLayer:
     """The sheet's outline and its own holes."""
     fill = Style(fill=colours.SHEET, stroke=colours.FAINT, width=1.2)
     hole = Style(fill=colours.PAGE, stroke=colours.FAINT, width=1.0)
     items = [Shape((view.path(nest.sheet.outline),), fill)]
     items += [Shape((view.path(curve),), hole) for curve in nest.sheet.holes]
-    return Layer("sheet", tuple(items))
+    return SceneLayer("sheet", tuple(items))
 
 
 def part_layer(
     nest: Nest, view: View, zones: ZoneMap, order: Mapping[str, int], faded: frozenset[str] = frozenset(), made: int = 0
-) -> Layer:
+) -> SceneLayer:
     """The parts' metal, filled; `order` numbers the cuts by contour id. Hosts lie below what is nested in them.
 
     So many cuts are `made` before the first of the picture.
     """
     by_size = sorted(nest.parts, key=lambda p: -p.outer.polygon.area)
-    return Layer("parts", tuple(_metal(p, view, zones, order, p.id in faded, made) for p in by_size))
+    return SceneLayer("parts", tuple(_metal(p, view, zones, order, p.id in faded, made) for p in by_size))
 
 
-def out_layer(nest: Nest, view: View, out: frozenset[str]) -> Layer:
+def out_layer(nest: Nest, view: View, out: frozenset[str]) -> SceneLayer:
     """What has fallen out: parts, and the waste of holes."""
     by_size = sorted((c for c in nest.contours if c.curve.closed), key=lambda c: -c.polygon.area)
     void = Style(fill=colours.PAGE)
     fallen = [c for c in by_size if c.id in out and c.kind != "mark"]
-    return Layer("out", tuple(Shape((view.path(c.curve),), void, title=f"{c.id}  out") for c in fallen))
+    return SceneLayer("out", tuple(Shape((view.path(c.curve),), void, title=f"{c.id}  out") for c in fallen))
 
 
 def _metal(part: Part, view: View, zones: ZoneMap, order: Mapping[str, int], faded: bool, made: int) -> Shape:
@@ -89,7 +89,7 @@ def _metal(part: Part, view: View, zones: ZoneMap, order: Mapping[str, int], fad
     return Shape(lines, Style(fill=fill), cut=order.get(part.outer.id, 0), title=title)
 
 
-def zone_layer(nest: Nest, view: View, zones: ZoneMap, taken: Sequence[shapely.Polygon]) -> Layer:
+def zone_layer(nest: Nest, view: View, zones: ZoneMap, taken: Sequence[shapely.Polygon]) -> SceneLayer:
     """The name of every zone in its widest metal, clear of the boxes that are taken, mm."""
     members: dict[int, list[Part]] = {}
     for part in nest.parts:
@@ -105,5 +105,5 @@ def zone_layer(nest: Nest, view: View, zones: ZoneMap, taken: Sequence[shapely.P
         if place is not None:
             x, y = view.point((place.x, place.y))
             ink = colours.shade(colours.zone_tint(zones.tint[zone]), 0.3)
-            texts.append(Text(x, y, place.text, place.size_mm * view.scale, ink, bold=True, turned=place.turned))
-    return Layer("zones", tuple(texts))
+            texts.append(TextLine(x, y, place.text, place.size_mm * view.scale, ink, bold=True, turned=place.turned))
+    return SceneLayer("zones", tuple(texts))

@@ -17,7 +17,7 @@ from .cuts import contour_layer, direction_layer, home_layer, lead_layer, number
 from .labels import Label, place_labels
 from .legend import Clock, footer_layer, header_layer, nest_name
 from .metal import out_layer, part_layer, sheet_layer, zone_layer, zone_map
-from .scene import Layer, Scene, Text
+from .scene import Scene, SceneLayer, TextLine
 from .view import View, Window
 from .waits import wait_layer
 
@@ -160,8 +160,8 @@ def _clock(cuts: tuple[Cut, ...]) -> tuple[Clock, list[float]]:
     return Clock(len(cuts), False), [k / len(cuts) for k in range(len(cuts) + 1)]
 
 
-def _enlargement(numbers: Layer, view: View) -> float:
+def _enlargement(numbers: SceneLayer, view: View) -> float:
     """Pixels a page unit for a PNG in which most numbers can be read."""
-    sizes = [item.size for item in numbers.items if isinstance(item, Text)]
+    sizes = [item.size for item in numbers.items if isinstance(item, TextLine)]
     wanted = _READABLE / float(np.quantile(sizes, 0.25)) if sizes else 1.0
     return min(max(wanted, 1.25), _MAX_PIXELS / max(view.width, view.height))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .scene import CAP_HEIGHT, HALO, Dot, Item, Scene, Shape, Style, Text
+from .scene import CAP_HEIGHT, HALO, Dot, Item, Scene, Shape, Style, TextLine
 
 if TYPE_CHECKING:
     from matplotlib.path import Path
@@ -61,9 +61,9 @@ def _dash(painted: _Stroked) -> str | tuple[float, tuple[float, ...]]:
 def _stroked(scene: Scene) -> Iterator[_Stroked]:
     """Everything as paths from the bottom up; in a layer the rims of all texts lie below all texts."""
     for layer in scene:
-        texts = [item for item in layer.items if isinstance(item, Text)]
+        texts = [item for item in layer.items if isinstance(item, TextLine)]
         for item in layer.items:
-            if not isinstance(item, Text):
+            if not isinstance(item, TextLine):
                 yield _Stroked(_path(item), item.style)
         paths = [_text_path(text) for text in texts]
         for text, path in zip(texts, paths, strict=True):
@@ -85,7 +85,7 @@ def _path(item: Item) -> Path:
     return Path.make_compound_path(*(Path(ring, closed=True) for ring in rings))
 
 
-def _text_path(text: Text) -> Path:
+def _text_path(text: TextLine) -> Path:
     """The outlines of the letters: far quicker than matplotlib's own texts where there are a thousand numbers."""
     from matplotlib.font_manager import FontProperties
     from matplotlib.path import Path

@@ -57,7 +57,7 @@ class Dot:
 
 
 @dataclass(frozen=True, slots=True)
-class Text:
+class TextLine:
     """One line of text; (x, y) is its anchor, half way up the capitals. `halo` is the colour of a thin rim.
 
     `turned` texts read from the bottom to the top.
@@ -75,11 +75,11 @@ class Text:
     cut: int = 0
 
 
-Item = Shape | Dot | Text
+Item = Shape | Dot | TextLine
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Layer:
+class SceneLayer:
     """Items of one sort; later layers lie above earlier ones."""
 
     name: str
@@ -92,11 +92,11 @@ class Scene:
 
     width: float
     height: float
-    layers: tuple[Layer, ...]
+    layers: tuple[SceneLayer, ...]
     title: str = ""
     enlarge: float = 1.0
 
-    def __iter__(self) -> Iterator[Layer]:
+    def __iter__(self) -> Iterator[SceneLayer]:
         return iter(self.layers)
 
     def layer(self, name: str) -> tuple[Item, ...]:

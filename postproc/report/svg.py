@@ -8,7 +8,7 @@ from xml.sax.saxutils import escape
 
 from kerfwise.arrays import Floats
 
-from .scene import CAP_HEIGHT, HALO, Dot, Item, Scene, Shape, Style, Text
+from .scene import CAP_HEIGHT, HALO, Dot, Item, Scene, Shape, Style, TextLine
 
 FONT = "DejaVu Sans, Verdana, Arial, sans-serif"
 
@@ -49,7 +49,7 @@ def _clean(text: str) -> str:
 
 def _shared(item: Item) -> str:
     """The attributes that neighbouring items of one look can share by standing on their group."""
-    if isinstance(item, Text):
+    if isinstance(item, TextLine):
         halo = f' stroke="{item.halo}" stroke-linejoin="round" paint-order="stroke"' if item.halo else ""
         weight = ' font-weight="bold"' if item.bold else ""
         return f' class="text" fill="{item.colour}" text-anchor="{item.anchor}"{weight}{halo}'

@@ -16,7 +16,7 @@ _TURNED_GAIN = 1.25  # a turned text is harder to read, so it must be this much 
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class TextPlace:
     """Where a text stands, mm: its middle, its font size, and whether it reads from the bottom to the top."""
 
     text: str
@@ -41,7 +41,7 @@ def find_room(
     wanted_mm: float,
     near: shapely.Geometry | None = None,
     bold: bool = False,
-) -> Place | None:
+) -> TextPlace | None:
     """The place for a text inside an area; None if the area is empty.
 
     Parameters
@@ -86,18 +86,18 @@ def _polygons(area: shapely.Geometry) -> shapely.Geometry:
 
 def _room_one_way(
     area: shapely.Geometry, text: str, wanted_mm: float, near: shapely.Geometry | None, bold: bool, turned: bool
-) -> Place:
+) -> TextPlace:
     width, height = text_width(text, 1.0, bold), CAP_HEIGHT
     stretch = np.array([width / height, 1.0] if turned else [1.0, width / height])
     stretched = shapely.transform(area, lambda points: points * stretch)
     target = shapely.transform(area.centroid if near is None else near, lambda points: points * stretch)
     radius_per_mm = _AIR * width / math.sqrt(2)
 
-    def at(centre: shapely.Geometry, radius: float) -> Place:
+    def at(centre: shapely.Geometry, radius: float) -> TextPlace:
         x, y = (shapely.get_coordinates(centre)[0] / stretch).tolist()
-        return Place(text, x, y, min(radius / radius_per_mm, wanted_mm), bold, turned)
+        return TextPlace(text, x, y, min(radius / radius_per_mm, wanted_mm), bold, turned)
 
-    def nearest(radius: float) -> Place | None:
+    def nearest(radius: float) -> TextPlace | None:
         centres = stretched.buffer(-radius, quad_segs=4)
         if centres.is_empty:
             return None
@@ -112,7 +112,7 @@ def _room_one_way(
     return _grown(nearest(radius) or at(widest, radius), area, wanted_mm)
 
 
-def _grown(place: Place, area: shapely.Geometry, wanted_mm: float) -> Place:
+def _grown(place: TextPlace, area: shapely.Geometry, wanted_mm: float) -> TextPlace:
     """The same place with a larger font while the box fits: in a rectangle the ellipse wastes the corners."""
     while place.size_mm < wanted_mm:
         larger = replace(place, size_mm=min(1.1 * place.size_mm, wanted_mm))

@@ -12,8 +12,8 @@ from kerfwise.models.plan.plan import PlannedCut
 
 from . import colours
 from .legend import duration
-from .scene import CAP_HEIGHT, Dot, Item, Layer, Style, Text, text_width
-from .text_room import Place
+from .scene import CAP_HEIGHT, Dot, Item, SceneLayer, Style, TextLine, text_width
+from .text_room import TextPlace
 from .view import View
 
 _LEAST_RADIUS = 3.0
@@ -23,7 +23,7 @@ _FARTHER = (1.0, 2.0, 3.5)
 """How far from the ring, in heights of the text."""
 
 
-def wait_layer(view: View, cuts: Sequence[PlannedCut], places: Sequence[Place]) -> Layer:
+def wait_layer(view: View, cuts: Sequence[PlannedCut], places: Sequence[TextPlace]) -> SceneLayer:
     """A ring about every pierce over which the torch waits, off, and how long.
 
     The times stand clear of each other and of the labels in `places`, where there is room.
@@ -39,7 +39,7 @@ def wait_layer(view: View, cuts: Sequence[PlannedCut], places: Sequence[Place]) 
         time, box = _beside(view, at, radius, f"wait {told(planned.dwell_s)}", taken, k)
         taken.append(box)
         times.append(time)
-    return Layer("waits", (*rings, *times))
+    return SceneLayer("waits", (*rings, *times))
 
 
 def told(wait_s: float) -> str:
@@ -55,7 +55,7 @@ def told(wait_s: float) -> str:
 
 def _beside(
     view: View, at: Point, radius: float, text: str, taken: Sequence[shapely.Polygon], cut: int
-) -> tuple[Text, shapely.Polygon]:
+) -> tuple[TextLine, shapely.Polygon]:
     """The text where it covers least of what is taken, and its box."""
     size = view.number_size
     page = shapely.box(0, 0, view.width, view.height)
@@ -70,8 +70,8 @@ def _beside(
             covered = sum(box.intersection(other).area for other in taken) + 10 * box.difference(page).area
             found.append((round(covered, 3), (x, y), box))
     _, (x, y), box = min(found, key=lambda spot: spot[0])
-    return Text(x, y, text, size, colours.WAIT, bold=True, halo=colours.PAGE, cut=cut), box
+    return TextLine(x, y, text, size, colours.WAIT, bold=True, halo=colours.PAGE, cut=cut), box
 
 
-def _on_page(view: View, place: Place) -> shapely.Polygon:
+def _on_page(view: View, place: TextPlace) -> shapely.Polygon:
     return shapely.Polygon(view.xy(shapely.get_coordinates(place.box())))

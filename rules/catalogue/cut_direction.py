@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from kerfwise.encoder.candidates.candidate import LeadOptions
     from kerfwise.encoder.facts.facts import Facts
 
-Way = Literal["free", "cw", "ccw"]
+WayRound = Literal["free", "cw", "ccw"]
 WAYS = Choice(("free", "cw", "ccw"))
 SPOKEN: dict[Direction, str] = {"cw": "clockwise", "ccw": "counter-clockwise"}
 
@@ -26,9 +26,9 @@ SPOKEN: dict[Direction, str] = {"cw": "clockwise", "ccw": "counter-clockwise"}
 class CutDirectionOptions:
     """Which way round each kind of contour is cut."""
 
-    outer: Way = field(default="free", metadata=option(WAYS, "direction of outer contours"))
-    hole: Way = field(default="free", metadata=option(WAYS, "direction of holes"))
-    mark: Way = field(
+    outer: WayRound = field(default="free", metadata=option(WAYS, "direction of outer contours"))
+    hole: WayRound = field(default="free", metadata=option(WAYS, "direction of holes"))
+    mark: WayRound = field(
         default="free", metadata=option(WAYS, "direction of marks (of an open one: ccw is along the line as drawn)")
     )
 
@@ -36,7 +36,7 @@ class CutDirectionOptions:
         """The directions that a kind of contour may be cut in."""
         if kind == "slit":  # along its line, by its candidates
             return ("cw", "ccw")
-        way = cast(Way, getattr(self, kind))
+        way = cast(WayRound, getattr(self, kind))
         return ("cw", "ccw") if way == "free" else (way,)
 
 

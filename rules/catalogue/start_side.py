@@ -11,6 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from kerfwise.encoder.cut import CutSequence, Side
+from kerfwise.encoder.geometry.segment import Box
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.plain_values import Choice, Number
@@ -20,8 +21,6 @@ from kerfwise.rules.statements import Statement
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import FactOptions, Facts
-
-Box = tuple[float, float, float, float]
 
 SAME = 1e-6
 """What differs by less than this share is equal, so that no rounding decides on a side."""

@@ -16,8 +16,8 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.minizinc.dzn import Fields, assignments
-from kerfwise.rules.minizinc.twin import Case, Further, Twin, rule_file, twin_of
-from kerfwise.rules.options.kind import Kind
+from kerfwise.rules.minizinc.twin import Further, Twin, TwinCase, rule_file, twin_of
+from kerfwise.rules.options.kind import OptionKind
 from kerfwise.rules.options.option import NoOptions, option
 from kerfwise.rules.options.plain_values import Flag, Number, Text
 from kerfwise.rules.registry import RULES
@@ -119,7 +119,7 @@ class ModelRule(Rule[Any]):
     def data(self, facts: Facts, options: Any) -> Fields:
         """What the file reads beside the facts: that of the rule whose place it takes, or its parameters."""
         if self.replaces is not None:
-            return twin_of(self.replaces.id).data(Case(facts, (0.0, 0.0)), options)
+            return twin_of(self.replaces.id).data(TwinCase(facts, (0.0, 0.0)), options)
         return parameters_data(self.file, options)
 
     def further(self, options: Any) -> list[Further]:
@@ -256,7 +256,7 @@ def read_model_rule(path: Path, rule_id: str = "", sentence: str = "") -> ModelR
     return ModelRule(dataclasses.replace(file, sentence=sentence) if sentence else file, rule_id)
 
 
-_KINDS: Mapping[str, Kind] = {"int": Number(whole=True), "bool": Flag(), "string": Text()}
+_KINDS: Mapping[str, OptionKind] = {"int": Number(whole=True), "bool": Flag(), "string": Text()}
 
 
 @lru_cache(maxsize=256)

@@ -17,7 +17,7 @@ from .pierce_places import SLACK_MM, Finding, pairs_found, spot
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Burn:
+class _BurntLine:
     """One line that an earlier cut has burnt along, or whose one side it has: its kerf reaches `reach_mm` from it."""
 
     position: int
@@ -84,16 +84,18 @@ def _pierces(nest: Nest, cut: Cut) -> bool:
     return bool(shapely.intersects(sheet, at)) and float(shapely.distance(sheet.boundary, at)) > SLACK_MM
 
 
-def _older(burn: _Burn, position: int, contour: Contour) -> bool:
+def _older(burn: _BurntLine, position: int, contour: Contour) -> bool:
     both_in_waste = burn.contour.part != contour.part or "slit" in (burn.contour.kind, contour.kind)
     return burn.position < position and both_in_waste
 
 
-def _burns_of(through: list[tuple[int, Cut, Contour]], kerf_mm: float) -> Iterator[_Burn]:
+def _burns_of(through: list[tuple[int, Cut, Contour]], kerf_mm: float) -> Iterator[_BurntLine]:
     for k, cut, contour in through:
-        yield _Burn(k, contour, f"{contour.id} (cut {k})", contour.line, kerf_mm if contour.encloses else kerf_mm / 2)
+        yield _BurntLine(
+            k, contour, f"{contour.id} (cut {k})", contour.line, kerf_mm if contour.encloses else kerf_mm / 2
+        )
         for name, lead in _named_leads(cut):
-            yield _Burn(k, contour, f"the {name} of {contour.id} (cut {k})", lead.line(), kerf_mm / 2)
+            yield _BurntLine(k, contour, f"the {name} of {contour.id} (cut {k})", lead.line(), kerf_mm / 2)
 
 
 def _leads_of(position: int, cut: Cut, contour: Contour, kerf_mm: float) -> Iterator[_Lead]:

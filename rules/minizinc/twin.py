@@ -28,7 +28,7 @@ OptionsT = TypeVar("OptionsT")
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
+class TwinCase:
     """One nest under one profile."""
 
     facts: Facts
@@ -56,7 +56,7 @@ class Twin(Generic[OptionsT]):
 
     drops_orders: ClassVar[bool] = False
 
-    def data(self, case: Case, options: OptionsT) -> Fields:
+    def data(self, case: TwinCase, options: OptionsT) -> Fields:
         """Names and values of what the file reads beside the facts: the options, and what only this rule looks at."""
         return []
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .kind import Kind, Unfit
+from .kind import OptionKind, Unfit
 from .option import Option
 from .plain_values import Choice, Flag, Number
 from .quantities import OrWord, Quantity
@@ -39,13 +39,13 @@ def drawn_value(option: Option, rng: np.random.Generator) -> Any:
     raise Undrawn(f"nothing valid was drawn for {option.name}: {option.kind.expected()}")
 
 
-def _read(kind: Kind, value: Any) -> Any:
+def _read(kind: OptionKind, value: Any) -> Any:
     node = compose(kind.write(value), "drawn")
     assert node is not None
     return kind.read(node)
 
 
-def _of_kind(kind: Kind, default: Any, rng: np.random.Generator) -> Any:
+def _of_kind(kind: OptionKind, default: Any, rng: np.random.Generator) -> Any:
     match kind:
         case Flag():
             return bool(rng.random() < 0.5)

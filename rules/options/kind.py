@@ -28,7 +28,7 @@ class Unfit(ValueError):
         self.node = node
 
 
-class Kind(ABC):
+class OptionKind(ABC):
     """One kind of value."""
 
     @abstractmethod
@@ -59,13 +59,13 @@ def _decimal_comma(node: yaml.Node) -> str:
     return f": write decimals with a point, {text.replace(',', '.').strip()}" if comma else ""
 
 
-def scalar_text(node: yaml.Node, kind: Kind) -> str:
+def scalar_text(node: yaml.Node, kind: OptionKind) -> str:
     if not isinstance(node, yaml.ScalarNode) or is_empty(node):
         raise kind.refuse(node)
     return str(node.value)
 
 
-def digits(node: yaml.Node, kind: Kind) -> str:
+def digits(node: yaml.Node, kind: OptionKind) -> str:
     """The text of a number, refused where it is longer than any number is."""
     text = scalar_text(node, kind)
     if len(text) > LONGEST:

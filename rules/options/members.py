@@ -7,12 +7,12 @@ from typing import Any
 
 import yaml
 
-from .kind import Kind
+from .kind import OptionKind
 from .option import options_of
 
 
 @dataclass(frozen=True, slots=True)
-class Members(Kind):
+class Members(OptionKind):
     """The options that the dataclass `owner` declares. A profile is read, shown and described option by option."""
 
     owner: type

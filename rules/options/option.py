@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from .kind import Kind
+from .kind import OptionKind
 from .plain_values import Number
 from .quantities import Quantity
 
@@ -22,7 +22,7 @@ class Option:
 
     name: str
     key: str
-    kind: Kind
+    kind: OptionKind
     help: str
     default: Any
 
@@ -32,7 +32,7 @@ class Option:
         return self.kind.bare if isinstance(self.kind, Quantity) else ""
 
 
-def option(kind: Kind, help: str) -> dict[str, Any]:
+def option(kind: OptionKind, help: str) -> dict[str, Any]:
     """Metadata of a dataclass field that a profile can set: `field(default=…, metadata=option(LENGTH, "…"))`."""
     return {"kind": kind, "help": help}
 
@@ -56,7 +56,7 @@ def options_of(owner: Any) -> tuple[Option, ...]:
     )
 
 
-def _key(name: str, kind: Kind) -> str:
+def _key(name: str, kind: OptionKind) -> str:
     """The field's name without the unit that its values may state; a bare number of °C keeps its `_c`."""
     return re.sub(r"_(mm_s2|mm_s|mm|s)$" if isinstance(kind, Number) else r"_(mm_s2|mm_s|mm|s|c|kj)$", "", name)
 

@@ -8,12 +8,12 @@ from typing import Any
 
 import yaml
 
-from .kind import MOST, NUMBER, Kind, Unfit, digits, scalar_text
+from .kind import MOST, NUMBER, OptionKind, Unfit, digits, scalar_text
 from .suggest import nearest
 
 
 @dataclass(frozen=True, slots=True)
-class Number(Kind):
+class Number(OptionKind):
     """A bare number between two bounds; `whole` for counts."""
 
     at_least: float | None = None
@@ -54,7 +54,7 @@ class Number(Kind):
 
 
 @dataclass(frozen=True, slots=True)
-class Flag(Kind):
+class Flag(OptionKind):
     """true or false."""
 
     def read(self, node: yaml.Node) -> bool:
@@ -74,7 +74,7 @@ class Flag(Kind):
 
 
 @dataclass(frozen=True, slots=True)
-class Choice(Kind):
+class Choice(OptionKind):
     """One of a few words. `none` is the word that stands for None, if any.
 
     A bare `off` is false to readers of YAML 1.1, such as most of Python's: it may be written so where it is a word.
@@ -104,7 +104,7 @@ class Choice(Kind):
 
 
 @dataclass(frozen=True, slots=True)
-class Text(Kind):
+class Text(OptionKind):
     """Any text that is not empty; `pattern` says that it must be a regular expression."""
 
     pattern: bool = False

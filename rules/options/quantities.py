@@ -11,11 +11,11 @@ from typing import Any
 
 import yaml
 
-from .kind import NUMBER, Kind, Unfit, digits, scalar_text
+from .kind import NUMBER, OptionKind, Unfit, digits, scalar_text
 
 
 @dataclass(frozen=True, slots=True)
-class Quantity(Kind):
+class Quantity(OptionKind):
     """A number with a unit: `units` are their sizes in the program's own, `bare` is that of a bare number.
 
     Every quantity has an end, `at_most`, far beyond what any plant has: sums of costs then fit the engines' integers.
@@ -112,7 +112,7 @@ def over_zero(quantity: Quantity) -> Quantity:
 
 
 @dataclass(frozen=True, slots=True)
-class OrWord(Kind):
+class OrWord(OptionKind):
     """A quantity, or the word that stands for None: what the profile says elsewhere."""
 
     quantity: Quantity
@@ -132,7 +132,7 @@ class OrWord(Kind):
 
 
 @dataclass(frozen=True, slots=True)
-class PointXY(Kind):
+class PointXY(OptionKind):
     """A point [x, y] in mm."""
 
     def read(self, node: yaml.Node) -> tuple[float, float]:
@@ -154,7 +154,7 @@ class PointXY(Kind):
 
 
 @dataclass(frozen=True, slots=True)
-class Span(Kind):
+class LengthSpan(OptionKind):
     """Two lengths [least, most], the first less than the second; `none` is the word for not known."""
 
     none: str

@@ -10,7 +10,7 @@ from typing import Any, get_args
 
 from kerfwise.encoder.errors import KerfwiseError
 from kerfwise.encoder.faults import RuleFault, file_of, said
-from kerfwise.rules.options.kind import Kind
+from kerfwise.rules.options.kind import OptionKind
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.plant import Plant
 from kerfwise.rules.registry import RULES
@@ -113,7 +113,7 @@ def _options_faults(options: Any) -> Iterator[str]:
                 f"Options.{field.name} has no kind: write field(default=…, metadata=option(LENGTH, 'what it does')); "
                 f"without one it is filled in by the profile, which knows {', '.join(sorted(known))}"
             )
-        elif "kind" in field.metadata and not isinstance(field.metadata["kind"], Kind):
+        elif "kind" in field.metadata and not isinstance(field.metadata["kind"], OptionKind):
             yield f"Options.{field.name}: expected a kind such as LENGTH, got {field.metadata['kind']!r}"
     for option in options_of(options):
         if option.key in KEYS_OF_A_RULE:

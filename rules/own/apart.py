@@ -19,7 +19,7 @@ from kerfwise.rules.options.yaml_positions import Problems, entries
 from kerfwise.rules.statements import Lag
 
 from .criterion import ROUNDING_MM
-from .demand import Ask, Chosen, Found
+from .demand import Ask, Breach, Chosen
 from .selector import Selector, read_selector
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ class Apart(Ask):
             about = chosen.about((a, b), f"between {first} and {second} lie {self._asked()}")
             yield Lag(a, b, about, self.cuts, self.time_s)
 
-    def broken(self, cuts: CutSequence, chosen: Chosen) -> Iterator[Found]:
+    def broken(self, cuts: CutSequence, chosen: Chosen) -> Iterator[Breach]:
         at = cuts.positions()
         for couple in self._couples(chosen):
             if any(name not in at for name in chosen.ids(*couple)):

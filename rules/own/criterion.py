@@ -25,12 +25,12 @@ class Criterion(ABC):
 
 
 @dataclass(frozen=True, slots=True)
-class Span(Criterion):
+class NumberSpan(Criterion):
     """A stretch of numbers; `negated` for all but it, `given` is how it was written.
 
     Examples
     --------
-    >>> Span(high=6.0, without_high=True).met(6.0), Span(high=6.0).met(6.0)
+    >>> NumberSpan(high=6.0, without_high=True).met(6.0), NumberSpan(high=6.0).met(6.0)
     (False, True)
     """
 

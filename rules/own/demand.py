@@ -17,7 +17,7 @@ from kerfwise.rules.options.plain_values import Flag
 from kerfwise.rules.options.yaml_positions import Problems
 from kerfwise.rules.statements import About, Statement
 
-from .named_facts import Known
+from .named_facts import KnownFacts
 from .selector import Selector
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 MOST = 250_000
 """Own rules that come to more single statements than this on one nest are refused; they would outgrow any solver."""
 
-Found = tuple[tuple[str, ...], str, tuple[int, ...]]
+Breach = tuple[tuple[str, ...], str, tuple[int, ...]]
 """A breach: contour ids, what is wrong in words, positions of the cuts."""
 
 
@@ -36,7 +36,7 @@ class Chosen:
 
     rule: str
     why: str
-    known: Known
+    known: KnownFacts
     groups: tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]
 
     @property
@@ -89,7 +89,7 @@ class Ask(ABC):
         """The demand as statements, all hard."""
 
     @abstractmethod
-    def broken(self, cuts: CutSequence, chosen: Chosen) -> Iterator[Found]:
+    def broken(self, cuts: CutSequence, chosen: Chosen) -> Iterator[Breach]:
         """Where cuts do not meet the demand."""
 
     def selectors(self) -> tuple[Selector, ...]:

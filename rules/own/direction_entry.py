@@ -17,8 +17,8 @@ from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.yaml_positions import Problems, entries, is_empty, shape
 from kerfwise.rules.statements import Forbid
 
-from .criterion import Criterion, Span
-from .demand import Ask, Chosen, Found
+from .criterion import Criterion, NumberSpan
+from .demand import Ask, Breach, Chosen
 from .value_kinds import LENGTHS
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ PLACES = {
 
 
 @dataclass(frozen=True, slots=True)
-class Way(Ask):
+class DirectionAsk(Ask):
     """The selected contours are cut in one direction."""
 
     KEYS = {"direction": "the way round that the selected contours are cut, cw or ccw as seen with y up"}  # noqa: RUF012
@@ -49,12 +49,12 @@ class Way(Ask):
     direction: str
 
     @classmethod
-    def read(cls, key: str, node: yaml.Node, problems: Problems, what: str) -> Way:
+    def read(cls, key: str, node: yaml.Node, problems: Problems, what: str) -> DirectionAsk:
         try:
-            return Way(str(DIRECTIONS.read(node)))
+            return DirectionAsk(str(DIRECTIONS.read(node)))
         except Unfit as error:
             problems.add(node, f"{what}: {error}")
-            return Way("")
+            return DirectionAsk("")
 
     @classmethod
     def schema(cls, key: str) -> dict[str, Any]:
@@ -70,7 +70,7 @@ class Way(Ask):
                 if facts.candidates[c].direction != self.direction:
                     yield Forbid(c, about)
 
-    def broken(self, cuts: CutSequence, chosen: Chosen) -> Iterator[Found]:
+    def broken(self, cuts: CutSequence, chosen: Chosen) -> Iterator[Breach]:
         ids = set(chosen.ids(*_selected(chosen)))
         for k, cut in enumerate(cuts, 1):
             if cut.contour in ids and cut.direction != self.direction:
@@ -78,7 +78,7 @@ class Way(Ask):
 
 
 @dataclass(frozen=True, slots=True)
-class Place(Ask):
+class PlaceAsk(Ask):
     """The selected contours are pierced, or entered, only in a place, or anywhere but there."""
 
     KEYS = {  # noqa: RUF012
@@ -92,10 +92,10 @@ class Place(Ask):
     criteria: tuple[tuple[str, Criterion], ...]
 
     @classmethod
-    def read(cls, key: str, node: yaml.Node, problems: Problems, what: str) -> Place:
+    def read(cls, key: str, node: yaml.Node, problems: Problems, what: str) -> PlaceAsk:
         if is_empty(node) or not isinstance(node, yaml.MappingNode) or not node.value:
             problems.add(node, f"{what}: expected a place such as {{left_gap_mm: '< 50'}}, got {shape(node)}")
-            return Place(key, ())
+            return PlaceAsk(key, ())
         criteria = []
         for name, key_node, value in entries(node, problems, what):
             if name not in PLACES:
@@ -105,7 +105,7 @@ class Place(Ask):
                 criteria.append((name, LENGTHS.read_one(value)))
             except Unfit as error:
                 problems.add(value, f"{what}.{name}: {error}")
-        return Place(key, tuple(criteria))
+        return PlaceAsk(key, tuple(criteria))
 
     @classmethod
     def schema(cls, key: str) -> dict[str, Any]:
@@ -124,7 +124,7 @@ class Place(Ask):
                 if self._met(facts.nest, point, 0.0) == self._refuses:
                     yield Forbid(c, about)
 
-    def broken(self, cuts: CutSequence, chosen: Chosen) -> Iterator[Found]:
+    def broken(self, cuts: CutSequence, chosen: Chosen) -> Iterator[Breach]:
         ids = set(chosen.ids(*_selected(chosen)))
         slack_mm = -NC_ROUNDING_MM if self._refuses else NC_ROUNDING_MM
         for k, cut in enumerate(cuts, 1):
@@ -146,7 +146,7 @@ class Place(Ask):
     def _met(self, nest: Nest, point: Point, slack_mm: float) -> bool:
         """Whether a point lies in the place; a slack above 0 takes in what is near, one below 0 leaves it out."""
         values = _places_mm(nest, point)
-        spans = [(values[name], span) for name, span in self.criteria if isinstance(span, Span)]
+        spans = [(values[name], span) for name, span in self.criteria if isinstance(span, NumberSpan)]
         if slack_mm < 0:
             return all(span.surely_met(value, -slack_mm) for value, span in spans)
         return all(span.perhaps_met(value, slack_mm) for value, span in spans)

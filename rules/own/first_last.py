@@ -12,7 +12,7 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.rules.options.yaml_positions import Problems
 from kerfwise.rules.statements import AtLeast, Before
 
-from .demand import Ask, Chosen, Found, read_true
+from .demand import Ask, Breach, Chosen, read_true
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Facts
@@ -52,7 +52,7 @@ class Ends(Ask):
                     literals, what = tuple(Before(other, k) for other in rest), "not the first to be cut"
                 yield AtLeast(literals, (1,) * len(rest), 1, chosen.about((k,), f"{name} is {what}"))
 
-    def broken(self, cuts: CutSequence, chosen: Chosen) -> Iterator[Found]:
+    def broken(self, cuts: CutSequence, chosen: Chosen) -> Iterator[Breach]:
         at = cuts.positions()
         for selected, rest in _asked(chosen):
             places = {at[name]: name for name in chosen.ids(*selected, *rest) if name in at}

@@ -21,7 +21,7 @@ from .criterion import ROUNDING_MM
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Measured:
+class MeasuredNest:
     """What values are measured from: a nest, the zones that its cuts state, and two thresholds."""
 
     nest: Nest
@@ -30,9 +30,9 @@ class Measured:
     web_mm: float
 
 
-def measured(nest: Nest, cuts: CutSequence | None, long_ratio: float, web_mm: float) -> Measured:
+def measured(nest: Nest, cuts: CutSequence | None, long_ratio: float, web_mm: float) -> MeasuredNest:
     """What there is to measure; without cuts no zone is known."""
-    return Measured(nest, {cut.contour: cut.zone for cut in cuts or () if cut.zone}, long_ratio, web_mm)
+    return MeasuredNest(nest, {cut.contour: cut.zone for cut in cuts or () if cut.zone}, long_ratio, web_mm)
 
 
 def areas_mm2(nest: Nest) -> list[float]:
@@ -57,7 +57,7 @@ def rectangle_sides_mm(nest: Nest, longer: bool) -> list[float]:
     return _listed(sides.max(axis=1) if longer else sides.min(axis=1))
 
 
-def is_long(m: Measured) -> list[bool]:
+def is_long(m: MeasuredNest) -> list[bool]:
     """Outer contours whose smallest rectangle has one side at least `long_ratio` times the other (Petunin 2009)."""
     sides = _rectangles_mm(m.nest)
     slim = sides.max(axis=1) >= m.long_ratio * sides.min(axis=1) * (1 - 1e-9)
@@ -77,13 +77,13 @@ def edge_gaps_mm(nest: Nest, side: str) -> list[float]:
     return _listed(np.min(list(gaps.values()), axis=0) if side == "edge" else gaps[side])
 
 
-def hosts(m: Measured) -> list[str]:
+def hosts(m: MeasuredNest) -> list[str]:
     """Id of the part in whose hole a contour's part lies, "" for none."""
     of_part = host_holes(m.nest)
     return [of_part[c.part].part if c.part in of_part else "" for c in m.nest.contours]
 
 
-def depths(m: Measured) -> list[int]:
+def depths(m: MeasuredNest) -> list[int]:
     """How many contours lie around every contour."""
     host = host_holes(m.nest)
 
@@ -96,7 +96,7 @@ def depths(m: Measured) -> list[int]:
     return [of_part(c.part) + (c.kind != "outer") for c in m.nest.contours]
 
 
-def neighbour_counts(m: Measured) -> list[int]:
+def neighbour_counts(m: MeasuredNest) -> list[int]:
     """How many other parts in the same place come as near as `web_mm` to each outer contour; 0 for holes and marks."""
     at = places(m.nest, host_holes(m.nest))
     return count_near(m.nest, [at[part.id] for part in m.nest.parts], m.web_mm)
@@ -113,7 +113,7 @@ def count_near(nest: Nest, place: Sequence[object], web_mm: float) -> list[int]:
     return count
 
 
-def zones(m: Measured) -> list[int | None]:
+def zones(m: MeasuredNest) -> list[int | None]:
     """The zone that the cut of every contour states, None where it states none."""
     return [m.zones.get(c.id) for c in m.nest.contours]
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from kerfwise.encoder.nest import KINDS, Nest
 
 from . import measures
-from .measures import Measured
+from .measures import MeasuredNest
 from .value_kinds import AREAS, COUNTED, LENGTHS, FlagKind, FreeKind, TextKind, ValueKind, WordKind
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class NamedFact:
     kind: ValueKind
     help: str
     of_facts: Callable[[Facts], Values]
-    of_nest: Callable[[Measured], Values]
+    of_nest: Callable[[MeasuredNest], Values]
 
 
 def _own(name: str, kind: ValueKind, help: str, of: Callable[[Nest], Values]) -> NamedFact:
@@ -140,7 +140,7 @@ def named_fact(name: str) -> NamedFact | None:
     return NAMED_FACTS.get(name)
 
 
-class Known:
+class KnownFacts:
     """The values of named facts for every contour of one nest, computed when first asked for."""
 
     def __init__(self, nest: Nest, values: Callable[[NamedFact], Values]) -> None:
@@ -156,11 +156,11 @@ class Known:
         return self._found[name]
 
 
-def known_of_facts(facts: Facts) -> Known:
+def known_of_facts(facts: Facts) -> KnownFacts:
     """Values as plans are made with."""
-    return Known(facts.nest, lambda fact: fact.of_facts(facts))
+    return KnownFacts(facts.nest, lambda fact: fact.of_facts(facts))
 
 
-def known_of_nest(m: Measured) -> Known:
+def known_of_nest(m: MeasuredNest) -> KnownFacts:
     """Values as the check measures them."""
-    return Known(m.nest, lambda fact: fact.of_nest(m))
+    return KnownFacts(m.nest, lambda fact: fact.of_nest(m))

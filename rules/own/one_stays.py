@@ -12,7 +12,7 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.rules.options.yaml_positions import Problems
 from kerfwise.rules.statements import NoGood
 
-from .demand import Ask, Chosen, Found
+from .demand import Ask, Breach, Chosen
 from .selector import Selector, read_selector
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class OneStays(Ask):
             text = f"{_listed(chosen.ids(*out))} are not all cut while {_listed(chosen.ids(*left))} stay in"
             yield NoGood(frozenset(out), frozenset(left), chosen.about((*out, *left), text))
 
-    def broken(self, cuts: CutSequence, chosen: Chosen) -> Iterator[Found]:
+    def broken(self, cuts: CutSequence, chosen: Chosen) -> Iterator[Breach]:
         at = cuts.positions()
         for out, left in self._sets(chosen):
             out_at = [at.get(name, len(cuts) + 1) for name in chosen.ids(*out)]

@@ -12,7 +12,7 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.rules.options.yaml_positions import Problems
 from kerfwise.rules.statements import Precede
 
-from .demand import Ask, Chosen, Found, read_true
+from .demand import Ask, Breach, Chosen, read_true
 from .selector import Selector, read_selector
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Order(Ask):
+class OrderAsk(Ask):
     """`key` is one of `KEYS`; `other` whom the selected come before or after, None for first and last."""
 
     KEYS = {  # noqa: RUF012
@@ -34,11 +34,11 @@ class Order(Ask):
     other: Selector | None = None
 
     @classmethod
-    def read(cls, key: str, node: yaml.Node, problems: Problems, what: str) -> Order:
+    def read(cls, key: str, node: yaml.Node, problems: Problems, what: str) -> OrderAsk:
         if key in ("before", "after"):
-            return Order(key, read_selector(node, problems, what))
+            return OrderAsk(key, read_selector(node, problems, what))
         read_true(node, problems, what)
-        return Order(key)
+        return OrderAsk(key)
 
     @classmethod
     def schema(cls, key: str) -> dict[str, Any]:
@@ -65,7 +65,7 @@ class Order(Ask):
             first, then = chosen.ids(a, b)
             yield Precede(a, b, chosen.about((a, b), f"{first} is cut before {then}"))
 
-    def broken(self, cuts: CutSequence, chosen: Chosen) -> Iterator[Found]:
+    def broken(self, cuts: CutSequence, chosen: Chosen) -> Iterator[Breach]:
         at = cuts.positions()
         for a, b in self.pairs(chosen):
             first, then = chosen.ids(a, b)

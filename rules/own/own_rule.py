@@ -12,11 +12,11 @@ from kerfwise.rules.rule import Strength
 
 from .apart import Apart
 from .demand import Ask, Chosen
-from .direction_entry import Place, Way
+from .direction_entry import DirectionAsk, PlaceAsk
 from .first_last import Ends
-from .named_facts import Known
+from .named_facts import KnownFacts
 from .one_stays import OneStays
-from .order import Order
+from .order import OrderAsk
 from .runs import Together
 from .scope import groups
 from .selector import Selector
@@ -25,7 +25,7 @@ PREFIX = "own:"
 """What the id of every own rule begins with."""
 
 ASKS: Mapping[str, type[Ask]] = {
-    key: kind for kind in (Order, Ends, Together, Apart, OneStays, Way, Place) for key in kind.KEYS
+    key: kind for kind in (OrderAsk, Ends, Together, Apart, OneStays, DirectionAsk, PlaceAsk) for key in kind.KEYS
 }
 """Key in a profile → the kind of demand that stands under it."""
 
@@ -53,7 +53,7 @@ class OwnRule:
         reach = {self.scope} - {"sheet"}
         return set().union(reach, self.select.names(), *(s.names() for s in self.ask.selectors()))
 
-    def chosen(self, known: Known) -> Chosen:
+    def chosen(self, known: KnownFacts) -> Chosen:
         """Which contours it is about on one nest."""
         selected = set(self.select.chosen(known))
         parted = ((tuple(k for k in group if k in selected), group) for group in groups(known, self.scope))

@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from kerfwise.rules.options.kind import Kind, Unfit
+from kerfwise.rules.options.kind import OptionKind, Unfit
 from kerfwise.rules.options.plain_values import Choice, Text
 from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.options.suggest import unknown
@@ -20,7 +20,7 @@ from .selector import read_selector, selector_schema
 
 DEFAULT_WEIGHT_MM = 1000.0
 STRENGTHS: tuple[Strength, ...] = ("hard", "soft", "off")
-_PLAIN: dict[str, tuple[Kind, str]] = {
+_PLAIN: dict[str, tuple[OptionKind, str]] = {
     "name": (Text(), "what plans and checks call the rule, after own:"),
     "why": (Text(), "the reason, in words for the planner"),
     "strength": (Choice(STRENGTHS), "default hard"),
@@ -30,7 +30,7 @@ _PLAIN: dict[str, tuple[Kind, str]] = {
 KEYS = (*_PLAIN, "select", *ASKS)
 FILE_KEYS = ("file", "name", "why", "strength", "weight")
 
-Members = list[tuple[str, yaml.Node, yaml.Node]]
+KeyedNodes = list[tuple[str, yaml.Node, yaml.Node]]
 
 
 def read_own_rules(node: yaml.Node, problems: Problems) -> tuple[Own, ...]:
@@ -51,7 +51,7 @@ def read_own_rules(node: yaml.Node, problems: Problems) -> tuple[Own, ...]:
     return tuple(rules.values())
 
 
-def _rule(entry: yaml.Node, members: Members, problems: Problems, what: str) -> OwnRule | None:
+def _rule(entry: yaml.Node, members: KeyedNodes, problems: Problems, what: str) -> OwnRule | None:
     so_far = len(problems.found)
     given: dict[str, Any] = {}
     asked = [(key, key_node, value) for key, key_node, value in members if key in ASKS]
@@ -73,7 +73,7 @@ def _rule(entry: yaml.Node, members: Members, problems: Problems, what: str) -> 
     return OwnRule(ask=ask[0], place=problems.place(entry), **given)
 
 
-def _file(entry: yaml.Node, members: Members, problems: Problems, what: str) -> OwnFile | None:
+def _file(entry: yaml.Node, members: KeyedNodes, problems: Problems, what: str) -> OwnFile | None:
     so_far = len(problems.found)
     given = _plain_values(members, problems, what)
     for key, key_node, value in members:
@@ -96,7 +96,7 @@ def _file(entry: yaml.Node, members: Members, problems: Problems, what: str) -> 
     return made
 
 
-def _plain_values(members: Members, problems: Problems, what: str) -> dict[str, Any]:
+def _plain_values(members: KeyedNodes, problems: Problems, what: str) -> dict[str, Any]:
     strength = next((value.value for key, _, value in members if key == "strength"), "hard")
     given: dict[str, Any] = {"weight": DEFAULT_WEIGHT_MM} if strength == "soft" else {}
     for key, _, value in members:

@@ -13,7 +13,7 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.rules.options.yaml_positions import Problems
 from kerfwise.rules.statements import Contiguous
 
-from .demand import Ask, Chosen, Found, read_true
+from .demand import Ask, Breach, Chosen, read_true
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Facts
@@ -46,7 +46,7 @@ class Together(Ask):
             listed = ", ".join(ids) if len(ids) <= 6 else f"{ids[0]} … {ids[-1]}"
             yield Contiguous(run, chosen.about(run, f"{listed} follow each other"))
 
-    def broken(self, cuts: CutSequence, chosen: Chosen) -> Iterator[Found]:
+    def broken(self, cuts: CutSequence, chosen: Chosen) -> Iterator[Breach]:
         at = cuts.positions()
         for run in self.together(chosen):
             places = sorted(at[name] for name in chosen.ids(*run) if at.get(name, 0) > cuts.made)

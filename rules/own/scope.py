@@ -7,16 +7,16 @@ from typing import Any
 
 import yaml
 
-from kerfwise.rules.options.kind import Kind
+from kerfwise.rules.options.kind import OptionKind
 from kerfwise.rules.options.plain_values import Choice
 
-from .named_facts import ATTRIBUTE, Known
+from .named_facts import ATTRIBUTE, KnownFacts
 
 WORDS = ("sheet", "part", "zone")
 
 
 @dataclass(frozen=True, slots=True)
-class Scope(Kind):
+class Scope(OptionKind):
     """sheet, part, zone, or attribute.<name>: the parts that the nest gives the same value there."""
 
     def read(self, node: yaml.Node) -> str:
@@ -37,7 +37,7 @@ class Scope(Kind):
         return f"{', '.join(WORDS)} or {ATTRIBUTE}<name>"
 
 
-def groups(known: Known, scope: str) -> list[tuple[int, ...]]:
+def groups(known: KnownFacts, scope: str) -> list[tuple[int, ...]]:
     """Contour numbers group by group; a contour without a value for the scope is in none.
 
     Examples

@@ -12,7 +12,7 @@ from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.yaml_positions import Problems, entries, is_empty, shape
 
 from .criterion import Criterion
-from .named_facts import ATTRIBUTE, NAMED_FACTS, Known, named_fact
+from .named_facts import ATTRIBUTE, NAMED_FACTS, KnownFacts, named_fact
 
 NOT = "not"
 
@@ -36,7 +36,7 @@ class Selector:
     criteria: tuple[tuple[str, Criterion], ...] = ()
     excluded: Selector | None = None
 
-    def chosen(self, known: Known) -> tuple[int, ...]:
+    def chosen(self, known: KnownFacts) -> tuple[int, ...]:
         """Numbers of the contours selected, ascending."""
         columns = [(criterion, known.values(name)) for name, criterion in self.criteria]
         out = set(self.excluded.chosen(known)) if self.excluded else set()

@@ -10,12 +10,12 @@ from typing import Any
 
 import yaml
 
-from kerfwise.rules.options.kind import Kind, Unfit
+from kerfwise.rules.options.kind import OptionKind, Unfit
 from kerfwise.rules.options.plain_values import Choice, Number
 from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.options.yaml_positions import is_empty, shape
 
-from .criterion import AnyOf, Criterion, Pattern, Span, Truth
+from .criterion import AnyOf, Criterion, NumberSpan, Pattern, Truth
 
 SIGNED_LENGTH = dataclasses.replace(LENGTH, at_least=None)
 _TRUTHS = {"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False}
@@ -64,14 +64,14 @@ class ValueKind(ABC):
 class NumberKind(ValueKind):
     """Numbers of one unit."""
 
-    operand: Kind
+    operand: OptionKind
     unit: str = ""
 
     def read_one(self, node: yaml.Node) -> Criterion:
         text = self.text(node)
         low, dots, high = text.partition("..")
         if dots:
-            span = Span(self._operand(low, node), self._operand(high, node), given=text)
+            span = NumberSpan(self._operand(low, node), self._operand(high, node), given=text)
             if span.low > span.high:
                 raise Unfit(f"{text!r} is empty: write the smaller number first")
             return span
@@ -79,11 +79,11 @@ class NumberKind(ValueKind):
         value = self._operand(operand, node)
         match operator:
             case "<" | "<=":
-                return Span(high=value, without_high=operator == "<", given=text)
+                return NumberSpan(high=value, without_high=operator == "<", given=text)
             case ">" | ">=":
-                return Span(low=value, without_low=operator == ">", given=text)
+                return NumberSpan(low=value, without_low=operator == ">", given=text)
             case _:
-                return Span(value, value, negated=operator == "!=", given=text)
+                return NumberSpan(value, value, negated=operator == "!=", given=text)
 
     def _operand(self, text: str, node: yaml.Node) -> float:
         try:

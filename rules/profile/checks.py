@@ -12,7 +12,7 @@ from kerfwise.rules.registry import RULES
 
 from .filling import filled_in, plant_of
 from .heat_section import Heat
-from .sections import Leads, Machine, Material, RuleSetting
+from .sections import LeadsSection, Machine, Material, RuleSetting
 from .small_holes_section import SmallHoles
 from .time_section import Time
 
@@ -25,7 +25,7 @@ MACHINE_WAITS = (
 
 def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -> None:
     """Note values that contradict each other, at the one that the file gives."""
-    leads: Leads = given["leads"]
+    leads: LeadsSection = given["leads"]
     machine: Machine = given["machine"]
     material: Material = given["material"]
     rules: dict[str, RuleSetting] = given["rules"]

@@ -18,7 +18,7 @@ LONGEST = 100_000
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class LawPiece:
     """A formula for programs of up to `up_to` blocks, or, where that is None, of any more.
 
     Either `polynomial`, its coefficients from the constant up, or `power`, a factor and an exponent of n; the feed in
@@ -47,7 +47,7 @@ class FeedLaw:
     --------
     >>> FeedLaw(points=((10, 100.0), (20, 80.0))).mm_s(15)
     90.0
-    >>> law = FeedLaw(unit="m/s", pieces=(Piece(70, (0.1,)), Piece(None, power=(0.2572, -0.222))))
+    >>> law = FeedLaw(unit="m/s", pieces=(LawPiece(70, (0.1,)), LawPiece(None, power=(0.2572, -0.222))))
     >>> law.mm_s(1), round(law.mm_s(120), 2)
     (100.0, 88.86)
     """
@@ -55,7 +55,7 @@ class FeedLaw:
     name: str = ""
     source: str = ""
     unit: str = "mm/s"
-    pieces: tuple[Piece, ...] = ()
+    pieces: tuple[LawPiece, ...] = ()
     points: tuple[tuple[int, float], ...] = ()
 
     def mm_s(self, blocks: int) -> float:

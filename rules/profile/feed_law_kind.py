@@ -10,12 +10,12 @@ from typing import Any
 
 import yaml
 
-from kerfwise.rules.options.kind import Kind, Unfit
+from kerfwise.rules.options.kind import OptionKind, Unfit
 from kerfwise.rules.options.plain_values import Choice, Number, Text
 from kerfwise.rules.options.quantities import SPEED
 from kerfwise.rules.options.suggest import unknown
 
-from .feed_law import LONGEST, FeedLaw, Piece
+from .feed_law import LONGEST, FeedLaw, LawPiece
 
 NONE = "none"
 _BLOCKS = Number(1, LONGEST, whole=True)
@@ -41,7 +41,7 @@ def shipped_laws() -> Mapping[str, FeedLaw]:
 
 
 @dataclass(frozen=True, slots=True)
-class LawKind(Kind):
+class LawKind(OptionKind):
     """A shipped law by name, a law of one's own as a mapping, or none."""
 
     def read(self, node: yaml.Node) -> FeedLaw | None:
@@ -121,17 +121,17 @@ def _point(node: yaml.Node) -> tuple[int, float]:
     return int(_BLOCKS.read(blocks)), float(SPEED.read(feed))
 
 
-def _piece(node: yaml.Node) -> Piece:
+def _piece(node: yaml.Node) -> LawPiece:
     members = _members(node, ("up_to", "polynomial", "power"), "piece")
     if ("polynomial" in members) == ("power" in members):
         raise Unfit("expected either polynomial: [a, b, c] (a + b n + c n²) or power: [a, b] (a nᵇ)", node)
     up_to = int(_BLOCKS.read(members["up_to"])) if "up_to" in members else None
     if "polynomial" in members:
-        return Piece(up_to, tuple(_numbers(members["polynomial"])))
+        return LawPiece(up_to, tuple(_numbers(members["polynomial"])))
     numbers = _numbers(members["power"])
     if len(numbers) != 2:
         raise Unfit("expected power: [factor, exponent]", members["power"])
-    return Piece(up_to, power=(numbers[0], numbers[1]))
+    return LawPiece(up_to, power=(numbers[0], numbers[1]))
 
 
 def _numbers(node: yaml.Node) -> list[float]:
@@ -166,7 +166,7 @@ def _written(law: FeedLaw) -> list[str]:
     return [*said, f"unit: {law.unit}", f"pieces: [{', '.join(map(_written_piece, law.pieces))}]"]
 
 
-def _written_piece(piece: Piece) -> str:
+def _written_piece(piece: LawPiece) -> str:
     up_to = [] if piece.up_to is None else [f"up_to: {piece.up_to}"]
     name, numbers = ("power", piece.power) if piece.power is not None else ("polynomial", piece.polynomial)
     written = f"{name}: [{', '.join(map(_yaml_number, numbers))}]"

@@ -9,12 +9,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.geometry.segment import Box, Point
 from kerfwise.encoder.nest import Nest
 
 from .machine_section import Machine
 
-Bounds = tuple[float, float, float, float]
 _DIGITS = 4
 
 
@@ -48,7 +47,7 @@ def frame_of(nest: Nest, machine: Machine) -> Frame:
     return Frame((round(x0, _DIGITS), round(y0, _DIGITS)))
 
 
-def reach_of(nest: Nest, machine: Machine) -> Bounds | None:
+def reach_of(nest: Nest, machine: Machine) -> Box | None:
     """What the torch can go to, in the drawing's coordinates: infinite the way that the profile does not say.
 
     None where it says nothing.

@@ -8,7 +8,7 @@ from typing import Literal
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.plain_values import Choice, Flag
-from kerfwise.rules.options.quantities import DURATION, SPEED, PointXY, Span
+from kerfwise.rules.options.quantities import DURATION, SPEED, LengthSpan, PointXY
 
 from .dialect_kind import DialectName
 
@@ -17,7 +17,7 @@ PROCESSES: tuple[Process, ...] = ("plasma", "oxyfuel", "laser", "water-jet")
 Origin = Literal["drawing", "sheet-corner"]
 ORIGINS: tuple[Origin, ...] = ("drawing", "sheet-corner")
 PierceDwell = Literal["machine", "program"]
-_SPAN = Span(none="unknown")
+_SPAN = LengthSpan(none="unknown")
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,10 +13,10 @@ MOVED: Mapping[str, Mapping[str, tuple[str, str]]] = {
 }
 """Section → its older key → the group it is in now, and its key there."""
 
-Member = tuple[str, yaml.Node, yaml.Node]
+KeyedNode = tuple[str, yaml.Node, yaml.Node]
 
 
-def with_new_names(section: str, members: Sequence[Member], problems: Problems) -> list[Member]:
+def with_new_names(section: str, members: Sequence[KeyedNode], problems: Problems) -> list[KeyedNode]:
     """The keys and values of a section with each older key where it belongs now; a value given twice is a problem."""
     moved = MOVED.get(section, {})
     kept = [member for member in members if member[0] not in moved]

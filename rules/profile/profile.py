@@ -14,7 +14,7 @@ from typing import Any
 from kerfwise.encoder.candidates.candidate import LEAST_WASTE_MM, LeadOptions
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import FactOptions
-from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.geometry.segment import Box, Point
 from kerfwise.encoder.nest import Kind, Nest
 from kerfwise.encoder.readers.layers import Layers
 from kerfwise.encoder.readers.options import ReadOptions
@@ -35,12 +35,12 @@ from kerfwise.rules.rule import Rule, Strength
 from kerfwise.rules.temperature_limit import TemperatureLimit
 
 from .filling import T, filled_in, plant_of
-from .frame import Bounds, Frame, frame_of, reach_of
+from .frame import Frame, frame_of, reach_of
 from .heat_section import Heat
 from .machine_section import Origin
 from .models_section import ModelSource
-from .reader import Given, read_given
-from .sections import Drawing, Leads, Machine, Material, Objective, RuleSetting, default_settings
+from .reader import GivenValues, read_given
+from .sections import DrawingSection, LeadsSection, Machine, Material, Objective, RuleSetting, default_settings
 from .small_holes_section import SmallHoles
 from .time_section import Prices, Time
 
@@ -68,8 +68,8 @@ class Profile:
     name: str
     machine: Machine = field(default_factory=Machine)
     material: Material = field(default_factory=Material)
-    leads: Leads = field(default_factory=Leads)
-    drawing: Drawing = field(default_factory=Drawing)
+    leads: LeadsSection = field(default_factory=LeadsSection)
+    drawing: DrawingSection = field(default_factory=DrawingSection)
     rules: Mapping[str, RuleSetting] = field(default_factory=default_settings)
     objective: Objective = field(default_factory=Objective)
     locks: tuple[Lock, ...] = ()
@@ -166,7 +166,7 @@ class Profile:
         """The machine's home in the coordinates of the nest's drawing."""
         return frame_of(nest, self.machine).on_drawing(self.machine.home)
 
-    def reach_on(self, nest: Nest) -> Bounds | None:
+    def reach_on(self, nest: Nest) -> Box | None:
         """What the torch can go to, in the coordinates of the nest's drawing; None where the profile says nothing."""
         return reach_of(nest, self.machine)
 
@@ -309,7 +309,7 @@ def _load(name: str, folder: Path, chain: tuple[str, ...], trust: bool) -> Profi
     except UnicodeDecodeError as error:
         raise InputError(f"not a profile: the file is not UTF-8 text ({error.reason})", file=file) from None
 
-    def base(of: str) -> Given:
+    def base(of: str) -> GivenValues:
         return _fields(_load(of, Path(file).parent, (*chain, file), trust))
 
     given = read_given(text, file, _fields(_silent(shown(Path(file).stem))), base, trust)
@@ -340,7 +340,7 @@ def _of_own(own: Own) -> Rule[Any]:
     return as_rule(own)
 
 
-def _fields(profile: Profile) -> Given:
+def _fields(profile: Profile) -> GivenValues:
     return {f.name: getattr(profile, f.name) for f in dataclasses.fields(profile)}
 
 

@@ -32,12 +32,14 @@ from .sections import SECTIONS, RuleSetting
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-Given = dict[str, Any]
+GivenValues = dict[str, Any]
 T = TypeVar("T", bound="DataclassInstance")
 KEYS = ("name", "based_on", *SECTIONS, "python", "models", "rules", "own_rules", "locks")
 
 
-def read_given(text: str, file: str, start: Given, load_base: Callable[[str], Given], trust: bool = False) -> Given:
+def read_given(
+    text: str, file: str, start: GivenValues, load_base: Callable[[str], GivenValues], trust: bool = False
+) -> GivenValues:
     """The fields of a profile: those of `start`, or of the one it is based on, with what the text gives in their place.
 
     `trust` lets Python files run that the text names.
@@ -85,7 +87,7 @@ def _top_level(root: yaml.Node | None, problems: Problems) -> dict[str, yaml.Nod
     return found
 
 
-def _base(node: yaml.Node, problems: Problems, load_base: Callable[[str], Given]) -> Given:
+def _base(node: yaml.Node, problems: Problems, load_base: Callable[[str], GivenValues]) -> GivenValues:
     name = _read(node, Text(), problems, "based_on")
     if name is None:
         return {}
@@ -116,7 +118,7 @@ def read_fields(
 ) -> T:
     """The dataclass `base` with the options that a mapping gives; `other` are valid keys that are read elsewhere."""
     options = {option.key: option for option in options_of(base)}
-    given: Given = {}
+    given: GivenValues = {}
     for key, key_node, value in members:
         if key not in options:
             comma = "; decimals are written with a point" if key.isdigit() and is_empty(value) else ""

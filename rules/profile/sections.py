@@ -8,7 +8,7 @@ from typing import get_args
 
 from kerfwise.encoder.candidates.candidate import LeadKind
 from kerfwise.encoder.readers.layers import DEFAULT as LAYERS
-from kerfwise.encoder.readers.options import Frame, OpenLines
+from kerfwise.encoder.readers.options import FrameName, OpenLines
 from kerfwise.encoder.readers.units import MM_PER
 from kerfwise.rules.options.by_thickness import LENGTH_BY_THICKNESS, ByThickness
 from kerfwise.rules.options.members import Members
@@ -37,7 +37,7 @@ class Material:
 
 
 @dataclass(frozen=True, slots=True)
-class Leads:
+class LeadsSection:
     """How the torch joins and leaves a contour."""
 
     entries: int = field(default=8, metadata=option(Number(1, 1000, whole=True), "entries tried on each contour"))
@@ -73,7 +73,7 @@ class LayerMap:
 
 
 @dataclass(frozen=True, slots=True)
-class Drawing:
+class DrawingSection:
     """How drawings of nests are read."""
 
     units: str | None = field(
@@ -85,10 +85,10 @@ class Drawing:
     layers: LayerMap = field(
         default=LayerMap(), metadata=option(Members(LayerMap), "what layers are for (regular expressions)")
     )
-    frame: Frame | None = field(
+    frame: FrameName | None = field(
         default=None,
         metadata=option(
-            Choice(("ask", *get_args(Frame)), none="ask"),
+            Choice(("ask", *get_args(FrameName)), none="ask"),
             "what one rectangle around everything is, where no layer is the sheet's",
         ),
     )
@@ -119,15 +119,24 @@ def default_settings() -> dict[str, RuleSetting]:
     }
 
 
-__all__ = ["SECTIONS", "Drawing", "Leads", "Machine", "Material", "Objective", "RuleSetting", "default_settings"]
+__all__ = [
+    "SECTIONS",
+    "DrawingSection",
+    "LeadsSection",
+    "Machine",
+    "Material",
+    "Objective",
+    "RuleSetting",
+    "default_settings",
+]
 
 SECTIONS: Mapping[str, type] = {
     "machine": Machine,
     "material": Material,
-    "leads": Leads,
+    "leads": LeadsSection,
     "small_holes": SmallHoles,
     "cuts": Cuts,
-    "drawing": Drawing,
+    "drawing": DrawingSection,
     "objective": Objective,
     "time": Time,
     "prices": Prices,

@@ -32,7 +32,7 @@ OUT = -1
 
 
 @dataclass(frozen=True, slots=True)
-class Rest:
+class Remainder:
     """`number[i]` is the number of contour i of the whole among those left, `OUT` where it is out.
 
     `cut_at` tells when what is out was cut; what has fallen out uncut is not in it.
@@ -54,7 +54,7 @@ class Rest:
         return self.left(j)
 
 
-def of_what_is_left(statements: Iterable[Statement], rest: Rest) -> Iterator[Statement]:
+def of_what_is_left(statements: Iterable[Statement], rest: Remainder) -> Iterator[Statement]:
     """The statements about a whole nest, as they read for what is left of it.
 
     - An order between what is out and what is left is kept, or too late.
@@ -70,14 +70,14 @@ def of_what_is_left(statements: Iterable[Statement], rest: Rest) -> Iterator[Sta
     >>> from kerfwise.rules.statements import About
     >>> about = About("r", (), "")
     >>> orders = [Precede(0, 1, about), Precede(1, 2, about)]
-    >>> [(s.before, s.after) for s in of_what_is_left(orders, Rest([-1, 0, 1], {0: 1}))]
+    >>> [(s.before, s.after) for s in of_what_is_left(orders, Remainder([-1, 0, 1], {0: 1}))]
     [(0, 1)]
     """
     for statement in statements:
         yield from _reduced(statement, rest)
 
 
-def _reduced(s: Statement, rest: Rest) -> Iterator[Statement]:
+def _reduced(s: Statement, rest: Remainder) -> Iterator[Statement]:
     number = rest.number
     match s:
         case Precede():
@@ -102,14 +102,14 @@ def _reduced(s: Statement, rest: Rest) -> Iterator[Statement]:
             assert_never(s)
 
 
-def no_good_left(s: NoGood, rest: Rest) -> Iterator[NoGood]:
+def no_good_left(s: NoGood, rest: Remainder) -> Iterator[NoGood]:
     """What a no-good about a whole nest still asks of what is left: itself, or nothing."""
     out = frozenset(rest.number[k] for k in s.out if rest.left(k))
     if out and rest.left(*s.left):
         yield replace(s, out=out, left=frozenset(rest.number[k] for k in s.left))
 
 
-def _at_least(s: AtLeast, rest: Rest) -> Iterator[Statement]:
+def _at_least(s: AtLeast, rest: Remainder) -> Iterator[Statement]:
     literals: list[Literal] = []
     weights: list[int] = []
     bound = s.bound

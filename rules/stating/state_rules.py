@@ -16,7 +16,7 @@ from kerfwise.rules.statements import EXEMPTION_MM, About, AtLeast, Contiguous, 
 from .cycles import Link, components, contracted, path
 from .feedback import Unbreakable, lightest_cut, some_cycles
 from .places import at_odds, in_the_way, positions
-from .remainder import Rest, of_what_is_left
+from .remainder import Remainder, of_what_is_left
 from .time_costs import slower_ways
 
 if TYPE_CHECKING:
@@ -150,13 +150,13 @@ def stated_by(rule: Rule[Any], facts: Facts, options: Any) -> Iterable[Statement
     return of_what_is_left(rule.statements(facts.past.whole, options), rest_of(facts))
 
 
-def rest_of(facts: Facts) -> Rest:
+def rest_of(facts: Facts) -> Remainder:
     """What is left of the whole nest, for statements about that."""
     if facts.past is None:
-        return Rest(range(facts.n), {})
+        return Remainder(range(facts.n), {})
     index = facts.whole_nest.index
     cut_at = {index[cut.contour]: k for k, cut in enumerate(facts.already_cut, 1)}
-    return Rest(facts.past.number.tolist(), cut_at)
+    return Remainder(facts.past.number.tolist(), cut_at)
 
 
 def _softened(statement: Statement, weight: float) -> Statement:

@@ -13,7 +13,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.encoder.readers.assemble import assemble
-from kerfwise.encoder.readers.drawing import Piece
+from kerfwise.encoder.readers.drawing import DrawnCurve
 from kerfwise.encoder.validate import validated
 from kerfwise.tests.commands.run_cli import kerfwise
 
@@ -34,7 +34,7 @@ def test_rectangles_that_overlap_are_refused_in_words(given: list[tuple[int, int
     """No two share an edge: a hole along an edge of its part leaves metal that another ring may miss."""
     corners = [(x + k, y + k, x + w + k, y + h + k) for k, (x, y, w, h) in enumerate(given)]
     rings = [Curve.of([(x0, y0), (x1, y0), (x1, y1), (x0, y1)]) for x0, y0, x1, y1 in corners]
-    parts, _ = assemble([Piece(ring, "cut", k) for k, ring in enumerate(rings)])
+    parts, _ = assemble([DrawnCurve(ring, "cut", k) for k, ring in enumerate(rings)])
     nest = Nest(Sheet.rectangle(400, 400), parts)
     if any(crossing(a, b) for k, a in enumerate(rings) for b in rings[:k]):
         with pytest.raises(InputError, match=r"overlap|reaches out of"):

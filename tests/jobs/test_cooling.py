@@ -22,7 +22,7 @@ from kerfwise.jobs.produce import Produced, produce
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.jobs.t_max_refused import too_hot
 from kerfwise.models.physics.heat import simulate
-from kerfwise.models.physics.heat.pacing import Heated, Pace, pace
+from kerfwise.models.physics.heat.pacing import Heated, Pacing, pace
 from kerfwise.models.plan.reader import read_plan
 from kerfwise.postproc.clock.heat_path import path_of_plan
 from kerfwise.postproc.clock.timed import job_of_program, read_program, time_job
@@ -131,7 +131,7 @@ def test_without_waits_the_answer_says_which_would_do(one_order: None) -> None:
 
 def test_waits_that_are_too_short_by_the_programs_clock_alone() -> None:
     spot = HotSpot(95.0, (100.0, 80.0), 30.0, "A")
-    paced = Pace((Heated("B.outer", spot, 40.0, 87.0),), 87.0, {"B.outer": 40.0})
+    paced = Pacing((Heated("B.outer", spot, 40.0, 87.0),), 87.0, {"B.outer": 40.0})
     error = too_hot([("B.outer", spot)], [paced], TemperatureLimit("t-max", 88.4, True, 40.0))
     assert error.reasons == (
         "the one order tried gets to 95.0 °C without waits: B.outer makes part A 95.0 °C hot at (100, 80)",

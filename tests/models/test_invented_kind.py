@@ -36,7 +36,7 @@ from kerfwise.models.problem.compile import make_problem
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.statements import EXEMPTION_MM, About, Statement
 from kerfwise.rules.stating.places import positions
-from kerfwise.rules.stating.remainder import Rest, of_what_is_left
+from kerfwise.rules.stating.remainder import Remainder, of_what_is_left
 from kerfwise.rules.stating.state_rules import Stated, hopeless, resolve
 from kerfwise.tests.models.every_kind import ABOUT, FEEDS, HOME, PARTS, PROFILE, TRAVEL
 from kerfwise.tests.models.plan.conflict.statements import row
@@ -100,7 +100,7 @@ Refuses = Callable[[pytest.MonkeyPatch], object]
 REFUSES: dict[str, list[Refuses]] = {
     "rules/by_kind.py": [lambda _: by_kind([INVENTED])],
     "rules/stating/places.py": [lambda _: positions([INVENTED], PARTS)],
-    "rules/stating/remainder.py": [lambda _: list(of_what_is_left([INVENTED], Rest(range(PARTS), {})))],
+    "rules/stating/remainder.py": [lambda _: list(of_what_is_left([INVENTED], Remainder(range(PARTS), {})))],
     "rules/stating/state_rules.py": [lambda _: hopeless([INVENTED]), lambda _: resolve([INVENTED], PARTS, {})],
     "models/plan/excused.py": [lambda _: excused(FACTS, at_weight(EXEMPTION_MM), planned()[0])],
     "models/problem/compile.py": [lambda _: make_problem(FACTS, (INVENTED,), HOME)],
@@ -113,7 +113,7 @@ REFUSES: dict[str, list[Refuses]] = {
         lambda _: contours_of(GROUP, []),
     ],
     "models/plan/conflict/order_model.py": [
-        lambda _: order_model.build(FACTS, [GROUP]),
+        lambda _: order_model.build_order_model(FACTS, [GROUP]),
         lambda _: order_model._loose([GROUP]),
         ask_order_model,
     ],
@@ -234,7 +234,7 @@ def exhaustive(node: ast.Match) -> bool:
 
 def other_ways(tree: ast.AST) -> Iterator[int]:
     """Lines that ask for the type of something and name a kind of statement, or a union of them."""
-    kinds = KINDS | {"Statement", "Asked", "Priced"}
+    kinds = KINDS | {"Statement", "CanClash", "PricedStatement"}
     for node in ast.walk(tree):
         if isinstance(node, ast.Call):
             asks = names(node.func) & {"isinstance", "issubclass"} and names(node.args[1]) & kinds

@@ -12,7 +12,7 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.models.physics.heat.events import events_of
 from kerfwise.models.physics.heat.grid import Grid, make_grid
-from kerfwise.models.physics.heat.physical import Simulation
+from kerfwise.models.physics.heat.physical import SheetSimulation
 from kerfwise.models.physics.heat.route_path import RoutePaths
 from kerfwise.models.physics.heat.timed_path import TimedPath
 from kerfwise.models.problem.evaluate import broken
@@ -37,7 +37,7 @@ def realtime_order(
         If nothing lawful was left at some step.
     """
     grid = make_grid(facts.nest, heat.grid_mm)
-    sheet = Simulation(grid, heat, thickness_mm)
+    sheet = SheetSimulation(grid, heat, thickness_mm)
     along = [_along(grid, contour.line) for contour in facts.nest.contours]
     cool_k = WARM_SHARE * (heat.limit_c - heat.ambient_c)
     walk, now_s, at = Walk(problem), 0.0, (float(problem.home_um[0]) / 1000, float(problem.home_um[1]) / 1000)

@@ -26,7 +26,7 @@ class Bound:
 
 
 def least_in_and_out(problem: Problem, travel: Ints) -> Bound:
-    """Every contour left must be reached, and left again, by the least lawful move; `travel` as in `Tables`."""
+    """Every contour left must be reached, and left again, by the least lawful move; `travel` as in `BeamTables`."""
     n, m = problem.n, problem.m
     reach, leave = travel.min(axis=0), travel.min(axis=1)
     into = np.minimum.reduceat(reach[:m] + problem.site_cost, problem.first[:-1])

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kerfwise.arrays import Int32s
+
 from .bound import Bound
 from .kernels import expand, gather
-from .layer import Children, Layer
-from .tables import Shorts, Tables
+from .layer import BeamLayer, Children
+from .tables import BeamTables
 
 WORTH_SHARING = 4000
 """States in a layer from which on a second thread is worth waking."""
@@ -40,11 +42,11 @@ class Grower:
     What is kept does not depend on how a layer is shared out: the best, and of equals the first.
     """
 
-    def __init__(self, tables: Tables, bound: Bound, width: int, threads: Executor) -> None:
+    def __init__(self, tables: BeamTables, bound: Bound, width: int, threads: Executor) -> None:
         self._tables, self._bound, self._width, self._threads = tables, bound, width, threads
         self._rooms: list[Children] = []
 
-    def grow(self, layer: Layer, limit: float, spent: Spent) -> tuple[Layer, Shorts]:
+    def grow(self, layer: BeamLayer, limit: float, spent: Spent) -> tuple[BeamLayer, Int32s]:
         """The next layer and the parent of every state; children whose bound is over `limit` are of no use."""
         sets = len(layer.masks)
         if len(layer.site) < WORTH_SHARING:
@@ -62,7 +64,7 @@ class Grower:
         spent.add((PER_CHILD + PER_WORD * layer.masks.shape[1]) * len(children.f), np.inf)
         return self._gathered(layer, children)
 
-    def _part(self, number: int, layer: Layer, start: int, stop: int, limit: float) -> tuple[Children, Spent]:
+    def _part(self, number: int, layer: BeamLayer, start: int, stop: int, limit: float) -> tuple[Children, Spent]:
         """The best children of the sets `start` … `stop - 1`, in their order."""
         bound, room = self._bound, self._room(number)
         used, cut, spent = 0, np.inf, Spent()
@@ -85,7 +87,7 @@ class Grower:
             self._rooms.append(Children.room(2 * self._width + len(self._tables.site_contour)))
         return self._rooms[number]
 
-    def _gathered(self, layer: Layer, children: Children) -> tuple[Layer, Shorts]:
+    def _gathered(self, layer: BeamLayer, children: Children) -> tuple[BeamLayer, Int32s]:
         """The children sorted into their sets, each set described once."""
         count, words = len(children.f), layer.masks.shape[1]
         slots = np.empty(1 << (SLOTS_PER_CHILD * count).bit_length(), dtype=np.int32)
@@ -98,7 +100,7 @@ class Grower:
             children.site, children.source, slots, masks, ready, rest, pending, hashes, set_of,
         )  # fmt: skip
         order = np.argsort(set_of, kind="stable")
-        grown = Layer(
+        grown = BeamLayer(
             depth=layer.depth + 1,
             masks=masks[:sets],
             ready=ready[:sets],

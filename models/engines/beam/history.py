@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .tables import Shorts
+from kerfwise.arrays import Int32s
 
 WORTH_CLEARING = 20_000_000
 """States noted, 8 bytes each, before a first clearing."""
@@ -16,11 +16,11 @@ WORTH_CLEARING = 20_000_000
 class History:
     """The parent (a place in the layer before) and the last site of every state of every layer but the first."""
 
-    parents: list[Shorts] = field(default_factory=list)
-    sites: list[Shorts] = field(default_factory=list)
+    parents: list[Int32s] = field(default_factory=list)
+    sites: list[Int32s] = field(default_factory=list)
     _clear_at: int = field(default_factory=lambda: WORTH_CLEARING)
 
-    def note(self, parent: Shorts, site: Shorts) -> None:
+    def note(self, parent: Int32s, site: Int32s) -> None:
         """The states of the next layer."""
         self.parents.append(parent)
         self.sites.append(site)

@@ -4,28 +4,28 @@ from __future__ import annotations
 
 import numpy as np
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Floats, Int32s, Ints
 from kerfwise.models.engines.ideals.kernels import asked, leaving
 from kerfwise.models.engines.ideals.local import HARD
 from kerfwise.models.engines.ideals.sets import cut_one_more, find_slot, ready_word
 from kerfwise.models.kernels import kept
-from kerfwise.models.problem.bits import LOW, ONE, Masks, has, place
+from kerfwise.models.problem.bits import LOW, ONE, Masks, bit_number, has
 from kerfwise.models.problem.crossings import FORBIDDEN
 
-from .tables import NEVER, Shorts, Tables
+from .tables import NEVER, BeamTables
 
 
 @kept(nogil=True)
 def expand(  # pragma: no cover - compiled
-    tables: Tables,
+    tables: BeamTables,
     to_go: Floats,
     price: Floats,
     masks: Masks,
     ready: Masks,
     rest: Floats,
-    pending: Ints,
+    pending: Int32s,
     node_from: Ints,
-    site: Shorts,
+    site: Int32s,
     value: Ints,
     depth: int,
     at: int,
@@ -34,9 +34,9 @@ def expand(  # pragma: no cover - compiled
     cut: float,
     child_f: Floats,
     child_value: Ints,
-    child_parent: Shorts,
-    child_site: Shorts,
-    child_set: Shorts,
+    child_parent: Int32s,
+    child_site: Int32s,
+    child_set: Int32s,
     used: int,
 ) -> tuple[int, int, float, int]:
     """Cut one more contour from the sets `at` … `stop - 1` until the buffers of children are nearly full.
@@ -60,7 +60,7 @@ def expand(  # pragma: no cover - compiled
             while bits:
                 low = bits & (~bits + ONE)
                 bits ^= low
-                k = w * 64 + place(low)
+                k = w * 64 + bit_number(low)
                 for d in range(tables.first[k], tables.first[k + 1]):
                     column[count] = d
                     parent[count] = -1
@@ -114,21 +114,21 @@ def expand(  # pragma: no cover - compiled
 
 @kept(nogil=True)
 def gather(  # pragma: no cover - compiled
-    tables: Tables,
+    tables: BeamTables,
     price: Floats,
     masks: Masks,
     ready: Masks,
     rest: Floats,
     hashes: Masks,
-    child_site: Shorts,
-    child_set: Shorts,
-    slots: Shorts,
+    child_site: Int32s,
+    child_set: Int32s,
+    slots: Int32s,
     new_masks: Masks,
     new_ready: Masks,
     new_rest: Floats,
-    new_pending: Ints,
+    new_pending: Int32s,
     new_hashes: Masks,
-    set_of: Shorts,
+    set_of: Int32s,
 ) -> int:
     """Find the sets of the children and describe each once; `set_of` is the set of every child. Returns their number.
 
@@ -158,7 +158,7 @@ def gather(  # pragma: no cover - compiled
 
 
 @kept(nogil=True)
-def _crossing(tables: Tables, leave: int, reach: int, mask: Masks) -> int:  # pragma: no cover - compiled
+def _crossing(tables: BeamTables, leave: int, reach: int, mask: Masks) -> int:  # pragma: no cover - compiled
     """What a move costs for the contours that are out; `FORBIDDEN` if it is not lawful."""
     move = tables.cross_at[leave, reach]
     cost = 0

@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Floats, Int32s, Ints
 from kerfwise.models.engines.ideals.sets import Sets
 from kerfwise.models.problem.bits import Masks
 
 from .bound import Bound
-from .tables import Shorts, Tables
+from .tables import BeamTables
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Layer:
+class BeamLayer:
     """s sets of `depth` contours in w words, and their states.
 
     `masks`, `ready` (s, w) are the sets and what may be cut next; `rest` (s, b) what each bound says of the contours
@@ -29,10 +29,10 @@ class Layer:
     masks: Masks
     ready: Masks
     rest: Floats
-    pending: Shorts
+    pending: Int32s
     hashes: Masks
     node_from: Ints
-    site: Shorts
+    site: Int32s
     value: Ints
 
 
@@ -42,9 +42,9 @@ class Children:
 
     f: Floats
     value: Ints
-    parent: Shorts
-    site: Shorts
-    source: Shorts
+    parent: Int32s
+    site: Int32s
+    source: Int32s
 
     @classmethod
     def room(cls, size: int) -> Children:
@@ -82,10 +82,10 @@ class Children:
         return self.only(np.flatnonzero(kept)), dropped, most
 
 
-def root(tables: Tables, bound: Bound) -> Layer:
+def root(tables: BeamTables, bound: Bound) -> BeamLayer:
     """Nothing is cut and the torch is at home."""
     nothing = Sets.empty(tables.orders, 1)
-    return Layer(
+    return BeamLayer(
         depth=0,
         masks=nothing.masks,
         ready=nothing.ready,

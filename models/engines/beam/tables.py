@@ -5,21 +5,18 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Floats, Int32s, Ints
 from kerfwise.encoder.geometry.microns import cost_um
-from kerfwise.models.engines.ideals.local import Orders, Terms, localise
+from kerfwise.models.engines.ideals.local import OrderSets, StepTerms, localise
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.problem import Problem
-
-Shorts = NDArray[np.int32]
 
 NEVER = int(np.iinfo(np.int32).max)
 """The cost of a move that is not lawful; others cost less."""
 
 
-class Tables(NamedTuple):
+class BeamTables(NamedTuple):
     """What the kernels of a beam read of a problem of n contours and m sites.
 
     `travel` (m + 1, m + 1) has what a move costs whatever is out, home last. `orders` and `terms` are those of the
@@ -31,20 +28,20 @@ class Tables(NamedTuple):
 
     first: Ints
     site_contour: Ints
-    travel: Shorts
-    orders: Orders
-    terms: Terms
-    cross_at: Shorts
+    travel: Int32s
+    orders: OrderSets
+    terms: StepTerms
+    cross_at: Int32s
     cross_from: Ints
     cross_over: Ints
     cross_cost: Ints
 
 
-def make_tables(problem: Problem, travel: Ints) -> Tables:
+def make_beam_tables(problem: Problem, travel: Ints) -> BeamTables:
     """The arrays of a problem, with its `travel_table`."""
     whole = localise(problem, tuple(range(problem.n)), frozenset())
     cross_at, cross_from, order = _crossings(problem)
-    return Tables(
+    return BeamTables(
         first=problem.first,
         site_contour=problem.site_contour,
         travel=travel.astype(np.int32),
@@ -81,7 +78,7 @@ def way_home(problem: Problem, travel: Ints) -> Floats:
     return cost
 
 
-def _crossings(problem: Problem) -> tuple[Shorts, Ints, Ints]:
+def _crossings(problem: Problem) -> tuple[Int32s, Ints, Ints]:
     """Where the crossings of every move are, and the rows of `problem.crossings` in that order."""
     rows, m = problem.crossings, problem.m
     if not len(rows):

@@ -18,7 +18,7 @@ from .grower import Grower, Spent
 from .history import History
 from .layer import root
 from .reversed_problem import can_reverse, reversed_problem
-from .tables import make_tables, travel_table
+from .tables import make_beam_tables, travel_table
 from .walks import MOST_ROUNDS, priced_walks, walk_operations
 
 OPERATIONS_PER_S = 3e8
@@ -44,7 +44,7 @@ class _End:
     def __init__(self, problem: Problem, backwards: bool) -> None:
         self.problem, self.backwards = problem, backwards
         self.travel = travel_table(problem)
-        self.tables = make_tables(problem, self.travel)
+        self.tables = make_beam_tables(problem, self.travel)
         self.bound = least_in_and_out(problem, self.travel)
         self.priced = False
         self.reached = -math.inf  # bound that its last run has proven

@@ -5,16 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Floats, Int16s, Ints
 from kerfwise.models.kernels import kept
-
-Shorts = NDArray[np.int16]
 
 
 @kept(nogil=True)
 def look_back(  # pragma: no cover - compiled
     k: int, part: int, parts: int, back: Floats, lawful: NDArray[np.bool_], price: Floats, first: Ints,
-    earliest: Ints, latest: Ints, carried: Shorts, to_go: Floats, least: Floats
+    earliest: Ints, latest: Ints, carried: Int16s, to_go: Floats, least: Floats
 ) -> None:  # fmt: skip
     """Fill `to_go[k, M, s]` for every `parts`-th contour from `part` on, `to_go[k + 1]` given.
 
@@ -69,7 +67,7 @@ def look_back(  # pragma: no cover - compiled
 
 @kept(nogil=True)
 def walk_on(  # pragma: no cover - compiled
-    back: Floats, lawful: NDArray[np.bool_], price: Floats, first: Ints, carried: Shorts, to_go: Floats, walk: Ints
+    back: Floats, lawful: NDArray[np.bool_], price: Floats, first: Ints, carried: Int16s, to_go: Floats, walk: Ints
 ) -> float:  # fmt: skip
     """The cheapest walk from home, its contours in `walk`; its cost."""
     n, m, memories = len(first) - 1, len(back) - 1, carried.shape[2]

@@ -9,12 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Floats, Int16s, Ints
 from kerfwise.models.problem.problem import Problem
-
-Shorts = NDArray[np.int16]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -26,7 +23,7 @@ class NgSets:
     """
 
     near: Ints
-    carried: Shorts
+    carried: Int16s
 
     @property
     def size(self) -> int:

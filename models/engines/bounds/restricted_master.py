@@ -25,7 +25,7 @@ MOST_ROUNDS = 2**31 - 1
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Solved:
+class MasterSolution:
     """A solution: the value of every column, the multiplier of every row, and the simplex iterations it took."""
 
     value: Floats
@@ -45,7 +45,7 @@ class RestrictedMaster(Protocol):
     def drop_rows(self, rows: Ints) -> None:
         """Drop some of the rows that were added, counted from the first equation on; those after them move up."""
 
-    def solve(self, most: int) -> Solved | None:
+    def solve(self, most: int) -> MasterSolution | None:
         """The cheapest columns, None where no optimum is found in so many iterations."""
 
 
@@ -86,14 +86,14 @@ class GoesOn:
         if len(rows):
             self._told(self._highs.deleteRows(len(rows), rows.astype(np.int32)))
 
-    def solve(self, most: int) -> Solved | None:
+    def solve(self, most: int) -> MasterSolution | None:
         self._highs.setOptionValue("simplex_iteration_limit", min(most, MOST_ROUNDS))
         self._highs.run()
         if self._highs.getModelStatus() != highs.HighsModelStatus.kOptimal:
             return None
         found = self._highs.getSolution()
         rounds = int(self._highs.getInfo().simplex_iteration_count)
-        return Solved(np.array(found.col_value), np.array(found.row_dual), rounds)
+        return MasterSolution(np.array(found.col_value), np.array(found.row_dual), rounds)
 
     def _add_rows(self, entries: csr_matrix, least: Floats, most: Floats) -> None:
         if len(least):
@@ -129,7 +129,7 @@ class Anew:
         kept[rows] = False
         self._entries, self._least = self._entries[kept], self._least[kept[len(self._right) :]]
 
-    def solve(self, most: int) -> Solved | None:
+    def solve(self, most: int) -> MasterSolution | None:
         equations, rows = self._entries[: len(self._right)], self._entries[len(self._right) :]
         many = rows.shape[0] > 0
         solved = linprog(
@@ -145,7 +145,7 @@ class Anew:
         if solved.x is None or solved.status != 0:
             return None
         paid = -solved.ineqlin.marginals if many else self._least
-        return Solved(solved.x, np.append(solved.eqlin.marginals, paid), int(solved.nit))
+        return MasterSolution(solved.x, np.append(solved.eqlin.marginals, paid), int(solved.nit))
 
 
 def _sparse(entries: csr_matrix) -> tuple[int, Ints, Ints, Floats]:

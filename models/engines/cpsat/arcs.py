@@ -15,7 +15,7 @@ from .moves import Out, arc_of_move, out_by_then
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Arcs:
+class ArcLiterals:
     """Arcs between sites, in groups of the same two contours; the machine's home is site m and contour n.
 
     Group g leads from contour `groups[g, 0]` to `groups[g, 1]` and holds arcs `first[g]` … `first[g + 1] - 1`; arc a
@@ -40,7 +40,7 @@ def count_site_arcs(problem: Problem, lawful: Bools) -> int:
     return int(sites @ lawful @ sites)
 
 
-def site_arcs(problem: Problem, lawful: Bools) -> Arcs:
+def site_arcs(problem: Problem, lawful: Bools) -> ArcLiterals:
     """Every lawful arc between sites, at the cost of its idle travel and of what it crosses in any lawful order."""
     groups = np.argwhere(lawful).astype(np.int64)
     first = np.append(problem.first, problem.m + 1)
@@ -55,7 +55,7 @@ def site_arcs(problem: Problem, lawful: Bools) -> Arcs:
     return _crossed(problem, groups, sizes, *(np.concatenate(column) for column in (tails, heads, costs)))
 
 
-def _crossed(problem: Problem, groups: Ints, sizes: Ints, tail: Ints, head: Ints, cost: Ints) -> Arcs:
+def _crossed(problem: Problem, groups: Ints, sizes: Ints, tail: Ints, head: Ints, cost: Ints) -> ArcLiterals:
     """Arcs with the crossings that the hard orders decide: forbidden ones are left out."""
     rows = problem.crossings
     always = out_by_then(problem) == Out.YES
@@ -66,4 +66,4 @@ def _crossed(problem: Problem, groups: Ints, sizes: Ints, tail: Ints, head: Ints
     kept[arc[always & (arc >= 0) & (rows.cost == FORBIDDEN)]] = False
     left = np.add.reduceat(kept, np.cumsum(sizes) - sizes, dtype=np.int64)
     first = np.concatenate([[0], np.cumsum(left[left > 0])])
-    return Arcs(groups[left > 0], first, tail[kept], head[kept], cost[kept])
+    return ArcLiterals(groups[left > 0], first, tail[kept], head[kept], cost[kept])

@@ -11,13 +11,13 @@ from ortools.sat.python.cp_model import CpModel, IntVar, LinearExpr, LinearExprT
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Before
 
-from .arcs import Arcs
+from .arcs import ArcLiterals
 from .positions import distances, windows, windows_of_steps
 from .times import cuts_ms, moves_ms
 from .variables import Variables
 
 
-def add_constraints(model: CpModel, problem: Problem, arcs: Arcs, v: Variables) -> None:
+def add_constraints(model: CpModel, problem: Problem, arcs: ArcLiterals, v: Variables) -> None:
     """Everything that is hard, and what ties soft statements to their penalties."""
     _one_site_a_contour(model, problem, v)
     _one_round_trip(model, v)
@@ -50,14 +50,14 @@ def _one_round_trip(model: CpModel, v: Variables) -> None:
     model.add_circuit([(i, j, literal) for (i, j), literal in v.follow.items()])
 
 
-def _travel_joins_contours(model: CpModel, arcs: Arcs, v: Variables) -> None:
+def _travel_joins_contours(model: CpModel, arcs: ArcLiterals, v: Variables) -> None:
     """If j follows i, the torch travels along exactly one arc from i to j."""
     for i, j, span in arcs.spans():
         if span.stop > span.start + 1:
             model.add_exactly_one([v.follow[i, j].negated(), *v.travel[span]])
 
 
-def _travel_joins_picked_sites(model: CpModel, problem: Problem, arcs: Arcs, v: Variables) -> None:
+def _travel_joins_picked_sites(model: CpModel, problem: Problem, arcs: ArcLiterals, v: Variables) -> None:
     """The torch comes to every picked site once and leaves it once; to others it does not come."""
     for ends in (arcs.tail, arcs.head):
         by_site = np.argsort(ends, kind="stable")
@@ -180,7 +180,7 @@ def _moves_over_parts_are_paid_for(model: CpModel, v: Variables) -> None:
             model.add_at_most_one([*moves, is_out])
 
 
-def _the_clock_runs_along_the_route(model: CpModel, problem: Problem, arcs: Arcs, v: Variables) -> None:
+def _the_clock_runs_along_the_route(model: CpModel, problem: Problem, arcs: ArcLiterals, v: Variables) -> None:
     """The next cut begins when this one and the move to it are done."""
     if not v.begin:
         return

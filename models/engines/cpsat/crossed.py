@@ -9,7 +9,7 @@ import numpy as np
 
 from kerfwise.models.problem.problem import Problem
 
-from .arcs import Arcs
+from .arcs import ArcLiterals
 from .moves import Out, arc_of_move, out_by_then
 
 
@@ -23,7 +23,7 @@ class OpenCrossing:
     arcs: tuple[int, ...]
 
 
-def open_crossings(problem: Problem, arcs: Arcs) -> tuple[OpenCrossing, ...]:
+def open_crossings(problem: Problem, arcs: ArcLiterals) -> tuple[OpenCrossing, ...]:
     """All of them; an arc that crosses several areas of the same contour is in as many."""
     rows = problem.crossings
     arc = arc_of_move(problem.m, arcs.tail, arcs.head, rows.leave, rows.reach)

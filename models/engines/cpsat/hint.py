@@ -10,12 +10,12 @@ from ortools.sat.python.cp_model import CpModel, IntVar
 from kerfwise.models.problem.evaluate import general_holds, missing_ms, times_ms
 from kerfwise.models.problem.problem import Problem
 
-from .arcs import Arcs
+from .arcs import ArcLiterals
 from .crossed import OpenCrossing
 from .variables import Variables
 
 
-def add_hint(model: CpModel, problem: Problem, arcs: Arcs, v: Variables, route: Sequence[int]) -> None:
+def add_hint(model: CpModel, problem: Problem, arcs: ArcLiterals, v: Variables, route: Sequence[int]) -> None:
     """Hint at this route (sites in cutting order)."""
     picked = set(route)
     order = [int(problem.site_contour[s]) for s in route]

@@ -11,41 +11,41 @@ from kerfwise.models.engines.solution import Incumbent, Progress, SolveOptions
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 
-from .arcs import Arcs
+from .arcs import ArcLiterals
 from .constraints import add_constraints
 from .hint import add_hint
 from .objective import limit_objective, set_objective
-from .outcome import Outcome
-from .run import Run, run
+from .outcome import CpsatOutcome
+from .run import CpsatRun, run_solver
 from .variables import Variables, make_variables
 
 
 def solve_whole(
     problem: Problem,
-    arcs: Arcs,
+    arcs: ArcLiterals,
     options: SolveOptions,
     start: Incumbent | None,
     bound_um: int,
     progress: Progress,
-) -> Outcome:
+) -> CpsatOutcome:
     """Solve the model of the whole problem, given a lawful route and a proven lower bound."""
-    model, v = build(problem, arcs)
+    model, v = build_model(problem, arcs)
     limit_objective(model, bound_um, None if start is None else start.cost)
     if start is not None:
         add_hint(model, problem, arcs, v, start.route)
-    done = run(model, options, progress)
+    done = run_solver(model, options, progress)
     bound = proven_bound(done, bound_um)
     if done.status == INFEASIBLE and start is None:
-        return Outcome(None, infeasible=True)
+        return CpsatOutcome(None, infeasible=True)
     found = start
     if done.status in (OPTIMAL, FEASIBLE):
         found = _checked(problem, _route(problem, arcs, v, done.solver), round(done.solver.objective_value))
     elif done.status in (INFEASIBLE, MODEL_INVALID):
         raise AssertionError(f"CP-SAT calls the model {done.status.name}, given {start}")
-    return Outcome(found, bound, found is not None and bound >= found.cost, interrupted=done.interrupted)
+    return CpsatOutcome(found, bound, found is not None and bound >= found.cost, interrupted=done.interrupted)
 
 
-def build(problem: Problem, arcs: Arcs) -> tuple[CpModel, Variables]:
+def build_model(problem: Problem, arcs: ArcLiterals) -> tuple[CpModel, Variables]:
     """The model of a problem over these arcs."""
     model = CpModel()
     v = make_variables(model, problem, arcs)
@@ -54,12 +54,12 @@ def build(problem: Problem, arcs: Arcs) -> tuple[CpModel, Variables]:
     return model, v
 
 
-def proven_bound(done: Run, bound_um: int) -> int:
+def proven_bound(done: CpsatRun, bound_um: int) -> int:
     """The better of what the run has proven and of what was known before, whole µm."""
     return max(bound_um, math.ceil(done.solver.best_objective_bound - 1e-6))
 
 
-def _route(problem: Problem, arcs: Arcs, v: Variables, solver: CpSolver) -> tuple[int, ...]:
+def _route(problem: Problem, arcs: ArcLiterals, v: Variables, solver: CpSolver) -> tuple[int, ...]:
     legs = zip(arcs.tail.tolist(), arcs.head.tolist(), v.travel, strict=True)
     after = {tail: head for tail, head, literal in legs if solver.boolean_value(literal)}
     route = [after[problem.m]]

@@ -9,12 +9,12 @@ from ortools.sat.python.cp_model import CpModel, LinearExpr, LinearExprT
 from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.problem.problem import Problem
 
-from .arcs import Arcs
+from .arcs import ArcLiterals
 from .constraints import inner
 from .variables import Variables
 
 
-def set_objective(model: CpModel, problem: Problem, arcs: Arcs, v: Variables) -> None:
+def set_objective(model: CpModel, problem: Problem, arcs: ArcLiterals, v: Variables) -> None:
     """Minimise idle travel and penalties."""
     terms = [
         _travel(arcs, v),
@@ -33,7 +33,7 @@ def limit_objective(model: CpModel, least_um: int, most_um: int | None) -> None:
     objective.domain.extend([least_um - offset, (1 << 60) if most_um is None else most_um - offset])
 
 
-def _travel(arcs: Arcs, v: Variables) -> LinearExprT:
+def _travel(arcs: ArcLiterals, v: Variables) -> LinearExprT:
     return LinearExpr.weighted_sum(v.travel, arcs.cost.tolist())
 
 

@@ -8,7 +8,7 @@ from kerfwise.models.engines.solution import Incumbent
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class CpsatOutcome:
     """The best route known, and what is proven.
 
     `bound` is a lower bound for the whole problem, µm (None where nothing was proven); `interrupted` says that Ctrl-C

@@ -16,7 +16,7 @@ from scipy.optimize import linear_sum_assignment
 from kerfwise.arrays import Ints
 from kerfwise.models.problem.problem import Problem
 
-from .arcs import Arcs
+from .arcs import ArcLiterals
 
 ROUNDS = 200
 EFFORT = 100_000_000
@@ -28,17 +28,17 @@ NEVER = 1e15
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Priced:
+class PricedArcs:
     """One arc between every two contours, which no route undercuts, and what every route costs at least, µm.
 
     In these arcs a site is a contour; what using a site costs is in the arcs that reach it.
     """
 
-    arcs: Arcs
+    arcs: ArcLiterals
     bound: int
 
 
-def price_sites(problem: Problem, arcs: Arcs, target_um: int | None, rounds: int = ROUNDS) -> Priced:
+def price_sites(problem: Problem, arcs: ArcLiterals, target_um: int | None, rounds: int = ROUNDS) -> PricedArcs:
     """Look for prices that make the bound as high as can be; `target_um` is the cost of a known route."""
     costs = arcs.cost + np.append(problem.site_cost, 0)[arcs.head]
     prices = best = np.zeros(problem.m + 1, dtype=np.int64)
@@ -60,11 +60,11 @@ def price_sites(problem: Problem, arcs: Arcs, target_um: int | None, rounds: int
         missing = max(0.0, (1.1 * bound if target_um is None else target_um) - least)
         prices = prices + np.rint(step * missing / (uneven @ uneven) * uneven).astype(np.int64)
     cost = np.minimum.reduceat(costs + best[arcs.head] - best[arcs.tail], arcs.first[:-1])
-    contours = Arcs(arcs.groups, np.arange(len(cost) + 1), arcs.groups[:, 0], arcs.groups[:, 1], cost)
-    return Priced(contours, int(bound))
+    contours = ArcLiterals(arcs.groups, np.arange(len(cost) + 1), arcs.groups[:, 0], arcs.groups[:, 1], cost)
+    return PricedArcs(contours, int(bound))
 
 
-def _assigned(n: int, arcs: Arcs, costs: Ints) -> tuple[float, Ints]:
+def _assigned(n: int, arcs: ArcLiterals, costs: Ints) -> tuple[float, Ints]:
     """The cheapest assignment of a successor to every contour and to home, and its arcs."""
     least = np.minimum.reduceat(costs, arcs.first[:-1])
     matrix = np.full((n + 1, n + 1), NEVER)

@@ -14,36 +14,36 @@ from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Before
 
 from .hint import add_hint
-from .model import build, proven_bound
+from .model import build_model, proven_bound
 from .objective import limit_objective
-from .outcome import Outcome
-from .prices import Priced
-from .run import run
+from .outcome import CpsatOutcome
+from .prices import PricedArcs
+from .run import run_solver
 
 
 def solve_relaxed(
     problem: Problem,
-    priced: Priced,
+    priced: PricedArcs,
     options: SolveOptions,
     start: Incumbent | None,
     bound_um: int,
     progress: Progress,
-) -> Outcome:
+) -> CpsatOutcome:
     """A proven lower bound from the cheapest arcs between contours; no route but `start` comes back.
 
     Every route of the whole problem is one of the relaxed problem, and costs no less there.
     """
     relaxed = by_contours(problem)
-    model, v = build(relaxed, priced.arcs)
+    model, v = build_model(relaxed, priced.arcs)
     # `bound_um` need not hold for the relaxed problem, and is no limit to it
     limit_objective(model, priced.bound, None if start is None else start.cost)
     if start is not None:
         add_hint(model, relaxed, priced.arcs, v, [int(problem.site_contour[s]) for s in start.route])
-    done = run(model, options, _of_plans(progress, start, bound_um))
+    done = run_solver(model, options, _of_plans(progress, start, bound_um))
     if done.status == INFEASIBLE and start is None:
-        return Outcome(None, infeasible=True)
+        return CpsatOutcome(None, infeasible=True)
     bound = max(bound_um, proven_bound(done, priced.bound))
-    return Outcome(start, bound, start is not None and bound >= start.cost, interrupted=done.interrupted)
+    return CpsatOutcome(start, bound, start is not None and bound >= start.cost, interrupted=done.interrupted)
 
 
 def _of_plans(progress: Progress, start: Incumbent | None, proven_um: int) -> Progress:

@@ -14,7 +14,7 @@ POLL_S = 0.1
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Run:
+class CpsatRun:
     """A finished run; `interrupted` says that Ctrl-C ended it."""
 
     solver: CpSolver
@@ -22,7 +22,7 @@ class Run:
     interrupted: bool
 
 
-def run(model: CpModel, options: SolveOptions, progress: Progress) -> Run:
+def run_solver(model: CpModel, options: SolveOptions, progress: Progress) -> CpsatRun:
     """Solve until proven, out of work, told to stop by `progress`, or interrupted; what was found is kept.
 
     The solver runs in a thread of its own, so that this one can ask `progress` and hear Ctrl-C.
@@ -41,7 +41,7 @@ def run(model: CpModel, options: SolveOptions, progress: Progress) -> Run:
                     solver.stop_search()  # said again each time: the first may come before the search has begun
             except KeyboardInterrupt:
                 going, interrupted = False, True
-        return Run(solver, running.result(), interrupted)
+        return CpsatRun(solver, running.result(), interrupted)
 
 
 def _solver(options: SolveOptions) -> CpSolver:

@@ -9,7 +9,7 @@ from kerfwise.models.problem.problem import Problem
 
 from .arcs import count_site_arcs, site_arcs
 from .model import solve_whole
-from .outcome import Outcome
+from .outcome import CpsatOutcome
 from .prices import NEVER, price_sites
 from .relaxation import solve_relaxed
 from .run import ENGINE
@@ -28,7 +28,7 @@ def solve_cpsat(
     bound_um: int = 0,
     progress: Progress | None = None,
     max_arcs: int = MAX_ARCS,
-) -> Outcome:
+) -> CpsatOutcome:
     """Improve on `start`, a lawful route, and prove a bound, given one (µm) that is proven already.
 
     Ends when proven, when `options.work` or `options.time_s` is used up, when `progress` returns False, or on Ctrl-C;
@@ -42,25 +42,25 @@ def solve_cpsat(
     """
     progress = _until(progress, None if options.time_s is None else time.monotonic() + options.time_s)
     if problem.n == 0:
-        return Outcome(Incumbent((), 0), 0, proven_optimal=True)
+        return CpsatOutcome(Incumbent((), 0), 0, proven_optimal=True)
     if problem.n > MAX_CONTOURS:
-        return Outcome(start)
+        return CpsatOutcome(start)
     lawful = problem.successors()
     count = count_site_arcs(problem, lawful)
     if count > MOST_ARCS:
-        return Outcome(start)
+        return CpsatOutcome(start)
     arcs = site_arcs(problem, lawful)
     priced = price_sites(problem, arcs, None if start is None else start.cost)
     if priced.bound >= NEVER:
-        return Outcome(None, infeasible=True)
+        return CpsatOutcome(None, infeasible=True)
     bound_um = max(bound_um, priced.bound)
     if not progress(ENGINE, None if start is None else start.cost, bound_um):
-        return Outcome(start, bound_um)
+        return CpsatOutcome(start, bound_um)
     if count <= max_arcs:
         return solve_whole(problem, arcs, options, start, bound_um, progress)
     if len(priced.arcs.cost) <= max_arcs:
         return solve_relaxed(problem, priced, options, start, bound_um, progress)
-    return Outcome(start, bound_um)
+    return CpsatOutcome(start, bound_um)
 
 
 def _until(progress: Progress | None, deadline: float | None) -> Progress:

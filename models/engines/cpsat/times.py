@@ -7,7 +7,7 @@ import numpy as np
 from kerfwise.arrays import Ints
 from kerfwise.models.problem.problem import Problem
 
-from .arcs import Arcs
+from .arcs import ArcLiterals
 
 
 def counts_seconds(problem: Problem) -> bool:
@@ -20,12 +20,12 @@ def cuts_ms(problem: Problem) -> Ints:
     return problem.pace.cut_ms if len(problem.pace.cut_ms) else np.zeros(problem.m, dtype=np.int64)
 
 
-def moves_ms(problem: Problem, arcs: Arcs) -> Ints:
+def moves_ms(problem: Problem, arcs: ArcLiterals) -> Ints:
     """Time of the idle travel along every arc."""
     return problem.pace.move_ms(problem.ends()[arcs.tail], problem.pierces()[arcs.head])
 
 
-def longest_ms(problem: Problem, arcs: Arcs) -> int:
+def longest_ms(problem: Problem, arcs: ArcLiterals) -> int:
     """No plan takes longer than the longest cuts and the longest moves together."""
     cuts = np.maximum.reduceat(cuts_ms(problem), problem.first[:-1])
     return int(cuts.sum()) + (problem.n + 1) * int(moves_ms(problem, arcs).max(initial=0))

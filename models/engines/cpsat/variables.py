@@ -11,7 +11,7 @@ from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Before
 
-from .arcs import Arcs
+from .arcs import ArcLiterals
 from .crossed import OpenCrossing, open_crossings
 from .positions import windows
 from .times import counts_seconds, longest_ms
@@ -52,7 +52,7 @@ class Variables:
         return True if self.problem.before[i, j] else self.order[i, j]
 
 
-def make_variables(model: CpModel, problem: Problem, arcs: Arcs) -> Variables:
+def make_variables(model: CpModel, problem: Problem, arcs: ArcLiterals) -> Variables:
     """All variables of the problem over these arcs."""
     travel = [model.new_bool_var("") for _ in arcs.tail]
     crossings = open_crossings(problem, arcs)
@@ -83,7 +83,7 @@ def make_variables(model: CpModel, problem: Problem, arcs: Arcs) -> Variables:
     )
 
 
-def _begins(model: CpModel, problem: Problem, arcs: Arcs) -> list[IntVar]:
+def _begins(model: CpModel, problem: Problem, arcs: ArcLiterals) -> list[IntVar]:
     """A clock, if a statement counts seconds."""
     if not counts_seconds(problem):
         return []
@@ -91,7 +91,7 @@ def _begins(model: CpModel, problem: Problem, arcs: Arcs) -> list[IntVar]:
     return [model.new_int_var(0, longest, "") for _ in range(problem.n)]
 
 
-def _follow(model: CpModel, arcs: Arcs, travel: list[IntVar]) -> dict[Pair, IntVar]:
+def _follow(model: CpModel, arcs: ArcLiterals, travel: list[IntVar]) -> dict[Pair, IntVar]:
     """One literal for every two contours; where a single arc joins them it is that arc's."""
     follow: dict[Pair, IntVar] = {}
     for i, j, span in arcs.spans():

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from kerfwise.models.engines.budget import Budget
 
-from .count import ADDITIONS_PER_S, BYTES_AN_ENTRY, MOST_BYTES, price
+from .count import ADDITIONS_PER_S, BYTES_AN_ENTRY, MOST_BYTES, additions_of
 from .sets import Growth
 
 BYTES_A_NEW_ENTRY, BYTES_A_NEW_SET = 38, 44
@@ -41,7 +41,7 @@ class SweepBudget:
         TooLarge
             If it is more than is left of either, or it is time to stop.
         """
-        self.work.spend(price(ahead.additions, ahead.entries, ahead.states))
+        self.work.spend(additions_of(ahead.additions, ahead.entries, ahead.states))
         new_sets = min(ahead.entries, NEW_SETS_PER_SET * sets)
         taken = ahead.entries * (BYTES_A_NEW_ENTRY + BYTES_AN_ENTRY) + ahead.states * width
         taken += new_sets * (BYTES_A_NEW_SET + 16 * (words - 1))

@@ -45,7 +45,7 @@ class Count:
     @property
     def seconds(self) -> float:
         """What a sweep takes, in deterministic seconds."""
-        return price(self.additions, self.entries, self.states) / ADDITIONS_PER_S
+        return additions_of(self.additions, self.entries, self.states) / ADDITIONS_PER_S
 
     @property
     def in_memory(self) -> bool:
@@ -62,7 +62,7 @@ class Count:
         return f"{size}, {self.stretches} stretches one after the other, of {self.longest} contours at most"
 
 
-def price(additions: float, entries: int, states: int) -> float:
+def additions_of(additions: float, entries: int, states: int) -> float:
     """What a layer takes, in additions."""
     return additions + ADDITIONS_AN_ENTRY * entries + ADDITIONS_A_STATE * states
 

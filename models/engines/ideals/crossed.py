@@ -47,7 +47,7 @@ def add_settled(problem: Problem, out: frozenset[int], rows: Ints, columns: Ints
     is_out[list(out)] = True
     row, column, chosen = _places(problem, rows, columns)
     settled = is_out[problem.crossings.over[chosen]] | _left_from(problem, chosen)
-    np.add.at(travel, (row[settled], column[settled]), price(problem))
+    np.add.at(travel, (row[settled], column[settled]), crossing_price(problem))
 
 
 def _left_from(problem: Problem, chosen: Ints) -> NDArray[np.bool_]:
@@ -57,7 +57,7 @@ def _left_from(problem: Problem, chosen: Ints) -> NDArray[np.bool_]:
     return np.asarray(owner[rows.leave[chosen]] == rows.over[chosen])
 
 
-def price(problem: Problem) -> int:
+def crossing_price(problem: Problem) -> int:
     """What crossing one contour costs."""
     if not len(problem.crossings):
         return 0

@@ -12,19 +12,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Floats, Int16s, Int32s, Ints
 from kerfwise.models.kernels import kept
 from kerfwise.models.problem.bits import Masks, has, missing
 
-from .local import HARD, Terms
-from .sets import Shorts, Tinies
+from .local import HARD, StepTerms
 
 Costs = NDArray[Any]  # int32 or int64
 TOGETHER = 4
 """Rows of moves that are added and compared at once."""
 
 
-class Moves(NamedTuple):
+class MoveTable(NamedTuple):
     """What moves cost, a block of rows for every contour that they lead to.
 
     The move from row r to site d of contour i costs `table[base[i] + r * pad[i] + d]`; blocks are padded to `pad[i]`
@@ -41,7 +40,7 @@ class Moves(NamedTuple):
     price: int
 
 
-class Rest(NamedTuple):
+class RestBound(NamedTuple):
     """What a plan still costs after a state at least: `to_go[A, c]` at column c, and `price` for contours not out.
 
     Bit b of A says that neighbour b of the last contour is not out; `near[i, b]` is that neighbour of contour i, -1
@@ -56,8 +55,8 @@ class Rest(NamedTuple):
 
 @kept(nogil=True)
 def arrange(  # pragma: no cover - compiled
-    contour: Tinies, target: Shorts, entry_from: Ints, alive: Ints, sets: int, size: Ints
-) -> tuple[Ints, Tinies, Shorts, Ints, Ints]:
+    contour: Int16s, target: Int32s, entry_from: Ints, alive: Ints, sets: int, size: Ints
+) -> tuple[Ints, Int16s, Int32s, Ints, Ints]:
     """Sort entries by the set that they lead to.
 
     Returns where the entries of every set begin, contour and source (a row of the layer before) of the entries, and
@@ -86,20 +85,20 @@ def arrange(  # pragma: no cover - compiled
 
 @kept(nogil=True)
 def sweep(  # pragma: no cover - compiled
-    moves: Moves,
-    terms: Terms,
-    rest: Rest,
+    moves: MoveTable,
+    terms: StepTerms,
+    rest: RestBound,
     first: Ints,
     limit: int,
     never: int,
     masks: Masks,
     ideal_entry: Ints,
-    last: Tinies,
+    last: Int16s,
     begin: Ints,
     values: Costs,
     alive: Ints,
     entry_from: Ints,
-    contour: Tinies,
+    contour: Int16s,
     place: Ints,
     new_begin: Ints,
     new_values: Costs,
@@ -179,7 +178,7 @@ def _keep(  # pragma: no cover - compiled
 
 @kept(nogil=True)
 def _keep_asked(  # pragma: no cover - compiled
-    terms: Terms,
+    terms: StepTerms,
     mask: Masks,
     i: int,
     span: tuple[np.uint64, np.uint64, np.uint64],
@@ -219,8 +218,8 @@ def _least(  # pragma: no cover - compiled
 
 @kept(nogil=True)
 def _least_of_each(  # pragma: no cover - compiled
-    moves: Moves,
-    terms: Terms,
+    moves: MoveTable,
+    terms: StepTerms,
     mask: Masks,
     i: int,
     first: Ints,
@@ -242,13 +241,13 @@ def _least_of_each(  # pragma: no cover - compiled
         for d in range(first[i + 1] - first[i]):
             total = value + moves.table[moves.base[i] + row[x] * moves.pad[i] + d]
             if len(moves.mask):
-                total += crossing(moves, mask, row[x], first[i] + d)
+                total += crossing_in_set(moves, mask, row[x], first[i] + d)
             if total < best[d]:
                 best[d] = total
 
 
 @kept(nogil=True)
-def leaving(terms: Terms, mask: Masks, j: int, i: int) -> int:  # pragma: no cover - compiled
+def leaving(terms: StepTerms, mask: Masks, j: int, i: int) -> int:  # pragma: no cover - compiled
     """What leaving soft groups before they are whole costs when contour i follows j, and `mask` is out."""
     cost = 0
     for g in range(len(terms.soft_cost)):
@@ -258,7 +257,7 @@ def leaving(terms: Terms, mask: Masks, j: int, i: int) -> int:  # pragma: no cov
 
 
 @kept(nogil=True)
-def crossing(moves: Moves, mask: Masks, row: int, column: int) -> int:  # pragma: no cover - compiled
+def crossing_in_set(moves: MoveTable, mask: Masks, row: int, column: int) -> int:  # pragma: no cover - compiled
     """What a move costs for the contours that it crosses and that are out."""
     over = 0
     for w in range(len(mask)):
@@ -270,7 +269,7 @@ def crossing(moves: Moves, mask: Masks, row: int, column: int) -> int:  # pragma
 
 
 @kept(nogil=True)
-def asked(terms: Terms, mask: Masks, i: int, column: np.int64) -> int:  # pragma: no cover - compiled
+def asked(terms: StepTerms, mask: Masks, i: int, column: np.int64) -> int:  # pragma: no cover - compiled
     """What the conditions make cutting contour i at a site cost when a set is out."""
     cost = 0
     for q in range(terms.cond_of[i], terms.cond_of[i + 1]):

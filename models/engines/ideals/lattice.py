@@ -11,13 +11,13 @@ from typing import Any
 import numba
 import numpy as np
 
-from kerfwise.arrays import Ints
+from kerfwise.arrays import Int16s, Int32s, Ints
 from kerfwise.models.problem.bits import masks_of
 
 from .budget import SweepBudget
-from .kernels import Costs, Moves, Rest, arrange, crossing, leaving, sweep
+from .kernels import Costs, MoveTable, RestBound, arrange, crossing_in_set, leaving, sweep
 from .local import Local
-from .sets import Sets, Shorts, Tinies, grow, growth
+from .sets import Sets, grow, growth
 
 _CONFIG: Any = numba.config
 THREADS = int(_CONFIG.NUMBA_NUM_THREADS)
@@ -30,15 +30,15 @@ WORTH_CLEARING = 0.8
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Layer:
+class SweptLayer:
     """What is kept of the ideals of one size (see `kernels`): their entries and the value of every state.
 
     Entries of ideal k are `ideal_entry[k]` … `ideal_entry[k + 1] - 1`, `source` the ideal of the layer before.
     """
 
     ideal_entry: Ints
-    contour: Tinies
-    source: Shorts
+    contour: Int16s
+    source: Int32s
     values: Costs
 
     def begin(self, size: Ints) -> Ints:
@@ -47,24 +47,24 @@ class Layer:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Stretch:
+class SweptStretch:
     """All that a sweep works on: `limit` is the most that a plan worth finding costs, `never` is more."""
 
     local: Local
-    moves: Moves
-    rests: Callable[[int], Rest]
+    moves: MoveTable
+    rests: Callable[[int], RestBound]
     limit: int
     never: int
 
 
-def sweep_layers(stretch: Stretch, entrance: Costs, budget: SweepBudget, threads: Executor) -> list[Layer]:
+def sweep_layers(stretch: SweptStretch, entrance: Costs, budget: SweepBudget, threads: Executor) -> list[SweptLayer]:
     """All layers of a stretch, the first the empty set with the values at its entrance.
 
     States that cost more than the limit, less what is still to come, are dropped: they cannot be part of a better plan.
     """
     local, orders = stretch.local, stretch.local.orders
     sets = Sets.empty(orders, len(entrance))
-    layers = [Layer(np.array([0, 1]), np.array([-1], np.int16), np.array([-1], np.int32), entrance)]
+    layers = [SweptLayer(np.array([0, 1]), np.array([-1], np.int16), np.array([-1], np.int32), entrance)]
     begin, alive = np.array([0, len(entrance)]), np.array([0])
     wide = entrance.itemsize
     for depth in range(1, len(local.contours) + 1):
@@ -89,10 +89,10 @@ def sweep_layers(stretch: Stretch, entrance: Costs, budget: SweepBudget, threads
             kept = np.append(0, np.cumsum(living))
             values = values[np.repeat(living, np.diff(new_begin))]
             ideal_entry, last, source = kept[ideal_entry], last[living], source[living]
-            layers.append(Layer(ideal_entry, last, source, values))
+            layers.append(SweptLayer(ideal_entry, last, source, values))
             new_begin, living = layers[-1].begin(orders.size), np.ones(len(last), dtype=np.bool_)
         else:
-            layers.append(Layer(ideal_entry, last, source, values))
+            layers.append(SweptLayer(ideal_entry, last, source, values))
         lives = np.append(0, np.cumsum(living))
         alive = np.flatnonzero(np.diff(lives[ideal_entry]))
         budget.keep(len(last), len(values), wide)
@@ -108,7 +108,7 @@ def _shares(alive: int, additions: float) -> list[list[tuple[int, int]]]:
     return [[(cuts[k], cuts[k + 1]) for k in range(at * spans, (at + 1) * spans)] for at in range(lists)]
 
 
-def walk_back(stretch: Stretch, layers: list[Layer], state: int) -> tuple[list[int], int]:
+def walk_back(stretch: SweptStretch, layers: list[SweptLayer], state: int) -> tuple[list[int], int]:
     """The sites (columns) of a best way to state `state` of the last layer, in order, and the way in it took."""
     local, moves = stretch.local, stretch.moves
     size, ways = local.orders.size, len(layers[0].values)
@@ -129,7 +129,7 @@ def walk_back(stretch: Stretch, layers: list[Layer], state: int) -> tuple[list[i
             costs = back.values[begin[s] : begin[s + 1]].astype(np.int64)
             costs += moves.table[moves.base[i] + rows * moves.pad[i] + offset]
             if len(moves.mask):
-                costs += [crossing(moves, out, row, columns[-1]) for row in rows]
+                costs += [crossing_in_set(moves, out, row, columns[-1]) for row in rows]
             if j >= 0:
                 costs += leaving(local.terms, out, j, i)
             k = int(np.argmin(costs))

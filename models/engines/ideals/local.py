@@ -14,7 +14,7 @@ from kerfwise.models.problem.closure import immediate
 from kerfwise.models.problem.problem import Problem
 
 
-class Orders(NamedTuple):
+class OrderSets(NamedTuple):
     """What may be cut when, of k contours with local numbers; sets in w words (see `bits`).
 
     `needs` (k, w) must be out before a contour; `opens[open_from[i]:open_from[i + 1]]` are the contours that may only
@@ -32,7 +32,7 @@ class Orders(NamedTuple):
     noise: Masks
 
 
-class Terms(NamedTuple):
+class StepTerms(NamedTuple):
     """What a step costs beside its move, for given sets; costs are whole, those of hard conditions `HARD`.
 
     Condition q of contour i (`cond_of[i]` ≤ q < `cond_of[i+1]`) concerns site column `cond_site[q]` (-1: all) and asks
@@ -63,11 +63,11 @@ class Local:
     contours: tuple[int, ...]
     sites: Ints
     first: Ints
-    orders: Orders
-    terms: Terms
+    orders: OrderSets
+    terms: StepTerms
 
 
-def orders_of(problem: Problem, contours: tuple[int, ...]) -> Orders:
+def orders_of(problem: Problem, contours: tuple[int, ...]) -> OrderSets:
     """The orders within a group of contours."""
     k = len(contours)
     chosen = list(contours)
@@ -77,7 +77,7 @@ def orders_of(problem: Problem, contours: tuple[int, ...]) -> Orders:
     shared = np.flatnonzero(sized > 1)
     renumbered = np.full(len(numbers), -1, dtype=np.int64)
     renumbered[shared] = np.arange(len(shared))
-    return Orders(
+    return OrderSets(
         needs=masks_of([np.flatnonzero(before[:, i]).tolist() for i in range(k)], k),
         open_from=np.searchsorted(sooner, np.arange(k + 1)).astype(np.int64),
         opens=later.astype(np.int64),
@@ -110,7 +110,7 @@ def localise(problem: Problem, contours: tuple[int, ...], earlier: frozenset[int
         )
     rows.sort(key=lambda row: row[0])
     groups = [[number[c] for c in g.contours] for g in problem.soft_groups if g.contours[0] in number]
-    terms = Terms(
+    terms = StepTerms(
         site_cost=problem.site_cost[sites],
         cond_of=np.searchsorted([r[0] for r in rows], np.arange(k + 1)).astype(np.int64),
         cond_site=np.array([r[1] for r in rows], dtype=np.int64),

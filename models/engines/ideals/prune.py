@@ -9,18 +9,18 @@ import numpy as np
 from kerfwise.models.engines.bounds import Completion
 from kerfwise.models.problem.problem import Problem
 
-from .kernels import Rest
+from .kernels import RestBound
 from .local import Local
 
 NOWHERE = 1e12
 """Travel to a contour that nothing may come right before: more than any plan costs, but finite."""
 
 
-def least_rest(local: Local, earlier: frozenset[int], least: list[float]) -> Callable[[int], Rest]:
+def least_rest(local: Local, earlier: frozenset[int], least: list[float]) -> Callable[[int], RestBound]:
     """Every contour that is left must be travelled to, which costs `least`, whatever is cut last."""
     n = len(least)
     inside = set(local.contours)
-    rest = Rest(
+    rest = RestBound(
         np.zeros((1, len(local.sites))),
         np.zeros((len(local.contours), 0), dtype=np.int64),
         np.array([least[c] for c in local.contours]),
@@ -29,7 +29,7 @@ def least_rest(local: Local, earlier: frozenset[int], least: list[float]) -> Cal
     return lambda _: rest
 
 
-def walked_rest(local: Local, earlier: frozenset[int], bound: Completion) -> Callable[[int], Rest]:
+def walked_rest(local: Local, earlier: frozenset[int], bound: Completion) -> Callable[[int], RestBound]:
     """The bound by walks."""
     number = np.full(len(bound.price) + 1, -2, dtype=np.int64)
     number[[*earlier, -1]] = -1
@@ -38,8 +38,8 @@ def walked_rest(local: Local, earlier: frozenset[int], bound: Completion) -> Cal
     near, price = number[bound.near[chosen]], bound.price[chosen]
     later = float(bound.price[number[:-1] == -2].sum())
 
-    def after(depth: int) -> Rest:
-        return Rest(np.ascontiguousarray(bound.to_go[len(earlier) + depth][:, local.sites]), near, price, later)
+    def after(depth: int) -> RestBound:
+        return RestBound(np.ascontiguousarray(bound.to_go[len(earlier) + depth][:, local.sites]), near, price, later)
 
     return after
 

@@ -5,16 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kerfwise.arrays import Ints
+from kerfwise.arrays import Int16s, Int32s, Ints
 from kerfwise.models.kernels import kept
-from kerfwise.models.problem.bits import LOW, ONE, Masks, missing, place, words
+from kerfwise.models.problem.bits import LOW, ONE, Masks, bit_number, missing, words
 
-from .local import Orders
+from .local import OrderSets
 
-Shorts = NDArray[np.int32]
-Tinies = NDArray[np.int16]
 SLOTS_AT_FIRST = 1 << 12
 
 
@@ -26,7 +23,7 @@ class Sets:
 
     masks: Masks
     ready: Masks
-    pending: Shorts
+    pending: Int32s
     width: Ints
     hashes: Masks
 
@@ -34,7 +31,7 @@ class Sets:
         return len(self.width)
 
     @staticmethod
-    def empty(orders: Orders, ways: int) -> Sets:
+    def empty(orders: OrderSets, ways: int) -> Sets:
         """The set of no contours, which has as many states as there are ways in."""
         k = len(orders.size)
         ready = np.zeros((1, words(k)), dtype=np.uint64)
@@ -52,13 +49,13 @@ class Growth:
     additions: float
 
 
-def growth(orders: Orders, sets: Sets, alive: Ints) -> Growth:
+def growth(orders: OrderSets, sets: Sets, alive: Ints) -> Growth:
     """Count before anything is made."""
     entries, states, additions = _count(orders, sets.ready, sets.pending, sets.width, alive)
     return Growth(entries, states, float(additions))
 
 
-def grow(orders: Orders, sets: Sets, alive: Ints, entries: int) -> tuple[Sets, Tinies, Shorts, Ints]:
+def grow(orders: OrderSets, sets: Sets, alive: Ints, entries: int) -> tuple[Sets, Int16s, Int32s, Ints]:
     """The sets that cutting one more contour from the sets `alive` leads to.
 
     Returns them, and of every entry the contour cut and the set it leads to; entries of `alive[a]` are `entry_from[a]`
@@ -71,7 +68,7 @@ def grow(orders: Orders, sets: Sets, alive: Ints, entries: int) -> tuple[Sets, T
 
 
 @kept(nogil=True)
-def ready_word(orders: Orders, ready: Masks, pending: Shorts, k: int, w: int) -> np.uint64:  # pragma: no cover
+def ready_word(orders: OrderSets, ready: Masks, pending: Int32s, k: int, w: int) -> np.uint64:  # pragma: no cover
     """Word w of what may be cut next, once set k is out."""
     bits = ready[k, w]
     if pending[k] >= 0:
@@ -81,7 +78,7 @@ def ready_word(orders: Orders, ready: Masks, pending: Shorts, k: int, w: int) ->
 
 @kept(nogil=True)
 def _count(  # pragma: no cover - compiled
-    orders: Orders, ready: Masks, pending: Shorts, width: Ints, alive: Ints
+    orders: OrderSets, ready: Masks, pending: Int32s, width: Ints, alive: Ints
 ) -> tuple[int, int, int]:
     entries = states = additions = 0
     for k in alive:
@@ -91,7 +88,7 @@ def _count(  # pragma: no cover - compiled
             while bits:
                 low = bits & (~bits + ONE)
                 bits ^= low
-                sites += orders.size[w * 64 + place(low)]
+                sites += orders.size[w * 64 + bit_number(low)]
                 entries += 1
         states += sites
         additions += sites * width[k]
@@ -100,7 +97,7 @@ def _count(  # pragma: no cover - compiled
 
 @kept(nogil=True)
 def find_slot(  # pragma: no cover - compiled
-    slots: Shorts, key: np.uint64, masks: Masks, hashes: Masks, source: Masks, word: int, bit: np.uint64
+    slots: Int32s, key: np.uint64, masks: Masks, hashes: Masks, source: Masks, word: int, bit: np.uint64
 ) -> int:
     """The slot of a set (`source` and one bit more), or the free slot where it belongs; slots hold numbers from 1."""
     span = np.uint64(len(slots) - 1)
@@ -124,7 +121,7 @@ def find_slot(  # pragma: no cover - compiled
 
 @kept(nogil=True)
 def cut_one_more(  # pragma: no cover - compiled
-    orders: Orders, mask: Masks, ready: Masks, i: int, new_mask: Masks, new_ready: Masks
+    orders: OrderSets, mask: Masks, ready: Masks, i: int, new_mask: Masks, new_ready: Masks
 ) -> int:
     """Write the set that cutting contour i leads to, and what may be cut next; the block that is not whole, or -1."""
     bit = ONE << (np.uint64(i) & LOW)
@@ -142,8 +139,8 @@ def cut_one_more(  # pragma: no cover - compiled
 
 @kept(nogil=True)
 def _grow(  # pragma: no cover - compiled
-    orders: Orders, masks: Masks, ready: Masks, pending: Shorts, hashes: Masks, alive: Ints, entries: int
-) -> tuple[Masks, Masks, Shorts, Ints, Masks, Tinies, Shorts, Ints]:
+    orders: OrderSets, masks: Masks, ready: Masks, pending: Int32s, hashes: Masks, alive: Ints, entries: int
+) -> tuple[Masks, Masks, Int32s, Ints, Masks, Int16s, Int32s, Ints]:
     words = masks.shape[1]
     new_masks, new_ready = np.empty((entries, words), np.uint64), np.empty((entries, words), np.uint64)
     new_hashes, new_pending = np.empty(entries, np.uint64), np.empty(entries, np.int32)
@@ -159,7 +156,7 @@ def _grow(  # pragma: no cover - compiled
             while bits:
                 bit = bits & (~bits + ONE)
                 bits ^= bit
-                i = w * 64 + place(bit)
+                i = w * 64 + bit_number(bit)
                 key = hashes[k] ^ orders.noise[i]
                 slot = find_slot(slots, key, new_masks, new_hashes, masks[k], w, bit)
                 if slots[slot] == 0:
@@ -184,7 +181,7 @@ def _grow(  # pragma: no cover - compiled
 
 
 @kept(nogil=True)
-def _wider(slots: Shorts, hashes: Masks, count: int) -> Shorts:  # pragma: no cover - compiled
+def _wider(slots: Int32s, hashes: Masks, count: int) -> Int32s:  # pragma: no cover - compiled
     """Four times as many slots."""
     wider = np.zeros(4 * len(slots), np.int32)
     span = np.uint64(len(wider) - 1)

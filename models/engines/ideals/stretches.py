@@ -8,8 +8,8 @@ from kerfwise.arrays import Ints
 from kerfwise.encoder.geometry.microns import cost_um
 from kerfwise.models.problem.problem import Problem
 
-from .crossed import HOME, UNLAWFUL, add_settled, cross, price
-from .kernels import Costs, Moves
+from .crossed import HOME, UNLAWFUL, add_settled, cross, crossing_price
+from .kernels import Costs, MoveTable
 from .local import Local
 
 NARROW = 1 << 29
@@ -39,7 +39,7 @@ def entrance_of(costs: Costs | list[int], limit: int) -> Costs:
     return np.array(costs, dtype=np.int32 if limit < NARROW else np.int64)
 
 
-def make_moves(problem: Problem, local: Local, earlier: frozenset[int], ways: Ints, limit: int) -> Moves:
+def make_moves(problem: Problem, local: Local, earlier: frozenset[int], ways: Ints, limit: int) -> MoveTable:
     """The moves of a stretch that is entered from the sites `ways` once `earlier` is cut."""
     rows = np.concatenate([ways, local.sites])
     travel = travel_between(problem, rows, local.sites)
@@ -55,7 +55,7 @@ def make_moves(problem: Problem, local: Local, earlier: frozenset[int], ways: In
         block[:, : int(size[i])] = travel[:, local.first[i] : local.first[i + 1]]
         flat.append(block.ravel())
     row_of = np.append(len(ways) + local.first[:-1], 0)
-    return Moves(np.concatenate(flat), base * len(rows), pad, row_of, mask, price(problem))
+    return MoveTable(np.concatenate(flat), base * len(rows), pad, row_of, mask, crossing_price(problem))
 
 
 def travel_between(problem: Problem, rows: Ints, columns: Ints) -> Ints:
@@ -76,7 +76,7 @@ def _contours(problem: Problem, sites: Ints) -> Ints:
     return np.where(sites == HOME, HOME, problem.site_contour[sites])
 
 
-def way_home(problem: Problem, ways: Ints) -> Ints:
+def home_from(problem: Problem, ways: Ints) -> Ints:
     """Cost of the last move, with all parts out."""
     home = travel_between(problem, ways, np.array([HOME]))
     add_settled(problem, frozenset(range(problem.n)), ways, np.array([HOME]), home)

@@ -20,8 +20,8 @@ from kerfwise.models.problem.problem import Problem
 from .budget import SweepBudget, TooLarge
 from .by_contour import ByContour
 from .crossed import HOME, add_settled
-from .lattice import Layer, Stretch, sweep_layers, walk_back
-from .local import Local, Orders, localise
+from .lattice import SweptLayer, SweptStretch, sweep_layers, walk_back
+from .local import Local, OrderSets, localise
 from .prove import applies
 from .prune import least_in, least_rest
 from .stretches import dearest, entrance_of, make_moves, never, travel_between
@@ -109,7 +109,7 @@ class _Windows:
         self._budget.work.spend(SETTING_UP)
         moves = make_moves(problem, local, earlier, before, limit)
         rests = least_rest(local, everything - frozenset(local.contours), self._least)
-        stretch = Stretch(local, moves, rests, limit, never(limit))
+        stretch = SweptStretch(local, moves, rests, limit, never(limit))
         allowed = replace(self._budget, work=self._budget.work.part(1.0))
         layers = sweep_layers(stretch, entrance_of([0], limit), allowed, self._thread)
         self._budget.work.spend(allowed.work.operations_spent)
@@ -121,7 +121,7 @@ class _Windows:
             return None
         return int(total[best]), walk_back(stretch, layers, best)[0]
 
-    def _onward(self, local: Local, earlier: frozenset[int], end: Layer, after: Ints) -> Ints:
+    def _onward(self, local: Local, earlier: frozenset[int], end: SweptLayer, after: Ints) -> Ints:
         """What it costs to leave a window to the site `after` it, from every state at its end."""
         ways = np.concatenate([local.sites[local.first[c] : local.first[c + 1]] for c in end.contour])
         onward = travel_between(self._problem, ways, after)
@@ -129,7 +129,7 @@ class _Windows:
         return onward[:, 0]
 
 
-def _in_line(orders: Orders) -> Orders:
+def _in_line(orders: OrderSets) -> OrderSets:
     """The same contours, one after the other as they are numbered."""
     k = len(orders.size)
     return orders._replace(

@@ -21,7 +21,7 @@ from .statement_text import conditions, lag_ms, missing_ms
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class AskedArray:
     """One array of `var bool`, false where a plan breaks what is asked.
 
     `source` defines it; `name` may be empty for a file that states constraints itself. `weight_mm` is None where it is
@@ -36,7 +36,7 @@ class Asked:
     most_ms: int = 0
 
 
-def asked(profile: Profile, stated: Stated, afterwards: Sequence[Statement] = ()) -> tuple[Asked, ...]:
+def asked(profile: Profile, stated: Stated, afterwards: Sequence[Statement] = ()) -> tuple[AskedArray, ...]:
     """Everything that the rules of the profile and its own files ask, and the statements of rules without a file.
 
     `afterwards` are statements that geometry has added since; they are stated whatever rule they come from.
@@ -83,20 +83,20 @@ def _file_of(rule: Rule[Any]) -> Path:
     return rule.file.path.resolve() if isinstance(rule, ModelRule) else rule_file(rule.id)
 
 
-def arrays_of(rule: Rule[Any], setting: RuleSetting) -> Iterator[Asked]:
+def arrays_of(rule: Rule[Any], setting: RuleSetting) -> Iterator[AskedArray]:
     hard = EXEMPTION_MM if rule.excusable else None
     weight_mm = setting.weight
     array = rule.file.array if isinstance(rule, ModelRule) else f"{rule.id.replace('-', '_')}_holds"
-    yield Asked(include(_file_of(rule)), array, hard if weight_mm is None else weight_mm)
+    yield AskedArray(include(_file_of(rule)), array, hard if weight_mm is None else weight_mm)
     if isinstance(rule, ModelRule):
         for further in rule.further(setting.options):
-            yield Asked(include(_file_of(rule)), further.name, further.weight_mm)
+            yield AskedArray(include(_file_of(rule)), further.name, further.weight_mm)
         return
     for further in twin_of(rule.id).further(setting.options, weight_mm):
-        yield Asked(include(further.file), further.name, further.weight_mm, further.most_ms)
+        yield AskedArray(include(further.file), further.name, further.weight_mm, further.most_ms)
 
 
-def _in_words(statements: Sequence[Statement]) -> Iterator[Asked]:
+def _in_words(statements: Sequence[Statement]) -> Iterator[AskedArray]:
     """Statements as text, one array for each rule and weight, and one for those that count seconds."""
     groups: dict[tuple[str, float | None, int], list[str]] = {}
     for s in statements:
@@ -108,4 +108,4 @@ def _in_words(statements: Sequence[Statement]) -> Iterator[Asked]:
         name, kind = f"stated_{number}", "int" if most_ms else "bool"
         listed = ",\n   ".join(values)
         text = f"array[int] of var {kind}: {name} =  % {rule}\n  [{listed}];"
-        yield Asked(f"{include(MODELS / 'clock.mzn')}\n{text}" if most_ms else text, name, weight, most_ms)
+        yield AskedArray(f"{include(MODELS / 'clock.mzn')}\n{text}" if most_ms else text, name, weight, most_ms)

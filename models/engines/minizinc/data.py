@@ -18,7 +18,7 @@ from kerfwise.models.problem.pace import Pace
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.flat.model_rule import ModelRule
 from kerfwise.rules.minizinc.dzn import Fields, assignments, numbers, table_from_0
-from kerfwise.rules.minizinc.twin import Case, twin_of
+from kerfwise.rules.minizinc.twin import TwinCase, twin_of
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Rule
 from kerfwise.rules.stating.state_rules import Stated
@@ -39,7 +39,7 @@ def data_text(facts: Facts, profile: Profile, stated: Stated, options: SolveOpti
     fields: Fields = [("travel", table_from_0(travel_um(facts, price, home_mm)))]
     if clock:
         fields += _clock(facts, options)
-    case, book = Case(facts, home_mm), profile.rulebook()
+    case, book = TwinCase(facts, home_mm), profile.rulebook()
     words: dict[str, None] = {}
     for rule, setting in rules_in_files(profile, stated).items():
         own = book[rule]

@@ -8,17 +8,17 @@ from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.rules.minizinc.twin import MODELS
 from kerfwise.rules.statements import EXEMPTION_MM
 
-from .asked import Asked, include
+from .asked import AskedArray, include
 
 GOAL = "solve :: tightest_first :: restart_luby(250) minimize besides + excuse * excuses;"
 
 
-def model_text(asked: Sequence[Asked], goal: str = GOAL) -> str:
+def model_text(asked: Sequence[AskedArray], goal: str = GOAL) -> str:
     """MiniZinc text that states what is asked, hard or at its price.
 
     Examples
     --------
-    >>> asked = [Asked('include "a.mzn";', "a_holds", None), Asked('include "b.mzn";', "b_holds", 0.5)]
+    >>> asked = [AskedArray('include "a.mzn";', "a_holds", None), AskedArray('include "b.mzn";', "b_holds", 0.5)]
     >>> print(model_text(asked).partition("sequence.mzn")[2])  # doctest: +ELLIPSIS
     ";
     include "a.mzn";
@@ -58,21 +58,21 @@ def model_text(asked: Sequence[Asked], goal: str = GOAL) -> str:
     )
 
 
-def _constraint(a: Asked) -> str:
+def _constraint(a: AskedArray) -> str:
     return f"constraint forall(ms in {a.name})(ms = 0);" if a.most_ms else f"constraint forall({a.name});"
 
 
-def _cost(a: Asked) -> str:
+def _cost(a: AskedArray) -> str:
     """What an array of a soft rule costs: a price for each breach, or for each millisecond that is missing."""
     return f"{_price(a)} * {'sum' if a.most_ms else 'breaches'}({a.name})"
 
 
-def _most(a: Asked) -> str:
+def _most(a: AskedArray) -> str:
     """What it can cost at most."""
     return f"{_price(a) * (a.most_ms or 1)} * length({a.name})"
 
 
-def _price(a: Asked) -> int:
+def _price(a: AskedArray) -> int:
     weight_mm = a.weight_mm or 0.0
     return round(weight_mm) if a.most_ms else round(weight_mm * UM_PER_MM)
 

@@ -14,7 +14,7 @@ from .ruin import ruin
 from .sites import choose_sites, refresh_sites
 from .sop_exchange import swap_towards
 from .state import BEST, BROKEN, CLIMBS, COST, LAWLESS, LENGTH, PRICE, START, TAKEN, TRIES, WORK, State
-from .tables import Tables
+from .tables import SearchTables
 from .three_opt import PER_TRIAL, three_opt
 
 DEAREST = 1 << 40  # the most that a broken statement counts, µm
@@ -28,7 +28,7 @@ JUDGE = 128  # trials between two looks at how many of them were lawful
 
 
 @entry
-def walk(tables: Tables, state: State, first: int, until: int, hot: float, cold: float) -> None:
+def walk(tables: SearchTables, state: State, first: int, until: int, hot: float, cold: float) -> None:
     """Search until `number[WORK]` reaches `until`; the temperature, µm, falls from `hot` to `cold` on the way.
 
     Before that, make a first route to stand on, or stand on the route that is the trial; `first` says which.
@@ -61,7 +61,7 @@ def walk(tables: Tables, state: State, first: int, until: int, hot: float, cold:
 
 
 @compiled
-def _shuffle(tables: Tables, state: State) -> bool:
+def _shuffle(tables: SearchTables, state: State) -> bool:
     """Ruin and recreate the trial; False if its sites are to stay as they came out."""
     state.number[WORK] += 200
     kind = below(state.random, 8)
@@ -78,7 +78,7 @@ def _shuffle(tables: Tables, state: State) -> bool:
 
 
 @compiled
-def _force_a_site(tables: Tables, state: State, force: bool) -> None:
+def _force_a_site(tables: SearchTables, state: State, force: bool) -> None:
     """Make a contour that is out take a random site, or none of them.
 
     Sites have a part in general statements, and in seconds between cuts, that choosing them by travel does not see.
@@ -96,7 +96,7 @@ def _force_a_site(tables: Tables, state: State, force: bool) -> None:
 
 
 @compiled
-def _settle(tables: Tables, state: State, choose: bool, limit: float) -> int:
+def _settle(tables: SearchTables, state: State, choose: bool, limit: float) -> int:
     """Choose the sites of what has changed if asked to, and go on from the trial if it costs at most `limit` more.
 
     Answers by how much it changes the cost.
@@ -126,7 +126,7 @@ def _settle(tables: Tables, state: State, choose: bool, limit: float) -> int:
 
 
 @compiled
-def _note(tables: Tables, state: State) -> None:
+def _note(tables: SearchTables, state: State) -> None:
     """Keep the route we now stand on if it is the best lawful one, and see where general statements lean."""
     if state.number[BROKEN] == 0 and (state.number[BEST] < 0 or state.number[COST] < state.number[BEST]):
         state.number[BEST] = state.number[COST]
@@ -173,7 +173,7 @@ def _go_back(state: State, lo: int, hi: int) -> None:
 
 
 @compiled
-def _stand(tables: Tables, state: State, choose: bool) -> None:
+def _stand(tables: SearchTables, state: State, choose: bool) -> None:
     """Stand on the trial, a full sequence, after choosing the best sites for it if asked to."""
     n = tables.legs.n
     state.number[LENGTH] = n

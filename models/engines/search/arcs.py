@@ -7,20 +7,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.arrays import Bools, Ints
+from kerfwise.arrays import Bools, Int32s, Ints
 from kerfwise.models.problem.problem import Problem
 
 from .compiled import compiled
 from .legs import Legs
-
-SmallInts = NDArray[np.int32]
 
 NEAREST = 16  # ends of arcs that an exchange tries to make, the nearer the oftener
 DEAREST = 1 << 29  # the most that an arc may cost, so that sums of a few stay small numbers
 DRAWS = 4096  # numbers in `falls`
 
 
-class Arcs(NamedTuple):
+class ArcCosts(NamedTuple):
     """Costs `cost[a, b]` (n + 1, n + 1) from contour to contour, home is n; all empty unless `plain` is 1.
 
     A problem is plain if every contour has one site, and nothing but orders says who stands where.
@@ -31,28 +29,28 @@ class Arcs(NamedTuple):
 
     plain: int
     even: int
-    cost: SmallInts
-    near: SmallInts
+    cost: Int32s
+    near: Int32s
     near_count: Ints
-    near_in: SmallInts
+    near_in: Int32s
     near_in_count: Ints
     falls: NDArray[np.float64]
 
 
-def make_arcs(problem: Problem, legs: Legs) -> Arcs:
+def make_arcs(problem: Problem, legs: Legs) -> ArcCosts:
     """The arcs of a problem."""
     n = problem.n
     falls = -np.log((np.arange(DRAWS) + 0.5) / DRAWS)
     if not _plain(problem) or not legs.travel.size or legs.travel.max() > DEAREST:
         none, empty = np.zeros((0, 0), dtype=np.int32), np.zeros(0, dtype=np.int64)
-        return Arcs(0, 0, none, none, empty, none, empty, falls)
+        return ArcCosts(0, 0, none, none, empty, none, empty, falls)
     cost = legs.travel.astype(np.int32)
     cost[:, :n] += problem.site_cost.astype(np.int32)
     lawful = problem.successors()
     near, count = _nearest(cost, lawful[:, :n])
     near_in, count_in = _nearest(cost.T, lawful.T[:, :n])
     inner = cost[:n, :n]
-    return Arcs(1, int((inner == inner.T).mean() > 0.5), cost, near, count, near_in, count_in, falls)
+    return ArcCosts(1, int((inner == inner.T).mean() > 0.5), cost, near, count, near_in, count_in, falls)
 
 
 def _plain(problem: Problem) -> bool:
@@ -65,7 +63,7 @@ def _plain(problem: Problem) -> bool:
     )
 
 
-def _nearest(cost: SmallInts, lawful: Bools) -> tuple[SmallInts, Ints]:
+def _nearest(cost: Int32s, lawful: Bools) -> tuple[Int32s, Ints]:
     """The `NEAREST` lawful contours of each row, nearest first, and how many there are."""
     masked = np.where(lawful, cost[:, : lawful.shape[1]], np.iinfo(np.int32).max)
     near = np.argsort(masked, axis=1, kind="stable")[:, :NEAREST].astype(np.int32)
@@ -73,6 +71,6 @@ def _nearest(cost: SmallInts, lawful: Bools) -> tuple[SmallInts, Ints]:
 
 
 @compiled
-def gap_cost(arcs: Arcs, line: SmallInts, p: int) -> int:
+def gap_cost(arcs: ArcCosts, line: Int32s, p: int) -> int:
     """Cost of the arc into what stands at place p of a line."""
     return int(np.int64(arcs.cost[line[p - 1], line[p]]))

@@ -9,7 +9,7 @@ from .compiled import compiled
 
 
 @compiled
-def draw(random: NDArray[np.uint64]) -> np.uint64:
+def draw_number(random: NDArray[np.uint64]) -> np.uint64:
     """The next 64 random bits (xorshift64*, Vigna 2016)."""
     x = random[0]
     x ^= x >> np.uint64(12)
@@ -22,13 +22,13 @@ def draw(random: NDArray[np.uint64]) -> np.uint64:
 @compiled
 def below(random: NDArray[np.uint64], bound: int) -> int:
     """A random whole number in 0 … bound - 1."""
-    return int(np.int64((draw(random) >> np.uint64(33)) % np.uint64(bound)))
+    return int(np.int64((draw_number(random) >> np.uint64(33)) % np.uint64(bound)))
 
 
 @compiled
 def share(random: NDArray[np.uint64]) -> float:
     """A random number in [0, 1)."""
-    return np.float64(draw(random) >> np.uint64(11)) * (1.0 / 9007199254740992.0)
+    return np.float64(draw_number(random) >> np.uint64(11)) * (1.0 / 9007199254740992.0)
 
 
 @compiled

@@ -7,11 +7,11 @@ from .insertion_cost import insertion_cost, site_demands
 from .legs import least_leave
 from .sites import FAR, move_cost
 from .state import LENGTH, State
-from .tables import Tables
+from .tables import SearchTables
 
 
 @compiled
-def nearest_first(tables: Tables, state: State) -> None:
+def nearest_first(tables: SearchTables, state: State) -> None:
     """Fill the trial with a route that keeps all orders and blocks."""
     legs, orders = tables.legs, tables.orders
     n = legs.n

@@ -11,11 +11,11 @@ from .legs import least_enter, least_leave
 from .sequence import inside_block, put_in, window
 from .sites import FAR, move_cost
 from .state import LENGTH, NOWHERE, PRICE, START, WORK, State
-from .tables import Tables
+from .tables import SearchTables
 
 
 @compiled
-def insert_contour(tables: Tables, state: State, k: int, blink: float) -> None:
+def insert_contour(tables: SearchTables, state: State, k: int, blink: float) -> None:
     """Put contour `out[k]` in where it costs least; every place is overlooked with probability `blink`."""
     legs = tables.legs
     contour = state.out[k]
@@ -53,7 +53,7 @@ def insert_contour(tables: Tables, state: State, k: int, blink: float) -> None:
 
 
 @compiled
-def insert_string(tables: Tables, state: State, start: int, stop: int, blink: float) -> bool:
+def insert_string(tables: SearchTables, state: State, start: int, stop: int, blink: float) -> bool:
     """Put the contours `out[start:stop]` in as they stand where they cost least; False if there is no such place.
 
     Their own sites are kept, but those of the first and the last may change with the place.
@@ -106,7 +106,7 @@ def insert_string(tables: Tables, state: State, start: int, stop: int, blink: fl
 
 
 @compiled
-def _beside(tables: Tables, state: State, at: int) -> tuple[int, int]:
+def _beside(tables: SearchTables, state: State, at: int) -> tuple[int, int]:
     """The sites before and after the gap in front of position `at`."""
     home = tables.legs.m
     a = home if at == 0 else state.site[state.order[at - 1]]
@@ -121,7 +121,7 @@ def _clear_later(state: State, lo: int, hi: int) -> None:
 
 
 @compiled
-def _note_later(tables: Tables, state: State, contour: int, lo: int, hi: int) -> bool:
+def _note_later(tables: SearchTables, state: State, contour: int, lo: int, hi: int) -> bool:
     """Add to `later[at]` what it costs that a contour is put in before position `at`, or further back.
 
     That is what changes for conditions of others and for moves over it. False if nothing does.
@@ -150,7 +150,7 @@ def _note_later(tables: Tables, state: State, contour: int, lo: int, hi: int) ->
 
 
 @compiled
-def _cost_over(tables: Tables, state: State, contour: int, a: int, b: int) -> int:
+def _cost_over(tables: SearchTables, state: State, contour: int, a: int, b: int) -> int:
     """What the move from site a to site b costs for crossing a contour, once that is cut."""
     legs, crossed = tables.legs, tables.crossed
     cost = 0

@@ -7,11 +7,11 @@ from .demands import unmet
 from .groups import pieces_begun
 from .lags import too_close
 from .state import LENGTH, PRICE, State
-from .tables import Tables
+from .tables import SearchTables
 
 
 @compiled
-def insertion_cost(tables: Tables, state: State, contour: int, at: int) -> int:
+def insertion_cost(tables: SearchTables, state: State, contour: int, at: int) -> int:
     """What a contour's own conditions, groups and lags cost before position `at`, whatever its site."""
     demands, groups = tables.demands, tables.groups
     total = 0
@@ -32,7 +32,7 @@ def insertion_cost(tables: Tables, state: State, contour: int, at: int) -> int:
 
 
 @compiled
-def site_demands(tables: Tables, state: State, site: int, at: int) -> int:
+def site_demands(tables: SearchTables, state: State, site: int, at: int) -> int:
     """What the conditions of a site cost before position `at`."""
     demands = tables.demands
     start, stop = demands.of_site[site], demands.of_site[site + 1]

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .arcs import Arcs
+from kerfwise.arrays import Int32s
+
+from .arcs import ArcCosts
 from .compiled import compiled
-from .orders import Orders
+from .orders import OrderLists
 from .state import State
-
-SmallInts = NDArray[np.int32]
 
 
 @compiled
@@ -35,7 +34,7 @@ def take_up(state: State) -> None:
 
 
 @compiled
-def may_swap(orders: Orders, line: SmallInts, place: SmallInts, i: int, j: int, k: int) -> bool:
+def may_swap(orders: OrderLists, line: Int32s, place: Int32s, i: int, j: int, k: int) -> bool:
     """Whether places i … j - 1 and j … k - 1 may be swapped: nothing in the first must come before one in the second.
 
     It suffices to look at orders with no third contour between: of a chain, one link leads across.
@@ -59,7 +58,7 @@ def may_swap(orders: Orders, line: SmallInts, place: SmallInts, i: int, j: int, 
 
 
 @compiled
-def may_reverse(orders: Orders, line: SmallInts, place: SmallInts, i: int, k: int) -> bool:
+def may_reverse(orders: OrderLists, line: Int32s, place: Int32s, i: int, k: int) -> bool:
     """Whether places i … k - 1 may be turned round: no order within them."""
     for p in range(i, k):
         c = line[p]
@@ -70,7 +69,7 @@ def may_reverse(orders: Orders, line: SmallInts, place: SmallInts, i: int, k: in
 
 
 @compiled
-def swap(line: SmallInts, place: SmallInts, spare: SmallInts, i: int, j: int, k: int) -> None:
+def swap_places(line: Int32s, place: Int32s, spare: Int32s, i: int, j: int, k: int) -> None:
     """Swap places i … j - 1 and j … k - 1; `spare` is room for the shorter of the two."""
     left, right = j - i, k - j
     if left <= right:
@@ -92,7 +91,7 @@ def swap(line: SmallInts, place: SmallInts, spare: SmallInts, i: int, j: int, k:
 
 
 @compiled
-def reverse(line: SmallInts, place: SmallInts, i: int, k: int) -> None:
+def reverse(line: Int32s, place: Int32s, i: int, k: int) -> None:
     """Turn places i … k - 1 round."""
     a, b = i, k - 1
     while a < b:
@@ -103,7 +102,7 @@ def reverse(line: SmallInts, place: SmallInts, i: int, k: int) -> None:
 
 
 @compiled
-def sum_reversed(arcs: Arcs, state: State, start: int) -> None:
+def sum_reversed(arcs: ArcCosts, state: State, start: int) -> None:
     """`turned[p]`: by how much places 0 … p cost more when gone through the other way; right up to `start` already."""
     line = state.line
     for p in range(max(start, 1), len(line)):

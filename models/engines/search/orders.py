@@ -16,7 +16,7 @@ from .legs import Legs
 NEAR = 16  # neighbours of a contour that moves look at
 
 
-class Orders(NamedTuple):
+class OrderLists(NamedTuple):
     """`before` is closed. `covers` lists for every contour those that come before it with no third between
     (transitive reduction), `covered` those after it. The members of block `block[i]` are
     `in_block[block_first[block[i]]:…]`.
@@ -36,7 +36,7 @@ class Orders(NamedTuple):
     near_in: Ints
 
 
-def make_orders(problem: Problem, legs: Legs) -> Orders:
+def make_orders(problem: Problem, legs: Legs) -> OrderLists:
     """The orders of a problem."""
     n = problem.n
     direct = immediate(problem.before)
@@ -47,7 +47,7 @@ def make_orders(problem: Problem, legs: Legs) -> Orders:
     block_first, in_block = _grouped(block, np.arange(n), int(block.max(initial=-1)) + 1)
     may_follow = ~problem.before.T & (~problem.before | direct)
     np.fill_diagonal(may_follow, False)
-    return Orders(
+    return OrderLists(
         before=np.ascontiguousarray(problem.before),
         covers_first=covers_first,
         covers=covers,

@@ -11,12 +11,12 @@ from .groups import pieces_begun
 from .lags import too_close_within, too_soon
 from .legs import leg
 from .literals import literals_unmet
-from .tables import Tables
+from .tables import SearchTables
 
 
 @compiled
 def span_price(
-    tables: Tables, order: Ints, position: Ints, site: Ints, lo: int, hi: int, room: Ints
+    tables: SearchTables, order: Ints, position: Ints, site: Ints, lo: int, hi: int, room: Ints
 ) -> tuple[int, int]:
     """Cost, and number of hard statements broken, of all that positions `lo` … `hi - 1` have a part in.
 

@@ -10,11 +10,11 @@ from .insert import insert_contour, insert_string
 from .legs import least_leave
 from .sequence import window
 from .state import UNITS, State
-from .tables import Tables
+from .tables import SearchTables
 
 
 @compiled
-def recreate(tables: Tables, state: State, blink: float) -> None:
+def recreate(tables: SearchTables, state: State, blink: float) -> None:
     """Put every string back in, in one of several orders, with a chance `blink` of overlooking a place."""
     units = state.number[UNITS]
     _rank(tables, state, below(state.random, 5))
@@ -28,7 +28,7 @@ def recreate(tables: Tables, state: State, blink: float) -> None:
 
 
 @compiled
-def _rank(tables: Tables, state: State, kind: int) -> None:
+def _rank(tables: SearchTables, state: State, kind: int) -> None:
     """Sort the strings: at random, far from home first or last, tight windows first, or as they were taken."""
     units = state.number[UNITS]
     for u in range(units):

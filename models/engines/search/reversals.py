@@ -7,15 +7,15 @@ import numpy as np
 from .arcs import gap_cost
 from .chance import high, rather_low, short
 from .compiled import compiled
-from .line import may_reverse, may_swap, reverse, sum_reversed, swap
+from .line import may_reverse, may_swap, reverse, sum_reversed, swap_places
 from .state import State
-from .tables import Tables
+from .tables import SearchTables
 
 KINDS = 6
 
 
 @compiled
-def try_reversal(tables: Tables, state: State, where: np.uint64, how: np.uint64, limit: float) -> int:
+def try_reversal(tables: SearchTables, state: State, where: np.uint64, how: np.uint64, limit: float) -> int:
     """Turn a stretch round, or move one turned, if the cost grows by at most `limit`; answers by how much it does.
 
     An arc x → y to a near contour is made, x standing before y but where a stretch moves back.
@@ -44,7 +44,7 @@ def try_reversal(tables: Tables, state: State, where: np.uint64, how: np.uint64,
 
 
 @compiled
-def _reverse(tables: Tables, state: State, i: int, k: int, limit: float) -> int:
+def _reverse(tables: SearchTables, state: State, i: int, k: int, limit: float) -> int:
     """Turn places i … k - 1 round."""
     arcs, line = tables.arcs, state.line
     if i < 1 or k < i + 2:
@@ -65,7 +65,7 @@ def _reverse(tables: Tables, state: State, i: int, k: int, limit: float) -> int:
 
 
 @compiled
-def _move(tables: Tables, state: State, i: int, j: int, k: int, first: bool, limit: float) -> int:
+def _move(tables: SearchTables, state: State, i: int, j: int, k: int, first: bool, limit: float) -> int:
     """Swap places i … j - 1 and j … k - 1 and turn one of them, the one that stood first or the other."""
     arcs, line, place = tables.arcs, state.line, state.place
     if i < 1 or j <= i or k <= j:
@@ -84,6 +84,6 @@ def _move(tables: Tables, state: State, i: int, j: int, k: int, first: bool, lim
     if not may_reverse(tables.orders, line, place, a, b):
         return 0
     reverse(line, place, a, b)
-    swap(line, place, state.spare, i, j, k)
+    swap_places(line, place, state.spare, i, j, k)
     sum_reversed(arcs, state, i)
     return int(change)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from .chance import below, share
 from .compiled import compiled
-from .orders import Orders
+from .orders import OrderLists
 from .sequence import close_gaps
 from .state import LENGTH, TAKEN, UNITS, State
 
 
 @compiled
-def ruin(orders: Orders, state: State, kind: int, most: int) -> None:
+def ruin(orders: OrderLists, state: State, kind: int, most: int) -> None:
     """Take up to about `most` contours out; `out` and `unit` list them."""
     n = state.number[LENGTH]
     state.number[UNITS] = state.number[TAKEN] = 0
@@ -46,7 +46,7 @@ def _end_string(state: State) -> None:
 
 
 @compiled
-def _take(orders: Orders, state: State, contour: int) -> None:
+def _take(orders: OrderLists, state: State, contour: int) -> None:
     """Take one contour out; of a block often the whole of it, as a string."""
     if state.position[contour] < 0:
         return
@@ -75,7 +75,7 @@ def _take(orders: Orders, state: State, contour: int) -> None:
 
 
 @compiled
-def _neighbourhood(orders: Orders, state: State, seed: int, size: int) -> None:
+def _neighbourhood(orders: OrderLists, state: State, seed: int, size: int) -> None:
     """The nearest of the nearest, breadth first with gaps."""
     _take(orders, state, seed)
     reached = 0
@@ -92,7 +92,7 @@ def _neighbourhood(orders: Orders, state: State, seed: int, size: int) -> None:
 
 
 @compiled
-def _strings(orders: Orders, state: State, seed: int, size: int) -> None:
+def _strings(orders: OrderLists, state: State, seed: int, size: int) -> None:
     """Short stretches through the seed and its neighbours (Christiaens and Vanden Berghe 2020)."""
     length = 1 + below(state.random, min(size, 10))
     _around(orders, state, seed, length)
@@ -104,7 +104,7 @@ def _strings(orders: Orders, state: State, seed: int, size: int) -> None:
 
 
 @compiled
-def _around(orders: Orders, state: State, contour: int, length: int) -> None:
+def _around(orders: OrderLists, state: State, contour: int, length: int) -> None:
     if contour < 0 or state.position[contour] < 0:
         return
     first = max(0, state.position[contour] - below(state.random, length))
@@ -113,13 +113,13 @@ def _around(orders: Orders, state: State, contour: int, length: int) -> None:
 
 
 @compiled
-def _stretch(orders: Orders, state: State, at: int, size: int) -> None:
+def _stretch(orders: OrderLists, state: State, at: int, size: int) -> None:
     for p in range(at, min(at + size, state.number[LENGTH])):
         _take(orders, state, state.order[p])
 
 
 @compiled
-def _whole(orders: Orders, state: State, at: int, size: int) -> None:
+def _whole(orders: OrderLists, state: State, at: int, size: int) -> None:
     """One string, to be moved as it stands; blocks are not broken."""
     n = state.number[LENGTH]
     stop = min(at + size, n)

@@ -12,26 +12,26 @@ SHORTEST = 1_000_000  # operations for an annealing, times n^1.5: what one conto
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class CoolingPart:
     """A part of one annealing: from which share of its cooling to which, and a number for its heat."""
 
     done: float
     ahead: float
     turn: int
 
-    def annealing(self, count: int) -> tuple[int, Part] | None:
+    def annealing(self, count: int) -> tuple[int, CoolingPart] | None:
         """Which of `count` equal annealings it is in, and the part of that; None if it begins after them.
 
         Examples
         --------
-        >>> Part(0.375, 0.5, 0).annealing(2)
-        (1, Part(done=0.5, ahead=1.0, turn=1))
+        >>> CoolingPart(0.375, 0.5, 0).annealing(2)
+        (1, CoolingPart(done=0.5, ahead=1.0, turn=1))
         """
         done, ahead = count * self.done / ANNEALED, count * self.ahead / ANNEALED
         number = int(done)
         if number >= count:
             return None
-        return number, Part(done - number, min(1.0, ahead - number), self.turn + number)
+        return number, CoolingPart(done - number, min(1.0, ahead - number), self.turn + number)
 
     def heat(self, walker: int) -> float:
         """Factor on the temperatures; walkers differ."""
@@ -47,7 +47,7 @@ class Schedule:
     Examples
     --------
     >>> Schedule(3, 0).part(0.25, 0.375)
-    Part(done=0.0, ahead=0.5, turn=1)
+    CoolingPart(done=0.0, ahead=0.5, turn=1)
     """
 
     stages: int
@@ -60,10 +60,10 @@ class Schedule:
         stages = int(operations / (SHORTEST * n**1.5)).bit_length()
         return cls(max(1, stages), 0 if stages else COOL, operations < SHORT * n**1.5)
 
-    def part(self, done: float, ahead: float) -> Part:
+    def part(self, done: float, ahead: float) -> CoolingPart:
         """What to do between two shares of the whole."""
         bounds = [0.0, *(2.0**-k for k in range(self.stages - 1, -1, -1))]
         stage = sum(done >= bound for bound in bounds[1:])
         start, stop = bounds[stage], bounds[stage + 1]
         whole, turn = stop - start, self.turn + self.stages - 1 - stage
-        return Part((done - start) / whole, min(1.0, (ahead - start) / whole), turn)
+        return CoolingPart((done - start) / whole, min(1.0, (ahead - start) / whole), turn)

@@ -14,7 +14,7 @@ from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 
 from .merge import mergeable
-from .schedule import Part, Schedule
+from .schedule import CoolingPart, Schedule
 from .structs import for_kernels
 from .tables import make_tables
 from .tour_merging import CHILD, TourMerging
@@ -112,7 +112,7 @@ class Searcher:
                 spent += self._merging.step(pool, chunk, part, most, partial(self._anneal, pool))
         return True
 
-    def _anneal(self, pool: Executor, chunk: int, part: Part) -> None:
+    def _anneal(self, pool: Executor, chunk: int, part: CoolingPart) -> None:
         """Walk on through part of an annealing; one walker is hotter than the other."""
         heats = [part.heat(k) for k in range(WALKERS)]
         list(pool.map(lambda walker, heat: walker.anneal(chunk, part, heat), self._walkers, heats))

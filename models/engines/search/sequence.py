@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .compiled import compiled
-from .orders import Orders
+from .orders import OrderLists
 from .state import LENGTH, STAMP, START, State
 
 
@@ -28,7 +28,7 @@ def close_gaps(state: State) -> None:
 
 
 @compiled
-def window(orders: Orders, state: State, contour: int) -> tuple[int, int]:
+def window(orders: OrderLists, state: State, contour: int) -> tuple[int, int]:
     """First and last position that a contour which is out may be put in before, by orders and blocks."""
     lo = _earliest(orders, state, contour)
     hi = _latest(orders, state, contour)
@@ -46,7 +46,7 @@ def window(orders: Orders, state: State, contour: int) -> tuple[int, int]:
 
 
 @compiled
-def _earliest(orders: Orders, state: State, contour: int) -> int:
+def _earliest(orders: OrderLists, state: State, contour: int) -> int:
     """The position after the last contour that must come before this one, seen through those that are out."""
     state.number[STAMP] += 1
     limit, height = START, 1
@@ -66,7 +66,7 @@ def _earliest(orders: Orders, state: State, contour: int) -> int:
 
 
 @compiled
-def _latest(orders: Orders, state: State, contour: int) -> int:
+def _latest(orders: OrderLists, state: State, contour: int) -> int:
     """The position of the first contour that must come after this one, seen through those that are out."""
     state.number[STAMP] += 1
     limit, height = state.number[LENGTH], 1
@@ -86,7 +86,7 @@ def _latest(orders: Orders, state: State, contour: int) -> int:
 
 
 @compiled
-def inside_block(orders: Orders, state: State, at: int, block: int) -> bool:
+def inside_block(orders: OrderLists, state: State, at: int, block: int) -> bool:
     """Whether position `at` would part the contours of a block other than `block`."""
     if at == 0 or at == state.number[LENGTH]:
         return False

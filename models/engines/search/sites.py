@@ -7,13 +7,13 @@ from .crossed import cell_of, crossing
 from .demands import unmet
 from .legs import leg
 from .state import PRICE, WORK, State
-from .tables import Tables
+from .tables import SearchTables
 
 FAR = 1 << 58  # more than any route costs, µm
 
 
 @compiled
-def move_cost(tables: Tables, state: State, a: int, b: int, at: int) -> int:
+def move_cost(tables: SearchTables, state: State, a: int, b: int, at: int) -> int:
     """Travel from site a to site b just before position `at`, and what it crosses."""
     legs, crossed = tables.legs, tables.crossed
     cost = leg(legs, a, b)
@@ -27,7 +27,7 @@ def move_cost(tables: Tables, state: State, a: int, b: int, at: int) -> int:
 
 
 @compiled
-def choose_sites(tables: Tables, state: State, lo: int, hi: int) -> None:
+def choose_sites(tables: SearchTables, state: State, lo: int, hi: int) -> None:
     """Choose the sites of positions `lo` … `hi - 1` of a full sequence; those beside them stay as they are."""
     legs, demands = tables.legs, tables.demands
     conditional = demands.of_site[legs.m] > demands.of_site[0]
@@ -66,7 +66,7 @@ def choose_sites(tables: Tables, state: State, lo: int, hi: int) -> None:
 
 
 @compiled
-def _extend(tables: Tables, state: State, t: int, start: int, stop: int, at: int) -> None:
+def _extend(tables: SearchTables, state: State, t: int, start: int, stop: int, at: int) -> None:
     """Go on from site t, reached just before, to each of the sites `start` … `stop - 1` at position `at`."""
     legs, crossed, reach, back = tables.legs, tables.crossed, state.reach, state.back
     so_far = reach[t]
@@ -85,7 +85,7 @@ def _extend(tables: Tables, state: State, t: int, start: int, stop: int, at: int
 
 
 @compiled
-def refresh_sites(tables: Tables, state: State, lo: int, hi: int, choose: bool) -> None:
+def refresh_sites(tables: SearchTables, state: State, lo: int, hi: int, choose: bool) -> None:
     """Choose anew the sites of every run of stale contours in positions `lo` … `hi - 1`, or just call them fresh."""
     p = lo
     while p < hi:

@@ -9,14 +9,14 @@ from __future__ import annotations
 from .chance import below
 from .compiled import compiled
 from .legs import leg
-from .orders import Orders
+from .orders import OrderLists
 from .sites import FAR
 from .state import LENGTH, WORK, State
-from .tables import Tables
+from .tables import SearchTables
 
 
 @compiled
-def swap_towards(tables: Tables, state: State, limit: float) -> bool:
+def swap_towards(tables: SearchTables, state: State, limit: float) -> bool:
     """Bring a contour and a near one together by the best swap, if travel grows by less than `limit`."""
     orders = tables.orders
     n = state.number[LENGTH]
@@ -43,7 +43,7 @@ def swap_towards(tables: Tables, state: State, limit: float) -> bool:
 
 
 @compiled
-def _leg_between(tables: Tables, state: State, p: int, q: int) -> int:
+def _leg_between(tables: SearchTables, state: State, p: int, q: int) -> int:
     """Travel from the contour at position p to that at q, home beyond either end."""
     legs = tables.legs
     a = state.site[state.order[p]] if p >= 0 else legs.m
@@ -52,7 +52,7 @@ def _leg_between(tables: Tables, state: State, p: int, q: int) -> int:
 
 
 @compiled
-def _change(tables: Tables, state: State, i: int, j: int, k: int) -> int:
+def _change(tables: SearchTables, state: State, i: int, j: int, k: int) -> int:
     """By how much travel grows when positions i … j - 1 and j … k - 1 are swapped."""
     return (
         _leg_between(tables, state, i - 1, j)
@@ -65,7 +65,7 @@ def _change(tables: Tables, state: State, i: int, j: int, k: int) -> int:
 
 
 @compiled
-def _earliest(orders: Orders, state: State, at: int, lo: int, hi: int) -> int:
+def _earliest(orders: OrderLists, state: State, at: int, lo: int, hi: int) -> int:
     """Last position in lo … hi - 1 of one that must come before the contour at position `at`; lo - 1 if none."""
     found = lo - 1
     c = state.order[at]
@@ -77,7 +77,7 @@ def _earliest(orders: Orders, state: State, at: int, lo: int, hi: int) -> int:
 
 
 @compiled
-def _bring_back(tables: Tables, state: State, i: int, j: int) -> tuple[int, int, int, int]:
+def _bring_back(tables: SearchTables, state: State, i: int, j: int) -> tuple[int, int, int, int]:
     """The best k to swap i … j - 1 with j … k - 1: what stands at j moves to i."""
     orders = tables.orders
     n = state.number[LENGTH]
@@ -97,7 +97,7 @@ def _bring_back(tables: Tables, state: State, i: int, j: int) -> tuple[int, int,
 
 
 @compiled
-def _bring_forth(tables: Tables, state: State, j: int, k: int) -> tuple[int, int, int, int]:
+def _bring_forth(tables: SearchTables, state: State, j: int, k: int) -> tuple[int, int, int, int]:
     """The best i to swap i … j - 1 with j … k - 1: what stands at j - 1 moves to just before k."""
     orders = tables.orders
     best, best_i = FAR, -1
@@ -121,7 +121,7 @@ def _bring_forth(tables: Tables, state: State, j: int, k: int) -> tuple[int, int
 
 
 @compiled
-def _bring_before(tables: Tables, state: State, i: int, k: int) -> tuple[int, int, int, int]:
+def _bring_before(tables: SearchTables, state: State, i: int, k: int) -> tuple[int, int, int, int]:
     """The best j to swap i … j - 1 with j … k - 1: what stands at k - 1 comes just before what stands at i."""
     orders = tables.orders
     best, best_j = FAR, -1
@@ -146,7 +146,7 @@ def _bring_before(tables: Tables, state: State, i: int, k: int) -> tuple[int, in
 
 
 @compiled
-def _turn_between(tables: Tables, state: State, at: int, to: int) -> tuple[int, int, int]:
+def _turn_between(tables: SearchTables, state: State, at: int, to: int) -> tuple[int, int, int]:
     """Turning round the stretch that brings what stands at `at` before what stands at `to`: its bounds, the change."""
     orders = tables.orders
     i, k = (at + 1, to + 1) if at < to else (to, at)
@@ -181,7 +181,7 @@ def _turn(state: State, i: int, k: int) -> None:
 
 
 @compiled
-def _parts_block(orders: Orders, state: State, at: int) -> bool:
+def _parts_block(orders: OrderLists, state: State, at: int) -> bool:
     if at <= 0 or at >= state.number[LENGTH]:
         return False
     return bool(orders.block[state.order[at - 1]] == orders.block[state.order[at]])

@@ -7,11 +7,9 @@ from typing import NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.arrays import Ints
+from kerfwise.arrays import Int32s, Ints
 
-from .tables import Tables
-
-SmallInts = NDArray[np.int32]
+from .tables import SearchTables
 
 # Typed, because numba compiles a function anew for each literal that it is called with.
 START = cast(int, np.int64(0))
@@ -67,13 +65,13 @@ class State(NamedTuple):
     climb: Ints
     reach: Ints
     back: Ints
-    line: SmallInts
-    place: SmallInts
-    spare: SmallInts
+    line: Int32s
+    place: Int32s
+    spare: Int32s
     turned: Ints
 
 
-def new_state(tables: Tables, seed: tuple[int, ...]) -> State:
+def new_state(tables: SearchTables, seed: tuple[int, ...]) -> State:
     """An empty state; equal seeds walk equal ways."""
     n, m = tables.legs.n, tables.legs.m
 

@@ -6,33 +6,33 @@ from typing import NamedTuple
 
 from kerfwise.models.problem.problem import Problem
 
-from .arcs import Arcs, make_arcs
+from .arcs import ArcCosts, make_arcs
 from .crossed import Crossed, make_crossed
 from .demands import Demands, make_demands
 from .groups import Groups, make_groups
 from .lags import Lags, make_lags
 from .legs import Legs, make_legs
 from .literals import Literals, make_literals
-from .orders import Orders, make_orders
+from .orders import OrderLists, make_orders
 
 
-class Tables(NamedTuple):
+class SearchTables(NamedTuple):
     """Everything that stays as it is during a search."""
 
     legs: Legs
-    orders: Orders
+    orders: OrderLists
     demands: Demands
     crossed: Crossed
     groups: Groups
     lags: Lags
     literals: Literals
-    arcs: Arcs
+    arcs: ArcCosts
 
 
-def make_tables(problem: Problem) -> Tables:
+def make_tables(problem: Problem) -> SearchTables:
     """The arrays of a problem."""
     legs = make_legs(problem)
-    return Tables(
+    return SearchTables(
         legs,
         make_orders(problem, legs),
         make_demands(problem),

@@ -8,18 +8,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from .chance import chunk, draw, high, odd, rather_low, short
+from .chance import chunk, draw_number, high, odd, rather_low, short
 from .compiled import compiled
-from .line import lay_out, may_swap, sum_reversed, swap, take_up
+from .line import lay_out, may_swap, sum_reversed, swap_places, take_up
 from .reversals import try_reversal
 from .state import BEST, COST, TRADED, TRADES, WORK, State
-from .tables import Tables
+from .tables import SearchTables
 
 PER_TRIAL = 13  # operations
 
 
 @compiled
-def three_opt(tables: Tables, state: State, temperature: float, trials: int) -> None:
+def three_opt(tables: SearchTables, state: State, temperature: float, trials: int) -> None:
     """Try exchanges on the route we stand on, and take those that the temperature lets pass. For plain problems."""
     arcs = tables.arcs
     lay_out(state)
@@ -28,7 +28,7 @@ def three_opt(tables: Tables, state: State, temperature: float, trials: int) -> 
     cost, best = state.number[COST], state.number[BEST]
     taken = 0
     for _ in range(trials):
-        where, how = draw(state.random), draw(state.random)
+        where, how = draw_number(state.random), draw_number(state.random)
         limit = temperature * arcs.falls[chunk(how)]
         if arcs.even > 0 and odd(where):
             change = try_reversal(tables, state, where, how, limit)
@@ -50,7 +50,7 @@ def three_opt(tables: Tables, state: State, temperature: float, trials: int) -> 
 
 
 @compiled
-def _try_swap(tables: Tables, state: State, where: np.uint64, how: np.uint64, limit: float) -> int:
+def _try_swap(tables: SearchTables, state: State, where: np.uint64, how: np.uint64, limit: float) -> int:
     """Swap two adjacent stretches if the cost grows by at most `limit`; answers by how much it does.
 
     Arcs a → a', b → b', c → c', in this order along the line, become a → b', c → a', b → c'. Given x → y, one of
@@ -90,14 +90,14 @@ def _try_swap(tables: Tables, state: State, where: np.uint64, how: np.uint64, li
     )
     if change > limit or not may_swap(tables.orders, line, place, i, j, k):
         return 0
-    swap(line, place, state.spare, i, j, k)
+    swap_places(line, place, state.spare, i, j, k)
     if arcs.even > 0:
         sum_reversed(arcs, state, i)
     return int(change)
 
 
 @compiled
-def _third(tables: Tables, state: State, p: int, q: int, how: np.uint64) -> int:
+def _third(tables: SearchTables, state: State, p: int, q: int, how: np.uint64) -> int:
     """The third place to cut before: where a near arc closes the line, or such that a short stretch moves."""
     arcs, line = tables.arcs, state.line
     kind = high(how, 16)

@@ -10,7 +10,7 @@ from kerfwise.models.problem.problem import Problem
 
 from .merge_tours import merge_tours
 from .pool import Pool
-from .schedule import Part
+from .schedule import CoolingPart
 from .walker import Walker
 
 ANNEALINGS = 2  # of each walker in a generation
@@ -36,7 +36,9 @@ class TourMerging:
         self._children = 0
         self._at = (-1, -1)  # the turn of the generation, and which of its annealings goes on
 
-    def step(self, threads: Executor, chunk: int, part: Part, most: int, anneal: Callable[[int, Part], None]) -> int:
+    def step(
+        self, threads: Executor, chunk: int, part: CoolingPart, most: int, anneal: Callable[[int, CoolingPart], None]
+    ) -> int:
         """Go on through a part of a generation; answers by how many operations each walker did.
 
         `anneal` walks through `chunk` operations of an annealing; a child may take `most` operations.

@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from .anneal import GO_ON, MAKE_ROUTE, TAKE_ROUTE, walk
 from .pool import Elite
-from .schedule import Part
+from .schedule import CoolingPart
 from .state import BEST, BROKEN, CLIMBS, COST, LENGTH, PRICE, TRADED, TRADES, WORK, new_state
 from .structs import for_kernels
-from .tables import Tables
+from .tables import SearchTables
 
 HOT, COLD = 1.0, 0.01  # temperatures, in typical rises of the cost
 LIVELY = 0.01  # share of exchanges taken at the first temperature, on plain problems
@@ -33,7 +33,9 @@ class Walker:
         A walker whose temperatures suit this one, too.
     """
 
-    def __init__(self, tables: Tables, fields: Tables, seed: tuple[int, ...], like: Walker | None = None) -> None:
+    def __init__(
+        self, tables: SearchTables, fields: SearchTables, seed: tuple[int, ...], like: Walker | None = None
+    ) -> None:
         self._tables = tables
         self._fields = fields
         self.arrays = new_state(fields, seed)
@@ -108,7 +110,7 @@ class Walker:
         rise = max(1.0, float(np.median(rises))) if len(rises) else 1.0
         self._hot, self._cold = HOT * rise, COLD * rise
 
-    def anneal(self, chunk: int, part: Part, heat: float) -> None:
+    def anneal(self, chunk: int, part: CoolingPart, heat: float) -> None:
         """Walk on for `chunk` operations through a part of an annealing, `heat` times as hot as is usual."""
         hot, fall = self._hot * heat, self._cold / self._hot
         self._go(chunk, hot * fall**part.done, hot * fall**part.ahead)

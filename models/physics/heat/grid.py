@@ -8,13 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
-from kerfwise.arrays import Bools
+from kerfwise.arrays import Bools, Int32s
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
-
-Ints = NDArray[np.int32]
 
 MOST_POINTS = 30_000_000
 NO_PART = -1
@@ -36,7 +33,7 @@ class Grid:
     y0_mm: float
     step_mm: float
     metal: Bools
-    part: Ints
+    part: Int32s
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -50,7 +47,7 @@ class Grid:
             self._mark(found, line.buffer(within_mm), True)
         return found
 
-    def _mark(self, array: Bools | Ints, polygon: shapely.Geometry, value: bool | int) -> None:
+    def _mark(self, array: Bools | Int32s, polygon: shapely.Geometry, value: bool | int) -> None:
         """Set `array` where points lie in the polygon; only those in its bounding box are looked at."""
         x0, y0, x1, y1 = polygon.bounds
         along_x, along_y = self._span(x0, x1, self.x0_mm), self._span(y0, y1, self.y0_mm)

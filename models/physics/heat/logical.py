@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.arrays import Bools
+from kerfwise.arrays import Bools, Float32s
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.profile.heat_section import Heat
 from kerfwise.rules.profile.materials import MATERIALS
@@ -21,8 +21,7 @@ from kerfwise.rules.profile.materials import MATERIALS
 from .compiled import entry
 from .grid import Grid
 from .physical import Look
-from .result import Run
-from .stepping import Field
+from .result import HeatRun
 from .timed_path import TimedPath
 
 NEIGHBOURS = 8
@@ -60,12 +59,14 @@ class LogicalSheet:
         np.maximum(self.peak, self.excess, out=self.peak)
         self.above += self.excess > heat.limit_c - heat.ambient_c
 
-    def temperature_c(self) -> Field:
+    def temperature_c(self) -> Float32s:
         """Temperatures now, (nx, ny), °C."""
         return self.excess + np.float32(self.heat.ambient_c)
 
 
-def run_logical(grid: Grid, path: TimedPath, heat: Heat, thickness_mm: float, look: tuple[float, Look] | None) -> Run:
+def run_logical(
+    grid: Grid, path: TimedPath, heat: Heat, thickness_mm: float, look: tuple[float, Look] | None
+) -> HeatRun:
     """Simulate a whole program; `thickness_mm` means nothing to this scheme."""
     sheet = LogicalSheet(grid, heat)
     at_s, point = _visits(path, grid)
@@ -79,7 +80,7 @@ def run_logical(grid: Grid, path: TimedPath, heat: Heat, thickness_mm: float, lo
             shown = math.floor(now_s / every_s)
             told(now_s, sheet.temperature_c())
     ambient = np.float32(heat.ambient_c)
-    return Run(sheet.peak + ambient, (sheet.above * heat.logical_step_s).astype(np.float32))
+    return HeatRun(sheet.peak + ambient, (sheet.above * heat.logical_step_s).astype(np.float32))
 
 
 def _visits(path: TimedPath, grid: Grid) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -101,7 +102,7 @@ def _visits(path: TimedPath, grid: Grid) -> tuple[NDArray[np.float64], NDArray[n
     return np.concatenate(times), np.concatenate(points)
 
 
-def spread(excess: Field, metal: Bools, conduction: float, retention: float) -> None:
+def spread(excess: Float32s, metal: Bools, conduction: float, retention: float) -> None:
     """One step of spreading, in place: points that are equally hot give in the order of their index.
 
     Examples
@@ -117,7 +118,7 @@ def spread(excess: Field, metal: Bools, conduction: float, retention: float) -> 
 
 
 @entry
-def _pass_on(excess: Field, metal: Bools, order: NDArray[np.int64], conduction: float, retention: float) -> None:
+def _pass_on(excess: Float32s, metal: Bools, order: NDArray[np.int64], conduction: float, retention: float) -> None:
     nx, ny = excess.shape
     for flat in order:
         i, j = flat // ny, flat % ny

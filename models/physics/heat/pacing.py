@@ -15,9 +15,9 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.heat_section import Heat
 
 from .grid import Grid
-from .physical import Simulation, settling_s, time_step_s
+from .physical import SheetSimulation, settling_s, time_step_s
 from .timed_path import TimedPath, TorchOn
-from .watch import Watch, watch_of
+from .watch import WatchedSheet, watch_of
 
 STEP_S = 0.5
 """Waits are found to so many seconds; they are never too short."""
@@ -40,7 +40,7 @@ class Heated:
 
 
 @dataclass(frozen=True, slots=True)
-class Pace:
+class Pacing:
     """What pacing a program comes to: the burns that are too hot as they stand, in order, and the peak that is left.
 
     `peak_c` is the highest temperature of the program with the waits.
@@ -63,7 +63,7 @@ class Pace:
 
 def pace(
     nest: Nest, path: TimedPath, heat: Heat, thickness_mm: float, limit_c: float, longest_s: float, grid: Grid
-) -> Pace:
+) -> Pacing:
     """The waits with which a program's order keeps to a limit; none is longer than `longest_s`.
 
     A burn for which there is no such wait begins after the longest one that helps, and so on with the rest.
@@ -84,7 +84,7 @@ def pace(
                 waits[burn.contour] = wait_s
         peak_c = max(peak_c, spot.peak_c)
         at = done
-    return Pace(tuple(heated), peak_c, waits)
+    return Pacing(tuple(heated), peak_c, waits)
 
 
 def later(burn: TorchOn, seconds: float) -> TorchOn:
@@ -96,11 +96,11 @@ def later(burn: TorchOn, seconds: float) -> TorchOn:
 class _Standing:
     """A sheet less than a step before the end of the burn that was last, whose last moment is still to come."""
 
-    sheet: Simulation
+    sheet: SheetSimulation
     last: tuple[TorchOn, ...] = ()
 
 
-def _after(watch: Watch, at: _Standing, burn: TorchOn) -> tuple[_Standing, HotSpot]:
+def _after(watch: WatchedSheet, at: _Standing, burn: TorchOn) -> tuple[_Standing, HotSpot]:
     """The sheet when the burn is done, and the hottest place that it leads to, rest after it included."""
     events, end_s = watch.events(*at.last, burn), float(burn.at_s[-1])
     done = at.sheet.copy()
@@ -112,7 +112,7 @@ def _after(watch: Watch, at: _Standing, burn: TorchOn) -> tuple[_Standing, HotSp
 
 
 def _wait(
-    watch: Watch, at: _Standing, burn: TorchOn, limit_c: float, longest_s: float
+    watch: WatchedSheet, at: _Standing, burn: TorchOn, limit_c: float, longest_s: float
 ) -> tuple[float, _Standing, HotSpot]:
     """The shortest wait that helps, else the longest allowed; none at all if the burn is too hot by itself."""
     cold = at.sheet.copy()

@@ -12,16 +12,17 @@ from copy import copy
 
 import numpy as np
 
+from kerfwise.arrays import Float32s
 from kerfwise.rules.profile.heat_section import Heat
 from kerfwise.rules.profile.materials import MATERIALS
 
 from .events import Events, events_of
 from .grid import Grid
-from .result import Run
-from .stepping import Field, Law, Plate, new_plate, run_steps, swapped
+from .result import HeatRun
+from .stepping import Law, Plate, new_plate, run_steps, swapped
 from .timed_path import TimedPath
 
-Look = Callable[[float, Field], None]
+Look = Callable[[float, Float32s], None]
 """Called with a time, s, and the temperatures (nx, ny), °C."""
 
 RATIO = 0.2
@@ -50,7 +51,7 @@ def point_steps(sheet_mm2: float, end_s: float, heat: Heat) -> float:
     return sheet_mm2 / heat.grid_mm**2 * (end_s + settling_s(heat)) / time_step_s(heat)
 
 
-class Simulation:
+class SheetSimulation:
     """A sheet that is being cut, as far as it has come.
 
     Parameters
@@ -92,7 +93,7 @@ class Simulation:
             self.now_s += steps * self._law.step_s
             left -= steps
 
-    def copy(self) -> Simulation:
+    def copy(self) -> SheetSimulation:
         """The same sheet once more: what is done to the one does nothing to the other."""
         other = copy(self)
         plate = self._plate
@@ -108,26 +109,28 @@ class Simulation:
         """Peaks count from now on."""
         self._plate.peak[:] = self._plate.now
 
-    def peak_c(self) -> Field:
+    def peak_c(self) -> Float32s:
         """The highest temperatures since `forget_peaks`, (nx, ny), °C."""
         return self._plate.peak[1:-1, 1:-1] + self._ambient
 
-    def temperature_c(self) -> Field:
+    def temperature_c(self) -> Float32s:
         """Temperatures now, (nx, ny), °C."""
         return self._plate.now[1:-1, 1:-1] + self._ambient
 
-    def measured(self) -> Run:
+    def measured(self) -> HeatRun:
         """What has come of it so far."""
         plate, law = self._plate, self._law
         put_in, lost = plate.energy.tolist()
         stored = float(plate.now.sum(dtype=np.float64)) * law.point_j_k
         above_s = (plate.above[1:-1, 1:-1] * law.step_s).astype(np.float32)
-        return Run(plate.peak[1:-1, 1:-1] + self._ambient, above_s, put_in, lost, stored)
+        return HeatRun(plate.peak[1:-1, 1:-1] + self._ambient, above_s, put_in, lost, stored)
 
 
-def run_physical(grid: Grid, path: TimedPath, heat: Heat, thickness_mm: float, look: tuple[float, Look] | None) -> Run:
+def run_physical(
+    grid: Grid, path: TimedPath, heat: Heat, thickness_mm: float, look: tuple[float, Look] | None
+) -> HeatRun:
     """Simulate a whole program; `look` is called every so many seconds, if given."""
-    simulation, events = Simulation(grid, heat, thickness_mm), events_of(path, grid)
+    simulation, events = SheetSimulation(grid, heat, thickness_mm), events_of(path, grid)
     end_s = path.end_s + settling_s(heat)
     if look is not None:
         every_s, told = look

@@ -5,27 +5,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kerfwise.arrays import Bools
+from kerfwise.arrays import Bools, Float32s
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.heat_section import Heat, HeatModel
 
 from .grid import Grid
 
-Field = NDArray[np.float32]
-
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Run:
+class HeatRun:
     """Maps (nx, ny) of the highest temperature, °C, and of the seconds above the limit; energies in J.
 
     `put_in` is what the torch left in the sheet, `lost` what the air took, `stored` what is in the sheet at the end.
     All three are 0 for a model that knows no energy.
     """
 
-    peak_c: Field
-    above_s: Field
+    peak_c: Float32s
+    above_s: Float32s
     put_in_j: float = 0.0
     lost_j: float = 0.0
     stored_j: float = 0.0
@@ -57,7 +54,7 @@ class HeatResult:
     model: HeatModel
     grid: Grid
     limit_c: float
-    run: Run
+    run: HeatRun
     counted: Bools
     overheats: int
     peak_c: float
@@ -66,7 +63,7 @@ class HeatResult:
     energy_error: float | None
 
 
-def made_result(model: HeatModel, nest: Nest, grid: Grid, heat: Heat, run: Run, counted: Bools) -> HeatResult:
+def made_result(model: HeatModel, nest: Nest, grid: Grid, heat: Heat, run: HeatRun, counted: Bools) -> HeatResult:
     """Count what a run has found, among the points that are counted."""
     hot = counted & (run.peak_c > heat.limit_c)
     put_in = run.put_in_j
@@ -84,7 +81,7 @@ def made_result(model: HeatModel, nest: Nest, grid: Grid, heat: Heat, run: Run, 
     )
 
 
-def _by_part(nest: Nest, grid: Grid, heat: Heat, run: Run, counted: Bools, hot: Bools) -> tuple[PartHeat, ...]:
+def _by_part(nest: Nest, grid: Grid, heat: Heat, run: HeatRun, counted: Bools, hot: Bools) -> tuple[PartHeat, ...]:
     on_parts = counted & (grid.part >= 0)
     of = grid.part[on_parts]
     peak = np.full(len(nest.parts), heat.ambient_c, dtype=np.float32)
@@ -99,5 +96,5 @@ def _by_part(nest: Nest, grid: Grid, heat: Heat, run: Run, counted: Bools, hot: 
     )
 
 
-def _highest(values: Field, counted: Bools, none: float) -> float:
+def _highest(values: Float32s, counted: Bools, none: float) -> float:
     return float(values[counted].max()) if counted.any() else none

@@ -7,12 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.arrays import Bools
+from kerfwise.arrays import Bools, Float32s
 
 from .compiled import compiled, entry
 from .events import Events
-
-Field = NDArray[np.float32]
 
 COLD_K = np.float32(1e-7)
 """What is warmer than the air by less is taken for as cold as the air."""
@@ -27,11 +25,11 @@ class Plate(NamedTuple):
     """
 
     metal: Bools
-    link_x: Field
-    link_y: Field
-    now: Field
-    following: Field
-    peak: Field
+    link_x: Float32s
+    link_y: Float32s
+    now: Float32s
+    following: Float32s
+    peak: Float32s
     above: NDArray[np.int32]
     warm: Bools
     warm_next: Bools
@@ -56,7 +54,7 @@ def new_plate(metal: Bools) -> Plate:
     """A sheet as warm as the air, uncut."""
     whole = np.pad(metal, 1)
 
-    def zeros() -> Field:
+    def zeros() -> Float32s:
         return np.zeros(whole.shape, dtype=np.float32)
 
     def row() -> Bools:
@@ -127,7 +125,7 @@ def run_steps(plate: Plate, law: Law, events: Events, steps: int, begin_s: float
 
 
 @compiled
-def _put_in(plate: Plate, law: Law, a: Field, warm: Bools, left: int, right: int, seconds: float) -> None:
+def _put_in(plate: Plate, law: Law, a: Float32s, warm: Bools, left: int, right: int, seconds: float) -> None:
     """Half of the energy to each side of the kerf, all to the one that is metal."""
     ny = a.shape[1] - 2
     left_i, left_j, right_i, right_j = left // ny + 1, left % ny + 1, right // ny + 1, right % ny + 1

@@ -14,13 +14,13 @@ from kerfwise.rules.profile.heat_section import Heat
 from .bounds import expect_bounded
 from .events import Events, events_of
 from .grid import Grid, make_grid
-from .physical import Simulation, settling_s
+from .physical import SheetSimulation, settling_s
 from .simulate import counted_points
 from .timed_path import TimedPath, TorchOn
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Watch:
+class WatchedSheet:
     """A nest's sheet, and the points whose temperature counts while a program runs.
 
     `counted` are those of parts and of the skeleton outside the kerf's band of the whole program.
@@ -32,9 +32,9 @@ class Watch:
     thickness_mm: float
     counted: Bools
 
-    def sheet(self) -> Simulation:
+    def sheet(self) -> SheetSimulation:
         """The sheet as warm as the air, uncut; with the limit that the heat section has."""
-        return Simulation(self.grid, self.heat, self.thickness_mm)
+        return SheetSimulation(self.grid, self.heat, self.thickness_mm)
 
     def events(self, *burns: TorchOn) -> Events:
         """What these burns do to the grid."""
@@ -53,11 +53,11 @@ class Watch:
         return HotSpot(float(masked[i, j]), place, at_s, self.nest.parts[part].id if part >= 0 else "")
 
 
-def watch_of(nest: Nest, path: TimedPath, heat: Heat, thickness_mm: float, grid: Grid | None = None) -> Watch:
+def watch_of(nest: Nest, path: TimedPath, heat: Heat, thickness_mm: float, grid: Grid | None = None) -> WatchedSheet:
     """What has to be watched while a program runs."""
     grid = make_grid(nest, heat.grid_mm) if grid is None else grid
     expect_bounded(int(grid.metal.sum()), path, heat)
-    return Watch(nest, grid, heat, thickness_mm, counted_points(grid, path, heat))
+    return WatchedSheet(nest, grid, heat, thickness_mm, counted_points(grid, path, heat))
 
 
 def hot_spots(nest: Nest, path: TimedPath, heat: Heat, thickness_mm: float, limit_c: float) -> tuple[HotSpot, ...]:

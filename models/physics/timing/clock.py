@@ -10,7 +10,7 @@ from .run import Job
 
 
 @dataclass(frozen=True, slots=True)
-class Times:
+class RunTimes:
     """When each run begins (its pierce included) and ends, and what the whole program spends on what; all in s.
 
     `total_s` includes the idle moves after the last run, and `dwell_s`, for which the torch waits for metal to cool.
@@ -28,7 +28,7 @@ class Times:
         return self.cut_s + self.idle_s + self.pierce_s + self.dwell_s
 
 
-def times_of(job: Job, motion: Motion, feeds: Feeds) -> Times:
+def times_of(job: Job, motion: Motion, feeds: Feeds) -> RunTimes:
     """The times of a program; `feeds` say how long piercing, and starting to mark, takes.
 
     Examples
@@ -39,7 +39,7 @@ def times_of(job: Job, motion: Motion, feeds: Feeds) -> Times:
     >>> feeds = Feeds(10, 10, 50, 0.5)
     >>> line = Curve.of([(30, 40), (130, 40)], closed=False)
     >>> times_of(Job((Run(line, travels_mm=(50.0,)),), (100.0,), 9), ConstantFeed(feeds), feeds)
-    Times(spans=((1.0, 11.5),), cut_s=10.0, idle_s=3.0, pierce_s=0.5, dwell_s=0.0)
+    RunTimes(spans=((1.0, 11.5),), cut_s=10.0, idle_s=3.0, pierce_s=0.5, dwell_s=0.0)
     """
     now = cut_s = idle_s = pierce_s = 0.0
     spans = []
@@ -54,4 +54,4 @@ def times_of(job: Job, motion: Motion, feeds: Feeds) -> Times:
         now = spans[-1][1]
         cut_s, idle_s, pierce_s = cut_s + on_s, idle_s + travel_s, pierce_s + wait_s
     idle_s += sum(map(motion.travel_s, job.homing_mm))
-    return Times(tuple(spans), cut_s, idle_s, pierce_s, sum(run.wait_s for run in job.runs))
+    return RunTimes(tuple(spans), cut_s, idle_s, pierce_s, sum(run.wait_s for run in job.runs))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from kerfwise.rules.profile.time_section import Prices
 
-from .clock import Times
+from .clock import RunTimes
 
 _HOUR_S = 3600.0
 
@@ -25,12 +25,12 @@ class Cost:
         return self.machine + self.gas
 
 
-def cost_of(times: Times, prices: Prices) -> Cost | None:
+def cost_of(times: RunTimes, prices: Prices) -> Cost | None:
     """The cost of one sheet; None where the profile has no prices.
 
     Examples
     --------
-    >>> cost_of(Times((), cut_s=1700.0, idle_s=1800.0, pierce_s=100.0), Prices(80.0, 12.0))
+    >>> cost_of(RunTimes((), cut_s=1700.0, idle_s=1800.0, pierce_s=100.0), Prices(80.0, 12.0))
     Cost(machine=80.0, gas=6.0, currency='EUR')
     """
     if not prices.machine_hour and not prices.gas_hour:

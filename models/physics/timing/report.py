@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from .clock import Times
+from .clock import RunTimes
 from .motion import Motion
 
 
@@ -52,6 +52,6 @@ class TimeReport:
         }
 
 
-def report_times(times: Times, motion: Motion, nc_blocks: int) -> TimeReport:
+def report_times(times: RunTimes, motion: Motion, nc_blocks: int) -> TimeReport:
     """What is said of these times."""
     return TimeReport(motion.words, nc_blocks, times.cut_s, times.idle_s, times.pierce_s, times.dwell_s)

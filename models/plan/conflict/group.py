@@ -22,7 +22,7 @@ from kerfwise.rules.statements import (
     Statement,
 )
 
-Asked = Precede | Forbid | AtLeast | Contiguous | Crossing | Lag | NoGood
+CanClash = Precede | Forbid | AtLeast | Contiguous | Crossing | Lag | NoGood
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,12 +30,12 @@ class Group:
     """Statements that a planner takes for one."""
 
     about: About
-    statements: tuple[Asked, ...]
+    statements: tuple[CanClash, ...]
 
 
 def hard_groups(statements: Iterable[Statement]) -> tuple[Group, ...]:
     """The hard statements, grouped, in the order in which they are first met."""
-    found: dict[About, list[Asked]] = {}
+    found: dict[About, list[CanClash]] = {}
     for s in statements:
         match s:
             case Precede() | Forbid() | AtLeast() | Contiguous() | Crossing() | Lag() | NoGood():

@@ -29,7 +29,7 @@ from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.statements import AtLeast, Before, Contiguous, Crossing, Forbid, Lag, NoGood, Precede
 from kerfwise.rules.stating.places import ends_of
 
-from .group import Asked, Group, contours_of
+from .group import CanClash, Group, contours_of
 from .likely_order import likely_order
 from .solver import WORK_PER_STATEMENT, NotAnswered, solver_within
 
@@ -77,7 +77,7 @@ class OrderModel:
         return self.pick[c]
 
 
-def build(facts: Facts, groups: Sequence[Group]) -> OrderModel:
+def build_order_model(facts: Facts, groups: Sequence[Group]) -> OrderModel:
     """The model in which each group may be switched on by its literal in `holds`."""
     contour_of = [c.contour for c in facts.candidates]
     ends = _ends(groups, facts.n)
@@ -129,7 +129,7 @@ def _loose(groups: Sequence[Group]) -> set[int]:
     return {k for k in loose if not partners[k] & loose}
 
 
-def _ask(built: OrderModel, statement: Asked, holds: IntVar) -> None:
+def _ask(built: OrderModel, statement: CanClash, holds: IntVar) -> None:
     """The statement, wherever its group is switched on."""
     model, at = built.model, built.position
     match statement:
@@ -253,4 +253,4 @@ def _built(facts: Facts, groups: Sequence[Group], budget: Budget) -> OrderModel:
     if budget.left <= 0:
         raise NotAnswered
     budget.spend(WORK_PER_STATEMENT * sum(len(group.statements) for group in groups))
-    return build(facts, groups)
+    return build_order_model(facts, groups)

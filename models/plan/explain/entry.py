@@ -15,7 +15,7 @@ from .setting import Setting
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class OtherEntry:
     """One way to cut the contour; `more_um` is what the plan would cost more with it, entries elsewhere chosen anew.
 
     An unlawful one has `against` instead: what forbids it. One `from_edge` comes in from the sheet's edge, and nothing
@@ -37,9 +37,9 @@ class Entry:
     `one_way_by` are the rules that leave one direction only.
     """
 
-    used: Way
-    lawful: tuple[Way, ...]
-    unlawful: tuple[Way, ...]
+    used: OtherEntry
+    lawful: tuple[OtherEntry, ...]
+    unlawful: tuple[OtherEntry, ...]
     one_way_by: tuple[str, ...]
 
 
@@ -89,6 +89,6 @@ def _pinned(setting: Setting, contour: int, site: int, already: set[int]) -> int
     return found.cost
 
 
-def _way(setting: Setting, c: int, more_um: int | None, against: tuple[About, ...] = ()) -> Way:
+def _way(setting: Setting, c: int, more_um: int | None, against: tuple[About, ...] = ()) -> OtherEntry:
     candidate = setting.facts.candidates[c]
-    return Way(candidate.entry, candidate.direction, candidate.pierce, more_um, against, candidate.edge_start)
+    return OtherEntry(candidate.entry, candidate.direction, candidate.pierce, more_um, against, candidate.edge_start)

@@ -17,7 +17,7 @@ from kerfwise.rules.stating.state_rules import Stated
 from .entry import Entry, explain_entry
 from .heat_prices import HeatPrice, heat_prices
 from .holding import Hold, chain, holds, others
-from .moves import Move, explain_moves
+from .moves import Relocation, explain_moves
 from .setting import make_setting
 
 
@@ -44,7 +44,7 @@ class Explanation:
     later_chain: tuple[Hold, ...]
     also: tuple[About, ...]
     entry: Entry
-    moves: tuple[Move, ...]
+    moves: tuple[Relocation, ...]
     notes: tuple[str, ...]
     heat: tuple[HeatPrice, ...] = ()
     dwell_s: float = 0.0

@@ -30,7 +30,7 @@ from .setting import Setting
 
 
 @dataclass(frozen=True, slots=True)
-class Tried:
+class TriedOrder:
     """A changed order: what it breaks or, if nothing, what its best route costs, µm."""
 
     breaks: tuple[About, ...]
@@ -38,19 +38,19 @@ class Tried:
     route: tuple[int, ...] = ()
 
 
-def try_order(setting: Setting, order: Sequence[int]) -> Tried:
+def try_order(setting: Setting, order: Sequence[int]) -> TriedOrder:
     """Judge an order by all that is stated, with the best entries along it."""
     breaks = tuple(dict.fromkeys(_broken(setting, order)))
     if breaks:
-        return Tried(breaks)
+        return TriedOrder(breaks)
     found = resite(setting, order)
     if isinstance(found, Stuck):
-        return Tried(found.abouts)
+        return TriedOrder(found.abouts)
     breaks = broken(setting.problem, found.route)
     if not breaks:
         thoughts = afterthoughts(setting.facts, setting.profile)(order)
         breaks = tuple(s.about for s in thoughts if s.weight is None)
-    return Tried(breaks) if breaks else Tried((), found.cost, found.route)
+    return TriedOrder(breaks) if breaks else TriedOrder((), found.cost, found.route)
 
 
 def _broken(setting: Setting, order: Sequence[int]) -> Iterator[About]:

@@ -14,7 +14,7 @@ from .setting import Setting
 
 
 @dataclass(frozen=True, slots=True)
-class Move:
+class Relocation:
     """A contour, or the run of contours that it is cut with, moved to another place (from 1).
 
     `more_um` is what the plan would cost more, entries chosen anew along the order; None where it `breaks` something.
@@ -27,14 +27,14 @@ class Move:
     more_um: int | None = None
 
 
-def explain_moves(setting: Setting, contour: int) -> tuple[Move, ...]:
+def explain_moves(setting: Setting, contour: int) -> tuple[Relocation, ...]:
     """One place earlier and later, and as early and as late as is lawful; what the contour cannot do is left out."""
     swaps = tuple(_swaps(setting, contour))
     told = {(move.moved, move.place) for move in swaps}
     return (*swaps, *(move for move in _farthest(setting, contour) if (move.moved, move.place) not in told))
 
 
-def _swaps(setting: Setting, contour: int) -> Iterator[Move]:
+def _swaps(setting: Setting, contour: int) -> Iterator[Relocation]:
     order = list(setting.order)
     k = order.index(contour)
     for label, other in (("one place earlier", k - 1), ("one place later", k + 1)):
@@ -44,7 +44,7 @@ def _swaps(setting: Setting, contour: int) -> Iterator[Move]:
             yield _tried(setting, label, (contour,), changed, other + 1)
 
 
-def _farthest(setting: Setting, contour: int) -> Iterator[Move]:
+def _farthest(setting: Setting, contour: int) -> Iterator[Relocation]:
     """The whole run moves, for a contour that is cut with others."""
     problem = setting.problem
     unit = [c for c in setting.order if problem.block[c] == problem.block[contour]]
@@ -67,7 +67,7 @@ def _farthest(setting: Setting, contour: int) -> Iterator[Move]:
                 break
 
 
-def _tried(setting: Setting, label: str, moved: Sequence[int], order: Sequence[int], place: int) -> Move:
+def _tried(setting: Setting, label: str, moved: Sequence[int], order: Sequence[int], place: int) -> Relocation:
     tried = try_order(setting, order)
     more = None if tried.cost is None else tried.cost - setting.cost
-    return Move(label, tuple(setting.name(c) for c in moved), place + setting.made, tried.breaks, more)
+    return Relocation(label, tuple(setting.name(c) for c in moved), place + setting.made, tried.breaks, more)

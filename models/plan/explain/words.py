@@ -11,10 +11,10 @@ from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.rules.statements import EXEMPTION_MM
 
-from .entry import Entry, Way
+from .entry import Entry, OtherEntry
 from .explain import Explanation
 from .holding import Hold
-from .moves import Move
+from .moves import Relocation
 
 FEW = 3
 EXEMPTION_UM = round(EXEMPTION_MM * UM_PER_MM)
@@ -25,7 +25,7 @@ def as_text(explanation: Explanation, everything: bool = False) -> str:
     return "\n".join(_lines(explanation, everything))
 
 
-def as_json(explanation: Explanation) -> str:
+def explanation_as_json(explanation: Explanation) -> str:
     """The explanation as JSON: the fields of `Explanation`, lengths that end in `_um` in µm."""
     data: dict[str, Any] = asdict(explanation)
     return json.dumps(data, ensure_ascii=False, indent=1)
@@ -106,7 +106,7 @@ def _lawful(entry: Entry) -> Iterator[str]:
     yield f"  - the next best {where}: {_more(best.more_um)}{others}"
 
 
-def _begun(way: Way) -> str:
+def _begun(way: OtherEntry) -> str:
     return f"{'begun off the edge of the sheet' if way.from_edge else 'pierced'} at {_at(way.pierce)}"
 
 
@@ -120,7 +120,7 @@ def _unlawful(entry: Entry, everything: bool) -> Iterator[str]:
     yield from _listed(lines, everything)
 
 
-def _moved(contour: str, move: Move) -> str:
+def _moved(contour: str, move: Relocation) -> str:
     run = [name for name in move.moved if name != contour]
     together = f" together with {', '.join(run[:FEW])}{' …' if len(run) > FEW else ''}" if run else ""
     head = f"{move.label} ({_nth(move.place)}){together}: "

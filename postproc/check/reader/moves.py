@@ -18,7 +18,7 @@ _FEED_MM_MIN = (1.0, 1e6)
 
 
 @dataclass(slots=True)
-class Moves:
+class ModalState:
     """Modal state: motion, feed, units and how the program counts."""
 
     track: Track

@@ -39,7 +39,7 @@ class Burn:
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
+class MoveStretch:
     """Moves that are not as they should be: rapids with a tool on, or travel at cutting feed."""
 
     line: int
@@ -66,8 +66,8 @@ class NcProgram:
     """
 
     burns: tuple[Burn, ...]
-    hot_rapids: tuple[Stretch, ...]
-    slow_travel: tuple[Stretch, ...]
+    hot_rapids: tuple[MoveStretch, ...]
+    slow_travel: tuple[MoveStretch, ...]
     faults: tuple[Fault, ...]
     comments: tuple[str, ...]
     idle_mm: float

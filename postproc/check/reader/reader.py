@@ -16,7 +16,7 @@ from .comments import row_of
 from .controls import QTPLASMAC, Control
 from .filtering import Filter
 from .grammar import refuse_conflicts
-from .moves import Moves
+from .moves import ModalState
 from .program import NcProgram
 from .rows import rows_of
 from .tools import Tools
@@ -65,7 +65,7 @@ class _Machine:
         self.control = control
         self.track = Track(travel_mm_s, home)
         self.tools = Tools(self.track, control, held_s)
-        self.moves = Moves(self.track)
+        self.moves = ModalState(self.track)
         self.filter = Filter(self.track) if control.filtered else None
         self.comments: list[str] = []
         self.blocks = self.line = 0

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point, Segment
 
-from .program import Burn, Fault, Stretch
+from .program import Burn, Fault, MoveStretch
 
 
 @dataclass(slots=True)
@@ -41,8 +41,8 @@ class Track:
     comment: str = ""
     open: _Open | None = None
     burns: list[Burn] = field(default_factory=list)
-    hot_rapids: list[Stretch] = field(default_factory=list)
-    slow_travel: list[Stretch] = field(default_factory=list)
+    hot_rapids: list[MoveStretch] = field(default_factory=list)
+    slow_travel: list[MoveStretch] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
     travels_mm: list[float] = field(default_factory=list)
     rapids: list[tuple[int, Point]] = field(default_factory=list)
@@ -90,7 +90,7 @@ class Track:
         self.clock_s += length / self.travel_mm_s
         tool = None if self.open is None else self.open.tool
         if tool is not None and length > 0:
-            self.hot_rapids.append(Stretch(line, length))
+            self.hot_rapids.append(MoveStretch(line, length))
             self.close()
         self.at = end
         if tool is None:
@@ -105,7 +105,7 @@ class Track:
         self.at = segment.end
         if self.open is None:
             self._idle(segment.length_mm, line)
-            self.slow_travel.append(Stretch(line, segment.length_mm))
+            self.slow_travel.append(MoveStretch(line, segment.length_mm))
         else:
             self.moving_s += seconds
             self.open.feeds_mm_s.add(feed_mm_s)

@@ -6,13 +6,13 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import KINDS, Nest
 from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
 from kerfwise.rules.minizinc.dzn import Fields, flags
-from kerfwise.rules.minizinc.twin import Case, Twin
+from kerfwise.rules.minizinc.twin import Twin, TwinCase
 
 
 class CutDirectionTwin(Twin[CutDirectionOptions]):
     """Which ways round each kind of contour is cut."""
 
-    def data(self, case: Case, options: CutDirectionOptions) -> Fields:
+    def data(self, case: TwinCase, options: CutDirectionOptions) -> Fields:
         return self._fields(options)
 
     def measured(self, nest: Nest, cuts: CutSequence, options: CutDirectionOptions) -> Fields:

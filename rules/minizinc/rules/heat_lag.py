@@ -9,13 +9,13 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.minizinc.dzn import Fields, numbers
-from kerfwise.rules.minizinc.twin import Case, Further, Twin, rule_file
+from kerfwise.rules.minizinc.twin import Further, Twin, TwinCase, rule_file
 
 
 class HeatLagTwin(Twin[HeatLagOptions]):
     """Near contours of different parts, and the seconds between them in a file of their own."""
 
-    def data(self, case: Case, options: HeatLagOptions) -> Fields:
+    def data(self, case: TwinCase, options: HeatLagOptions) -> Fields:
         return self._fields(case.facts.nest, options)
 
     def measured(self, nest: Nest, cuts: CutSequence, options: HeatLagOptions) -> Fields:

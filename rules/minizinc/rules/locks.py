@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from kerfwise.rules.catalogue.locks import Locks, LocksOptions
 from kerfwise.rules.minizinc.dzn import Fields, number_set, numbers
-from kerfwise.rules.minizinc.twin import Case, Twin
+from kerfwise.rules.minizinc.twin import Twin, TwinCase
 
 
 class LocksTwin(Twin[LocksOptions]):
     """Orders, positions and entries that are locked."""
 
-    def data(self, case: Case, options: LocksOptions) -> Fields:
+    def data(self, case: TwinCase, options: LocksOptions) -> Fields:
         number = {name: k + 1 for name, k in case.facts.nest.index.items()}
         made = len(case.facts.already_cut)
         ends = {"first": 1, "last": case.facts.n}

@@ -6,13 +6,13 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.marks_first import MarksFirstOptions
 from kerfwise.rules.minizinc.dzn import Fields, flag
-from kerfwise.rules.minizinc.twin import Case, Twin
+from kerfwise.rules.minizinc.twin import Twin, TwinCase
 
 
 class MarksFirstTwin(Twin[MarksFirstOptions]):
     """Whether marks come first on the sheet or on their part."""
 
-    def data(self, case: Case, options: MarksFirstOptions) -> Fields:
+    def data(self, case: TwinCase, options: MarksFirstOptions) -> Fields:
         return self._fields(options)
 
     def measured(self, nest: Nest, cuts: CutSequence, options: MarksFirstOptions) -> Fields:

@@ -14,13 +14,13 @@ from kerfwise.rules.catalogue.no_islands import NoIslandsOptions
 from kerfwise.rules.judging.holding import clusters as together
 from kerfwise.rules.judging.holding import holding
 from kerfwise.rules.minizinc.dzn import Fields, flags, numbers
-from kerfwise.rules.minizinc.twin import Case, Twin
+from kerfwise.rules.minizinc.twin import Twin, TwinCase
 
 
 class NoIslandsTwin(Twin[NoIslandsOptions]):
     """What hangs together, and what on the frame."""
 
-    def data(self, case: Case, options: NoIslandsOptions) -> Fields:
+    def data(self, case: TwinCase, options: NoIslandsOptions) -> Fields:
         return [
             ("no_islands_framed", flags(on_the_frame(case.facts, options.frame_share).tolist())),
             ("no_islands_cluster", numbers((clusters(case.facts) + 1).tolist())),

@@ -10,14 +10,14 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.microns import GRAZE_UM, UM_PER_MM, points_um
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.rules.minizinc.dzn import Fields, flags, numbers
-from kerfwise.rules.minizinc.twin import Case, Twin
+from kerfwise.rules.minizinc.twin import Twin, TwinCase
 from kerfwise.rules.options.option import NoOptions
 
 
 class NoTipTravelTwin(Twin[NoOptions]):
     """Moves over parts."""
 
-    def data(self, case: Case, options: NoOptions) -> Fields:
+    def data(self, case: TwinCase, options: NoOptions) -> Fields:
         over = tip_moves(case.facts, case.home_mm)
         last = len(case.facts.candidates)
         moves = flags(leads for _, table in over for leads in table.ravel().tolist())

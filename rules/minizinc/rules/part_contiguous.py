@@ -6,13 +6,13 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.part_contiguous import PartContiguousOptions
 from kerfwise.rules.minizinc.dzn import Fields, flag
-from kerfwise.rules.minizinc.twin import Case, Twin
+from kerfwise.rules.minizinc.twin import Twin, TwinCase
 
 
 class PartContiguousTwin(Twin[PartContiguousOptions]):
     """Whether marks belong to the run of a part."""
 
-    def data(self, case: Case, options: PartContiguousOptions) -> Fields:
+    def data(self, case: TwinCase, options: PartContiguousOptions) -> Fields:
         return self._fields(options)
 
     def measured(self, nest: Nest, cuts: CutSequence, options: PartContiguousOptions) -> Fields:

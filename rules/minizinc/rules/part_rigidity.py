@@ -14,7 +14,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
 from kerfwise.rules.judging.stretches import faced_by_cuts
 from kerfwise.rules.minizinc.dzn import Fields, numbers
-from kerfwise.rules.minizinc.twin import Case, Further, Twin, rule_file
+from kerfwise.rules.minizinc.twin import Further, Twin, TwinCase, rule_file
 
 PER_MM = 100
 ALLOWANCE = 0.02
@@ -25,7 +25,7 @@ ALLOWANCE = 0.02
 class PartRigidityTwin(Twin[PartRigidityOptions]):
     """How much of each tail must be held, and of each head should be free."""
 
-    def data(self, case: Case, options: PartRigidityOptions) -> Fields:
+    def data(self, case: TwinCase, options: PartRigidityOptions) -> Fields:
         return [
             ("part_rigidity_needed", numbers(tail_needed(case.facts, options.rigid_min).tolist())),
             ("part_rigidity_freed", numbers(head_freed(case.facts, options.head_rigid_max).tolist())),

@@ -10,13 +10,13 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Contour
 from kerfwise.rules.catalogue.pierce import PierceOptions
 from kerfwise.rules.minizinc.dzn import Fields, numbers
-from kerfwise.rules.minizinc.twin import Case, Twin
+from kerfwise.rules.minizinc.twin import Twin, TwinCase
 
 
 class PierceTwin(Twin[PierceOptions]):
     """Candidates that pierce the waste of holes, or meet kerfs."""
 
-    def data(self, case: Case, options: PierceOptions) -> Fields:
+    def data(self, case: TwinCase, options: PierceOptions) -> Fields:
         waste = pierced_waste(case.facts)
         kerfs, leads = met_kerfs(case.facts, options.kerf_mm, options.splash_mm)
         return [

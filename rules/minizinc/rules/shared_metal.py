@@ -11,7 +11,7 @@ from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.encoder.tolerance import tolerance_mm
 from kerfwise.rules.catalogue.shared_metal import SharedMetalOptions
 from kerfwise.rules.minizinc.dzn import Fields, numbers
-from kerfwise.rules.minizinc.twin import Case, Twin
+from kerfwise.rules.minizinc.twin import Twin, TwinCase
 
 FINE_MM = 0.002
 """Chords lie this close to contours whose gaps are measured."""
@@ -20,7 +20,7 @@ FINE_MM = 0.002
 class SharedMetalTwin(Twin[SharedMetalOptions]):
     """Contours that are nearer than the kerf."""
 
-    def data(self, case: Case, options: SharedMetalOptions) -> Fields:
+    def data(self, case: TwinCase, options: SharedMetalOptions) -> Fields:
         near = same_waste(case.facts, options.kerf_mm)
         return [
             ("n_shared_near", str(len(near))),

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.candidates.joints import Joints
-from kerfwise.encoder.candidates.lead_shapes import Leads, Shape, shaped
+from kerfwise.encoder.candidates.lead_shapes import Leads, LeadShape, shaped
 from kerfwise.encoder.geometry.segment import Segment
 
 NORTH = Joints(*(np.array(a) for a in ([0], [0.0], [[0.0, 0.0]], [0.0], [[3.0, 4.0]], [[0.0, 1.0]])))
@@ -18,18 +18,20 @@ EAST = np.array([[1.0, 0.0]])
 
 
 def test_a_line_is_turned_towards_where_the_torch_comes_from() -> None:
-    leads = shaped(Shape("line", 0.0, math.radians(30)), NORTH, EAST, np.array([2.0]), 1.0)
+    leads = shaped(LeadShape("line", 0.0, math.radians(30)), NORTH, EAST, np.array([2.0]), 1.0)
     assert leads.pierce[0] == pytest.approx((3 - 1, 4 + math.sqrt(3)))
 
 
 def test_lengths_run_from_the_longest_to_the_shortest() -> None:
-    lengths = [shaped(Shape("line", s, 0.0), NORTH, EAST, np.array([4.0]), 1.0).length_mm[0] for s in (0.0, 0.5, 1.0)]
+    lengths = [
+        shaped(LeadShape("line", s, 0.0), NORTH, EAST, np.array([4.0]), 1.0).length_mm[0] for s in (0.0, 0.5, 1.0)
+    ]
     assert lengths == pytest.approx([4, 2, 1])
 
 
 @given(st.sampled_from([45.0, 60.0, 90.0]), st.floats(1, 9), st.sampled_from([1.0, -1.0]))
 def test_an_arc_is_as_long_as_asked_for_and_ends_along_the_cut(sweep: float, length_mm: float, way: float) -> None:
-    leads = shaped(Shape("arc", 0.0, math.radians(sweep)), NORTH, way * EAST, np.array([length_mm]), 1.0)
+    leads = shaped(LeadShape("arc", 0.0, math.radians(sweep)), NORTH, way * EAST, np.array([length_mm]), 1.0)
     (x, y), (jx, jy) = leads.pierce[0].tolist(), leads.join[0].tolist()
     arc = Segment((x, y), (jx, jy), float(leads.bulge[0]))
     assert arc.length_mm == pytest.approx(length_mm)

@@ -11,7 +11,7 @@ import ezdxf
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest, Note
 from kerfwise.encoder.readers import ReadOptions, read_nest
-from kerfwise.encoder.readers.drawing import Piece
+from kerfwise.encoder.readers.drawing import DrawnCurve
 
 Draw = Callable[[Any], object]
 
@@ -47,9 +47,9 @@ def square(x: float, y: float, side: float) -> list[tuple[float, float]]:
     return [(x, y), (x + side, y), (x + side, y + side), (x, y + side)]
 
 
-def pieces(*rows: Sequence[Sequence[float]], closed: bool = False) -> list[Piece]:
+def pieces(*rows: Sequence[Sequence[float]], closed: bool = False) -> list[DrawnCurve]:
     """Open pieces (closed on demand) in the order given."""
-    return [Piece(Curve.of(r, closed=closed), "0", k) for k, r in enumerate(rows)]
+    return [DrawnCurve(Curve.of(r, closed=closed), "0", k) for k, r in enumerate(rows)]
 
 
 def segments(points: Sequence[tuple[float, float]]) -> list[list[tuple[float, float]]]:

@@ -3,11 +3,11 @@ from dataclasses import replace
 import pytest
 
 from kerfwise.encoder.readers.assemble import assemble
-from kerfwise.encoder.readers.drawing import Piece
+from kerfwise.encoder.readers.drawing import DrawnCurve
 from kerfwise.tests.encoder.readers.drawings import pieces, square, texts
 
 
-def rings(*squares: tuple[float, float, float]) -> list[Piece]:
+def rings(*squares: tuple[float, float, float]) -> list[DrawnCurve]:
     return pieces(*(square(*s) for s in squares), closed=True)
 
 

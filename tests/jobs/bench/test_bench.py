@@ -11,21 +11,21 @@ from click.testing import CliRunner
 import kerfwise
 from kerfwise.commands.bench import command
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.bench import BestKnown, Job, Result, line, measure, read_best_known, totals
+from kerfwise.jobs.bench import BenchJob, BenchResult, BestKnown, line, measure, read_best_known, results_in_all
 from kerfwise.models.routing import judge_tour, read_instance
 
 EXAMPLES = Path(kerfwise.__file__).parent / "examples"
 KEYS = {"instance", "engine", "cost", "bound", "proven", "feasible", "seconds", "memory_mb", "tour"}
 
 
-def result(cost: float | None = 103.0, fault: str = "") -> Result:
-    return Result("a", "search", cost, None, False, cost is not None and not fault, 1.0, 200.0, (1, 2), fault)
+def result(cost: float | None = 103.0, fault: str = "") -> BenchResult:
+    return BenchResult("a", "search", cost, None, False, cost is not None and not fault, 1.0, 200.0, (1, 2), fault)
 
 
 @pytest.mark.slow
 def test_a_routing_instance_in_a_process_of_its_own() -> None:
     path = EXAMPLES / "routing" / "nine.pcglns"
-    done = measure(Job(str(path), time_s=2.0))
+    done = measure(BenchJob(str(path), time_s=2.0))
     assert (done.instance, done.proven, done.feasible) == ("nine", True, True)
     assert judge_tour(read_instance(path), [int(v) for v in done.tour]) == (done.cost, "")
     assert done.bound == done.cost
@@ -60,7 +60,7 @@ def test_gaps_are_of_feasible_tours_only() -> None:
     assert "+3.00%" in line(result(), 100.0)
     assert "%" not in line(result(fault="a cluster is not visited once"), 100.0)
     assert "none" in line(result(cost=None), 100.0)
-    assert "mean gap 3.000%" in totals([result(), result(cost=None)], [100.0, 100.0])
+    assert "mean gap 3.000%" in results_in_all([result(), result(cost=None)], [100.0, 100.0])
 
 
 def test_best_known_by_set_and_by_name(tmp_path: Path) -> None:
@@ -82,7 +82,7 @@ def test_a_broken_file_is_one_message(tmp_path: Path) -> None:
     broken = tmp_path / "broken.sop"
     broken.write_text("DIMENSION: 2\nEDGE_WEIGHT_SECTION\n0 1 2\n")
     with pytest.raises(InputError, match="2 × 2 weights were expected, 3 are there"):
-        measure(Job(str(broken)))
+        measure(BenchJob(str(broken)))
 
 
 @pytest.mark.slow
@@ -113,7 +113,7 @@ def test_a_process_that_dies_is_one_message(tmp_path: Path, monkeypatch: pytest.
     twelve = EXAMPLES / "routing" / "twelve.sop"
     monkeypatch.setattr("sys.executable", "/bin/false")
     with pytest.raises(InputError, match=r"twelve\.sop: the engine search ended with an error: exit code 1"):
-        measure(Job(str(twelve), "search"))
+        measure(BenchJob(str(twelve), "search"))
 
 
 @pytest.mark.slow

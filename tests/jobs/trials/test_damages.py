@@ -14,7 +14,7 @@ from kerfwise.jobs.trials import optima, rules_to_try, text, try_rule
 from kerfwise.jobs.trials.run import ENGINES, OPTIONS, ORDERS, TEXT, Bench
 from kerfwise.models.engines.minizinc import asked
 from kerfwise.models.engines.solution import Solution
-from kerfwise.rules.outcome import Outcome
+from kerfwise.rules.outcome import CaseOutcome
 from kerfwise.rules.pages.new_rule import new_outside_rule
 from kerfwise.rules.profile.profile import load_profile
 from kerfwise.rules.run_cases import cases_of
@@ -31,7 +31,7 @@ def quick(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> No
         monkeypatch.setattr("kerfwise.jobs.trials.run.against_engines", lambda *given: iter(()))
 
 
-def tried(path: Path) -> dict[str, Outcome]:
+def tried(path: Path) -> dict[str, CaseOutcome]:
     profile, names = rules_to_try(load_profile(), [str(path)])
     return {outcome.case: outcome for name in names for outcome in try_rule(name, profile)}
 

@@ -11,14 +11,14 @@ import pytest
 from kerfwise.models.engines.baselines.random_order import random_order
 from kerfwise.models.heat_prices.nearby_routes import _cheapest, nearby
 from kerfwise.models.heat_prices.prices import HeatPrices
-from kerfwise.models.heat_prices.terms import Terms
+from kerfwise.models.heat_prices.terms import HeatTerms
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.tests.models.heat_prices.plate import PLATE, facts, plant, posed
 from kerfwise.tests.models.problems import problem
 
 
 def test_they_are_lawful_and_differ() -> None:
-    of = Terms.of(facts(), posed(), plant().heat)
+    of = HeatTerms.of(facts(), posed(), plant().heat)
     rows = of.rows([])
     prices = HeatPrices(of, np.zeros(rows.shape[1]))
     chance = random.Random(1)
@@ -42,7 +42,7 @@ def test_entries_are_the_cheapest_of_an_order() -> None:
 def test_entries_know_what_is_out_by_then(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("kerfwise.models.heat_prices.nearby_routes.MOST_MOVES", 0)
     monkeypatch.setattr("kerfwise.models.heat_prices.nearby_routes.MOST_PULLED", 0)
-    of = Terms.of(facts(), posed(), plant().heat)
+    of = HeatTerms.of(facts(), posed(), plant().heat)
     a, b = (PLATE.index[name] for name in ("A.outer", "B.outer"))
     sites = list(posed().sites(b))
     routes = [random_order(posed(), seed) for seed in range(50)]

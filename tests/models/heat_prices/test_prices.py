@@ -9,7 +9,7 @@ from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.engines.baselines.random_order import random_order
 from kerfwise.models.heat_prices.priced_statements import HEAT, priced_statements
 from kerfwise.models.heat_prices.prices import HeatPrices, fit_prices
-from kerfwise.models.heat_prices.terms import Terms
+from kerfwise.models.heat_prices.terms import HeatTerms
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.rules.statements import AtLeast, Forbid, Precede
@@ -18,8 +18,8 @@ from kerfwise.tests.models.heat_prices.plate import PLATE, facts, plant, posed, 
 A, B, C = (PLATE.index[name] for name in ("A.outer", "B.outer", "C.outer"))
 
 
-def terms() -> Terms:
-    return Terms.of(facts(), posed(), plant().heat)
+def terms() -> HeatTerms:
+    return HeatTerms.of(facts(), posed(), plant().heat)
 
 
 def routes(count: int, begin: int = 0) -> list[tuple[int, ...]]:

@@ -8,14 +8,14 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.models.problem.crossed_areas import Moves, crossed_areas
+from kerfwise.models.problem.crossed_areas import IdleMoves, crossed_areas
 
 RING = shapely.box(10, 10, 20, 20).difference(shapely.box(13, 13, 17, 17))
 TWO = shapely.union_all([shapely.box(0, 0, 2, 2), shapely.box(5, 0, 7, 2)])
 
 
 def crossed(leave: list[list[float]], reach: list[list[float]], areas: list[shapely.Geometry]) -> list[tuple[int, ...]]:
-    moves = Moves(
+    moves = IdleMoves(
         np.array(leave, dtype=float),
         np.array(reach, dtype=float),
         np.zeros(len(reach), dtype=np.int64),
@@ -48,7 +48,7 @@ def test_areas_in_pieces_and_empty_ones() -> None:
 
 
 def test_areas_of_no_account_are_left_out() -> None:
-    moves = Moves(np.array([[5.0, 15.0]]), np.array([[25.0, 15.0]] * 2), np.array([0, 1]), np.array([0]))
+    moves = IdleMoves(np.array([[5.0, 15.0]]), np.array([[25.0, 15.0]] * 2), np.array([0, 1]), np.array([0]))
     late = np.array([[True], [False]])
     assert [rows.tolist() for rows in crossed_areas([moves], [RING], late)[0]] == [[0], [1], [0]]
 

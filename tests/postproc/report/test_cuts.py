@@ -16,7 +16,7 @@ from kerfwise.postproc.report import colours
 from kerfwise.postproc.report.cuts import direction_layer, pierce_layer, travel_layer
 from kerfwise.postproc.report.metal import zone_map
 from kerfwise.postproc.report.picture import Spot, make_scene
-from kerfwise.postproc.report.scene import Dot, Shape, Text
+from kerfwise.postproc.report.scene import Dot, Shape, TextLine
 from kerfwise.postproc.report.view import View
 from kerfwise.tests.postproc.report.plausible import plausible_plan
 
@@ -96,7 +96,7 @@ def test_a_number_stands_by_the_entry_but_not_on_the_way_in() -> None:
     made = plate()
     plan = plausible_plan(made)
     scene = make_scene(made, plan)
-    numbers = {t.text: t for t in scene.layer("numbers") if isinstance(t, Text)}
+    numbers = {t.text: t for t in scene.layer("numbers") if isinstance(t, TextLine)}
     for k, planned in enumerate(plan.cuts, 1):
         if planned.kind != "mark":
             number = numbers[str(k)]
@@ -107,21 +107,23 @@ def test_a_number_stands_by_the_entry_but_not_on_the_way_in() -> None:
 def test_the_header_tells_the_totals_and_how_good_the_plan_is() -> None:
     made = dataclasses.replace(plate(), file="folder/plate.json")
     plan = plausible_plan(made)
-    texts = [t.text for t in make_scene(made, plan).layer("header") if isinstance(t, Text)]
+    texts = [t.text for t in make_scene(made, plan).layer("header") if isinstance(t, TextLine)]
     assert texts[0] == "plate.json"
     assert texts[2] == "profile plasma-carbon-steel"
     cut_m, idle_m = plan.totals.cut_mm / 1000, plan.totals.idle_mm / 1000
     assert f"600 × 300 mm · 2 parts · 4 contours · cut {cut_m:.1f} m · idle {idle_m:.1f} m · 3 pierces" in texts[1]
     assert texts[1].endswith("at most 10.0 % above the best possible")
     unproven = dataclasses.replace(plan, solve=dataclasses.replace(plan.solve, bound=None, gap=None))
-    assert any("no bound proven" in t.text for t in make_scene(made, unproven).layer("header") if isinstance(t, Text))
+    assert any(
+        "no bound proven" in t.text for t in make_scene(made, unproven).layer("header") if isinstance(t, TextLine)
+    )
 
 
 def test_colours_count_cuts_where_the_plan_has_no_times() -> None:
     plan = plausible_plan(plate())
     timeless = [dataclasses.replace(p, cut=dataclasses.replace(p.cut, start_s=0.0, end_s=0.0)) for p in plan.cuts]
     scene = make_scene(plate(), dataclasses.replace(plan, cuts=tuple(timeless)))
-    assert "4 cuts" in [t.text for t in scene.layer("footer") if isinstance(t, Text)]
+    assert "4 cuts" in [t.text for t in scene.layer("footer") if isinstance(t, TextLine)]
 
 
 def test_the_home_is_in_the_picture_even_outside_the_sheet() -> None:
@@ -139,8 +141,8 @@ def test_a_spot_shows_its_contours_large_and_in_red() -> None:
     small = [s for s in whole.layer("contours") if isinstance(s, Shape)]
     assert len(red) == 2
     assert np.ptp(red[0].lines[0][:, 0]) > 4 * np.ptp(small[20].lines[0][:, 0])
-    assert [t.text for t in spot.layer("numbers") if isinstance(t, Text)] == ["P20.outer", "P21.outer"]
-    assert any(t.text == "a clash" for t in spot.layer("header") if isinstance(t, Text))
+    assert [t.text for t in spot.layer("numbers") if isinstance(t, TextLine)] == ["P20.outer", "P21.outer"]
+    assert any(t.text == "a clash" for t in spot.layer("header") if isinstance(t, TextLine))
 
 
 @pytest.mark.parametrize("under", ["spot", "skip"])
@@ -150,6 +152,6 @@ def test_a_small_hole_that_is_not_cut_is_dashed(under: Under) -> None:
     layers = {layer.name: layer.items for layer in make_scene(made, plausible_plan(made)).layers}
     dashed = [item for item in layers["contours"] if isinstance(item, Shape) and item.style.dash]
     assert [item.lines[0].shape[0] > 4 for item in dashed] == [True]
-    assert any(isinstance(item, Text) and item.text == "small hole, not cut" for item in layers["footer"])
+    assert any(isinstance(item, TextLine) and item.text == "small hole, not cut" for item in layers["footer"])
     plain = {layer.name: layer.items for layer in make_scene(drawn, plausible_plan(drawn)).layers}
     assert not [item for item in plain["contours"] if isinstance(item, Shape) and item.style.dash]

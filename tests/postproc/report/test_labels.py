@@ -13,7 +13,7 @@ from kerfwise.encoder.by_hand import Rows, circle, nest, part, rect
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.report.labels import Label, place_labels
-from kerfwise.postproc.report.text_room import Place
+from kerfwise.postproc.report.text_room import TextPlace
 
 
 def numbered(plate: Nest) -> dict[str, Label]:
@@ -95,7 +95,7 @@ def test_only_what_lies_in_the_window_is_labelled() -> None:
     assert window.contains(places["A.outer"].box())
 
 
-def overlaps(places: Mapping[str, Place]) -> list[tuple[str, str]]:
+def overlaps(places: Mapping[str, TextPlace]) -> list[tuple[str, str]]:
     boxes: Sequence[tuple[str, shapely.Polygon]] = [(k, p.box()) for k, p in places.items()]
     return [(a, b) for n, (a, box) in enumerate(boxes) for b, other in boxes[:n] if box.intersection(other).area > 1e-9]
 

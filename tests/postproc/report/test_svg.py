@@ -12,7 +12,7 @@ from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.report.picture import make_scene
-from kerfwise.postproc.report.scene import Dot, Layer, Scene, Shape, Style, Text
+from kerfwise.postproc.report.scene import Dot, Scene, SceneLayer, Shape, Style, TextLine
 from kerfwise.postproc.report.svg import svg_text
 from kerfwise.tests.postproc.report.plausible import plausible_plan
 
@@ -41,10 +41,12 @@ def test_the_text_of_a_small_scene() -> None:
         100,
         50.5,
         (
-            Layer("parts", (Shape((triangle,), Style(fill="#ff0000"), cut=2, title="P1 & more"),)),
-            Layer("empty", ()),
-            Layer("marks", (Shape((triangle,), Style(stroke="#0000ff", width=0.5, dash=(3, 1)), closed=False),)),
-            Layer("top", (Dot(1, 2, 3, Style(fill="#00ff00")), Text(50, 25, "<7>", 10, halo="#ffffff", turned=True))),
+            SceneLayer("parts", (Shape((triangle,), Style(fill="#ff0000"), cut=2, title="P1 & more"),)),
+            SceneLayer("empty", ()),
+            SceneLayer("marks", (Shape((triangle,), Style(stroke="#0000ff", width=0.5, dash=(3, 1)), closed=False),)),
+            SceneLayer(
+                "top", (Dot(1, 2, 3, Style(fill="#00ff00")), TextLine(50, 25, "<7>", 10, halo="#ffffff", turned=True))
+            ),
         ),
         "a < b",
     )

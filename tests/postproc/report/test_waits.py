@@ -12,7 +12,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.report import draw
 from kerfwise.postproc.report.picture import make_scene
-from kerfwise.postproc.report.scene import CAP_HEIGHT, Dot, Text, text_width
+from kerfwise.postproc.report.scene import CAP_HEIGHT, Dot, TextLine, text_width
 from kerfwise.postproc.report.view import View
 from kerfwise.tests.postproc.report.plausible import plausible_plan
 
@@ -31,7 +31,7 @@ def test_a_ring_on_the_pierce_and_the_time_beside_it() -> None:
     plan = waiting(PLATE, (3, 12.5), (20, 75.0))
     scene = make_scene(PLATE, plan)
     rings = [item for item in scene.layer("waits") if isinstance(item, Dot)]
-    times = [item for item in scene.layer("waits") if isinstance(item, Text)]
+    times = [item for item in scene.layer("waits") if isinstance(item, TextLine)]
     view = View.of(PLATE.sheet.bounds, len(PLATE.contours), 700 * 400)
     assert [(ring.cut, time.cut) for ring, time in zip(rings, times, strict=True)] == [(3, 3), (20, 20)]
     assert [time.text for time in times] == ["wait 12.5 s", "wait 1 min 15 s"]
@@ -41,15 +41,15 @@ def test_a_ring_on_the_pierce_and_the_time_beside_it() -> None:
         assert abs(time.y - ring.y) < 4 * time.size
 
 
-def box(text: Text) -> shapely.Polygon:
+def box(text: TextLine) -> shapely.Polygon:
     wide, high = text_width(text.text, text.size, text.bold) / 2, text.size * CAP_HEIGHT / 2
     return shapely.box(text.x - wide, text.y - high, text.x + wide, text.y + high)
 
 
 def test_times_cover_neither_each_other_nor_the_numbers() -> None:
     scene = make_scene(PLATE, waiting(PLATE, *((k, 30.0 + k) for k in range(1, 29, 2))))
-    times = [box(item) for item in scene.layer("waits") if isinstance(item, Text)]
-    numbers = [box(item) for item in scene.layer("numbers") if isinstance(item, Text)]
+    times = [box(item) for item in scene.layer("waits") if isinstance(item, TextLine)]
+    numbers = [box(item) for item in scene.layer("numbers") if isinstance(item, TextLine)]
     assert len(times) == 14
     assert all(a.intersection(b).area < 1e-6 for k, a in enumerate(times) for b in [*times[:k], *numbers])
 
@@ -57,7 +57,7 @@ def test_times_cover_neither_each_other_nor_the_numbers() -> None:
 def test_the_key_and_the_totals_tell_of_waits_where_there_are_any() -> None:
     texts = {
         waits: {item.text for layer in ("header", "footer") for item in make_scene(PLATE, plan).layer(layer)
-                if isinstance(item, Text)}
+                if isinstance(item, TextLine)}
         for waits, plan in ((0, plausible_plan(PLATE)), (2, waiting(PLATE, (3, 12.5), (20, 75.0))))
     }  # fmt: skip
     assert ["waits for metal to cool" in texts[k] for k in (0, 2)] == [False, True]

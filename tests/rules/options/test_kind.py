@@ -10,12 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.rules.lock import Position
-from kerfwise.rules.options.kind import Kind, Unfit
+from kerfwise.rules.options.kind import OptionKind, Unfit
 from kerfwise.rules.options.plain_values import Choice, Flag, Number, Text
 from kerfwise.rules.options.quantities import ACCELERATION, DURATION, LENGTH, SPEED, PointXY, over_zero
 
 
-def read(kind: Kind, text: str) -> Any:
+def read(kind: OptionKind, text: str) -> Any:
     return kind.read(yaml.compose(text, Loader=yaml.SafeLoader))  # type: ignore[arg-type]
 
 
@@ -53,7 +53,7 @@ def read(kind: Kind, text: str) -> Any:
         (Position(), "12", 12),
     ],
 )
-def test_reads(kind: Kind, text: str, value: object) -> None:
+def test_reads(kind: OptionKind, text: str, value: object) -> None:
     assert read(kind, text) == value
 
 
@@ -85,7 +85,7 @@ def test_reads(kind: Kind, text: str, value: object) -> None:
         (Position(), "0", "expected first, last or a position counted from 1, got '0'"),
     ],
 )  # fmt: skip
-def test_refuses(kind: Kind, text: str, message: str) -> None:
+def test_refuses(kind: OptionKind, text: str, message: str) -> None:
     node = yaml.compose(text or "~", Loader=yaml.SafeLoader)
     with pytest.raises(Unfit) as caught:
         kind.read(node)  # type: ignore[arg-type]
@@ -94,7 +94,7 @@ def test_refuses(kind: Kind, text: str, message: str) -> None:
 
 @pytest.mark.parametrize("kind", [LENGTH, SPEED, DURATION, Number(), Number(0, whole=True)], ids=repr)
 @pytest.mark.parametrize("text", ["2000000000", "9" * 5000, "2000000000.5 m"])
-def test_no_number_is_so_large_that_sums_could_overflow(kind: Kind, text: str) -> None:
+def test_no_number_is_so_large_that_sums_could_overflow(kind: OptionKind, text: str) -> None:
     with pytest.raises(Unfit):
         kind.read(yaml.compose(text, Loader=yaml.SafeLoader))  # type: ignore[arg-type]
 
@@ -103,7 +103,7 @@ numbers = st.floats(-1e6, 1e6).filter(lambda x: x == 0 or abs(x) > 1e-9)
 
 
 @given(numbers.map(lambda x: abs(x) / 10), st.sampled_from([LENGTH, DURATION]))
-def test_quantity_reads_back(value: float, kind: Kind) -> None:
+def test_quantity_reads_back(value: float, kind: OptionKind) -> None:
     assert read(kind, kind.write(value)) == value
 
 

@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.own.criterion import Span
+from kerfwise.rules.own.criterion import NumberSpan
 from kerfwise.rules.own.selector import Selector
 from kerfwise.rules.profile.schema import profile_schema
 from kerfwise.tests.rules.own.made import rules_of
@@ -150,6 +150,6 @@ def test_select_left_out_is_every_contour() -> None:
 
 
 def test_points_near_a_limit_are_on_either_side() -> None:
-    under = Span(high=6.0, without_high=True)
+    under = NumberSpan(high=6.0, without_high=True)
     assert [under.surely_met(v, 0.05) for v in (5.9, 5.97, 6.03)] == [True, False, False]
     assert [under.perhaps_met(v, 0.05) for v in (5.97, 6.03, 6.1)] == [True, True, False]

@@ -16,7 +16,7 @@ from kerfwise.encoder.readers import read_nest
 from kerfwise.rules.options.members import Members
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.profile.profile import Profile, load_profile
-from kerfwise.rules.profile.sections import Drawing
+from kerfwise.rules.profile.sections import DrawingSection
 from kerfwise.rules.profile.text import profile_yaml
 from kerfwise.tests.encoder.readers.drawings import save_dxf
 from kerfwise.tests.encoder.readers.test_frame import framed
@@ -32,7 +32,7 @@ def load(folder: Path, text: str) -> Profile:
 def test_the_layer_map_is_read_with_the_rest_at_its_default(tmp_path: Path) -> None:
     layers = load(tmp_path, "drawing: {layers: {cut: '^0$', mark: jel}}").read_options().layers
     assert (layers.cut, layers.mark) == ("^0$", "jel")
-    assert layers.sheet == Drawing().layers.sheet
+    assert layers.sheet == DrawingSection().layers.sheet
 
 
 def test_a_profile_based_on_another_keeps_what_it_does_not_say(tmp_path: Path) -> None:
@@ -98,8 +98,8 @@ def test_every_key_that_the_readers_name_is_one_of_a_profile() -> None:
     ]
     named = keys_named("\n".join(texts))
     assert {"drawing.layers", "drawing.layers.sheet", "drawing.open_lines", "drawing.join_tolerance"} <= named
-    assert named <= keys(Drawing(), "drawing")
-    assert keys_named("raise drawing.join_tolerance_mm, drawing.layers.marks") - keys(Drawing(), "drawing")
+    assert named <= keys(DrawingSection(), "drawing")
+    assert keys_named("raise drawing.join_tolerance_mm, drawing.layers.marks") - keys(DrawingSection(), "drawing")
 
 
 @pytest.mark.parametrize("draw", [engraved, framed, lambda space: framed(space, "Rahmen")])
@@ -119,4 +119,4 @@ def test_the_page_on_drawings_names_keys_that_exist(tmp_path: Path) -> None:
     page = (Path(kerfwise.__file__).parent / "docs" / "drawings.md").read_text(encoding="utf-8")
     [block] = re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)
     assert load(tmp_path, block).drawing.layers.scrap == "cuttingline"
-    assert keys_named(page) <= keys(Drawing(), "drawing")
+    assert keys_named(page) <= keys(DrawingSection(), "drawing")

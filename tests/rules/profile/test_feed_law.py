@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import kerfwise as package
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.profile.feed_law import FeedLaw, Piece
+from kerfwise.rules.profile.feed_law import FeedLaw, LawPiece
 from kerfwise.rules.profile.feed_law_kind import LawKind, shipped_laws
 from kerfwise.rules.profile.profile import load_profile
 
@@ -92,7 +92,7 @@ OWN = "{source: our own, unit: m/min, pieces: [{up_to: 50, polynomial: [6, -0.01
 
 def test_a_law_of_ones_own_in_formulas() -> None:
     made = read(OWN)
-    assert made == FeedLaw("", "our own", "m/min", (Piece(50, (6.0, -0.01)), Piece(None, power=(9.0, -0.12))))
+    assert made == FeedLaw("", "our own", "m/min", (LawPiece(50, (6.0, -0.01)), LawPiece(None, power=(9.0, -0.12))))
     assert made.mm_s(50) == pytest.approx(5500 / 60)
     assert made.mm_s(51) == pytest.approx(9000 * 51**-0.12 / 60)
     assert made.fastest_mm_s == pytest.approx(5990 / 60)

@@ -15,7 +15,7 @@ from kerfwise.rules.catalogue.start_side import StartSideOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.option import NoOptions
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.sections import Leads, Objective, RuleSetting, default_settings
+from kerfwise.rules.profile.sections import LeadsSection, Objective, RuleSetting, default_settings
 from kerfwise.rules.statements import About, Contiguous, Forbid, IdleTravel, Precede
 from kerfwise.rules.stating.state_rules import Stated, resolve, state_rules
 from kerfwise.tests.rules.hooks import HOOKS
@@ -75,7 +75,7 @@ def test_idle_travel_costs_its_time_too() -> None:
 
 def test_slower_ways_cost_the_seconds_they_add() -> None:
     """P1 lies at the edge: where it is not pierced it is quicker, and nothing else tells its ways apart but leads."""
-    profile = replace(plant(), objective=Objective(time=50.0), leads=Leads(edge_start=True))
+    profile = replace(plant(), objective=Objective(time=50.0), leads=LeadsSection(edge_start=True))
     profile = replace(profile, machine=replace(profile.machine, travel_x_mm=(-9, 300), travel_y_mm=(-9, 300)))
     machine = profile.machine
     sheet = nest(200, 100, part("P1", rect(4, 20, 60, 60)), part("P2", rect(110, 20, 60, 60)))

@@ -13,7 +13,7 @@ from kerfwise.arrays import Ints
 from kerfwise.models.engines.beam import beam, grower, history, unfit, widening
 from kerfwise.models.engines.beam.bound import least_in_and_out
 from kerfwise.models.engines.beam.reversed_problem import can_reverse, reversed_problem
-from kerfwise.models.engines.beam.tables import Tables, make_tables, travel_table
+from kerfwise.models.engines.beam.tables import BeamTables, make_beam_tables, travel_table
 from kerfwise.models.engines.beam.walks import priced_walks
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.solution import Incumbent
@@ -152,11 +152,11 @@ def test_sets_of_the_same_hash_are_told_apart(monkeypatch: pytest.MonkeyPatch) -
     plain = scattered(6, 9, 2, pairs=4)
     right = beam(plain)
 
-    def without_noise(given: Problem, travel: Ints) -> Tables:
-        tables = make_tables(given, travel)
+    def without_noise(given: Problem, travel: Ints) -> BeamTables:
+        tables = make_beam_tables(given, travel)
         return tables._replace(orders=tables.orders._replace(noise=np.zeros_like(tables.orders.noise)))
 
-    monkeypatch.setattr(widening, "make_tables", without_noise)
+    monkeypatch.setattr(widening, "make_beam_tables", without_noise)
     assert beam(plain) == right
 
 

@@ -43,7 +43,7 @@ def test_the_engines_agree_whatever_the_options(seed: int) -> None:
 def test_an_option_that_minizinc_ignores_makes_the_engines_differ(monkeypatch: pytest.MonkeyPatch) -> None:
     rightly = HeatLagTwin.data
 
-    def ignoring(self: HeatLagTwin, case: twin.Case, options: HeatLagOptions) -> Fields:
+    def ignoring(self: HeatLagTwin, case: twin.TwinCase, options: HeatLagOptions) -> Fields:
         return rightly(self, case, replace(options, heat_radius_mm=1.0))
 
     monkeypatch.setattr(HeatLagTwin, "data", ignoring)

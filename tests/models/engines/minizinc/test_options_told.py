@@ -26,7 +26,7 @@ from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.minizinc.dzn import Fields
 from kerfwise.rules.minizinc.rules.heat_lag import HeatLagTwin
-from kerfwise.rules.minizinc.twin import Case, twin_of
+from kerfwise.rules.minizinc.twin import TwinCase, twin_of
 from kerfwise.rules.options.option import Option, options_of
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import RuleSetting
@@ -61,7 +61,7 @@ def test_an_option_that_minizinc_ignores_is_noticed(monkeypatch: pytest.MonkeyPa
     (option,) = (o for o in options_of(HeatLagOptions) if o.key == "lag_cuts")
     rightly = HeatLagTwin.data
 
-    def ignoring(self: HeatLagTwin, case: Case, options: HeatLagOptions) -> Fields:
+    def ignoring(self: HeatLagTwin, case: TwinCase, options: HeatLagOptions) -> Fields:
         return rightly(self, case, replace(options, lag_cuts=1))
 
     monkeypatch.setattr(HeatLagTwin, "data", ignoring)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from kerfwise.models.engines.search.schedule import ANNEALED, COOL, SHORT, SHORTEST, Part, Schedule
+from kerfwise.models.engines.search.schedule import ANNEALED, COOL, SHORT, SHORTEST, CoolingPart, Schedule
 
 
 @pytest.mark.parametrize(("times", "stages"), [(0.5, 1), (1.0, 1), (2.0, 2), (3.9, 2), (4.0, 3), (9.0, 4)])
@@ -23,7 +23,7 @@ def test_the_last_takes_half_and_the_first_two_the_same() -> None:
 
 
 def test_a_part_ends_with_its_annealing() -> None:
-    assert Schedule(2, 0).part(0.25, 0.75) == Part(0.5, 1.0, 1)
+    assert Schedule(2, 0).part(0.25, 0.75) == CoolingPart(0.5, 1.0, 1)
 
 
 def test_walkers_differ_in_heat() -> None:
@@ -32,11 +32,11 @@ def test_walkers_differ_in_heat() -> None:
 
 
 def test_annealings_that_begin_anew_take_equal_shares_and_leave_the_rest() -> None:
-    begun = [Part(k / 100, (k + 1) / 100, 0).annealing(2) for k in range(100)]
+    begun = [CoolingPart(k / 100, (k + 1) / 100, 0).annealing(2) for k in range(100)]
     numbers = [None if now is None else now[0] for now in begun]
     half = int(50 * ANNEALED)
     assert numbers == [0] * half + [1] * half + [None] * (100 - 2 * half)
-    assert begun[half] == (1, Part(0.0, pytest.approx(1 / half), 1))
+    assert begun[half] == (1, CoolingPart(0.0, pytest.approx(1 / half), 1))
 
 
 def test_there_is_no_time_for_several_if_there_is_none_for_one() -> None:

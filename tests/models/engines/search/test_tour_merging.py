@@ -6,7 +6,7 @@ import numpy as np
 
 from kerfwise.models.engines.search.merge_tours import merge_tours
 from kerfwise.models.engines.search.pool import Elite
-from kerfwise.models.engines.search.schedule import Part
+from kerfwise.models.engines.search.schedule import CoolingPart
 from kerfwise.models.engines.search.structs import for_kernels
 from kerfwise.models.engines.search.tables import make_tables
 from kerfwise.models.engines.search.tour_merging import TourMerging
@@ -61,11 +61,11 @@ def test_merging_may_begin_before_anything_was_annealed() -> None:
     best = min(walker.cost or 0 for walker in walkers)
     merging = TourMerging(PLATE, walkers, 5)
     with ThreadPoolExecutor(2) as threads:
-        assert merging.step(threads, 1_000_000, Part(0.9, 0.95, 0), 1_000_000, _unasked) <= 1_000_000
+        assert merging.step(threads, 1_000_000, CoolingPart(0.9, 0.95, 0), 1_000_000, _unasked) <= 1_000_000
     after = [walker.best for walker in walkers]
     assert all(elite is not None and np.unique(elite.route).size == PLATE.n for elite in after)
     assert min(walker.cost or 0 for walker in walkers) <= best
 
 
-def _unasked(chunk: int, part: Part) -> None:
+def _unasked(chunk: int, part: CoolingPart) -> None:
     raise AssertionError((chunk, part))

@@ -8,7 +8,7 @@ import pytest
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.models.physics.heat import TimedPath
 from kerfwise.models.physics.heat.grid import make_grid
-from kerfwise.models.physics.heat.pacing import Pace, later, pace
+from kerfwise.models.physics.heat.pacing import Pacing, later, pace
 from kerfwise.models.physics.heat.timed_path import in_order, torch_on
 from kerfwise.models.physics.heat.watch import hot_spots
 from kerfwise.rules.profile.heat_section import Heat
@@ -29,7 +29,7 @@ def lines(*starts: float, apart: float = 22.0) -> TimedPath:
     return in_order(burns, starts[-1] + 2.0)
 
 
-def paced(path: TimedPath, limit_c: float, longest_s: float = 3600.0) -> Pace:
+def paced(path: TimedPath, limit_c: float, longest_s: float = 3600.0) -> Pacing:
     return pace(PLATE, path, HEAT, THICK_MM, limit_c, longest_s, GRID)
 
 

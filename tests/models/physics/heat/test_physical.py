@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from kerfwise.encoder.by_hand import nest
 from kerfwise.models.physics.heat.events import events_of
 from kerfwise.models.physics.heat.grid import make_grid
-from kerfwise.models.physics.heat.physical import Simulation, run_physical, time_step_s
+from kerfwise.models.physics.heat.physical import SheetSimulation, run_physical, time_step_s
 from kerfwise.rules.profile.heat_section import Heat
 from kerfwise.rules.profile.materials import MATERIALS
 from kerfwise.tests.models.physics.heat.paths import along, circle, rounds
@@ -29,7 +29,7 @@ def test_instant_point_source_in_an_infinite_plate(after_s: float, loss_w_m2k: f
     energy_j, thickness_mm, alpha = 1e4, 6.0, STEEL.diffusivity_mm2_s
     heat = replace(NO_LOSS, loss_w_m2k=loss_w_m2k)
     grid = make_grid(nest(600, 600), heat.grid_mm)
-    sheet = Simulation(grid, heat, thickness_mm)
+    sheet = SheetSimulation(grid, heat, thickness_mm)
     x = grid.x0_mm + heat.grid_mm * np.arange(grid.shape[0])
     y = grid.y0_mm + heat.grid_mm * np.arange(grid.shape[1])
     sheet.run(events_of(along([(x[75], y[75])], 0.0, 0.01, 0.01), grid), after_s)
@@ -64,7 +64,7 @@ def test_a_part_that_is_cut_free_keeps_its_heat() -> None:
     ring = [(100.0, 100.0), (200.0, 100.0), (200.0, 200.0), (100.0, 200.0)]
     heat = replace(NO_LOSS, absorbed_power_w=2000.0)
     grid = make_grid(nest(300, 300), heat.grid_mm)
-    sheet = Simulation(grid, heat, 6.0)
+    sheet = SheetSimulation(grid, heat, 6.0)
     events = events_of(rounds([circle(150, 150, 20), ring], 50.0), grid)
     x = grid.x0_mm + heat.grid_mm * np.arange(grid.shape[0])
     y = grid.y0_mm + heat.grid_mm * np.arange(grid.shape[1])
@@ -104,7 +104,7 @@ def test_heat_stays_on_its_side_of_the_kerf() -> None:
     """A straight cut gives half of its heat to each side wherever it lies; little flows across ahead of the torch."""
     grid = make_grid(nest(200, 100), 5.0)
     for y in (50.0, 51.0, 52.5, 54.9):
-        sheet = Simulation(grid, NO_LOSS, 6.0)
+        sheet = SheetSimulation(grid, NO_LOSS, 6.0)
         sheet.run(events_of(along([(-10, y), (210, y)], 0.0, 1.0), grid), 400.0)
         excess = sheet.temperature_c() - NO_LOSS.ambient_c
         below = grid.y0_mm + 5.0 * np.arange(grid.shape[1]) <= y

@@ -8,7 +8,7 @@ import pytest
 
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.models.physics.timing.choose import feeds_of, machine_feeds, motion_of
-from kerfwise.models.physics.timing.clock import Times, times_of
+from kerfwise.models.physics.timing.clock import RunTimes, times_of
 from kerfwise.models.physics.timing.constant import ConstantFeed, Feeds
 from kerfwise.models.physics.timing.cost import cost_of
 from kerfwise.models.physics.timing.run import Job, Run
@@ -26,7 +26,7 @@ def job(contours: int, on_mm: float, off_mm: float, nc_blocks: int) -> Job:
     return Job((Run(path, travels_mm=travel),) * contours, travel, nc_blocks)
 
 
-def at(motion: ConstantFeed, made: Job) -> Times:
+def at(motion: ConstantFeed, made: Job) -> RunTimes:
     return times_of(made, motion, motion.feeds)
 
 
@@ -104,7 +104,7 @@ def test_a_job_counts_what_it_has() -> None:
 
 
 def test_an_empty_job_takes_the_way_home() -> None:
-    assert at(ConstantFeed(Feeds(10, 10, 50, 1)), Job((), (0.0,), 8)) == Times((), 0.0, 0.0, 0.0)
+    assert at(ConstantFeed(Feeds(10, 10, 50, 1)), Job((), (0.0,), 8)) == RunTimes((), 0.0, 0.0, 0.0)
 
 
 def test_the_profile_names_the_model() -> None:
@@ -125,7 +125,7 @@ def test_lags_are_planned_with_speeds_that_nothing_passes() -> None:
 
 
 def test_no_prices_no_cost() -> None:
-    assert cost_of(Times((), 60.0, 60.0, 0.0), Prices()) is None
-    cost = cost_of(Times((), 1800.0, 3600.0, 1800.0), Prices(gas_hour=12.0, currency="RUB"))
+    assert cost_of(RunTimes((), 60.0, 60.0, 0.0), Prices()) is None
+    cost = cost_of(RunTimes((), 1800.0, 3600.0, 1800.0), Prices(gas_hour=12.0, currency="RUB"))
     assert cost is not None
     assert (cost.machine, cost.gas, cost.total, cost.currency) == (0.0, 12.0, 12.0, "RUB")

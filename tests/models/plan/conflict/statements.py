@@ -13,7 +13,7 @@ from kerfwise.encoder.candidates.candidate import LeadOptions
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import FactOptions, Facts
-from kerfwise.models.plan.conflict.group import Asked
+from kerfwise.models.plan.conflict.group import CanClash
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.rules.statements import About, AtLeast, Before, Contiguous, Forbid, Lag, NoGood, Pick, Precede
 from kerfwise.tests.models.brute import lawful
@@ -31,7 +31,7 @@ def row(parts: int = 4) -> Facts:
     return facts
 
 
-def can_hold(facts: Facts, statements: Iterable[Asked]) -> bool:
+def can_hold(facts: Facts, statements: Iterable[CanClash]) -> bool:
     """Whether some order and entries keep all statements, by trying every one."""
     try:
         problem = make_problem(facts, tuple(statements), (0.0, 0.0))
@@ -41,9 +41,9 @@ def can_hold(facts: Facts, statements: Iterable[Asked]) -> bool:
 
 
 @st.composite
-def statements(draw: st.DrawFn, n: int = 4, most: int = 6) -> list[Asked]:
+def statements(draw: st.DrawFn, n: int = 4, most: int = 6) -> list[CanClash]:
     """A few hard statements, each with a sentence of its own; runs do not overlap."""
-    made: list[Asked] = []
+    made: list[CanClash] = []
     order = draw(st.permutations(range(n)))
     runs = [tuple(order[:2]), tuple(order[2:])]
     for k in range(draw(st.integers(1, most))):

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 
 from kerfwise.models.plan.conflict.core import Core, find_core
-from kerfwise.models.plan.conflict.group import Asked, hard_groups
+from kerfwise.models.plan.conflict.group import CanClash, hard_groups
 from kerfwise.models.plan.conflict.relax import Relaxation, find_relaxation
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import About, AtLeast, Before, Contiguous, Forbid, Lag, NoGood, Pick, Precede
@@ -21,16 +21,16 @@ def about(sentence: str, rule: str = "locks") -> About:
     return About(rule, (), sentence)
 
 
-def core_of(asked: list[Asked]) -> Core | None:
+def core_of(asked: list[CanClash]) -> Core | None:
     return find_core(FACTS, hard_groups(asked), {"level-ahead": 1})
 
 
-def relaxation(asked: list[Asked]) -> Relaxation | None:
+def relaxation(asked: list[CanClash]) -> Relaxation | None:
     gives_way = {name: rule.gives_way for name, rule in RULES.items()}
     return find_relaxation(hard_groups(asked), RULES, lambda groups: find_core(FACTS, groups, gives_way))
 
 
-def said(asked: list[Asked]) -> list[str]:
+def said(asked: list[CanClash]) -> list[str]:
     core = core_of(asked)
     assert core is not None
     assert core.minimal
@@ -98,7 +98,7 @@ def test_what_may_never_give_way_leaves_no_way_out() -> None:
 @pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(statements())
-def test_found_where_there_is_one_and_minimal(asked: list[Asked]) -> None:
+def test_found_where_there_is_one_and_minimal(asked: list[CanClash]) -> None:
     core = core_of(asked)
     assert (core is None) == can_hold(FACTS, asked)
     if core is None:
@@ -113,7 +113,7 @@ def test_found_where_there_is_one_and_minimal(asked: list[Asked]) -> None:
 @pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(statements(most=5))
-def test_the_way_out_is_the_cheapest(asked: list[Asked]) -> None:
+def test_the_way_out_is_the_cheapest(asked: list[CanClash]) -> None:
     """Every set of statements that may give way is tried."""
     found = relaxation(asked)
     may = [s for s in asked if not RULES[s.about.rule].of_fallen_metal]
@@ -126,6 +126,6 @@ def test_the_way_out_is_the_cheapest(asked: list[Asked]) -> None:
         assert _price(gone) == min(helping)
 
 
-def _price(gone: tuple[Asked, ...]) -> tuple[int, int]:
+def _price(gone: tuple[CanClash, ...]) -> tuple[int, int]:
     """Locks first, then how many statements: each costs the same in the objective."""
     return sum(s.about.rule == "locks" for s in gone), len(gone)

@@ -17,7 +17,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import facts_of
-from kerfwise.models.plan.explain import as_json, as_text, explain
+from kerfwise.models.plan.explain import as_text, explain, explanation_as_json
 from kerfwise.models.plan.explain.setting import Setting, make_setting
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.rules.lock import Lock
@@ -60,7 +60,7 @@ def test_the_heat_of_a_zone_that_has_a_budget() -> None:
 def test_as_data() -> None:
     profile = plant()
     facts, stated, plan = proven_plan(PLATE, profile)
-    told = json.loads(as_json(explain(facts, profile, stated, plan, "P2.outer")))
+    told = json.loads(explanation_as_json(explain(facts, profile, stated, plan, "P2.outer")))
     assert told["contour"] == "P2.outer"
     assert told["earlier"][0]["about"]["rule"] == "level-ahead"
     assert told["entry"]["lawful"][0]["more_um"] > 0
