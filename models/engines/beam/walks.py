@@ -4,6 +4,12 @@ A plan is such a walk that visits every contour once. A price on contours, taken
 changes the cost of no plan but discourages walks that visit one contour often and another never (Held and Karp 1971;
 walks by place in the order: Picard and Queyranne 1978). Walks that turn back at once, i–j–i, are left out (Houck and
 others 1980).
+
+`bounds/completion.py` bounds by walks as well, and its walks remember more than where they came from. The beam does not
+use it: its bound is nearer to the plan (0.81 to 0.91 of it from the start, not 0.70 to 0.79), but takes so much longer
+that the beam took 1.4 times the processor time until the proof, at four contours remembered, and was as wide in the end
+on most problems (three problems of 40 to 60 contours with a hard order for two pairs in three or more; medians of three
+pairs of runs).
 """
 
 from __future__ import annotations

@@ -3,7 +3,8 @@
 Every plan is a cycle through home that reaches each contour at one of its sites and leaves it from there. What no
 plan does and the cheapest flow may do is cut off: what must lead from one contour to another must do so without what
 comes before the one or after the other (Balas, Fischetti and Pulleyblank 1995), contiguous blocks are entered once, and
-a site that needs its neighbours in, or out, needs flow in that order. The bound is worked out from the multipliers over all moves, so that it holds however good they are.
+a site that needs its neighbours in, or out, needs flow in that order. The bound is worked out from the multipliers
+over all moves, so that it holds however good they are.
 """
 
 from __future__ import annotations
