@@ -6,6 +6,7 @@ LinuxCNC's interpreter or MiniZinc says so by its marker. Processes that share t
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -24,6 +25,12 @@ from kerfwise.tests.tools.needed import LEFT_OUT, WITHOUT, keep_from
 
 ROOT = Path(__file__).parents[1]
 Made = list[tuple[Nest, Profile, str, str | None]]
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Commands that tests run as processes of their own share what Python compiles, wherever else that is kept."""
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    os.environ.setdefault("PYTHONPYCACHEPREFIX", str(ROOT / ".pytest_cache" / "compiled"))
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -36,7 +36,7 @@ def planned(k: int) -> weakref.ref[Nest]:
 
 
 def test_no_nest_outlives_its_plan(programs_made: list[object]) -> None:
-    nests = [planned(k) for k in range(20)]
+    nests = [planned(k) for k in range(4)]
     programs_made.clear()  # what every test keeps to simulate it
     gc.collect()
     assert [k for k, of in enumerate(nests) if of() is not None] == []

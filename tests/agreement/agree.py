@@ -57,9 +57,9 @@ class Agreement:
     differ: tuple[str, ...]
 
 
-def agreement(seed: int, slits: bool = False) -> Agreement:
-    """Everything compared on the nest of a seed; with `slits` on one that has some."""
-    case = judged_case(seed, slits)
+def agreement(seed: int, slits: bool = False, options: bool = False) -> Agreement:
+    """Everything compared on the nest of a seed; with `slits` on one that has some, with `options` under drawn ones."""
+    case = judged_case(seed, slits, options)
     few = case.facts.n <= FEW
     differ = order_disagreements(case.facts.nest, case.profile) if few else []
     sets = len(ORDER_RULES) if few else 0

@@ -10,17 +10,20 @@ import numpy as np
 
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.candidates.candidate import Candidate
+from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.slits import with_slits
 from kerfwise.jobs.solve_options import options_for
+from kerfwise.postproc.clock.contour_heat import contour_heat_kj
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStripsOptions
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
 from kerfwise.rules.profile.cuts_section import Cuts
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import RuleSetting
+from kerfwise.tests.drawn_options import with_drawn_options
 from kerfwise.tests.models.engines.minizinc.cases import Case, lead_options, random_nest, random_profile
 
 ROUTES = {5: 256, 6: 128, 7: 64, 8: 16, 9: 4}
@@ -29,11 +32,14 @@ FIRM = ("inner-before-outer", "level-ahead", "zone-order")
 """Rules that are always hard on the larger nests, so that few enough orders are left to judge one by one."""
 
 
-def judged_case(seed: int, slits: bool = False) -> Case:
+def judged_case(seed: int, slits: bool = False, options: bool = False) -> Case:
     """A nest of 5 to 9 contours under a random mixture of rules; the same for the same seed.
 
-    With `slits` one or two of 5 to 8 contours are slits.
+    With `slits` one or two of 5 to 8 contours are slits. With `options` each option of each rule is drawn from what it
+    declares, for 5 or 6 contours.
     """
+    if options:
+        return _with_options(seed)
     rng = np.random.default_rng([seed, 4 if slits else 3])
     contours = 4 + seed % 3 if slits else 5 + seed % 5
     drawn = random_nest(rng, contours, contours)
@@ -50,6 +56,21 @@ def judged_case(seed: int, slits: bool = False) -> Case:
     candidates = _thinned(rng, drawn, build_candidates(drawn, lead_options(profile, seed)), ROUTES[contours])
     facts = compute_facts(drawn, profile.fact_options(drawn), candidates)
     return Case(facts, profile, options_for(drawn, profile, work=40))
+
+
+def _with_options(seed: int) -> Case:
+    rng = np.random.default_rng([seed, 5])
+    while True:
+        drawn = random_nest(rng, 5 + seed % 2, 5)
+        profile = _visible_as_drawn(with_drawn_options(random_profile(rng, drawn), rng))
+        try:
+            candidates = build_candidates(drawn, lead_options(profile, seed))
+        except InputError:  # a contour has no room for the leads that were drawn
+            continue
+        candidates = _thinned(rng, drawn, candidates, ROUTES[len(drawn.contours)])
+        heat_kj = contour_heat_kj(drawn, candidates, profile)
+        facts = compute_facts(drawn, profile.fact_options(drawn), candidates, heat_kj)
+        return Case(facts, profile, options_for(drawn, profile, work=40))
 
 
 def slotted(rng: np.random.Generator, drawn: Nest, most: int) -> Nest:
@@ -100,6 +121,17 @@ def _visible(rng: np.random.Generator, profile: Profile) -> Profile:
     rules["part-rigidity"] = replace(
         rigidity, options=replace(rigidity.options, rigid_min=rigid_min, head_weight_mm=0.0)
     )
+    return replace(profile, rules=rules)
+
+
+def _visible_as_drawn(profile: Profile) -> Profile:
+    """The same for a profile whose options are drawn: they stay as they are wherever the check sees what they cost."""
+    rules = dict(profile.rules)
+    strips, heat, rigidity = rules["no-narrow-strips"], rules["heat-lag"], rules["part-rigidity"]
+    rules["no-narrow-strips"] = replace(strips, strength="off" if strips.strength == "off" else "hard", weight=None)
+    if heat.strength == "soft":
+        rules["heat-lag"] = replace(heat, options=replace(heat.options, lag_s=0.0))  # type: ignore[type-var]
+    rules["part-rigidity"] = replace(rigidity, options=replace(rigidity.options, head_weight_mm=0.0))  # type: ignore[type-var]
     return replace(profile, rules=rules)
 
 

@@ -15,13 +15,14 @@ from kerfwise.tests.agreement.agree import Agreement, agreement
 @click.option("--nests", default=500, show_default=True, help="How many.")
 @click.option("--first", default=0, show_default=True, help="Seed of the first.")
 @click.option("--slits", is_flag=True, help="Nests with slots narrower than the kerf, which slits open.")
-def main(nests: int, first: int, slits: bool) -> None:
+@click.option("--options", is_flag=True, help="Options of rules drawn at random from what they declare.")
+def main(nests: int, first: int, slits: bool, options: bool) -> None:
     """Hold the engines against every plan tried by the check; exit code 1 where they differ."""
     counts: Counter[str] = Counter()
     pairs: Counter[str] = Counter()
     started = time.monotonic()
     for seed in range(first, first + nests):
-        found = agreement(seed, slits)
+        found = agreement(seed, slits, options)
         _count(counts, pairs, found)
         for line in found.differ:
             click.echo(f"seed {seed}: {line}")

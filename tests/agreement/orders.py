@@ -22,6 +22,7 @@ from kerfwise.models.engines.minizinc.model_text import model_text
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken
+from kerfwise.postproc.clock.contour_heat import contour_heat_kj
 from kerfwise.rules.catalogue.no_islands import ALLOWANCE
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
@@ -49,7 +50,9 @@ def order_disagreements(nest: Nest, profile: Profile) -> list[str]:
     profile = only(profile, *ORDER_RULES)
     ways = {kind: way[:1] for kind, way in profile.lead_options().directions.items()}
     leads = replace(profile.lead_options(), entries=1, directions=ways)
-    facts = compute_facts(nest, profile.fact_options(nest), build_candidates(nest, leads))
+    candidates = build_candidates(nest, leads)
+    heat_kj = contour_heat_kj(nest, candidates, profile)
+    facts = compute_facts(nest, profile.fact_options(nest), candidates, heat_kj)
     gecode = admitted_by_gecode(facts, profile)
     lines = []
     for rule in ORDER_RULES:

@@ -79,7 +79,7 @@ def test_every_engine_finds_the_best_of_all_ways_to_go_on(left: Facts, profile: 
     ways = [[c for c in left.candidates_of(k) if left.candidates[c].direction == "cw"] for k in range(left.n)]
     orders = list(permutations(range(left.n)))
     best = min(price_mm(left, picked, (0.0, 0.0)) for order in orders for picked in product(*(ways[k] for k in order)))
-    made = produce(ask(left, profile), profile, SolveOptions(work=5.0, member=member_of(engine)), engine=engine)  # type: ignore[arg-type]
+    made = produce(ask(left, profile), profile, SolveOptions(work=0.5, member=member_of(engine)), engine=engine)  # type: ignore[arg-type]
     assert made.plan.solve.objective == pytest.approx(best, abs=0.01)
     assert made.verdict.ok
 

@@ -92,7 +92,8 @@ def keys_named(text: str) -> set[str]:
 
 def test_every_key_that_the_readers_name_is_one_of_a_profile() -> None:
     root = Path(kerfwise.__file__).parent
-    trees = [ast.parse(p.read_text(encoding="utf-8")) for p in sorted((root / "encoder").rglob("*.py"))]
+    sources = (p.read_text(encoding="utf-8") for p in sorted((root / "encoder").rglob("*.py")))
+    trees = [ast.parse(source) for source in sources if "drawing." in source]
     texts = [
         n.value for tree in trees for n in ast.walk(tree) if isinstance(n, ast.Constant) and isinstance(n.value, str)
     ]

@@ -84,7 +84,7 @@ def test_what_is_out_of_place_may_break_a_cycle_too() -> None:
     assert dropped(TWO_STEPS) == TWO_STEPS.least() == (2, 0)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(asked())
 def test_no_fewer_would_do(asked: Asked) -> None:
     least = asked.least()
