@@ -10,8 +10,8 @@ Nests and profiles are objects, or what they are read from: the path of a nest, 
 of a plant's own. Lengths are mm, times s, temperatures °C, speeds mm/s.
 
 Threads: functions and what they return keep no state of their own and may be used by several threads at once. `solve`
-takes Ctrl-C in the main thread only; in another, stop it by a False from `on_progress`. The engines use two threads of
-their own, so that processes serve better than threads where many nests are planned.
+takes Ctrl-C in the main thread only; in another thread, return False from `on_progress` to stop it. Each plan uses
+two threads by itself: to plan many nests at once, use processes rather than threads.
 """
 
 from __future__ import annotations

@@ -163,20 +163,20 @@ def draw(
     contours: Iterable[str] = (),
     caption: str = "",
 ) -> Picture:
-    """Draw a nest, or a plan of it, or some contours of it, large.
+    """Draw a nest, a plan of it, or some of its contours enlarged.
 
     Parameters
     ----------
     nest, profile
         As for `check`.
     made
-        A plan, a result, or the path of a plan; without one the parts have their names.
+        A plan, a result, or the path of a plan; without one, the parts are drawn with their names.
     kind
         "svg", "png", or "html" for a page that plays the cuts in order.
     contours
-        Ids of those to draw large, in red, with what is around them.
+        Ids of the contours to draw enlarged, in red, with what is around them.
     caption
-        A sentence on why.
+        A sentence that says why they are drawn.
 
     Returns
     -------

@@ -60,31 +60,31 @@ def solve(
     profile
         A profile, its name or its path.
     locks
-        Decisions of yours, always hard, beside those of the profile: lines such as "P1.outer before P2.outer",
+        Your own decisions, always hard, added to those of the profile: lines such as "P1.outer before P2.outer",
         "P1.outer position first", "P1.outer entry [10, 20]", "P1.outer direction cw", "P1 zone 2"; or `Lock` objects,
         or mappings as in a profile.
     time_s
         Wall-clock limit, s, instead of `work`.
     work
-        Deterministic limit: about the seconds that it takes.
+        Limit that does not depend on the machine's speed; one is about a second.
     seed
-        Of the search.
+        Seed of the search.
     gap
         Stop at a plan that is proven this close to the best; 0.01 is 1 %.
     no_improvement_s
         Stop when so many seconds have brought no better plan.
     engine, solver
-        Who plans: `kerfwise engines` lists them; `solver` is that of the engine minizinc.
+        Which engine plans (`kerfwise engines` lists them), and which solver the engine minizinc uses.
     strategy
-        Others than "ours" are to compare with: "shortest", "random", "realtime".
+        All but "ours" are there to compare with: "shortest", "random", "realtime".
     relax
         Where hard rules clash, let the cheapest statements give way; the plan marks them.
     resume_from, upto, redo_last
         Go on after a stop: the plan (or its file, or that of the NC program) that was stopped, how many of its cuts
         are made, and whether the last of them broke off and is to be cut again.
     on_progress
-        Called now and then with what the engines have reached, by a thread of theirs maybe; answer False to stop with
-        the best plan so far. What it raises ends the planning and comes out here.
+        Called now and then with what the engines have reached, perhaps from a thread of theirs. Return False to stop
+        with the best plan so far. An exception that it raises ends the planning and is raised by `solve`.
 
     Returns
     -------
@@ -97,8 +97,8 @@ def solve(
         If something given cannot be used.
     NoPlan
         If the hard rules cannot all hold, or no plan was found in time. Its `conflict` has the statements that
-        contradict each other and the cheapest way out, its text all of it in sentences. The look for them takes no
-        longer than the limits once more. It is a `RulesConflict`.
+        contradict each other and the cheapest way out. Its text says the same in sentences. To find them takes at
+        most as long as the limits again. It is a `RulesConflict`.
     RulesConflict
         If contours cannot be cut at all, and hard rules cannot hold in any order.
     KeyboardInterrupt
@@ -156,7 +156,7 @@ def conflict(
     nest, profile, locks
         As for `solve`.
     time_s, work
-        Limits of the look.
+        How long to look, as for `solve`.
 
     Returns
     -------
@@ -229,16 +229,16 @@ def trade_off(
     nest, profile
         As for `solve`.
     prices_mm
-        Of an overheat, mm of idle travel.
+        Prices of one overheat, each in mm of idle travel.
     work, seed
-        Of each plan, as for `solve`.
+        Limit and seed of each plan, as for `solve`.
     on_progress
         As for `solve`.
 
     Returns
     -------
     Offer
-        `trades`, and `front`: those of them that no other beats; `picture()`, `to_frame()`, `save(folder)`.
+        `trades`, and `front`: those that no other beats; `picture()`, `to_frame()`, `save(folder)`.
 
     Raises
     ------

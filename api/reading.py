@@ -47,11 +47,11 @@ def read_nest(
     profile
         Name, path or object.
     units
-        Of the drawing, instead of its own: mm, cm, m, in or ft.
+        Unit of the drawing, instead of the one that it names: mm, cm, m, in or ft.
     sheet_mm
         Width and height of the sheet, where the drawing has no outline for it.
     frame
-        What one rectangle around everything is, "sheet" or "part", where no layer is the sheet's.
+        What a single rectangle around everything is, "sheet" or "part", where no layer names the sheet.
     repair
         Mend what can be mended.
 
@@ -85,7 +85,7 @@ def load_profile(
     profile
         Name or path.
     locks
-        Locks beside those of the profile: see `solve`.
+        More locks, added to those of the profile: see `solve`.
     trust
         Run the Python files of rules that the profile names. Without it only those run that the machine's
         configuration allows: see "A rule in Python" in the docs.

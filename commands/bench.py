@@ -19,9 +19,9 @@ from .numbers import AMOUNT_OVER_ZERO
 @click.argument("files", nargs=-1, required=True, metavar="FILES…")
 @click.option("--engine", "engines", type=EngineChoice(BUILT_IN), multiple=True, default=("portfolio",),
               show_default=True, help="May be given more than once: each runs on every file.")  # fmt: skip
-@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Wall-clock seconds a run.")
+@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Wall-clock limit of each run, in seconds.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True,
-              help="Deterministic limit a run, used without --time-limit.")  # fmt: skip
+              help="Limit of each run, the same on each machine; used without --time-limit.")  # fmt: skip
 @click.option("--seed", "seeds", type=click.IntRange(min=0), multiple=True, default=(1,), show_default=True,
               help="May be given more than once.")  # fmt: skip
 @click.option(
@@ -29,7 +29,7 @@ from .numbers import AMOUNT_OVER_ZERO
 )
 @click.option("-p", "--profile", default="", metavar="PROFILE", help="For nests: name or path of a profile.")
 @TRUST
-@click.option("--json", "as_list", is_flag=True, help="A JSON list instead of a table.")
+@click.option("--json", "as_list", is_flag=True, help="Print a JSON list instead of a table.")
 def command(
     files: tuple[str, ...],
     engines: tuple[Any, ...],
@@ -43,8 +43,8 @@ def command(
 ) -> int:
     """Run engines on FILES: routing instances (.pcglns, .sop, also with .gz) and nests (.json, .dxf, .svg).
 
-    Every tour is judged by code of its own. Each run has a process of its own; its clock starts when the file is
-    read and the compiled kernels are loaded. A file that cannot be read is named, and the others are run.
+    Separate code judges every tour. Each run is a process of its own; its clock starts when the file is read and the
+    compiled kernels are loaded. A file that cannot be read is named, and the others are run.
     """
     from kerfwise.jobs.bench import BenchJob, head, line, measure, read_best_known, results_as_json, results_in_all
 

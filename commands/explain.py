@@ -14,9 +14,12 @@ from .given import given_options, read_given
 @click.argument("plan", metavar="PLAN.json")
 @click.argument("contour", metavar="CONTOUR")
 @click.option(
-    "--all", "everything", is_flag=True, help="Everything that holds the contour, and the chains to the ends."
+    "--all",
+    "everything",
+    is_flag=True,
+    help="Print all that holds the contour, and the chains to both ends.",
 )
-@click.option("--json", "as_data", is_flag=True, help="The same as data.")
+@click.option("--json", "as_data", is_flag=True, help="Print the same as JSON.")
 def command(plan: str, contour: str, everything: bool, as_data: bool, **given: Any) -> None:
     """Say what holds CONTOUR (such as P3.outer) in its place, why it is entered so, and what moving it would cost."""
     from kerfwise.jobs.explaining import Explainer

@@ -15,7 +15,12 @@ from .terminal import expect_printed
 
 @click.command()
 @given_options
-@click.option("-o", "--output", metavar="FACTS.json|FACTS.dzn", help="Where to write (standard output, as JSON).")
+@click.option(
+    "-o",
+    "--output",
+    metavar="FACTS.json|FACTS.dzn",
+    help="File, .json or .dzn; without it, JSON is printed.",
+)
 def command(output: str | None, **given: Any) -> None:
     """Write the facts of NEST: containment, what lies ahead, hulls, neighbours, zones, candidates."""
     if output and Path(output).suffix not in (".json", ".dzn"):

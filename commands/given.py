@@ -20,7 +20,11 @@ if TYPE_CHECKING:
 
 Verb = Callable[..., Any]
 
-TRUST = click.option("--trust", is_flag=True, help="Run the rules in Python that the profile names: they are code.")
+TRUST = click.option(
+    "--trust",
+    is_flag=True,
+    help="Run the Python rules that the profile names. They are programs.",
+)
 
 
 def tell_note(text: str) -> None:
@@ -40,12 +44,17 @@ def given_options(verb: Verb) -> Verb:
         click.option(
             "--frame",
             type=click.Choice(["sheet", "part"]),
-            help="What one rectangle around everything is, where no layer is the sheet's.",
+            help="What a single rectangle around everything is, where no layer names the sheet.",
         ),
         click.option("--units", metavar="UNIT", help="Unit of the drawing: mm, cm, m, in or ft."),
         TRUST,
         click.option(
-            "-p", "--profile", metavar="PROFILE", default=DEFAULT, show_default=True, help="Its name or path."
+            "-p",
+            "--profile",
+            metavar="PROFILE",
+            default=DEFAULT,
+            show_default=True,
+            help="Name or path of the profile.",
         ),
         click.argument("nest", metavar="NEST"),
     ):

@@ -17,10 +17,10 @@ FRAMES = 60
 
 @click.command()
 @given_options
-@click.option("--model", type=click.Choice(["physical", "logical"]), help="Instead of the profile's heat.model.")
-@click.option("--json", "as_json", is_flag=True, help="Print model, overheats, peak_c, grid_mm, energy_error and more.")
+@click.option("--model", type=click.Choice(["physical", "logical"]), help="Model, instead of heat.model.")
+@click.option("--json", "as_json", is_flag=True, help="Print model, overheats, peak_c and more, as JSON.")
 @click.option("-o", "--output", metavar="MAP.png", help="A picture of the highest temperature of every point.")
-@click.option("--frames", metavar="DIR", help=f"{FRAMES} pictures of the sheet, evenly over the program.")
+@click.option("--frames", metavar="DIR", help=f"{FRAMES} pictures of the sheet, evenly spread over the program.")
 @click.argument("made", metavar="PLAN.json|OUT.nc")
 def command(made: str, model: Any, as_json: bool, output: str | None, frames: str | None, **given: Any) -> None:
     """Simulate how hot a plan or an NC program makes the sheet of NEST, and count the points that get too hot."""

@@ -19,11 +19,17 @@ from .numbers import AMOUNT, AMOUNT_OVER_ZERO
 @given_options
 @click.option("--price", "prices", type=AMOUNT, multiple=True, default=PRICES_MM, show_default=True,
               help="Cost of an overheat in mm of idle travel; may be given more than once.")  # fmt: skip
-@click.option("--work", type=AMOUNT_OVER_ZERO, default=10.0, show_default=True, help="Deterministic limit of a plan.")
+@click.option(
+    "--work",
+    type=AMOUNT_OVER_ZERO,
+    default=10.0,
+    show_default=True,
+    help="Limit of each plan, the same on each machine.",
+)
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of the search.")
-@click.option("-o", "--output", metavar="FRONT.png", help="A plot. If no output is named: NEST.pareto.png and --plans.")
-@click.option("--plans", metavar="DIR", help="A folder for the plan and program of every point: NEST.pareto.")
-@click.option("--json", "as_json", is_flag=True, help="The table as data.")
+@click.option("-o", "--output", metavar="FRONT.png", help="The plot. If no output is named: NEST.pareto.png.")
+@click.option("--plans", metavar="DIR", help="Folder for the plan and program of every point: NEST.pareto.")
+@click.option("--json", "as_json", is_flag=True, help="Print the table as JSON.")
 def command(
     prices: tuple[float, ...],
     work: float,
@@ -33,7 +39,7 @@ def command(
     as_json: bool,
     **options: Any,
 ) -> int:
-    """Plan NEST at several prices of an overheat, simulate every plan, and say which of them are worth a choice."""
+    """Plan NEST at several prices of an overheat, simulate every plan, and say which are worth choosing from."""
     if output and Path(output).suffix.lower() != ".png":
         raise InputError(f"cannot plot as {Path(output).suffix or output!r}: give a name ending in .png")
     if output is plans is None:

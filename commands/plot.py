@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 @click.command()
 @given_options
 @click.argument("plan", metavar="[PLAN.json]", required=False)
-@click.option("-o", "--output", required=True, metavar="OUT.svg|.png|.html", help="Where to draw.")
+@click.option("-o", "--output", required=True, metavar="OUT.svg|.png|.html", help="File of the picture.")
 def command(plan: str | None, output: str, **given: Any) -> None:
     """Draw NEST, or the plan PLAN.json of it: order, zones, pierces, leads, directions and idle travel.
 
-    A nest that cannot be cut as it is drawn is drawn all the same, with the contours in red that are wrong.
+    A nest that cannot be cut as it is drawn is drawn all the same, with the wrong contours in red.
     """
     from kerfwise.encoder.readers.read import BrokenNest
     from kerfwise.jobs.given import differences

@@ -22,9 +22,9 @@ from .numbers import AMOUNT_OVER_ZERO, Amount
 @click.option("-o", "--output", metavar="OUT.nc", help="The program. If no output is named: NEST.nc, .plan.json, .svg.")
 @click.option("--plan", "plan_path", metavar="PLAN.json", help="The plan.")
 @click.option("--picture", metavar="OUT.svg|.png|.html", help="A picture of the plan.")
-@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Wall-clock seconds.")
+@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit by the clock, in seconds.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
-              help="Deterministic limit, used without --time-limit: the same work gives the same bytes.")  # fmt: skip
+              help="Limit without --time-limit. The same work gives the same bytes, on each machine.")  # fmt: skip
 @click.option(
     "--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N", help="Seed of the search."
 )
@@ -36,15 +36,15 @@ from .numbers import AMOUNT_OVER_ZERO, Amount
               help="`kerfwise engines` says what each is.")  # fmt: skip
 @click.option("--solver", metavar="NAME", default="gecode", show_default=True, help="Solver of the engine minizinc.")
 @click.option("--strategy", type=click.Choice(list(STRATEGIES)), default="ours", show_default=True,
-              help="Others than ours are to compare with: they keep the hard rules, no soft ones.")  # fmt: skip
+              help="All but ours are there to compare with: they keep the hard rules, and no soft ones.")  # fmt: skip
 @click.option("--lock-from", metavar="OLD.plan.json|OLD.nc",
               help="Go on after a stop: plan only what the old plan or program has not cut yet.")  # fmt: skip
 @click.option(
     "--upto", type=click.IntRange(min=1), metavar="N", help="How many of its cuts are made; with --lock-from."
 )
-@click.option("--redo-last", is_flag=True, help="Cut N broke off: begin with it, from its start; with --lock-from.")
+@click.option("--redo-last", is_flag=True, help="Cut N broke off: cut it again from its start; with --lock-from.")
 @click.option("--relax", is_flag=True, help="Where hard rules clash, take the cheapest way out, marked in the plan.")
-@click.option("--conflict-picture", metavar="OUT.svg|.png", help="Where rules that clash are drawn: NEST.conflict.svg.")
+@click.option("--conflict-picture", metavar="OUT.svg|.png", help="Picture of rules that clash: NEST.conflict.svg.")
 @click.option("-v", "--verbose", is_flag=True, help="Say which engines ran, which did not, and why.")
 def command(
     output: str | None,
