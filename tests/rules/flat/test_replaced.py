@@ -1,4 +1,4 @@
-"""Shipped rule files reversed, weakened and strengthened in a plant's folder: plans follow, and the check judges by them.
+"""Shipped rule files reversed, weakened and strengthened in a plant's folder: plans follow, and the check judges so.
 
 Two judges look at each pair of plans: the shipped rule's own `violations()`, which knows nothing of the plant's file,
 and the check by that file.
