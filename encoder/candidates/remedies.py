@@ -29,6 +29,9 @@ ORDER: tuple[Key, ...] = ("pierce_clearance_mm", "under", "least_mm", "lead_in_m
 _SHARES = (0.5, 0.25, 0.1)
 """How much smaller an option is tried."""
 
+MOST_FEATURES = 200
+"""Features of a contour that a kerf would lose; where there are more, as in noise, smaller kerfs are not tried."""
+
 _VALUES = 12
 """Values of one option that are tried at the most; contours that would do with a little more share the least."""
 
@@ -83,10 +86,13 @@ class Remedies:
         for remedy, contours in self._proposed():
             for k in self.freed(remedy, contours):
                 found[k].append(remedy)
+        of_kerf = {*self._tried.narrow, *self._tried.uncut, *self._tried.beyond}  # whatever the leads are
         for name in self._smaller_options():
-            for remedy, k in self._smaller(name, list(self._reasons)):
+            for remedy, k in self._smaller(name, [k for k in self._reasons if k not in of_kerf]):
                 found[k].append(remedy)
-        for remedy, k in self._smaller("kerf_mm", [k for k in found if not found[k]]):  # what the torch makes it
+        rough = {k for k, narrow in self._tried.narrow.items() if len(narrow.lost) > MOST_FEATURES}
+        left = [k for k in found if not found[k] and k not in rough]
+        for remedy, k in self._smaller("kerf_mm", left):  # what the torch makes it
             found[k].append(remedy)
         return {k: tuple(sorted(of, key=lambda remedy: ORDER.index(remedy.key))) for k, of in found.items()}
 

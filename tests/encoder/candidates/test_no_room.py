@@ -9,9 +9,10 @@ import pytest
 
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.by_hand import circle, nest, part, rect
-from kerfwise.encoder.candidates import LeadOptions, build_candidates
+from kerfwise.encoder.candidates import LeadOptions, build_candidates, remedies
 from kerfwise.encoder.candidates.candidate import IN_PROFILE
 from kerfwise.encoder.candidates.surroundings import Surroundings
+from kerfwise.encoder.candidates.tried import Tried
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 
@@ -129,3 +130,26 @@ def test_small_holes_are_refused_without_a_look_at_places_that_none_of_them_has(
 def test_a_pierce_without_room_is_looked_at_once_whatever_is_asked_of_its_lead(pierced: list[int]) -> None:
     told(framed(2.1), LeadOptions())
     assert sum(pierced) < 80_000
+
+
+def test_no_lead_is_tried_where_the_kerf_alone_is_at_fault_and_no_kerf_for_noise(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Each look at a contour of 20,000 vertices takes seconds."""
+    tried: list[tuple[list[int], LeadOptions]] = []
+    plain = remedies.try_options
+
+    def noted(plate: Nest, contours: list[int], around: Surroundings, options: LeadOptions) -> Tried:
+        tried.append((contours, options))
+        return plain(plate, contours, around, options)
+
+    monkeypatch.setattr(remedies, "try_options", noted)
+    slots = [point for x in (140, 110, 80) for point in ((x, 120), (x, 60), (x - 1, 60), (x - 1, 120))]
+    plate = nest(300, 200, part("A", [(20, 20), (200, 20), (200, 120), *slots, (20, 120)]))
+    options = LeadOptions(lead_in_min_mm=0.5)
+    assert "`material.kerf: 0.75 mm` frees it" in told(plate, options)
+    assert all(contours == [] or given.kerf_mm < options.kerf_mm for contours, given in tried)
+    tried.clear()
+    monkeypatch.setattr(remedies, "MOST_FEATURES", 2)
+    assert "frees it" not in told(plate, options)
+    assert all(contours == [] for contours, _ in tried)
