@@ -12,7 +12,7 @@ from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import LeadOptions, build_candidates, remedies
 from kerfwise.encoder.candidates.candidate import IN_PROFILE
 from kerfwise.encoder.candidates.surroundings import Surroundings
-from kerfwise.encoder.candidates.tried import Tried
+from kerfwise.encoder.candidates.tried import TriedLeads
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 
@@ -139,7 +139,7 @@ def test_no_lead_is_tried_where_the_kerf_alone_is_at_fault_and_no_kerf_for_noise
     tried: list[tuple[list[int], LeadOptions]] = []
     plain = remedies.try_options
 
-    def noted(plate: Nest, contours: list[int], around: Surroundings, options: LeadOptions) -> Tried:
+    def noted(plate: Nest, contours: list[int], around: Surroundings, options: LeadOptions) -> TriedLeads:
         tried.append((contours, options))
         return plain(plate, contours, around, options)
 
