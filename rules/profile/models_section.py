@@ -19,7 +19,7 @@ from kerfwise.rules.options.plain_values import Text
 from kerfwise.rules.options.yaml_positions import Place, Problems, items, wrong_at
 from kerfwise.rules.rule import Rule, RuleSetting
 
-Given = dict[str, Any]
+GivenFiles = dict[str, Any]
 WHAT = "rules in MiniZinc files beside the profile, such as plant/*.mzn; one named as a shipped rule takes its place"
 
 
@@ -31,7 +31,7 @@ class ModelSource:
     place: Place | None = field(default=None, compare=False)
 
 
-def with_model_files(node: yaml.Node, given: Given, problems: Problems) -> Given:
+def with_model_files(node: yaml.Node, given: GivenFiles, problems: Problems) -> GivenFiles:
     """The fields `models`, `further_rules` and `rules` of a profile, with the rules of the files that a node names.
 
     A new rule is hard until `rules` says otherwise; one in the place of a shipped rule has that one's strength. Files

@@ -15,10 +15,10 @@ from kerfwise.rules.outside import PythonFile, is_trusted, refusal, rules_in_fil
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule, RuleSetting
 
-Given = dict[str, Any]
+GivenFiles = dict[str, Any]
 
 
-def with_python_files(node: yaml.Node, given: Given, problems: Problems, trust: bool) -> Given:
+def with_python_files(node: yaml.Node, given: GivenFiles, problems: Problems, trust: bool) -> GivenFiles:
     """The fields `python`, `further_rules` and `rules` of a profile, with the rules of the files that a node names.
 
     A file's rules have the strength that they give themselves. Files of a profile that this one is based on stay.

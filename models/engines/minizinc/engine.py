@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from datetime import timedelta
@@ -29,7 +29,8 @@ from .model_text import model_text
 if TYPE_CHECKING:
     from minizinc import Instance, Solver
 
-Refine = Callable[[tuple[int, ...]], tuple[Statement, ...]]
+    from kerfwise.models.engines.rounds import Refine
+
 NODES_PER_S = 100_000
 """Search nodes that count as a second of deterministic work."""
 MOST_MOVES = 1_000_000
