@@ -17,7 +17,13 @@ from kerfwise.tests.agreement.agree import agreement
 from kerfwise.tests.agreement.by_check import Judge
 from kerfwise.tests.agreement.cases import judged_case
 from kerfwise.tests.agreement.engines import gecode
-from kerfwise.tests.agreement.orders import ORDER_RULES, admitted_by_check, admitted_by_statements, only
+from kerfwise.tests.agreement.orders import (
+    ORDER_RULES,
+    admitted_by_check,
+    admitted_by_statements,
+    only,
+    order_disagreements,
+)
 from kerfwise.tests.agreement.trial import Trial
 
 SEEDS = (2, 3, 5, 7, 13, 18, 20)
@@ -27,7 +33,7 @@ ONCE_WRONG = {
     111: "a stricter share leaves a cluster on no frame, which asks less",
 }
 """Seeds of nests on which the two sides once differed, and over what."""
-IGNORED = 8
+IGNORED = 0
 """Seed of a nest with drawn options on which it matters how many cuts heat-lag asks for."""
 SLOW = {2, 3, 5, 9, 13}
 BY_SEED = [pytest.param(k, marks=[pytest.mark.slow] if k in SLOW else []) for k in (*SEEDS, *ONCE_WRONG)]
@@ -53,7 +59,7 @@ def test_they_agree_on_nests_with_slits(seed: int) -> None:
 
 
 @pytest.mark.minizinc
-@pytest.mark.parametrize("seed", [0, 4, *(pytest.param(k, marks=pytest.mark.slow) for k in (3, 5, 6, 10))])
+@pytest.mark.parametrize("seed", [0, 2, *(pytest.param(k, marks=pytest.mark.slow) for k in (4, 10))])
 def test_they_agree_whatever_the_options(seed: int) -> None:
     """Each option of each rule is drawn from what it declares: a new one is drawn by itself."""
     found = agreement(seed, options=True)
@@ -74,15 +80,17 @@ SIDES: dict[str, tuple[type, str]] = {
 def test_an_option_that_one_side_ignores_is_noticed(side: str, monkeypatch: pytest.MonkeyPatch) -> None:
     owner, name = SIDES[side]
     rightly = getattr(owner, name)
-    drawn = judged_case(IGNORED, options=True).profile.rules["heat-lag"]
-    assert drawn.strength == "hard"
-    assert drawn.options.lag_cuts > 1  # type: ignore[attr-defined]
+    case = judged_case(IGNORED, options=True)
+    assert case.profile.rules["heat-lag"].strength != "off"
+    assert case.profile.rules["heat-lag"].options.lag_cuts > 1
+    assert order_disagreements(case.facts.nest, case.profile) == []
 
     def ignoring(self: object, *given: Any) -> Any:
         return rightly(self, *given[:-1], replace(given[-1], lag_cuts=1))
 
     monkeypatch.setattr(owner, name, ignoring)
-    assert agreement(IGNORED, options=True).differ
+    (found,) = order_disagreements(case.facts.nest, case.profile)
+    assert found.startswith("heat-lag admits")
 
 
 def test_the_cases_are_of_every_size_and_every_rule() -> None:
