@@ -90,7 +90,7 @@ def nest(folder: Path, width: float, height: float, *parts: tuple[Rows, list[Row
     """Write `nest.json` with parts of an outline and holes each."""
     listed = [{"id": f"P{k}", "outer": outer, "holes": holes} for k, (outer, holes) in enumerate(parts, 1)]
     text = {"format": "kerfwise-nest/1", "sheet": {"width": width, "height": height}, "parts": listed}
-    (folder / "nest.json").write_text(json.dumps(text), encoding="utf-8")
+    (folder / "nest.json").write_text(json.dumps(text), encoding="utf-8", newline="\n")
 
 
 def one_part(outer: Rows) -> Callable[[Path], None]:
@@ -106,7 +106,7 @@ def perforated(count: int, across_mm: float) -> Callable[[Path], None]:
         side_mm = 30.0 * columns + 80
         holes = [circle(60 + 30 * (k % columns), 60 + 30 * (k // columns), across_mm / 2) for k in range(count)]
         nest(folder, side_mm + 40, side_mm + 40, (rect(20, 20, side_mm, side_mm), holes))
-        (folder / "shop.yaml").write_text(PROFILE, encoding="utf-8")
+        (folder / "shop.yaml").write_text(PROFILE, encoding="utf-8", newline="\n")
 
     return make
 
@@ -117,6 +117,7 @@ def grid(count: int) -> Callable[[Path], None]:
     def make(folder: Path) -> None:
         columns = math.ceil(math.sqrt(2 * count))
         rows = math.ceil(count / columns)
+        squares: list[tuple[Rows, list[Rows]]]
         squares = [(rect(20 + 40 * (k % columns), 20 + 40 * (k // columns), 30, 30), []) for k in range(count)]
         nest(folder, 40 * columns + 40, 40 * rows + 40, *squares)
 
@@ -132,7 +133,7 @@ def styled(folder: Path) -> None:
     """An SVG with 55 kB of style that no pattern should be tried on."""
     page = 'xmlns="http://www.w3.org/2000/svg" width="300mm" height="300mm" viewBox="0 0 300 300"'
     body = f'<style>{"a{" * 27_500}</style><g id="cut"><rect x="50" y="50" width="90" height="90"/></g>'
-    (folder / "nest.svg").write_text(f"<svg {page}>{body}</svg>", encoding="utf-8")
+    (folder / "nest.svg").write_text(f"<svg {page}>{body}</svg>", encoding="utf-8", newline="\n")
 
 
 def slow_program(words: str, feed: str) -> Callable[[Path], None]:
@@ -144,7 +145,9 @@ def slow_program(words: str, feed: str) -> Callable[[Path], None]:
         points = path.split()
         moves = [f"G1 {x} {y} F{feed}" for x, y in zip(points[::2], points[1::2], strict=True)]
         lines = ["G21", "G90", "G0 X43.25 Y95", "M3 $0 S1", words, "G1 X49.25 Y95 F2500", *moves, "M5 $0", "M2"]
-        (folder / "nest.nc").write_text("\n".join(line for line in lines if line) + "\n", encoding="utf-8")
+        (folder / "nest.nc").write_text(
+            "\n".join(line for line in lines if line) + "\n", encoding="utf-8", newline="\n"
+        )
 
     return make
 
@@ -192,7 +195,7 @@ def run(case: Case) -> Used:
             cwd=folder,
             env={**os.environ, "PYTHONPATH": paths},
             capture_output=True,
-            text=True,
+            encoding="utf-8",
             check=False,
         )
     told, _, used = done.stderr.rpartition("\nused ")
