@@ -10,6 +10,8 @@ from pathlib import Path
 
 from .shown import shown
 
+REPAIR = "--repair (in Python: repair=True)"
+"""The option that mends drawings, as the command line and as Python have it."""
 MOST_DETAILS = 20
 """Lines of a list that are shown; one cause makes hundreds of the same."""
 
