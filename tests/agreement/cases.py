@@ -67,7 +67,7 @@ def _with_options(seed: int) -> Case:
             candidates = build_candidates(drawn, lead_options(profile, seed))
         except InputError:  # a contour has no room for the leads that were drawn
             continue
-        candidates = _thinned(rng, drawn, candidates, ROUTES[len(drawn.contours)])
+        candidates = thinned(rng, drawn, candidates, ROUTES[len(drawn.contours)])
         heat_kj = contour_heat_kj(drawn, candidates, profile)
         facts = compute_facts(drawn, profile.fact_options(drawn), candidates, heat_kj)
         return Case(facts, profile, options_for(drawn, profile, work=40))
