@@ -18,7 +18,7 @@ from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.postproc.check.reader.reader import read_nc
 from kerfwise.postproc.dialects import Dialect, fitting_dialect
-from kerfwise.postproc.nc.blocks import comment, number, numbered, path_blocks, rapid_block
+from kerfwise.postproc.nc.blocks import comment, numbered, path_blocks, rapid_block, wait_block
 from kerfwise.rules.options.yaml_positions import place_in, wrong_at
 from kerfwise.rules.profile.dialect_kind import ENDINGS
 from kerfwise.rules.profile.profile import Profile
@@ -95,7 +95,7 @@ def _run(tool: str, path: Curve, dialect: Dialect) -> Iterator[_Line]:
     """Travel to a path, the tool on, a wait, the path, the tool off."""
     yield _Line("rapid", rapid_block(path.point_at(0.0), dialect))
     yield _Line(f"{tool}_on", dialect.torch_on if tool == "torch" else dialect.mark_on)
-    yield _Line("dwell", dialect.dwell.format(seconds=number(_DWELL_S, 3)))
+    yield _Line("dwell", wait_block(_DWELL_S, dialect))
     words = ["line", "arc_ccw", "arc_cw", "line"] if tool == "torch" else ["line"]
     blocks = path_blocks(path, _FEED_MM_S, dialect)
     yield from (_Line(word, block) for word, block in zip(words, blocks, strict=False))
