@@ -56,7 +56,7 @@ def command(
 ) -> int:
     """Plan NEST at several prices of an overheat, simulate every plan, and say which are worth choosing from."""
     if output and Path(output).suffix.lower() != ".png":
-        raise InputError(f"cannot plot as {Path(output).suffix or output!r}: give a name ending in .png")
+        raise InputError(f"cannot plot as {Path(output).suffix or output!r}: give a name ending in .png", file=output)
     if output is plans is None:
         stem = Path(options["nest"]).stem
         output, plans = f"{stem}.pareto.png", f"{stem}.pareto"

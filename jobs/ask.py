@@ -61,6 +61,9 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) ->
     so_much(len(nest.contours), "contour", "contours")
     nest = profile.as_cut(nest)
     check_locks(profile.locks, nest)
+    if unknown := sorted(already.contours - nest.index.keys()):
+        had = f"the plan says of contours that {nest.file or 'the nest'} does not have that they are cut already"
+        raise InputError(f"{had}: it was made from another nest", details=tuple(unknown))
     loose = loose_in(nest, already.contours)
     try:
         candidates, met = build_with_older_kerfs(nest, profile.lead_options(nest), already, loose)

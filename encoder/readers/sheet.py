@@ -12,6 +12,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Note, Sheet
 from kerfwise.encoder.validate import coincident
+from kerfwise.encoder.validate.rings import flat
 
 from .depth import surrounding
 from .drawing import DrawnCurve
@@ -68,6 +69,8 @@ def choose_sheet(
 def _drawn_sheet(drawn: Sequence[DrawnCurve]) -> Sheet:
     again = {k for _, k in coincident([p.curve for p in drawn])}
     drawn = [p for k, p in enumerate(drawn) if k not in again]
+    if empty := [p for p in drawn if flat(p.curve)]:
+        raise InputError(f"the line of the sheet {empty[0].place} encloses nothing: mend or remove it")
     depth, _ = surrounding([p.area for p in drawn])
     outlines = [p for p, d in zip(drawn, depth, strict=True) if d == 0]
     if len(outlines) > 1:

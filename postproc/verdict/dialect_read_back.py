@@ -69,7 +69,6 @@ def read_back(dialect: Dialect, name: str) -> None:
     ...     read_back(load_dialect(name), name)
     """
     lines = [*_header(dialect), *_run("torch", _CUT, dialect), *_run("mark", _MARK, dialect), *_footer(dialect)]
-    text = "\n".join([*numbered([line.block for line in lines], dialect), ""])
     control = CONTROLS[dialect.control]
 
     def wrong(key: str, what: str) -> InputError:
@@ -77,6 +76,14 @@ def read_back(dialect: Dialect, name: str) -> None:
         told = f"{key}: {what} (the dialect {dialect.name} says that its control is {control.title})"
         return wrong_at(place, told) if place is not None else InputError(f"dialect {name}: {told}")
 
+    blocks: list[str] = []
+    numbers = numbered([line.block for line in lines], dialect)
+    for line in lines:
+        try:
+            blocks.append(next(numbers))
+        except InputError:
+            raise wrong(line.key, f"{line.block[:60]!r}… is longer than max_line, {dialect.max_line}") from None
+    text = "\n".join([*blocks, ""])
     try:
         program = read_nc(text, control=control, home=_HOME)
     except InputError as error:
