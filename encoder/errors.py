@@ -51,7 +51,7 @@ class InputError(KerfwiseError):
         super().__init__(self._text())
 
     def _text(self) -> str:
-        place = ":".join(shown(str(p)) for p in (self.file, self.line, self.column) if p is not None)
+        place = ":".join(shown(str(p)) or "''" for p in (self.file, self.line, self.column) if p is not None)
         head = f"{place}: {shown(self.message)}" if place else shown(self.message)
         listed = [f"  - {shown(d)}" for d in self.details[:MOST_DETAILS]]
         rest = len(self.details) - len(listed)

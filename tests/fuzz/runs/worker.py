@@ -117,7 +117,7 @@ class Worker:
 
 
 def _serve(pipe: Connection, folder: str) -> None:
-    os.environ["TMPDIR"] = folder
+    os.environ |= {"TMPDIR": folder, "HOME": folder, "XDG_CONFIG_HOME": folder}
     os.fsync = lambda handle: None  # type: ignore[assignment]  # a hundred thousand cases would wait for the disk
     tempfile.tempdir = None
     signal.signal(signal.SIGINT, signal.SIG_IGN)
