@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 
+from kerfwise.encoder import still_going
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs import produce as production
 from kerfwise.models.plan.plan import Plan
@@ -60,6 +61,12 @@ def only_marked_tests_use_programs(request: pytest.FixtureRequest, monkeypatch: 
     for marker in WITHOUT:
         if request.node.get_closest_marker(marker) is None:
             keep_from(marker, monkeypatch)
+
+
+@pytest.fixture(autouse=True)
+def nothing_takes_long(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a test sees on standard error does not depend on how busy the machine is."""
+    monkeypatch.setattr(still_going, "AFTER_S", 1e6)
 
 
 @pytest.fixture(autouse=True)
