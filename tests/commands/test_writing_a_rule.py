@@ -1,4 +1,4 @@
-"""docs/writing-a-rule.md, followed to the letter in a copy of the checkout."""
+"""The part of docs/writing-a-rule.md about the catalogue, followed to the letter in a copy of the checkout."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ import kerfwise
 from kerfwise.models.plan.reader import read_plan
 
 ROOT = Path(kerfwise.__file__).parent
-PAGE = (ROOT / "docs" / "writing-a-rule.md").read_text(encoding="utf-8")
+WHOLE = (ROOT / "docs" / "writing-a-rule.md").read_text(encoding="utf-8")
+PAGE = WHOLE.partition("\n## A rule of the catalogue\n")[2]
 COMMANDS = re.findall(r"^\$ (.+)$", PAGE, re.MULTILINE)
 COMPILED = ("search", "ideals")
 PYTHON = f'"{sys.executable}"'
