@@ -64,15 +64,22 @@ def _run_model_cases(rule: Rule[Any], cases: Sequence[Case]) -> Iterator[CaseOut
         if all(case.kind != kind for case in cases):
             yield CaseOutcome(rule.id, "all", (f"there is no order under {word}",))
     for case in cases:
-        options = case.options or rule.Options()
-        if (why := rule.unjudged(case.nest, case.cuts, options)) is not None:
-            yield CaseOutcome(rule.id, case.name, (f"it cannot be judged: {why}",))
-            continue
-        found = rule.violations(case.nest, case.cuts, options)
-        if case.kind == "passes":
-            yield CaseOutcome(rule.id, case.name, tuple(f"it should be right, but: {v.text}" for v in found))
-        else:
-            yield CaseOutcome(rule.id, case.name, () if found else ("it should be wrong, and the rule finds nothing",))
+        try:
+            yield CaseOutcome(rule.id, case.name, tuple(_wrong_in(rule, case)))
+        except Exception as error:
+            yield CaseOutcome(rule.id, case.name, (told(error),))
+
+
+def _wrong_in(rule: Rule[Any], case: Case) -> Iterator[str]:
+    options = case.options or rule.Options()
+    if (why := rule.unjudged(case.nest, case.cuts, options)) is not None:
+        yield f"it cannot be judged: {why}"
+        return
+    found = rule.violations(case.nest, case.cuts, options)
+    if case.kind == "passes":
+        yield from (f"it should be right, but: {v.text}" for v in found)
+    elif not found:
+        yield "it should be wrong, and the rule finds nothing"
 
 
 def _beside(rule: Rule[Any]) -> tuple[Case, ...]:

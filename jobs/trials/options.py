@@ -91,8 +91,7 @@ def _effect(
             said.append(str(conflict))
         names = [contour.id for contour in trial.nest.contours]
         said.append(rule.no_goods(trial.nest, names, options) != [])
-        step = max(1, len(trial.plans) // PLANS)
-        for plan in trial.plans[::step]:
+        for plan in trial.judged[:: max(1, len(trial.judged) // PLANS)]:
             said.append([(v.contours, v.cuts) for v in rule.violations(trial.nest, trial.sequence(plan), options)])
     return repr(said)
 

@@ -17,7 +17,6 @@ from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.faults import RuleFault
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.physics.timing.constant import Leg, schedule
@@ -26,12 +25,15 @@ from kerfwise.models.problem.evaluate import broken
 from kerfwise.models.problem.problem import Problem
 from kerfwise.postproc.check.runs_from_cuts import runs_from_cuts
 from kerfwise.postproc.clock.contour_heat import contour_heat_kj
+from kerfwise.rules.flat.model_rule import ModelRule
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Rule, RuleSetting, Strength
 from kerfwise.rules.statements import Statement
 
 MOST_PLANS = 800
 """Plans of one nest that are tried; nests with more are left out."""
+MOST_JUDGED = 6
+"""Plans of one nest that are judged by a model file."""
 PlanOf = tuple[int, ...]
 """One plan: candidate numbers in order."""
 
@@ -62,6 +64,13 @@ class Trial:
         return tuple(
             picked for order in permutations(range(self.facts.n)) for picked in product(*(ways[i] for i in order))
         )
+
+    @cached_property
+    def judged(self) -> tuple[PlanOf, ...]:
+        """The plans that are judged: all, but of a rule in a model file only some, for each takes a run of MiniZinc."""
+        if not isinstance(self.rule, ModelRule):
+            return self.plans
+        return self.plans[:: -(-len(self.plans) // MOST_JUDGED)]
 
     def said(self, plan: PlanOf) -> str:
         """A plan in words: the contours in order, with the way round where a contour has several ways."""
@@ -103,9 +112,9 @@ class Trial:
         return self.rule.unjudged(self.nest, self.sequence(self.plans[0]), self.options)
 
     def admitted_by_violations(self, options: Any) -> frozenset[PlanOf]:
-        """The plans in which the rule blames nothing, but what no order can avoid."""
+        """The plans, of those judged, in which the rule blames nothing, but what no order can avoid."""
         exempt = {frozenset(about.contours) for about in self.rule.exempt(self.facts, self.options)}
-        return frozenset(plan for plan in self.plans if not self._blamed(plan, options, exempt))
+        return frozenset(plan for plan in self.judged if not self._blamed(plan, options, exempt))
 
     def _blamed(self, plan: PlanOf, options: Any, exempt: set[frozenset[str]]) -> bool:
         cuts = self.sequence(plan)
@@ -171,9 +180,11 @@ def trial_of(name: str, nest: Nest, profile: Profile, rule: str, ways: int = 1) 
         candidates = _thinned(build_candidates(cut, asked), ways)
         heat_kj = contour_heat_kj(cut, candidates, profile)
         facts = compute_facts(cut, profile.fact_options(cut), candidates, heat_kj)
-    except RuleFault:
-        raise
-    except (InputError, RulesConflict):
+    except InputError as error:
+        if error.file is not None:  # the rule's own file is wrong, not the nest
+            raise
+        return None
+    except RulesConflict:
         return None
     counts = [len(facts.candidates_of(i)) for i in range(facts.n)]
     if not 0 < factorial(facts.n) * prod(counts) <= MOST_PLANS:

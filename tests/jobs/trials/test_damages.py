@@ -31,9 +31,9 @@ def quick(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> No
         monkeypatch.setattr("kerfwise.jobs.trials.run.against_engines", lambda *given: iter(()))
 
 
-def tried(path: Path) -> dict[str, CaseOutcome]:
+def tried(path: Path, cases_only: bool = False) -> dict[str, CaseOutcome]:
     profile, names = rules_to_try(load_profile(), [str(path)])
-    return {outcome.case: outcome for name in names for outcome in try_rule(name, profile)}
+    return {outcome.case: outcome for name in names for outcome in try_rule(name, profile, cases_only)}
 
 
 def damaged(folder: Path, *instead: tuple[str, str]) -> Path:
@@ -140,6 +140,41 @@ def _copied(file: Path, damage: str, folder: Path) -> Path:
     copy = folder / file.name
     copy.write_text(made.replace(old, new), encoding="utf-8")
     return copy
+
+
+OF_A_PLANT = {
+    "fine": ((), "", ""),
+    "reversed": ((("before(i, j)", "before(j, i)"),), "1, right: Plate.outer Bar.outer", "it should be right, but: "),
+    "weakened": ((("not long[i]", "not long[i] /\\ j < i"),), "1, wrong: Bar.outer Plate.outer", "finds nothing"),
+    "strengthened": (
+        (("/\\ long[j]", "/\\ i < j /\\ (long[j] \\/ i = 1)"),), "2, right: Almost.outer Plate.outer", "right, but",
+    ),
+    "stale": ((("long[j]", "longish[j]"),), ORDERS, r"long_parts_last.mzn:\d+:\d+: .*longish"),
+    "idle": (
+        (("array[int] of var", "int: long_parts_last_idle;  % default 3: nothing\narray[int] of var"),), OPTIONS,
+        "option idle does nothing",
+    ),
+}  # fmt: skip
+
+
+SLOW = [pytest.param(name, marks=pytest.mark.slow if name in ("fine", "idle") else ()) for name in OF_A_PLANT]
+
+
+@pytest.mark.minizinc
+@pytest.mark.parametrize("damage", SLOW)
+def test_a_damage_in_a_model_file_of_a_plant(damage: str, tmp_path: Path) -> None:
+    instead, where, message = OF_A_PLANT[damage]
+    path = new_outside_rule(NAME, "mzn", tmp_path)
+    made = path.read_text(encoding="utf-8")
+    for old, new in instead:
+        assert old in made, old
+        made = made.replace(old, new)
+    path.write_text(made, encoding="utf-8")
+    found = tried(path, cases_only=damage in ("reversed", "weakened", "strengthened"))
+    if not where:
+        assert [name for name, outcome in found.items() if outcome.wrong] == []
+        return
+    assert re.search(message, "\n".join(found[where].wrong)), {k: o.wrong for k, o in found.items()}
 
 
 def test_without_minizinc_a_rule_that_has_a_text_fails(monkeypatch: pytest.MonkeyPatch) -> None:
