@@ -7,7 +7,6 @@ from typing import Any
 
 import click
 
-from kerfwise.encoder.contents import is_file, is_folder
 from kerfwise.encoder.errors import InputError
 from kerfwise.models.engines.names import BUILT_IN
 
@@ -89,9 +88,9 @@ def _expect(file: Path) -> None:
     from kerfwise.encoder.readers.read import SUFFIXES
     from kerfwise.models.routing.read import KINDS, is_instance
 
-    if is_folder(file):
+    if file.is_dir():
         raise InputError("this is a folder; name the files in it, such as folder/*.sop", file=file)
-    if not is_file(file):
+    if not file.is_file():
         raise InputError("there is no such file", file=file)
     if not is_instance(file) and file.suffix.lower() not in SUFFIXES:
         raise InputError(f"cannot be run: expected a file of {', '.join((*KINDS, *SUFFIXES))}", file=file)

@@ -74,7 +74,7 @@ def _draw(rule: str, path: Path) -> None:
     from kerfwise.rules.run_cases import cases_of
 
     if path.suffix.lower() != ".svg":
-        raise InputError(f"cannot draw a case as {path.suffix or str(path)!r}: give a name ending in .svg", file=path)
+        raise InputError(f"cannot draw a case as {path.suffix or str(path)!r}: give a name ending in .svg")
     chosen = [next(case for case in cases_of(rule) if case.kind == kind) for kind in ("fails", "passes")]
     panels = [Panel(f"{rule}: {case.name}", case.nest, case.cuts, case.violations) for case in chosen]
     expect_outputs([path], [])

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.machine_section import Origin
@@ -135,7 +134,7 @@ def program_text(path: str | Path) -> str:
         If there is none to read; with the place, if it is not UTF-8.
     """
     try:
-        data = contents(path)
+        data = Path(path).read_bytes()
     except OSError as error:
         raise InputError(f"cannot read the program: {error.strerror}", file=path) from None
     except ValueError as error:  # a NUL, or half a character

@@ -6,6 +6,7 @@ Contours and candidates are numbered as in `Facts`. Positions count from 1.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import shapely
@@ -26,7 +27,31 @@ class Pick:
     c: int
 
 
-Literal = Before | Pick
+@dataclass(frozen=True, slots=True)
+class Enough:
+    """Literal: the weights of those that are true among `literals` come to at least `bound`. A condition in another."""
+
+    literals: tuple[Literal, ...]
+    weights: tuple[int, ...]
+    bound: int
+
+
+Literal = Before | Pick | Enough
+
+
+def plain(literals: Iterable[Literal]) -> Iterator[Before | Pick]:
+    """The orders and picks among the literals, and within them.
+
+    Examples
+    --------
+    >>> list(plain([Pick(3), Enough((Before(0, 1), Pick(4)), (1, 1), 2)]))
+    [Pick(c=3), Before(i=0, j=1), Pick(c=4)]
+    """
+    for literal in literals:
+        if isinstance(literal, Enough):
+            yield from plain(literal.literals)
+        else:
+            yield literal
 
 
 @dataclass(frozen=True, slots=True)

@@ -152,14 +152,13 @@ class Curve:
         return points[:-1] if self.closed else points
 
     def line(self, tolerance_mm: float = 0.01) -> shapely.LineString:
-        """The path as a shapely LineString, closed ones repeat their first point, as a mere point does."""
+        """The path as a shapely LineString, closed ones repeat their first point."""
         points = self.flatten(tolerance_mm)
-        return shapely.LineString(np.concatenate([points, points[:1]]) if self.closed or len(points) < 2 else points)
+        return shapely.LineString(np.concatenate([points, points[:1]]) if self.closed else points)
 
     def polygon(self, tolerance_mm: float = 0.01) -> shapely.Polygon:
-        """The area inside a closed curve (not checked for validity); empty for fewer than three points."""
-        points = self.flatten(tolerance_mm)
-        return shapely.Polygon(points) if len(points) > 2 else shapely.Polygon()
+        """The area inside a closed curve as a shapely Polygon (not checked for validity)."""
+        return shapely.Polygon(self.flatten(tolerance_mm))
 
     def moved(self, dx_mm: float, dy_mm: float) -> Curve:
         """The curve shifted by (dx, dy)."""

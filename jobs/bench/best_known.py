@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import csv
-import io
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import InputError
 
-MOST_BYTES = 10_000_000
 COSTS = ("best_upper", "best", "cost")
 
 
@@ -39,11 +35,11 @@ def read_best_known(path: str | Path) -> BestKnown:
     """
     path = Path(path)
     try:
-        text = contents(path, MOST_BYTES).decode("utf-8-sig")
-        rows = list(csv.DictReader(io.StringIO(text, newline="")))
-    except (OSError, ValueError, csv.Error) as error:  # ValueError: no UTF-8, or a name that no file can have
+        with path.open(newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"cannot be read: {error}", file=path) from None
-    columns = {name for name in rows[0] if name is not None} if rows else set()  # None: cells beyond the last column
+    columns = set(rows[0]) if rows else set()
     column = next((name for name in COSTS if name in columns), None)
     if column is None or "instance" not in columns:
         raise InputError(f"expected columns instance and one of {', '.join(COSTS)}; found {sorted(columns)}", file=path)
@@ -51,15 +47,7 @@ def read_best_known(path: str | Path) -> BestKnown:
     for number, row in enumerate(rows, start=2):
         try:
             if row[column]:
-                costs[row.get("set") or "", row["instance"]] = _finite(row[column])
+                costs[row.get("set") or "", row["instance"]] = float(row[column])
         except ValueError:
             raise InputError(f"{column} is not a number: {row[column]!r}", file=path, line=number) from None
     return BestKnown(costs)
-
-
-def _finite(text: str) -> float:
-    """The number that a text is; ValueError if it is none, or `nan` or `inf`."""
-    number = float(text)
-    if not math.isfinite(number):
-        raise ValueError(text)
-    return number

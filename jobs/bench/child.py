@@ -52,10 +52,7 @@ def _route(job: BenchJob, options: SolveOptions) -> _Outcome:
     instance = read_instance(job.path)
     _load_kernels(options)
     started = time.perf_counter()
-    try:
-        answer = solve_instance(instance, options)
-    except InputError as error:
-        raise InputError(error.message, file=job.path) from None
+    answer = solve_instance(instance, options)
     seconds = time.perf_counter() - started
     if answer.cost is None:
         fault = "no tour keeps the orders" if answer.infeasible else "no tour was found"

@@ -26,6 +26,7 @@ from kerfwise.rules.statements import (
     Pick,
     Precede,
     Statement,
+    plain,
 )
 
 from .closure import close
@@ -217,7 +218,7 @@ def _sites(
         if condition.when is not None:
             told_apart[condition.when].append((condition.members, condition.weights, condition.bound, condition.cost))
     for number, s in enumerate(general):
-        for c in {lit.c for lit in s.literals if isinstance(lit, Pick)} | {s.when}:
+        for c in {lit.c for lit in plain(s.literals) if isinstance(lit, Pick)} | {s.when}:
             if c is not None:
                 told_apart[c].append(number)
     site_of: dict[int, int] = {}

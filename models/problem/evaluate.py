@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from kerfwise.encoder.geometry.microns import cost_um
-from kerfwise.rules.statements import About, AtLeast, Before, Lag, Pick
+from kerfwise.rules.statements import About, AtLeast, Before, Enough, Lag, Pick
 
 from .crossings import FORBIDDEN
 from .problem import Problem
@@ -71,14 +71,21 @@ def general_holds(problem: Problem, statement: AtLeast, position: dict[int, int]
     """Whether a statement over any literals holds; `picked` are sites."""
     if statement.when is not None and int(problem.candidate_site[statement.when]) not in picked:
         return True
+    return _enough(problem, statement, position, picked)
+
+
+def _enough(problem: Problem, asked: AtLeast | Enough, position: dict[int, int], picked: set[int]) -> bool:
+    """Whether the literals that are true weigh enough."""
     total = 0
-    for literal, weight in zip(statement.literals, statement.weights, strict=True):
+    for literal, weight in zip(asked.literals, asked.weights, strict=True):
         match literal:
             case Before(i, j):
                 total += weight * (position[i] < position[j])
             case Pick(c):
                 total += weight * (int(problem.candidate_site[c]) in picked)
-    return total >= statement.bound
+            case Enough():
+                total += weight * _enough(problem, literal, position, picked)
+    return total >= asked.bound
 
 
 def _missing_cuts(lag: Lag, position: dict[int, int]) -> int:

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from kerfwise.arrays import Bools
-from kerfwise.rules.statements import Pick
+from kerfwise.rules.statements import Pick, plain
 
 from .conditions import Condition
 from .crossings import Crossings
@@ -112,7 +112,7 @@ def _place(problem: Problem, site: int, timed: bool) -> object:
 
 def _named(problem: Problem) -> set[int]:
     """Sites that general statements are about."""
-    candidates = {lit.c for s in problem.general for lit in s.literals if isinstance(lit, Pick)}
+    candidates = {lit.c for s in problem.general for lit in plain(s.literals) if isinstance(lit, Pick)}
     candidates |= {s.when for s in problem.general if s.when is not None}
     return {int(problem.candidate_site[c]) for c in candidates} - {-1}
 

@@ -11,9 +11,9 @@ from .flatzinc import Constraint, FlatZinc, Value
 from .nodes import Lit, Next, Node, all_of, any_of, is_certain, opposite, order, parts, same
 from .numbers import (
     MOST_MS,
-    ChoiceSum,
-    OwnNumber,
+    Choice,
     Sum,
+    Word,
     at_least,
     at_most,
     equal,
@@ -61,13 +61,16 @@ class Words:
             ways: list[dict[Node, int]] = [{} for _ in range(n)]
             for c, contour in enumerate(self.contour_of):
                 ways[contour][Lit(Pick(c))] = c + 1
-            return [ChoiceSum(0, own, n=n) for own in ways]
+            return [Choice(0, own, n=n) for own in ways]
         kind = "cuts" if array == "flat_between" else "ms"
-        return [Sum(0, {}, OwnNumber(kind, i, j), 1, n) for i in range(n) for j in range(i + 1, n)]
+        return [Sum(0, {}, Word(kind, i, j), 1, n) for i in range(n) for j in range(i + 1, n)]
 
 
 BOOLS = ("flat_before", "flat_next", "flat_picked")
 SUMS = ("position", "pick", "flat_between", "flat_pause")
+
+
+PARTIAL = ("int_div", "int_mod", "int_pow", "array_int_element", "array_var_int_element")
 
 
 class Meaning:
@@ -79,6 +82,10 @@ class Meaning:
         self._sums: dict[str, Sum] = {}
         self._asked: list[Node] = []
         self._defined = {c.defines: c for c in flat.constraints if c.defines}
+        for c in flat.constraints:  # MiniZinc does not mark what may have no value as defined
+            result = c.args[-1] if c.args else None
+            if not c.defines and c.name in PARTIAL and isinstance(result, str) and result not in self._defined:
+                self._defined[result] = c
         for array in BOOLS:
             if array in flat.arrays:
                 for value, node in zip(flat.arrays[array], words.bools(array), strict=True):
@@ -110,8 +117,10 @@ class Meaning:
         return list(dict.fromkeys(found))
 
     def _is_definition(self, constraint: Constraint) -> bool:
-        name = constraint.defines
-        return bool(name) and self._defined[name] is constraint and name not in self._word_names
+        name = constraint.defines or constraint.args[-1]
+        if not isinstance(name, str) or self._defined.get(name) is not constraint:
+            return False
+        return name not in self._word_names
 
     @property
     def _word_names(self) -> frozenset[str]:
@@ -138,7 +147,7 @@ class Meaning:
             values = self._flat.variables[value].values
             if values is not None and (one.word is None or one.word.kind == "cuts"):
                 lowest, highest = (1, self._n) if one.word is None else (0, max(0, self._n - 2))
-                if isinstance(one, ChoiceSum) and one.terms:
+                if isinstance(one, Choice) and one.terms:
                     lowest, highest = min(one.terms.values()), max(one.terms.values())
                 if not all(value in values for value in range(lowest, highest + 1)):
                     self._asked.append(within(one, sorted(v for v in values if lowest <= v <= highest)))

@@ -12,6 +12,7 @@ from kerfwise.rules.statements import (
     AtLeast,
     Before,
     Contiguous,
+    Enough,
     Forbid,
     Lag,
     Literal,
@@ -23,7 +24,7 @@ from kerfwise.rules.statements import (
 from .nodes import Between, Gate, Lit, Next, Node, Pause, all_of, any_of, gate, literals, opposite, order, parts
 from .numbers import Sum, at_least, at_most, plus, position
 
-LagsOfPairs = dict[tuple[int, int], tuple[int, int]]
+Lags = dict[tuple[int, int], tuple[int, int]]
 """Pair of contours → how many cuts lie between them, and the number of the element that says so."""
 
 
@@ -81,7 +82,7 @@ class Writer:
         for node in further:
             yield from self._of_node(node, None)
 
-    def _lags(self, numbers: Iterable[int], elements: Sequence[Node]) -> tuple[LagsOfPairs, list[int]]:
+    def _lags(self, numbers: Iterable[int], elements: Sequence[Node]) -> tuple[Lags, list[int]]:
         """What elements ask to lie between contours, and the numbers of those left."""
         found: dict[tuple[int, int], dict[int, int]] = defaultdict(dict)
         rest: list[int] = []
@@ -95,7 +96,7 @@ class Writer:
                     asked[node.atom.cuts] = k
             else:
                 rest.append(k)
-        lags: LagsOfPairs = {}
+        lags: Lags = {}
         for pair, asked in found.items():
             most = max(asked)
             if self.in_parts or sorted(asked) == list(range(1, most + 1)):
@@ -121,9 +122,9 @@ class Writer:
             if isinstance(node.atom, Pause):
                 raise NotHeld(0, "a soft rule cannot ask for pause_ms: seconds that are missing have no whole price")
         plain = merged(without_words(node, len(self.nest.contours)))
-        if self.in_parts and isinstance(plain, Gate) and plain.is_and:
-            for part in parts(plain):
-                yield from self._simple(merged(part), said)
+        if self.in_parts:
+            for clause in clauses(plain):
+                yield from self._simple(merged(clause), said)
             return
         yield from self._simple(plain, said)
 
@@ -216,11 +217,28 @@ def _ends(lit: Lit) -> tuple[int, int]:
 def _literal(term: Lit | Gate) -> tuple[Literal, int]:
     """The statement's literal for a term; with a sign of -1 where the term is its opposite."""
     if isinstance(term, Gate):
-        raise NotHeld(0, "it is a condition within a condition that no engine holds")
+        return _enough(merged_gate(term)), 1
     if isinstance(term.atom, Before):
         return Before(*_ends(term)), 1
     assert isinstance(term.atom, Pick), "words were written out"
     return term.atom, 1 if term.holds else -1
+
+
+def _enough(node: Gate) -> Enough:
+    """A gate as a literal of a statement."""
+    literals_, weights, bound = [], [], node.bound
+    for term, weight in node.terms:
+        literal, sign = _literal(term)
+        bound -= weight if sign < 0 else 0
+        literals_.append(literal)
+        weights.append(sign * weight)
+    return Enough(tuple(literals_), tuple(weights), bound)
+
+
+def merged_gate(node: Gate) -> Gate:
+    """The gate with a gate of its own written into it, where that leaves a gate."""
+    made = merged(node)
+    return made if isinstance(made, Gate) else node
 
 
 def contiguous_runs(elements: Sequence[Node]) -> tuple[list[frozenset[int]], list[int]]:
@@ -293,6 +311,46 @@ def without_words(node: Node, n: int) -> Node:
 def _gap(i: int, j: int, n: int) -> Sum:
     """How many positions contour j is after contour i."""
     return plus([(1, position(j, n)), (-1, position(i, n))])
+
+
+MOST_CLAUSES = 5_000
+"""Conditions that one element may fall apart into."""
+
+
+def clauses(node: Node) -> list[Node]:
+    """Conditions that all hold where the node does, with no `and` within an `or`; sums stay as they are.
+
+    Raises
+    ------
+    NotHeld
+        If they are too many.
+
+    Examples
+    --------
+    >>> a, b, c, d = order(0, 1), order(1, 2), order(2, 3), order(3, 4)
+    >>> len(clauses(any_of([all_of([a, b]), all_of([c, d])])))
+    4
+    """
+    if not isinstance(node, Gate):
+        return [] if node is True else [node]
+    if node.is_and:
+        return [clause for term, _ in node.terms for clause in clauses(term)]
+    if not node.is_or or all(not isinstance(term, Gate) or not _falls_apart(term) for term, _ in node.terms):
+        return [node]
+    made: list[Node] = [False]
+    for term, _ in node.terms:
+        found = clauses(term)
+        if len(made) * len(found) > MOST_CLAUSES:
+            raise NotHeld(0, f"it comes to more than {MOST_CLAUSES:,} conditions")
+        made = [any_of([one, other]) for one in made for other in found]
+    return [clause for clause in dict.fromkeys(made) if clause is not True]
+
+
+def _falls_apart(node: Gate) -> bool:
+    """Whether there is an `and` in it, but within sums."""
+    if node.is_and:
+        return True
+    return node.is_or and any(isinstance(term, Gate) and _falls_apart(term) for term, _ in node.terms)
 
 
 def merged(node: Node) -> Node:

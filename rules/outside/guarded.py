@@ -23,6 +23,7 @@ from kerfwise.rules.statements import (
     Pick,
     Precede,
     Statement,
+    plain,
 )
 from kerfwise.rules.temperature_limit import TemperatureLimit
 
@@ -99,7 +100,7 @@ def _contours(s: Statement) -> Iterator[int]:
         case NoGood():
             yield from (*s.out, *s.left)
         case AtLeast():
-            for literal in s.literals:
+            for literal in plain(s.literals):
                 if isinstance(literal, Before):
                     yield from (literal.i, literal.j)
         case Crossing():
@@ -115,7 +116,7 @@ def _candidates(s: Statement) -> Iterator[int]:
         case Forbid():
             yield s.candidate
         case AtLeast():
-            yield from (literal.c for literal in s.literals if isinstance(literal, Pick))
+            yield from (literal.c for literal in plain(s.literals) if isinstance(literal, Pick))
             yield from () if s.when is None else (s.when,)
         case Precede() | Contiguous() | Lag() | NoGood() | Crossing() | IdleTravel():
             return

@@ -18,6 +18,7 @@ from kerfwise.rules.statements import (
     Before,
     Contiguous,
     Crossing,
+    Enough,
     Forbid,
     IdleTravel,
     Lag,
@@ -109,6 +110,31 @@ def no_good_left(s: NoGood, rest: Remainder) -> Iterator[NoGood]:
         yield replace(s, out=out, left=frozenset(rest.number[k] for k in s.left))
 
 
+def _enough(asked: Enough, rest: Remainder) -> Enough | bool:
+    """What is left of a condition within another: itself over what is left, or whether it is decided to hold."""
+    literals: list[Literal] = []
+    weights: list[int] = []
+    bound = asked.bound
+    for literal, weight in zip(asked.literals, asked.weights, strict=True):
+        made: Literal | bool | None = literal
+        if isinstance(literal, Enough):
+            made = _enough(literal, rest)
+        elif isinstance(literal, Before):
+            made = rest.known(literal.i, literal.j)
+            if made is None:
+                made = Before(rest.number[literal.i], rest.number[literal.j])
+        if isinstance(made, bool):
+            bound -= weight * made
+        elif made is not None:
+            literals.append(made)
+            weights.append(weight)
+    if sum(min(w, 0) for w in weights) >= bound:
+        return True
+    if sum(max(w, 0) for w in weights) < bound:
+        return False
+    return Enough(tuple(literals), tuple(weights), bound)
+
+
 def _at_least(s: AtLeast, rest: Remainder) -> Iterator[Statement]:
     literals: list[Literal] = []
     weights: list[int] = []
@@ -124,6 +150,13 @@ def _at_least(s: AtLeast, rest: Remainder) -> Iterator[Statement]:
                     literals.append(Before(rest.number[i], rest.number[j]))
                     weights.append(weight)
                 elif known:
+                    bound -= weight
+            case Enough():
+                left = _enough(literal, rest)
+                if isinstance(left, Enough):
+                    literals.append(left)
+                    weights.append(weight)
+                elif left:
                     bound -= weight
             case _:
                 assert_never(literal)

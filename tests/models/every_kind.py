@@ -22,6 +22,7 @@ from kerfwise.rules.statements import (
     Before,
     Contiguous,
     Crossing,
+    Enough,
     Forbid,
     IdleTravel,
     Lag,
@@ -134,6 +135,15 @@ def _hard() -> Iterator[Example]:
         "sum of orders",
         AtLeast((Before(2, 0), Before(3, 0)), (1, 1), 1, ABOUT),
         lambda way: way.place(2) > way.place(0) and way.place(3) > way.place(0),
+        ((0, 1),),
+    )
+    early, entered = Enough((Before(3, 0), Before(3, 1)), (1, 1), 2), Enough((Before(2, 0), Pick(1)), (1, -1), 1)
+    yield Example(
+        "sum of sums",
+        AtLeast((early, entered), (1, 1), 1, ABOUT),
+        lambda way: (
+            way.place(3) > min(way.place(0), way.place(1)) and (way.place(2) > way.place(0) or 1 in way.candidates)
+        ),
         ((0, 1),),
     )
     yield Example(

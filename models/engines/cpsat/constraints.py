@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
+from typing import assert_never
 
 import numpy as np
 from ortools.sat.python.cp_model import CpModel, IntVar, LinearExpr, LinearExprT, LiteralT
 
 from kerfwise.models.problem.problem import Problem
-from kerfwise.rules.statements import Before
+from kerfwise.rules.statements import Before, Enough, Literal, Pick
 
 from .arcs import ArcLiterals
 from .positions import distances, windows, windows_of_steps
@@ -162,10 +163,7 @@ def _general_statements_hold(model: CpModel, problem: Problem, v: Variables) -> 
     for k, statement in enumerate(problem.general):
         given = [] if statement.when is None else [_picked(problem, v, statement.when)]
         excused = [v.failed[k].negated()] if k in v.failed else []
-        literals = [
-            v.before(lit.i, lit.j) if isinstance(lit, Before) else _picked(problem, v, lit.c)
-            for lit in statement.literals
-        ]
+        literals = [_literal(model, problem, v, lit) for lit in statement.literals]
         _at_least(model, literals, statement.weights, statement.bound, [*given, *excused])
 
 
@@ -208,6 +206,23 @@ def _cut_ms(problem: Problem, v: Variables, contour: int) -> LinearExprT:
     sites = problem.sites(contour)
     span = slice(sites.start, sites.stop)
     return LinearExpr.weighted_sum(v.pick[span], cuts_ms(problem)[span].tolist())
+
+
+def _literal(model: CpModel, problem: Problem, v: Variables, literal: Literal) -> LiteralT:
+    """The literal of an order or a pick; of a condition in another a variable that holds if and only if that does."""
+    match literal:
+        case Before(i, j):
+            return v.before(i, j)
+        case Pick(c):
+            return _picked(problem, v, c)
+        case Enough(within, weights, bound):
+            holds = model.new_bool_var("")
+            total = LinearExpr.weighted_sum([_literal(model, problem, v, lit) for lit in within], weights)
+            model.add(total >= bound).only_enforce_if(holds)
+            model.add(total < bound).only_enforce_if(holds.negated())
+            return holds
+        case _:
+            assert_never(literal)
 
 
 def _picked(problem: Problem, v: Variables, candidate: int) -> LiteralT:

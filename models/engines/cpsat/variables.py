@@ -9,7 +9,7 @@ from ortools.sat.python.cp_model import CpModel, IntVar, LiteralT
 
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.problem import Problem
-from kerfwise.rules.statements import Before
+from kerfwise.rules.statements import Before, plain
 
 from .arcs import ArcLiterals
 from .crossed import OpenCrossing, open_crossings
@@ -123,7 +123,7 @@ def _asked(problem: Problem, crossings: Sequence[OpenCrossing]) -> Iterator[Pair
     pairs: list[Pair] = [(k, c.contour) for c in problem.conditions for k in c.members]
     pairs += [(lag.first, lag.second) for lag in problem.lags if lag.cuts > 1 or lag.seconds > 0]
     pairs += [(crossing.over, crossing.leave) for crossing in crossings]
-    pairs += [(lit.i, lit.j) for s in problem.general for lit in s.literals if isinstance(lit, Before)]
+    pairs += [(lit.i, lit.j) for s in problem.general for lit in plain(s.literals) if isinstance(lit, Before)]
     for i, j in pairs:
         if i != j and not problem.before[i, j] and not problem.before[j, i]:
             yield min(i, j), max(i, j)

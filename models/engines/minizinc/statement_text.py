@@ -11,11 +11,13 @@ from kerfwise.rules.statements import (
     Before,
     Contiguous,
     Crossing,
+    Enough,
     Forbid,
     IdleTravel,
     Lag,
     Literal,
     NoGood,
+    Pick,
     Precede,
     Statement,
 )
@@ -57,7 +59,7 @@ def conditions(statement: Statement) -> list[str]:
         case Crossing() | IdleTravel():
             raise InputError(
                 f"rule {statement.about.rule} cannot be stated for MiniZinc: turn it off in the profile, "
-                "or take another engine, such as portfolio"
+                "or use --engine portfolio"
             )
         case _:
             assert_never(statement)
@@ -81,9 +83,16 @@ def missing_ms(lag: Lag) -> str:
 
 
 def _literal(literal: Literal) -> str:
-    if isinstance(literal, Before):
-        return f"before({literal.i + 1}, {literal.j + 1})"
-    return f"picked({literal.c + 1})"
+    match literal:
+        case Before(i, j):
+            return f"before({i + 1}, {j + 1})"
+        case Pick(c):
+            return f"picked({c + 1})"
+        case Enough(within, weights, bound):
+            terms = (f"{w} * bool2int({_literal(lit)})" for lit, w in zip(within, weights, strict=True))
+            return f"({' + '.join(terms) or '0'} >= {bound})"
+        case _:
+            assert_never(literal)
 
 
 def _set(contours: Iterable[int]) -> str:

@@ -20,6 +20,7 @@ from kerfwise.rules.statements import (
     Pick,
     Precede,
     Statement,
+    plain,
 )
 
 CanClash = Precede | Forbid | AtLeast | Contiguous | Crossing | Lag | NoGood
@@ -69,7 +70,7 @@ def contours_of(group: Group, contour_of: Sequence[int]) -> set[int]:
             case Forbid(c):
                 found.add(contour_of[c])
             case AtLeast():
-                found |= {k for lit in s.literals for k in _of_literal(lit, contour_of)}
+                found |= {k for lit in plain(s.literals) for k in _of_literal(lit, contour_of)}
                 if s.when is not None:
                     found.add(contour_of[s.when])
             case Contiguous(contours):

@@ -26,7 +26,20 @@ from ortools.sat.python.cp_model import (
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.engines.budget import Budget
 from kerfwise.rules.by_kind import by_kind
-from kerfwise.rules.statements import AtLeast, Before, Contiguous, Crossing, Forbid, Lag, NoGood, Precede
+from kerfwise.rules.statements import (
+    AtLeast,
+    Before,
+    Contiguous,
+    Crossing,
+    Enough,
+    Forbid,
+    Lag,
+    Literal,
+    NoGood,
+    Pick,
+    Precede,
+    plain,
+)
 from kerfwise.rules.stating.places import ends_of
 
 from .group import CanClash, Group, contours_of
@@ -112,7 +125,9 @@ def _loose(groups: Sequence[Group]) -> set[int]:
         match s:
             case AtLeast():
                 for literal in s.literals:
-                    if isinstance(literal, Before):
+                    if isinstance(literal, Enough):
+                        firm |= {k for lit in plain([literal]) if isinstance(lit, Before) for k in (lit.i, lit.j)}
+                    elif isinstance(literal, Before):
                         partners[literal.i].add(literal.j)
                         partners[literal.j].add(literal.i)
             case Precede(i, j) | Lag(i, j):
@@ -127,6 +142,23 @@ def _loose(groups: Sequence[Group]) -> set[int]:
                 assert_never(s)
     loose = {k for k, of in partners.items() if k not in firm and len(of) == 1 and k not in of}
     return {k for k in loose if not partners[k] & loose}
+
+
+def _literal(built: OrderModel, literal: Literal) -> LiteralT:
+    """The literal in the model; of a condition in another, a variable that holds if and only if that does."""
+    match literal:
+        case Before(i, j):
+            return built.before(i, j)
+        case Pick(c):
+            return built.candidate(c)
+        case Enough(within, weights, bound):
+            holds = built.model.new_bool_var("")
+            total = sum(w * _literal(built, lit) for w, lit in zip(weights, within, strict=True))
+            built.model.add(total >= bound).only_enforce_if(holds)
+            built.model.add(total < bound).only_enforce_if(holds.negated())
+            return holds
+        case _:
+            assert_never(literal)
 
 
 def _ask(built: OrderModel, statement: CanClash, holds: IntVar) -> None:
@@ -144,10 +176,7 @@ def _ask(built: OrderModel, statement: CanClash, holds: IntVar) -> None:
             else:
                 model.add(at[contour] <= built.facts.n - 1 - statement.bound).only_enforce_if(holds)
         case AtLeast():
-            literals = [
-                built.before(lit.i, lit.j) if isinstance(lit, Before) else built.candidate(lit.c)
-                for lit in statement.literals
-            ]
+            literals = [_literal(built, lit) for lit in statement.literals]
             total = sum(weight * literal for weight, literal in zip(statement.weights, literals, strict=True))
             given = [holds] if statement.when is None else [holds, built.candidate(statement.when)]
             if literals:
