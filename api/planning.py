@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.errors import InputError, KerfwiseError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.jobs.ask import facts_of
-from kerfwise.jobs.given import NestLike, ProfileLike, given_of, plant_of
+from kerfwise.jobs.given import Given, NestLike, ProfileLike, given_of, plant_of
 from kerfwise.jobs.listening import Listener, OnProgress
 from kerfwise.jobs.main_job import plan_nest
 from kerfwise.jobs.no_plan import NOT_SHOWN, NoPlan
@@ -121,15 +122,12 @@ def solve(
     )  # fmt: skip
     if strategy not in STRATEGIES:
         raise InputError(unknown("strategy", str(strategy), STRATEGIES))
-    if (resume_from is None) != (upto is None) or (redo_last and upto is None):
-        raise InputError("resume_from and upto go together: which plan was stopped, and how many of its cuts are made")
-    old = None if resume_from is None else plan_or_path(resume_from)
     notes: list[str] = []
     listener = Listener(on_progress)
     try:
         done = plan_nest(
             given, limits,
-            already=already_cut(given, old, upto, redo_last, notes.append),
+            already=_stopped(given, resume_from, upto, redo_last, notes),
             relax=relax, engine=engine, solver=solver, strategy=strategy, listener=listener, tell=notes.append,
         )  # fmt: skip
     except NoPlan:
@@ -218,20 +216,28 @@ def trade_off(
     profile: ProfileLike = DEFAULT,
     *,
     prices_mm: Iterable[float] = PRICES_MM,
+    locks: Iterable[LockLike] | LockLike = (),
+    time_s: float | None = None,
     work: float = 10.0,
     seed: int = 1,
+    gap: float | None = None,
+    no_improvement_s: float | None = None,
+    relax: bool = False,
+    resume_from: Plan | Result | str | Path | None = None,
+    upto: int | None = None,
+    redo_last: bool = False,
     on_progress: OnProgress | None = None,
 ) -> Offer:
     """Plan a nest at several prices of an overheat, and simulate every plan: idle travel against overheats.
 
     Parameters
     ----------
-    nest, profile
+    nest, profile, locks, relax, resume_from, upto, redo_last
         As for `solve`.
     prices_mm
         Prices of one overheat, each in mm of idle travel.
-    work, seed
-        Limit and seed of each plan, as for `solve`.
+    time_s, work, seed, gap, no_improvement_s
+        Limits and seed of each plan, as for `solve`.
     on_progress
         As for `solve`.
 
@@ -254,10 +260,27 @@ def trade_off(
     >>> len(offer.front)
     1
     """
-    given = given_of(nest, profile)
+    given = given_of(nest, locked(plant_of(profile), locks))
     prices = tuple(prices_mm)
     for price in prices:
         if not isinstance(price, int | float) or not 0 <= price < float("inf"):
             raise InputError(f"prices_mm: expected numbers from 0, got {price!r}")
-    limits = options_for(given.nest, given.profile, work=work, seed=seed)
-    return made_trade_off(given, prices, limits, lambda: Listener(on_progress), given.nest.file)
+    limits = options_for(
+        given.nest, given.profile, work=work, seed=seed, time_s=time_s, gap=gap, no_improvement_s=no_improvement_s
+    )
+    return made_trade_off(
+        given, prices, limits, lambda: Listener(on_progress), given.nest.file,
+        already=_stopped(given, resume_from, upto, redo_last, []), relax=relax,
+    )  # fmt: skip
+
+
+def _stopped(
+    given: Given,
+    resume_from: Plan | Result | str | Path | None,
+    upto: int | None,
+    redo_last: bool,
+    notes: list[str],
+) -> AlreadyCut:
+    """What is cut already; what a user should know of the old plan goes to `notes`."""
+    old = None if resume_from is None else plan_or_path(resume_from)
+    return already_cut(given, old, upto, redo_last, notes.append)

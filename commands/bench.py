@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from kerfwise.encoder.contents import is_file, is_folder
 from kerfwise.encoder.errors import InputError
 from kerfwise.models.engines.names import BUILT_IN
 
@@ -88,9 +89,9 @@ def _expect(file: Path) -> None:
     from kerfwise.encoder.readers.read import SUFFIXES
     from kerfwise.models.routing.read import KINDS, is_instance
 
-    if file.is_dir():
+    if is_folder(file):
         raise InputError("this is a folder; name the files in it, such as folder/*.sop", file=file)
-    if not file.is_file():
+    if not is_file(file):
         raise InputError("there is no such file", file=file)
     if not is_instance(file) and file.suffix.lower() not in SUFFIXES:
         raise InputError(f"cannot be run: expected a file of {', '.join((*KINDS, *SUFFIXES))}", file=file)

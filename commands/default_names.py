@@ -7,6 +7,7 @@ import json
 import re
 from pathlib import Path
 
+from kerfwise.encoder.contents import is_file
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.readers.read import SUFFIXES
 from kerfwise.encoder.shown import shown
@@ -29,7 +30,7 @@ def expect_own(nest: Path, program: Path, plan: Path, picture: Path) -> None:
     ):
         if made_of is not None and alike(made_of).lower() != alike(shown(nest.name)).lower():
             raise InputError(f"is of {made_of}, and {nest.name} would take its place: {_HOW}", file=path)
-    if picture.is_file() and not _is_picture_of(nest, picture):
+    if is_file(picture) and not _is_picture_of(nest, picture):
         raise InputError(f"is no picture of {nest.name}, and one would take its place: {_HOW}", file=picture)
 
 

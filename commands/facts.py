@@ -25,7 +25,8 @@ def command(output: str | None, **given: Any) -> None:
     """Write the facts of NEST: containment, what lies ahead, hulls, neighbours, zones, candidates."""
     if output and Path(output).suffix not in (".json", ".dzn"):
         raise InputError(
-            f"cannot write facts as {Path(output).suffix or output!r}: give a name ending in .json or .dzn"
+            f"cannot write facts as {Path(output).suffix or output!r}: give a name ending in .json or .dzn",
+            file=output,
         )
     from kerfwise.encoder.facts import facts_dzn, facts_json
     from kerfwise.jobs.ask import facts_of

@@ -25,7 +25,8 @@ FRAMES = 60
 def command(made: str, model: Any, as_json: bool, output: str | None, frames: str | None, **given: Any) -> None:
     """Simulate how hot a plan or an NC program makes the sheet of NEST, and count the points that get too hot."""
     if output and Path(output).suffix.lower() != ".png":
-        raise InputError(f"cannot draw temperatures as {Path(output).suffix or output!r}: give a name ending in .png")
+        kind = Path(output).suffix or output
+        raise InputError(f"cannot draw temperatures as {kind!r}: give a name ending in .png", file=output)
     from kerfwise.jobs.simulation import simulate_made
     from kerfwise.postproc.files import expect_folders, expect_place, make_folder, write_files
 

@@ -11,7 +11,7 @@ import click
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.prices import PRICES_MM
 
-from .given import given_options, note_placing, protect, read_given
+from .given import given_options, note_placing, protect, read_given, tell_note
 from .numbers import AMOUNT, AMOUNT_OVER_ZERO
 
 
@@ -27,6 +27,16 @@ from .numbers import AMOUNT, AMOUNT_OVER_ZERO
     help="Limit of each plan, the same on each machine.",
 )
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of the search.")
+@click.option(
+    "--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Wall-clock seconds of a plan, instead of --work."
+)
+@click.option("--lock-from", metavar="OLD.plan.json|OLD.nc",
+              help="Go on after a stop: plan only what the old plan or program has not cut yet.")  # fmt: skip
+@click.option(
+    "--upto", type=click.IntRange(min=1), metavar="N", help="How many of its cuts are made; with --lock-from."
+)
+@click.option("--redo-last", is_flag=True, help="Cut N broke off: begin with it, from its start; with --lock-from.")
+@click.option("--relax", is_flag=True, help="Where hard rules clash, take the cheapest way out, marked in the plans.")
 @click.option("-o", "--output", metavar="FRONT.png", help="The plot. If no output is named: NEST.pareto.png.")
 @click.option("--plans", metavar="DIR", help="Folder for the plan and program of every point: NEST.pareto.")
 @click.option("--json", "as_json", is_flag=True, help="Print the table as JSON.")
@@ -34,6 +44,11 @@ def command(
     prices: tuple[float, ...],
     work: float,
     seed: int,
+    time_limit: float | None,
+    lock_from: str | None,
+    upto: int | None,
+    redo_last: bool,
+    relax: bool,
     output: str | None,
     plans: str | None,
     as_json: bool,
@@ -41,11 +56,12 @@ def command(
 ) -> int:
     """Plan NEST at several prices of an overheat, simulate every plan, and say which are worth choosing from."""
     if output and Path(output).suffix.lower() != ".png":
-        raise InputError(f"cannot plot as {Path(output).suffix or output!r}: give a name ending in .png")
+        raise InputError(f"cannot plot as {Path(output).suffix or output!r}: give a name ending in .png", file=output)
     if output is plans is None:
         stem = Path(options["nest"]).stem
         output, plans = f"{stem}.pareto.png", f"{stem}.pareto"
     from kerfwise.jobs.solve_options import options_for
+    from kerfwise.jobs.stopped import already_cut
     from kerfwise.jobs.trade_off import trade_off
     from kerfwise.postproc.files import expect_folders, expect_place, make_folder, write_files
 
@@ -56,10 +72,12 @@ def command(
     if plans:
         expect_place(Path(plans))
     given = read_given(**options)
-    protect(given, options["nest"], [output])
+    protect(given, options["nest"], [output], lock_from)
     note_placing(given)
-    limits = options_for(given.nest, given.profile, work=work, seed=seed)
-    offer = trade_off(given, prices, limits, ProgressLine, Path(options["nest"]).name)
+    already = already_cut(given, lock_from, upto, redo_last, tell_note)
+    limits = options_for(given.nest, given.profile, work=work, seed=seed, time_s=time_limit)
+    name = Path(options["nest"]).name
+    offer = trade_off(given, prices, limits, ProgressLine, name, already=already, relax=relax)
     if offer.refused is not None:
         click.echo(f"kerfwise: {offer.refused}", err=True)
     files: dict[Path, str | bytes] = {}
@@ -68,7 +86,7 @@ def command(
         files |= {Path(plans) / name: content for name, content in offer.files().items()}
     if output:
         files[Path(output)] = offer.picture().content
-    protect(given, options["nest"], files)
+    protect(given, options["nest"], files, lock_from)
     write_files(files)
     click.echo(json.dumps(offer.rows()) if as_json else offer)
     if not as_json:

@@ -30,7 +30,7 @@ def command(plan: str | None, output: str, **given: Any) -> None:
     from kerfwise.postproc.files import expect_outputs
     from kerfwise.postproc.report import expect_picture, plot
 
-    expect_picture(Path(output).suffix)
+    expect_picture(Path(output).suffix, output)
     expect_outputs([Path(output)], [Path(given["nest"])])
     try:
         asked = read_given(**given)

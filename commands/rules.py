@@ -65,16 +65,17 @@ def page(rule: str, picture: str | None, profile: str, trust: bool) -> None:
     if picture is None:
         click.echo(text, nl=False)
     else:
-        _draw(rule, Path(picture))
+        _draw(rule, picture)
 
 
-def _draw(rule: str, path: Path) -> None:
+def _draw(rule: str, picture: str) -> None:
     from kerfwise.postproc.files import expect_outputs, write_files
     from kerfwise.postproc.report.case_picture import Panel, case_picture
     from kerfwise.rules.run_cases import cases_of
 
+    path = Path(picture)
     if path.suffix.lower() != ".svg":
-        raise InputError(f"cannot draw a case as {path.suffix or str(path)!r}: give a name ending in .svg")
+        raise InputError(f"cannot draw a case as {path.suffix or picture!r}: give a name ending in .svg", file=picture)
     chosen = [next(case for case in cases_of(rule) if case.kind == kind) for kind in ("fails", "passes")]
     panels = [Panel(f"{rule}: {case.name}", case.nest, case.cuts, case.violations) for case in chosen]
     expect_outputs([path], [])

@@ -131,5 +131,5 @@ def _expect(outputs: Iterable[str | None], pictures: Iterable[str | None], input
 
     for picture in pictures:
         if picture:
-            expect_picture(Path(picture).suffix)
+            expect_picture(Path(picture).suffix, picture)
     expect_outputs((Path(name) for name in outputs if name), (Path(name) for name in inputs if name))

@@ -10,6 +10,8 @@ from pathlib import Path
 
 from .shown import shown
 
+REPAIR = "--repair (in Python: repair=True)"
+"""The option that mends drawings, as the command line and as Python have it."""
 MOST_DETAILS = 20
 """Lines of a list that are shown; one cause makes hundreds of the same."""
 
@@ -49,7 +51,7 @@ class InputError(KerfwiseError):
         super().__init__(self._text())
 
     def _text(self) -> str:
-        place = ":".join(shown(str(p)) for p in (self.file, self.line, self.column) if p is not None)
+        place = ":".join(shown(str(p)) or "''" for p in (self.file, self.line, self.column) if p is not None)
         head = f"{place}: {shown(self.message)}" if place else shown(self.message)
         listed = [f"  - {shown(d)}" for d in self.details[:MOST_DETAILS]]
         rest = len(self.details) - len(listed)

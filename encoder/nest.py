@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal, get_args
@@ -63,11 +63,21 @@ class Part:
     @cached_property
     def polygon(self) -> shapely.Polygon:
         """The metal of the part: the outer contour less its holes."""
-        return shapely.Polygon(self.outer.curve.flatten(), [h.curve.flatten() for h in self.holes])
+        return _metal(self.outer.curve, [hole.curve for hole in self.holes])
 
     def __iter__(self) -> Iterator[Contour]:
         """Marks, slits, holes, then the outer contour: the natural cutting order."""
         yield from (*self.marks, *self.slits, *self.holes, self.outer)
+
+
+def _metal(outline: Curve, holes: Iterable[Curve]) -> shapely.Polygon:
+    """The area inside an outline less that of holes; rings of fewer than three points count for nothing.
+
+    No sound nest has such rings; a broken one is drawn, with all else that it holds.
+    """
+    points = outline.flatten()
+    inner = [hole.flatten() for hole in holes]
+    return shapely.Polygon(points, [ring for ring in inner if len(ring) > 2]) if len(points) > 2 else shapely.Polygon()
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +95,7 @@ class Sheet:
     @cached_property
     def polygon(self) -> shapely.Polygon:
         """The metal of the sheet."""
-        return shapely.Polygon(self.outline.flatten(), [h.flatten() for h in self.holes])
+        return _metal(self.outline, self.holes)
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:

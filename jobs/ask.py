@@ -61,13 +61,19 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) ->
     so_much(len(nest.contours), "contour", "contours")
     nest = profile.as_cut(nest)
     check_locks(profile.locks, nest)
+    if unknown := sorted(already.contours - nest.index.keys()):
+        had = f"the plan says of contours that {nest.file or 'the nest'} does not have that they are cut already"
+        raise InputError(f"{had}: it was made from another nest", details=tuple(unknown))
     loose = loose_in(nest, already.contours)
     try:
         candidates, met = build_with_older_kerfs(nest, profile.lead_options(nest), already, loose)
     except InputError as error:
         unheated = replace(profile.fact_options(nest), zone_heat_kj=None)  # without candidates no heat is known
         if alone := hopeless_anyway(_left(compute_facts(nest, unheated, ()), already), profile):
-            besides = (f"besides, {error.message}, and --relax does not help there:", *error.details[:MOST_DETAILS])
+            besides = (
+                f"besides, {error.message}, and --relax (in Python: relax=True) does not help there:",
+                *error.details[:MOST_DETAILS],
+            )
             raise RulesConflict(HOPELESS, (*(f"{about.rule}: {about.sentence}" for about in alone), *besides)) from None
         raise
     heat_kj = contour_heat_kj(nest, candidates, profile)
@@ -106,6 +112,7 @@ def ask(
         return Asked(facts, replace(stated, dropped=(*stated.dropped, *left_out)))
     if loose:
         raise RulesConflict(
-            "some contours cannot be cut any more (--relax leaves them out)", tuple(o.about.sentence for o in loose)
+            "some contours cannot be cut any more (--relax, in Python relax=True, leaves them out)",
+            tuple(o.about.sentence for o in loose),
         )
     return Asked(facts, state_rules(facts, profile))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.machine_section import Origin
@@ -134,7 +135,7 @@ def program_text(path: str | Path) -> str:
         If there is none to read; with the place, if it is not UTF-8.
     """
     try:
-        data = Path(path).read_bytes()
+        data = contents(path)
     except OSError as error:
         raise InputError(f"cannot read the program: {error.strerror}", file=path) from None
     except ValueError as error:  # a NUL, or half a character

@@ -43,8 +43,8 @@ def already_cut(
         return NOTHING_CUT
     if old is None or upto is None:
         raise InputError(
-            "--lock-from OLD and --upto N go together: which plan or program was stopped, and how many of its cuts are "
-            "cut (--redo-last: the last of them broke off)"
+            "--lock-from OLD and --upto N go together (in Python: resume_from and upto): which plan or program was "
+            "stopped, and how many of its cuts are cut (--redo-last, in Python redo_last=True: the last broke off)"
         )
     file = "" if isinstance(old, Plan) else str(old)
     if isinstance(old, Plan) or is_plan_file(old):
@@ -55,7 +55,7 @@ def already_cut(
     else:
         already = stopped_program(program_text(old), given.nest, given.profile, upto, redo_last, file)
     if not rest_of(given.nest, already.contours).contours:
-        raise InputError(f"--upto {upto}: every contour of the nest is cut, nothing is left; no program is written")
+        raise InputError(f"{_upto(upto)}: every contour of the nest is cut, nothing is left; no program is written")
     return already
 
 
@@ -121,12 +121,16 @@ def stopped_program(
     return _stopped(built.cuts, upto, redo_last, "program", file)
 
 
+def _upto(count: int) -> str:
+    return f"--upto {count} (in Python: upto={count})"
+
+
 def _expect(upto: int, made: int, count: int, what: str, file: str) -> None:
     if upto > count:
-        raise InputError(f"--upto {upto}: the {what} has {count} cuts only", file=file)
+        raise InputError(f"{_upto(upto)}: the {what} has {count} cuts only", file=file)
     if upto < made:
         raise InputError(
-            f"--upto {upto}: the {what} goes on after cut {made} itself, so that at least {made} are cut", file=file
+            f"{_upto(upto)}: the {what} goes on after cut {made} itself, so that at least {made} are cut", file=file
         )
 
 

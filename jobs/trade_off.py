@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.engines.solution import Progress, SolveOptions
@@ -21,6 +22,7 @@ from .listening import Listener
 from .picture import Picture
 from .priced_heat import cooler_orders
 from .produce import Produced, produce
+from .stopped import again_first
 from .table import data_frame
 
 if TYPE_CHECKING:
@@ -68,6 +70,8 @@ class TradeOff:
         Its own price of an overheat is not looked at.
     limits
         Of each plan.
+    relax
+        Where hard rules clash, the cheapest statements give way, marked in each plan.
 
     Raises
     ------
@@ -75,10 +79,10 @@ class TradeOff:
         If hard orders contradict each other.
     """
 
-    def __init__(self, facts: Facts, profile: Profile, limits: SolveOptions) -> None:
+    def __init__(self, facts: Facts, profile: Profile, limits: SolveOptions, relax: bool = False) -> None:
         self._facts, self._limits = facts, limits
         self._profile = replace(profile, objective=replace(profile.objective, heat=0.0))
-        self._asked = ask(facts, self._profile)
+        self._asked = ask(facts, self._profile, relax, limits=limits)
         self._cooler = cooler_orders(facts, self._profile, self._asked.stated)
 
     def fit(self) -> None:
@@ -222,8 +226,14 @@ def trade_off(
     limits: SolveOptions,
     new_listener: Callable[[], Listener] = Listener,
     name: str = "",
+    *,
+    already: AlreadyCut = NOTHING_CUT,
+    relax: bool = False,
 ) -> Offer:
     """A plan at each price, the lowest first. After Ctrl-C, or where a price leaves no plan, those found so far.
+
+    Each is of what is left where a stopped program has `already` cut some of the nest. With `relax` the cheapest
+    statements give way where hard rules clash.
 
     Raises
     ------
@@ -234,8 +244,9 @@ def trade_off(
     KeyboardInterrupt
         If Ctrl-C was pressed before there was any.
     """
-    limit_c = given.profile.heat.limit_c
-    offered = TradeOff(facts_of(given.nest, given.profile), given.profile, limits)
+    profile = again_first(given.profile, already)
+    limit_c = profile.heat.limit_c
+    offered = TradeOff(facts_of(given.nest, profile, already), profile, limits, relax)
     trades: list[Trade] = []
     try:
         for price_mm in sorted(set(prices_mm)):

@@ -12,10 +12,10 @@ import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from kerfwise.encoder.contents import is_folder, is_there
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.shown import shown
-
-from .swap import LIST, FileMove, remove, swap
+from kerfwise.encoder.swap import BESIDE, LIST, FileMove, remove, swap
 
 
 def expect_folders(paths: Iterable[Path]) -> None:
@@ -28,10 +28,10 @@ def expect_folders(paths: Iterable[Path]) -> None:
     """
     for path in paths:
         try:
-            is_folder = path.parent.is_dir() and path.resolve().parent.is_dir()
+            has_folder = path.parent.is_dir() and path.resolve().parent.is_dir()
         except (OSError, ValueError, RuntimeError) as error:  # too long, a NUL, a link to itself
             raise InputError(f"cannot write: no file can have this name ({error})", file=path) from None
-        if not is_folder:
+        if not has_folder:
             raise InputError(f"cannot write: there is no folder {str(path.parent)!r}", file=path)
 
 
@@ -80,7 +80,7 @@ def _resolved(path: Path) -> Path | None:
 
 def _same_file(path: Path, others: Iterable[Path]) -> bool:
     """Whether a file is one of others by another name: a second name on disk, or other capitals where these are one."""
-    if not path.exists():
+    if not is_there(path):
         return False
     for other in others:
         with contextlib.suppress(OSError):
@@ -98,7 +98,7 @@ def expect_place(folder: Path) -> None:
         If there is no folder to make it in, or a file is in its place.
     """
     expect_folders([folder])
-    if folder.exists() and not folder.is_dir():
+    if is_there(folder) and not is_folder(folder):
         raise InputError("cannot make a folder there: it is a file", file=folder)
 
 
@@ -156,7 +156,6 @@ def write_files(contents: Mapping[Path, str | bytes]) -> None:
         remove(name for move in moves for name in (move[0], move[2]))
 
 
-BESIDE = ".kerfwise-"
 _LEFT_S = 86400.0
 """What a command that was killed left beside its files is cleared away by another a day later."""
 

@@ -25,7 +25,7 @@ from .within_reach import out_of_reach, within_reach
 
 
 @dataclass(frozen=True, slots=True)
-class Narrow:
+class NarrowFeatures:
     """The features of a contour that the kerf would lose, those among them whose slits would burn what is beside."""
 
     contour: Contour
@@ -53,7 +53,7 @@ class TriedLeads:
     locked: Joints
     small: Mapping[int, str]
     uncut: Mapping[int, str]
-    narrow: Mapping[int, Narrow]
+    narrow: Mapping[int, NarrowFeatures]
     beyond: Mapping[int, str]
     slits: tuple[Candidate, ...]
     shut: Mapping[int, str]
@@ -106,7 +106,7 @@ def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, optio
 
 def _narrow(
     nest: Nest, contours: Iterable[int], outlines: Mapping[int, Outline], options: LeadOptions
-) -> dict[int, Narrow]:
+) -> dict[int, NarrowFeatures]:
     """Contours of which the kerf would lose a slot, notch, neck or corner, and which."""
     paths = {outline.contour.id: outline.path for outline in outlines.values()}
     slits: dict[str, list[Curve]] = {}
@@ -118,7 +118,7 @@ def _narrow(
         burnt = in_the_way(nest, contour, options.kerf_mm) if contour.id in slits else []
         if contour.id in lost or burnt:
             features = tuple(one for one, _ in lost.get(contour.id, ()))
-            found[nest.index[contour.id]] = Narrow(contour, features, tuple(burnt))
+            found[nest.index[contour.id]] = NarrowFeatures(contour, features, tuple(burnt))
     return found
 
 

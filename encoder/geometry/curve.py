@@ -152,13 +152,14 @@ class Curve:
         return points[:-1] if self.closed else points
 
     def line(self, tolerance_mm: float = 0.01) -> shapely.LineString:
-        """The path as a shapely LineString, closed ones repeat their first point."""
+        """The path as a shapely LineString, closed ones repeat their first point, as a mere point does."""
         points = self.flatten(tolerance_mm)
-        return shapely.LineString(np.concatenate([points, points[:1]]) if self.closed else points)
+        return shapely.LineString(np.concatenate([points, points[:1]]) if self.closed or len(points) < 2 else points)
 
     def polygon(self, tolerance_mm: float = 0.01) -> shapely.Polygon:
-        """The area inside a closed curve as a shapely Polygon (not checked for validity)."""
-        return shapely.Polygon(self.flatten(tolerance_mm))
+        """The area inside a closed curve (not checked for validity); empty for fewer than three points."""
+        points = self.flatten(tolerance_mm)
+        return shapely.Polygon(points) if len(points) > 2 else shapely.Polygon()
 
     def moved(self, dx_mm: float, dy_mm: float) -> Curve:
         """The curve shifted by (dx, dy)."""

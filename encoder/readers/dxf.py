@@ -12,7 +12,7 @@ from ezdxf.entities.insert import Insert
 from ezdxf.filemanagement import readfile
 from ezdxf.lldxf.const import DXFError
 
-from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.errors import REPAIR, InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Note
 from kerfwise.encoder.still_going import so_much
@@ -83,7 +83,7 @@ def _whole(data: bytes, options: ReadOptions) -> tuple[Note, ...]:
     if data.rstrip(b"\0\x1a \t\r\n").endswith(b"EOF"):
         return ()
     if not options.repair:
-        raise InputError("the DXF file breaks off: its end mark EOF is missing; export it again, or try --repair")
+        raise InputError(f"the DXF file breaks off: its end mark EOF is missing; export it again, or try {REPAIR}")
     return (Note("repaired", "the DXF file breaks off before its end mark EOF: read as far as it goes"),)
 
 
@@ -116,5 +116,6 @@ def _units(document: Document, data: bytes, options: ReadOptions) -> tuple[str, 
     if code in DXF_UNITS or code == 0:
         return DXF_UNITS.get(code, "mm"), ()
     known = ", ".join(f"{k} {v}" for k, v in DXF_UNITS.items())
-    text = f"$INSUNITS is {code}, which is no unit of a nest ({known}): read in mm; pass --units if they are others"
+    other = "pass --units (in Python: units=)"
+    text = f"$INSUNITS is {code}, which is no unit of a nest ({known}): read in mm; {other} if they are others"
     return "mm", (Note("warning", text),)

@@ -183,6 +183,7 @@ def _flattened(
     for p in control:  # flattening a curve of astronomic size would never end
         if not max(abs(p.x), abs(p.y), abs(p.z)) * scale <= LIMIT_MM:
             raise InputError(
-                f"({p.x:g}, {p.y:g}) lies more than a kilometre from the origin: if the units are wrong, pass --units"
+                f"({p.x:g}, {p.y:g}) lies more than a kilometre from the origin: if the units are wrong, "
+                "pass --units (in Python: units=)"
             )
     return fitted(np.array([(p.x, p.y) for p in drawn.flattening(FLATTEN_MM / scale, 8)]) * scale)

@@ -62,7 +62,8 @@ def use_of_frame(
     layer = f", or {setting('sheet', frame[0].layer)}" if own_layer else ""
     raise InputError(
         f"a rectangle of {size[0]:g} × {size[1]:g} mm is drawn around everything, {frame[0].place}, and no layer says "
-        "whether it is the sheet or a part. Pass --frame sheet or --frame part, or say it in the profile: "
+        "whether it is the sheet or a part. Pass --frame sheet or --frame part (in Python: frame=), or say it in the "
+        "profile: "
         f"drawing: {{frame: sheet}}{layer}"
     )
 

@@ -47,7 +47,8 @@ def checked_curve(rows: Iterable[Sequence[float]] | Floats, closed: bool, scale:
     if (far > LIMIT_MM).any():
         x, y = points[far.argmax()].tolist()
         raise InputError(
-            f"({x:g}, {y:g}) mm lies more than a kilometre from the origin: if the units are wrong, pass --units"
+            f"({x:g}, {y:g}) mm lies more than a kilometre from the origin: if the units are wrong, "
+            "pass --units (in Python: units=)"
         )
     if wide.any():
         raise InputError(f"an arc of bulge {drawn[wide.argmax(), 2]:g} is wider than a kilometre")

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from kerfwise.arrays import Floats
+from kerfwise.encoder.errors import REPAIR
 
 from .drawing import DrawnCurve
 from .options import ReadOptions
@@ -38,7 +39,7 @@ def open_end_problems(chains: Sequence[DrawnCurve], options: ReadOptions) -> lis
         gap, (x, y) = min(zip(gaps, chain.curve.vertices[[0, -1], :2].tolist(), strict=True))
         advice = "close the line in CAD"
         if gap <= REPAIR_FACTOR * options.join_tolerance_mm:
-            advice = f"{advice}, raise drawing.join_tolerance over {gap:.3f} mm, or try --repair"
+            advice = f"{advice}, raise drawing.join_tolerance over {gap:.3f} mm, or try {REPAIR}"
         problems.append(
             f"the line {ends(chain)} is open: the end at ({x:.3f}, {y:.3f}) is {gap:.3f} mm from any other: {advice}"
         )

@@ -8,6 +8,7 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
+from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.shown import shown
@@ -92,7 +93,7 @@ def _read(file: Path, suffix: str, options: ReadOptions) -> Nest:
 
 def _bytes(file: Path) -> bytes:
     try:
-        data = file.read_bytes()
+        data = contents(file)
     except FileNotFoundError:
         raise InputError("there is no such file", file=file) from None
     except (OSError, ValueError) as error:  # ValueError: a NUL in the name

@@ -12,6 +12,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Note, Sheet
 from kerfwise.encoder.validate import coincident
+from kerfwise.encoder.validate.rings import flat
 
 from .depth import surrounding
 from .drawing import DrawnCurve
@@ -43,7 +44,9 @@ def choose_sheet(
         x0, y0, x1, y1 = sheet.bounds
         if asked is None or alike((x1 - x0, y1 - y0), asked):
             return sheet, []
-        return sheet, [Note("warning", f"--sheet is not used: the sheet is drawn, {drawn[0].place}")]
+        return sheet, [
+            Note("warning", f"--sheet (in Python: sheet_mm) is not used: the sheet is drawn, {drawn[0].place}")
+        ]
     # chords cut the round side of an arc short, by less than what is rounded here
     lines = np.array([p.curve.line(1e-3) for p in parts], dtype=object)
     x0, y0, x1, y1 = shapely.total_bounds(lines).round(2).tolist()
@@ -57,7 +60,8 @@ def choose_sheet(
     sheet = _laid_around(x0 - m, y0 - m, x1 - x0 + 2 * m, y1 - y0 + 2 * m)
     text = (
         f"no layer is the sheet's: the parts' bounding box and {m:g} mm around it, {x1 - x0 + 2 * m:g} × "
-        f"{y1 - y0 + 2 * m:g} mm, is taken for it; pass --sheet WxH, or name the sheet's layer in drawing.layers.sheet"
+        f"{y1 - y0 + 2 * m:g} mm, is taken for it; pass --sheet WxH (in Python: sheet_mm=), or name the sheet's layer "
+        "in drawing.layers.sheet"
     )
     return sheet, [Note("warning", text)]
 
@@ -65,6 +69,8 @@ def choose_sheet(
 def _drawn_sheet(drawn: Sequence[DrawnCurve]) -> Sheet:
     again = {k for _, k in coincident([p.curve for p in drawn])}
     drawn = [p for k, p in enumerate(drawn) if k not in again]
+    if empty := [p for p in drawn if flat(p.curve)]:
+        raise InputError(f"the line of the sheet {empty[0].place} encloses nothing: mend or remove it")
     depth, _ = surrounding([p.area for p in drawn])
     outlines = [p for p, d in zip(drawn, depth, strict=True) if d == 0]
     if len(outlines) > 1:

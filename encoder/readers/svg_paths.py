@@ -105,4 +105,7 @@ def _bulge(start: Point, middle: Point, end: Point) -> float:
 def _refuse_far(numbers: list[float]) -> None:
     """Flattening a curve of astronomic size would never end."""
     if not all(abs(x) <= LIMIT_MM for x in numbers):
-        raise InputError("a curve reaches more than a kilometre from the origin: if the units are wrong, pass --units")
+        raise InputError(
+            "a curve reaches more than a kilometre from the origin: if the units are wrong, "
+            "pass --units (in Python: units=)"
+        )

@@ -32,8 +32,8 @@ def doubts(sheet: Sheet, units: str) -> list[Note]:
     --------
     >>> doubts(Sheet.rectangle(6000, 1500), "mm")
     []
-    >>> doubts(Sheet.rectangle(6, 1.5), "mm")[0].text
-    'the sheet is 6 × 1.5 mm, too small to be one: if mm is the wrong unit, pass --units cm, m, in or ft'
+    >>> doubts(Sheet.rectangle(60_000, 15_000), "mm")[0].text
+    'the sheet is 60000 × 15000 mm, too large to be one: if mm is the wrong unit, pass the right units'
     """
     width, height = np.ptp(sheet.outline.flatten(), axis=0).tolist()
     extent = max(width, height)
@@ -41,7 +41,11 @@ def doubts(sheet: Sheet, units: str) -> list[Note]:
         return []
     drawn = extent / DRAWN_MM[units]
     fits = [u for u, mm in MM_PER.items() if u != units and SMALLEST_SHEET_MM <= drawn * mm <= LARGEST_SHEET_MM]
-    named = f"--units {' or '.join(filter(None, [', '.join(fits[:-1]), fits[-1]]))}" if fits else "the right units"
+    named = (
+        f"--units (in Python: units=) {' or '.join(filter(None, [', '.join(fits[:-1]), fits[-1]]))}"
+        if fits
+        else "the right units"
+    )
     size = "too small" if extent < SMALLEST_SHEET_MM else "too large"
     text = f"the sheet is {width:g} × {height:g} mm, {size} to be one: if {units} is the wrong unit, pass {named}"
     return [Note("warning", text)]

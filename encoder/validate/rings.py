@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from kerfwise.arrays import Floats
-from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.errors import REPAIR, InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Sheet
 
@@ -75,19 +75,19 @@ def speck(curve: Curve) -> bool:
 def contour_problems(contours: Sequence[Contour]) -> dict[str, str]:
     """Contour id → what is wrong with it, for every mark without length and every ring that is no proper one."""
     problems = {
-        c.id: f"{c.id} has no length, {place(c.curve)}: remove it, or try --repair, which removes it"
+        c.id: f"{c.id} has no length, {place(c.curve)}: remove it, or try {REPAIR}, which removes it"
         for c in contours
         if c.kind == "mark" and speck(c.curve)
     }
     rings = [c for c in contours if c.kind != "mark"]
     problems |= {
-        c.id: f"{c.id} encloses no area, {place(c.curve)}: remove it, or try --repair, which removes it"
+        c.id: f"{c.id} encloses no area, {place(c.curve)}: remove it, or try {REPAIR}, which removes it"
         for c in rings
         if flat(c.curve)
     }
     sound = [c for c in rings if c.id not in problems]
     for k in np.flatnonzero(~shapely.is_valid(np.array([c.polygon for c in sound], dtype=object))).tolist():
-        problems[sound[k].id] = f"{sound[k].id} {_crossing(sound[k].polygon)}: correct it in CAD, or try --repair"
+        problems[sound[k].id] = f"{sound[k].id} {_crossing(sound[k].polygon)}: correct it in CAD, or try {REPAIR}"
     return {c.id: problems[c.id] for c in contours if c.id in problems}
 
 

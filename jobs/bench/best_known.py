@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import csv
+import io
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import InputError
 
+MOST_BYTES = 10_000_000
 COSTS = ("best_upper", "best", "cost")
 
 
@@ -35,11 +39,11 @@ def read_best_known(path: str | Path) -> BestKnown:
     """
     path = Path(path)
     try:
-        with path.open(newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        text = contents(path, MOST_BYTES).decode("utf-8-sig")
+        rows = list(csv.DictReader(io.StringIO(text, newline="")))
+    except (OSError, ValueError, csv.Error) as error:  # ValueError: no UTF-8, or a name that no file can have
         raise InputError(f"cannot be read: {error}", file=path) from None
-    columns = set(rows[0]) if rows else set()
+    columns = {name for name in rows[0] if name is not None} if rows else set()  # None: cells beyond the last column
     column = next((name for name in COSTS if name in columns), None)
     if column is None or "instance" not in columns:
         raise InputError(f"expected columns instance and one of {', '.join(COSTS)}; found {sorted(columns)}", file=path)
@@ -47,7 +51,15 @@ def read_best_known(path: str | Path) -> BestKnown:
     for number, row in enumerate(rows, start=2):
         try:
             if row[column]:
-                costs[row.get("set") or "", row["instance"]] = float(row[column])
+                costs[row.get("set") or "", row["instance"]] = _finite(row[column])
         except ValueError:
             raise InputError(f"{column} is not a number: {row[column]!r}", file=path, line=number) from None
     return BestKnown(costs)
+
+
+def _finite(text: str) -> float:
+    """The number that a text is; ValueError if it is none, or `nan` or `inf`."""
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(text)
+    return number

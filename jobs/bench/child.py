@@ -52,7 +52,10 @@ def _route(job: BenchJob, options: SolveOptions) -> _Outcome:
     instance = read_instance(job.path)
     _load_kernels(options)
     started = time.perf_counter()
-    answer = solve_instance(instance, options)
+    try:
+        answer = solve_instance(instance, options)
+    except InputError as error:
+        raise InputError(error.message, file=job.path) from None
     seconds = time.perf_counter() - started
     if answer.cost is None:
         fault = "no tour keeps the orders" if answer.infeasible else "no tour was found"

@@ -12,6 +12,7 @@ from typing import Any
 
 from jsonschema import Draft202012Validator
 
+from kerfwise.encoder.contents import contents
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
@@ -36,7 +37,7 @@ def read_plan(path: str | Path) -> Plan:
         If the file cannot be read, is not JSON, or holds what the format does not allow, with line and column.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8-sig")
+        text = contents(path).decode("utf-8-sig")
         data = strict_json(text)  # NaN becomes a text, which the schema refuses in place
     except InputError as error:
         raise InputError(f"not a plan: {error.message}", file=path, line=error.line, column=error.column) from None

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from kerfwise.encoder.errors import InputError
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.solution import Progress, SolveOptions
 from kerfwise.models.engines.watch import Watch
-from kerfwise.models.problem.magnitude import check_magnitude
+from kerfwise.models.problem.magnitude import MOST_UM, dearest_um
 from kerfwise.models.problem.simplify import simplify
 
 from .instance import Instance
@@ -40,7 +41,10 @@ def solve_instance(instance: Instance, options: SolveOptions, progress: Progress
     InputError
         If the costs of the instance could overflow.
     """
-    check_magnitude(instance.problem)
+    if sum(dearest_um(instance.problem).values()) > MOST_UM:
+        raise InputError(
+            f"a tour could cost over {MOST_UM:,}, too much to be counted exactly: make the weights smaller"
+        )
     problem = simplify(instance.problem)
     known = run_portfolio(problem, options, Watch(options, progress))
     bound = known.bound_um if known.proved_by else None

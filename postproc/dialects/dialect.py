@@ -7,11 +7,11 @@ import string
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
-from pathlib import Path
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import yaml
 
+from kerfwise.encoder.contents import MOST_BYTES_OF_YAML, contents
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.yaml_positions import Problems, compose, entries, plain, shape
@@ -128,7 +128,7 @@ def load_dialect(name: str) -> Dialect:
     """
     if name.endswith((".yaml", ".yml")):
         try:
-            text = Path(name).read_text(encoding="utf-8")
+            text = contents(name, MOST_BYTES_OF_YAML).decode("utf-8")
         except OSError as error:
             raise InputError(f"cannot read the dialect: {error.strerror}", file=name) from None
         except UnicodeDecodeError:
@@ -156,6 +156,8 @@ def parse_dialect(text: str, file: str) -> Dialect:
             continue
         try:
             values[key] = _value(key, plain(node), hints[key])
+        except InputError as error:
+            problems.add(node, f"{key}: {error.message}")
         except ValueError as error:
             problems.add(node, f"{key}: expected {error}, got {shape(node)}")
     problems.raise_any()
@@ -170,7 +172,7 @@ def _value(key: str, value: object, hint: Any) -> Any:
         if value not in get_args(hint):
             raise ValueError(" or ".join(get_args(hint)))
     elif key == "processes":
-        if not isinstance(value, list) or not value or not set(value) <= set(PROCESSES):
+        if not isinstance(value, list) or not value or not all(v in PROCESSES for v in value):
             raise ValueError(f"a list of {', '.join(PROCESSES)}")
         return tuple(value)
     elif key == "assumes":

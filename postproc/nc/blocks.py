@@ -76,6 +76,11 @@ def numbered(blocks: Iterable[str], dialect: Dialect) -> Iterator[str]:
         yield line
 
 
+def wait_block(seconds: float, dialect: Dialect) -> str:
+    """The block that waits; every value that a dialect may ask for in its `dwell` is filled in here."""
+    return dialect.dwell.format(seconds=number(seconds, 3))
+
+
 def rapid_block(point: Point, dialect: Dialect) -> str:
     """Travel to `point` with the torch off."""
     return f"{dialect.rapid} {_xy(_rounded(point, dialect.decimals), dialect)}"

@@ -11,7 +11,7 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.dialects import Dialect, fitting_dialect, load_dialect, pierce_dwell_of
 from kerfwise.rules.profile.profile import Profile
 
-from .blocks import comment, is_comment, number, numbered, path_blocks, plain, rapid_block, seconds_text
+from .blocks import comment, is_comment, number, numbered, path_blocks, plain, rapid_block, seconds_text, wait_block
 from .names import name_comments, program_names
 from .plan_paths import SHA_DIGITS, Toolpath, toolpaths
 from .resume_comments import out_comments, resume_comment
@@ -131,12 +131,12 @@ def _cut(order: int, name: str, made: Toolpath, profile: Profile, dialect: Diale
     yield comment(dialect, f"{'MARK' if mark else 'CUT'} {order}", name, f"ZONE {cut.zone} {cut.direction.upper()}")
     yield rapid_block(made.path.point_at(0.0), dialect)
     if made.planned.dwell_s > 0:  # metal cools, the torch being off
-        yield dialect.dwell.format(seconds=number(made.planned.dwell_s, 3))
+        yield wait_block(made.planned.dwell_s, dialect)
     yield dialect.mark_on if mark else dialect.torch_on
     start_s = machine.edge_preheat_s if made.edge_start else machine.pierce_time_s
     dwell_s = machine.mark_time_s if mark else start_s
     if pierce_dwell_of(profile, dialect) == "program" and dwell_s > 0:
-        yield dialect.dwell.format(seconds=number(dwell_s, 3))
+        yield wait_block(dwell_s, dialect)
     feed_mm_s = machine.mark_feed_mm_s if mark else machine.cut_feed_mm_s * made.feed_share
     yield from path_blocks(made.path, feed_mm_s, dialect)
     yield dialect.mark_off if mark else dialect.torch_off

@@ -111,12 +111,13 @@ def _frame(nest: Nest, cuts: tuple[Cut, ...], home: Point, spot: Spot | None) ->
 
 
 def _around(nest: Nest, spot: Spot) -> Window:
-    """The contours in question with air around them, in a window of pleasant proportions."""
+    """The contours in question with air around them, in a window of pleasant proportions; less air beyond the sheet."""
     x0, y0, x1, y1 = shapely.GeometryCollection([nest.contour(c).line for c in sorted(spot.contours)]).bounds
     air = 0.25 * max(x1 - x0, y1 - y0)
     left, bottom, right, top = nest.sheet.bounds
-    x0, x1 = max(x0 - air, left - 0.2 * air), min(x1 + air, right + 0.2 * air)
-    y0, y1 = max(y0 - air, bottom - 0.2 * air), min(y1 + air, top + 0.2 * air)
+    less = 0.2 * air  # contours may lie beside the sheet themselves
+    x0, x1 = max(x0 - air, min(x0, left) - less), min(x1 + air, max(x1, right) + less)
+    y0, y1 = max(y0 - air, min(y0, bottom) - less), min(y1 + air, max(y1, top) + less)
     wide, high = x1 - x0, y1 - y0
     x_air, y_air = max(_SPOT_PROPORTION[0] * high - wide, 0) / 2, max(wide / _SPOT_PROPORTION[1] - high, 0) / 2
     return x0 - x_air, y0 - y_air, x1 + x_air, y1 + y_air

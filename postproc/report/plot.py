@@ -50,7 +50,7 @@ def draw(nest: Nest, plan: Plan | None, suffix: str, home: Point = (0.0, 0.0), s
     return _DRAWN[suffix.lower()](make_scene(nest, plan, home, spot), plan)
 
 
-def expect_picture(suffix: str) -> None:
+def expect_picture(suffix: str, file: str | Path | None = None) -> None:
     """Say at once that no picture can be drawn to a file of such a suffix.
 
     Raises
@@ -60,7 +60,9 @@ def expect_picture(suffix: str) -> None:
     """
     if suffix.lower() not in _DRAWN:
         known = ", ".join(_DRAWN)
-        raise InputError(f"cannot draw a picture of type {suffix!r}: the file name must end in one of {known}")
+        raise InputError(
+            f"cannot draw a picture of type {suffix!r}: the file name must end in one of {known}", file=file
+        )
 
 
 def plot(nest: Nest, plan: Plan | None, path: str | Path, home: Point = (0.0, 0.0)) -> None:

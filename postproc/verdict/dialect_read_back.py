@@ -18,7 +18,7 @@ from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.postproc.check.reader.reader import read_nc
 from kerfwise.postproc.dialects import Dialect, fitting_dialect
-from kerfwise.postproc.nc.blocks import comment, number, numbered, path_blocks, rapid_block
+from kerfwise.postproc.nc.blocks import comment, numbered, path_blocks, rapid_block, wait_block
 from kerfwise.rules.options.yaml_positions import place_in, wrong_at
 from kerfwise.rules.profile.dialect_kind import ENDINGS
 from kerfwise.rules.profile.profile import Profile
@@ -69,7 +69,6 @@ def read_back(dialect: Dialect, name: str) -> None:
     ...     read_back(load_dialect(name), name)
     """
     lines = [*_header(dialect), *_run("torch", _CUT, dialect), *_run("mark", _MARK, dialect), *_footer(dialect)]
-    text = "\n".join([*numbered([line.block for line in lines], dialect), ""])
     control = CONTROLS[dialect.control]
 
     def wrong(key: str, what: str) -> InputError:
@@ -77,6 +76,14 @@ def read_back(dialect: Dialect, name: str) -> None:
         told = f"{key}: {what} (the dialect {dialect.name} says that its control is {control.title})"
         return wrong_at(place, told) if place is not None else InputError(f"dialect {name}: {told}")
 
+    blocks: list[str] = []
+    numbers = numbered([line.block for line in lines], dialect)
+    for line in lines:
+        try:
+            blocks.append(next(numbers))
+        except InputError:
+            raise wrong(line.key, f"{line.block[:60]!r}… is longer than max_line, {dialect.max_line}") from None
+    text = "\n".join([*blocks, ""])
     try:
         program = read_nc(text, control=control, home=_HOME)
     except InputError as error:
@@ -95,7 +102,7 @@ def _run(tool: str, path: Curve, dialect: Dialect) -> Iterator[_Line]:
     """Travel to a path, the tool on, a wait, the path, the tool off."""
     yield _Line("rapid", rapid_block(path.point_at(0.0), dialect))
     yield _Line(f"{tool}_on", dialect.torch_on if tool == "torch" else dialect.mark_on)
-    yield _Line("dwell", dialect.dwell.format(seconds=number(_DWELL_S, 3)))
+    yield _Line("dwell", wait_block(_DWELL_S, dialect))
     words = ["line", "arc_ccw", "arc_cw", "line"] if tool == "torch" else ["line"]
     blocks = path_blocks(path, _FEED_MM_S, dialect)
     yield from (_Line(word, block) for word, block in zip(words, blocks, strict=False))

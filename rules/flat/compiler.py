@@ -64,7 +64,7 @@ def compile_model(text: str, about: Path) -> Compiled:
     with tempfile.TemporaryDirectory(prefix="kerfwise-", ignore_cleanup_errors=True) as folder:
         model, flat, solver = (Path(folder, name) for name in ("rule.mzn", "rule.fzn", "kerfwise.msc"))
         model.write_text(text, encoding="utf-8", newline="\n")
-        solver.write_text(json.dumps(_solver()), encoding="utf-8")
+        solver.write_text(json.dumps(_solver()), encoding="utf-8", newline="\n")
         words = ("-c", "--solver", str(solver), "--fzn", str(flat), "--no-output-ozn", str(model))
         ran = run(program, words, LIMIT_S)
         if ran.code is None:

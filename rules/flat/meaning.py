@@ -11,9 +11,9 @@ from .flatzinc import Constraint, FlatZinc, Value
 from .nodes import Lit, Next, Node, all_of, any_of, is_certain, opposite, order, parts, same
 from .numbers import (
     MOST_MS,
-    Choice,
+    ChoiceSum,
+    OwnNumber,
     Sum,
-    Word,
     at_least,
     at_most,
     equal,
@@ -61,9 +61,9 @@ class Words:
             ways: list[dict[Node, int]] = [{} for _ in range(n)]
             for c, contour in enumerate(self.contour_of):
                 ways[contour][Lit(Pick(c))] = c + 1
-            return [Choice(0, own, n=n) for own in ways]
+            return [ChoiceSum(0, own, n=n) for own in ways]
         kind = "cuts" if array == "flat_between" else "ms"
-        return [Sum(0, {}, Word(kind, i, j), 1, n) for i in range(n) for j in range(i + 1, n)]
+        return [Sum(0, {}, OwnNumber(kind, i, j), 1, n) for i in range(n) for j in range(i + 1, n)]
 
 
 BOOLS = ("flat_before", "flat_next", "flat_picked")
@@ -147,7 +147,7 @@ class Meaning:
             values = self._flat.variables[value].values
             if values is not None and (one.word is None or one.word.kind == "cuts"):
                 lowest, highest = (1, self._n) if one.word is None else (0, max(0, self._n - 2))
-                if isinstance(one, Choice) and one.terms:
+                if isinstance(one, ChoiceSum) and one.terms:
                     lowest, highest = min(one.terms.values()), max(one.terms.values())
                 if not all(value in values for value in range(lowest, highest + 1)):
                     self._asked.append(within(one, sorted(v for v in values if lowest <= v <= highest)))

@@ -17,7 +17,7 @@ class TooMuch(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Word:
+class OwnNumber:
     """A number with a word of its own: how many `cuts` or milliseconds (`ms`) lie between contours i and j, i < j."""
 
     kind: str
@@ -31,7 +31,7 @@ class Sum:
 
     const: int = 0
     terms: Mapping[Node, int] = field(default_factory=dict)
-    word: Word | None = None
+    word: OwnNumber | None = None
     times: int = 0
     n: int = 0
 
@@ -160,13 +160,13 @@ def within(one: Sum, values: Sequence[int]) -> Node:
 
 
 @dataclass(frozen=True, slots=True)
-class Choice(Sum):
+class ChoiceSum(Sum):
     """A number by which way a contour is cut: exactly one of the nodes holds, and gives the value."""
 
 
 def _of_choices(one: Sum, fits: Callable[[int], bool]) -> Node | None:
     """Where the number is a choice: one of those nodes holds whose values fit."""
-    if not isinstance(one, Choice):
+    if not isinstance(one, ChoiceSum):
         return None
     return any_of([node for node, value in one.terms.items() if fits(one.const + value)])
 
@@ -179,8 +179,8 @@ def function_of(one: Sum, value_of: Callable[[int], int]) -> Sum:
     TooMuch
         If the number may have too many values.
     """
-    if isinstance(one, Choice):
-        return Choice(0, {node: value_of(one.const + value) for node, value in one.terms.items()}, n=one.n)
+    if isinstance(one, ChoiceSum):
+        return ChoiceSum(0, {node: value_of(one.const + value) for node, value in one.terms.items()}, n=one.n)
     low, high = one.low, one.high
     if high - low > MOST_STEPS:
         raise TooMuch(f"a number with {high - low + 1:,} values in what is no sum")

@@ -24,7 +24,7 @@ from kerfwise.rules.statements import (
 from .nodes import Between, Gate, Lit, Next, Node, Pause, all_of, any_of, gate, literals, opposite, order, parts
 from .numbers import Sum, at_least, at_most, plus, position
 
-Lags = dict[tuple[int, int], tuple[int, int]]
+LagsOfPairs = dict[tuple[int, int], tuple[int, int]]
 """Pair of contours → how many cuts lie between them, and the number of the element that says so."""
 
 
@@ -82,7 +82,7 @@ class Writer:
         for node in further:
             yield from self._of_node(node, None)
 
-    def _lags(self, numbers: Iterable[int], elements: Sequence[Node]) -> tuple[Lags, list[int]]:
+    def _lags(self, numbers: Iterable[int], elements: Sequence[Node]) -> tuple[LagsOfPairs, list[int]]:
         """What elements ask to lie between contours, and the numbers of those left."""
         found: dict[tuple[int, int], dict[int, int]] = defaultdict(dict)
         rest: list[int] = []
@@ -96,7 +96,7 @@ class Writer:
                     asked[node.atom.cuts] = k
             else:
                 rest.append(k)
-        lags: Lags = {}
+        lags: LagsOfPairs = {}
         for pair, asked in found.items():
             most = max(asked)
             if self.in_parts or sorted(asked) == list(range(1, most + 1)):

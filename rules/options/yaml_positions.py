@@ -146,6 +146,10 @@ def plain(node: yaml.Node) -> Any:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or node.start_mark
         raise InputError(f"expected plain data: {error.problem}", line=mark.line + 1, column=mark.column + 1) from None
+    except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
+        # what a tag promises and the text does not keep, a date that there is not, a number of thousands of digits
+        mark, said = node.start_mark, str(error)[:100]
+        raise InputError(f"expected plain data: {said}", line=mark.line + 1, column=mark.column + 1) from None
     finally:
         loader.dispose()
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import yaml
 
+from kerfwise.encoder.contents import is_file
 from kerfwise.rules.options.kind import OptionKind, Unfit
 from kerfwise.rules.options.plain_values import Choice, Text
 from kerfwise.rules.options.quantities import LENGTH
@@ -91,7 +92,7 @@ def _file(entry: yaml.Node, members: KeyedNodes, problems: Problems, what: str) 
     node = next(value for key, _, value in members if key == "file")
     if made.path.suffix != ".mzn":
         problems.add(node, f"{what}.file: expected a MiniZinc file such as plant_rule.mzn, got {made.file!r}")
-    elif not made.path.is_file():
+    elif not is_file(made.path):
         problems.add(node, f"{what}.file: there is no file {str(made.path)!r}")
     return made
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 from importlib import resources
 from pathlib import Path
 from string import Template
 
+from kerfwise.encoder.contents import is_file, is_folder, is_there
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.outside.names import wrong_name
 from kerfwise.rules.registry import RULES
@@ -22,7 +24,7 @@ OF_A_PLANT = {"python": ("outside.py.txt", ".py"), "mzn": ("outside.mzn.txt", ".
 
 def is_checkout(root: Path) -> bool:
     """Whether there are the sources of kerfwise, and not a copy that an installation has made of them."""
-    return (root / "pyproject.toml").is_file() and (root / "rules/catalogue").is_dir()
+    return is_file(root / "pyproject.toml") and is_folder(root / "rules/catalogue")
 
 
 def new_rule(name: str, root: Path) -> tuple[Path, ...]:
@@ -37,15 +39,21 @@ def new_rule(name: str, root: Path) -> tuple[Path, ...]:
     module = name.replace("-", "_")
     paths = {template: root / place.format(module=module) for template, place in FILES.items()}
     for path in paths.values():
-        if not is_checkout(root) or not path.parent.is_dir():
+        if not is_checkout(root) or not is_folder(path.parent):
             raise InputError(
                 f"{root} is no source checkout of kerfwise: say --python or --mzn for a rule of your own in any "
                 "folder, or name the checkout with --into"
             )
-        if path.exists():
+        if is_there(path):
             raise InputError("the file is there already; choose another name, or remove it", file=path)
-    for template, path in paths.items():
-        _write(template, path, name)
+    try:
+        for template, path in paths.items():
+            _write(template, path, name)
+    except OSError as error:
+        for made in paths.values():
+            with contextlib.suppress(OSError):
+                made.unlink()
+        raise InputError(f"cannot write: {error.strerror}", file=path) from None
     return tuple(paths.values())
 
 
@@ -60,13 +68,14 @@ def new_outside_rule(name: str, language: str, folder: Path) -> Path:
     _check_name(name)
     template, ending = OF_A_PLANT[language]
     path = folder / f"{name.replace('-', '_')}{ending}"
-    if path.exists():
+    if is_there(path):
         raise InputError("the file is there already; choose another name, or remove it", file=path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         _write(template, path, name)
-    except OSError as error:
-        raise InputError(f"cannot write here: {error.strerror}", file=path) from None
+    except (OSError, ValueError) as error:  # ValueError: a NUL, or half a character
+        words = error.strerror if isinstance(error, OSError) else error
+        raise InputError(f"cannot write here: {words}", file=path) from None
     return path
 
 

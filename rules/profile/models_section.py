@@ -11,6 +11,7 @@ from typing import Any
 
 import yaml
 
+from kerfwise.encoder.contents import is_file
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
 from kerfwise.rules.options.kind import Unfit
@@ -19,7 +20,7 @@ from kerfwise.rules.options.plain_values import Text
 from kerfwise.rules.options.yaml_positions import Place, Problems, items, wrong_at
 from kerfwise.rules.rule import Rule, RuleSetting
 
-Given = dict[str, Any]
+GivenFiles = dict[str, Any]
 WHAT = "rules in MiniZinc files beside the profile, such as plant/*.mzn; one named as a shipped rule takes its place"
 
 
@@ -31,7 +32,7 @@ class ModelSource:
     place: Place | None = field(default=None, compare=False)
 
 
-def with_model_files(node: yaml.Node, given: Given, problems: Problems) -> Given:
+def with_model_files(node: yaml.Node, given: GivenFiles, problems: Problems) -> GivenFiles:
     """The fields `models`, `further_rules` and `rules` of a profile, with the rules of the files that a node names.
 
     A new rule is hard until `rules` says otherwise; one in the place of a shipped rule has that one's strength. Files
@@ -83,11 +84,14 @@ def _paths(node: yaml.Node, problems: Problems) -> Iterator[tuple[Path, yaml.Nod
             problems.add(entry, f"models: {error}")
             continue
         if glob.has_magic(name):
-            found = sorted(path for path in folder.glob(name) if path.suffix == ".mzn" and path.is_file())
+            try:
+                found = sorted(path for path in folder.glob(name) if path.suffix == ".mzn" and is_file(path))
+            except (OSError, ValueError, NotImplementedError):  # not relative to the folder, or no name at all
+                found = []
             if not found:
                 problems.add(entry, f"models: no MiniZinc file matches {str(folder / name)!r}")
             yield from ((path, entry) for path in found)
-        elif not (folder / name).is_file():
+        elif not is_file(folder / name):
             problems.add(entry, f"models: there is no file {str(folder / name)!r}")
         else:
             yield folder / name, entry

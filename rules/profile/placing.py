@@ -37,7 +37,7 @@ def _far_home(nest: Nest, profile: Profile) -> Iterator[str]:
     if away_mm > longest_mm:
         way_out = "correct machine.home"
         if profile.machine.origin == "drawing":
-            way_out = "--origin sheet-corner (machine.origin) puts its corner at the machine's zero"
+            way_out = "machine.origin: sheet-corner (or --origin sheet-corner) puts its corner at the machine's zero"
         yield (
             f"the sheet is {away_mm:.0f} mm from the machine's home, further than it is long ({longest_mm:.0f} mm): "
             f"the torch travels there and back; {way_out}"
@@ -62,6 +62,7 @@ def _no_edge_starts(nest: Nest, profile: Profile) -> Iterator[str]:
         return
     reach = profile.reach_on(nest)
     if not nest.sheet.stated:
-        yield "no edge starts are offered: nobody has stated where the sheet's edge is (a sheet layer, or --sheet)"
+        stated = "a sheet layer, or --sheet (in Python: sheet_mm=)"
+        yield f"no edge starts are offered: nobody has stated where the sheet's edge is: {stated}"
     elif reach is None or not all(map(math.isfinite, reach)):
         yield "no edge starts are offered: give machine.travel_x and machine.travel_y, how far the torch can go"

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from kerfwise.encoder.candidates.candidate import LEAST_WASTE_MM, LeadOptions
+from kerfwise.encoder.contents import MOST_BYTES_OF_YAML, contents, is_there
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import FactOptions
 from kerfwise.encoder.geometry.segment import Box, Point
@@ -277,6 +278,9 @@ class Profile:
         return self._filled_in(Thresholds())
 
 
+LONGEST_CHAIN = 20
+
+
 def shipped_profiles() -> dict[str, Traversable]:
     """Name → file of the profiles that come with kerfwise, sorted."""
     folder = resources.files(__package__) / "shipped"
@@ -303,7 +307,9 @@ def load_profile(name_or_path: str | Path = DEFAULT, *, trust: bool = False) -> 
 def _load(name: str, folder: Path, chain: tuple[str, ...], trust: bool) -> Profile:
     file, place, content = _content(name, folder)
     if file in chain:
-        raise InputError(f"based_on goes in a circle: {' → '.join((*chain, file))}", file=file)
+        raise InputError(f"it goes in a circle: {' → '.join((*chain, file))}")
+    if len(chain) >= LONGEST_CHAIN:
+        raise InputError(f"more than {LONGEST_CHAIN} profiles are based on each other in a row")
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -351,12 +357,12 @@ def _content(name: str, folder: Path) -> tuple[str, str, bytes]:
         return f"kerfwise/rules/profile/shipped/{name}.yaml", str(shipped[name]), shipped[name].read_bytes()
     path = folder / name
     try:
-        return str(path), str(path), path.read_bytes()
+        return str(path), str(path), contents(path, MOST_BYTES_OF_YAML)
     except ValueError as error:  # a NUL, or half a character
         raise InputError(f"cannot read the profile: no file can have this name ({error})", file=path) from None
     except OSError as error:
         if path.suffix or len(Path(name).parts) > 1:
             raise InputError(f"cannot read the profile: {error.strerror}", file=path) from None
-        beside = path.with_name(f"{path.name}.yaml")
-        hint = f"; there is a file {beside.name}: give its ending too" if beside.exists() else ""
+        beside = Path(f"{path}.yaml")
+        hint = f"; there is a file {beside.name}: give its ending too" if is_there(beside) else ""
         raise InputError(unknown("profile", name, shipped) + hint) from None

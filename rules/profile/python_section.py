@@ -7,6 +7,7 @@ from typing import Any
 
 import yaml
 
+from kerfwise.encoder.contents import is_file
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.options.kind import Unfit
 from kerfwise.rules.options.plain_values import Text
@@ -15,10 +16,10 @@ from kerfwise.rules.outside import PythonFile, is_trusted, refusal, rules_in_fil
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule, RuleSetting
 
-Given = dict[str, Any]
+GivenFiles = dict[str, Any]
 
 
-def with_python_files(node: yaml.Node, given: Given, problems: Problems, trust: bool) -> Given:
+def with_python_files(node: yaml.Node, given: GivenFiles, problems: Problems, trust: bool) -> GivenFiles:
     """The fields `python`, `further_rules` and `rules` of a profile, with the rules of the files that a node names.
 
     A file's rules have the strength that they give themselves. Files of a profile that this one is based on stay.
@@ -58,7 +59,7 @@ def with_python_files(node: yaml.Node, given: Given, problems: Problems, trust: 
 def _rules(file: PythonFile, trust: bool) -> tuple[Rule[Any], ...]:
     if file.path.suffix != ".py":
         raise wrong_at(file.place, f"python: expected a Python file such as my_rule.py, got {file.file!r}")
-    if not file.path.is_file():
+    if not is_file(file.path):
         raise wrong_at(file.place, f"python: there is no file {str(file.path)!r}")
     if not trust and not is_trusted(file.path):
         raise wrong_at(file.place, f"python: {refusal(file.path)}")

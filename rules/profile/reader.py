@@ -94,9 +94,9 @@ def _base(node: yaml.Node, problems: Problems, load_base: Callable[[str], GivenV
     try:
         return load_base(name)
     except InputError as error:
-        if error.file is not None:
+        if error.line is not None:
             raise
-        problems.add(node, f"based_on: {error.message}")
+        problems.add(node, f"based_on: {error}")
         return {}
 
 

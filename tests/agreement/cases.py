@@ -53,7 +53,7 @@ def judged_case(seed: int, slits: bool = False, options: bool = False) -> Case:
     profile = replace(profile, cuts=Cuts("slit" if slits else "refuse"))
     if contours > 7:
         profile = replace(profile, rules=dict(profile.rules) | {rule: _hard(profile, rule) for rule in FIRM})
-    candidates = _thinned(rng, drawn, build_candidates(drawn, lead_options(profile, seed)), ROUTES[contours])
+    candidates = thinned(rng, drawn, build_candidates(drawn, lead_options(profile, seed)), ROUTES[contours])
     facts = compute_facts(drawn, profile.fact_options(drawn), candidates)
     return Case(facts, profile, options_for(drawn, profile, work=40))
 
@@ -67,7 +67,7 @@ def _with_options(seed: int) -> Case:
             candidates = build_candidates(drawn, lead_options(profile, seed))
         except InputError:  # a contour has no room for the leads that were drawn
             continue
-        candidates = _thinned(rng, drawn, candidates, ROUTES[len(drawn.contours)])
+        candidates = thinned(rng, drawn, candidates, ROUTES[len(drawn.contours)])
         heat_kj = contour_heat_kj(drawn, candidates, profile)
         facts = compute_facts(drawn, profile.fact_options(drawn), candidates, heat_kj)
         return Case(facts, profile, options_for(drawn, profile, work=40))
@@ -139,12 +139,10 @@ def _hard(profile: Profile, rule: str) -> RuleSetting:
     return RuleSetting("hard", None, profile.rules[rule].options)
 
 
-def _thinned(
-    rng: np.random.Generator, drawn: Nest, candidates: Sequence[Candidate], most: int
-) -> tuple[Candidate, ...]:
+def thinned(rng: np.random.Generator, drawn: Nest, candidates: Sequence[Candidate], most: int) -> tuple[Candidate, ...]:
     """Some of the candidates of every contour, so that no more than `most` ways are left to pick one of each."""
     kept = [[c for c in candidates if c.contour == i] for i in range(len(drawn.contours))]
-    while prod(len(own) for own in kept) > most:
+    while prod(max(len(own), 1) for own in kept) > most:
         widest = max(range(len(kept)), key=lambda i: (len(kept[i]), rng.random()))
         kept[widest].pop(int(rng.integers(len(kept[widest]))))
     return tuple(c for own in kept for c in own)

@@ -4,17 +4,26 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import inf
+from typing import Any
 
 import numpy as np
 import pytest
 
+from kerfwise.rules.catalogue.heat_lag import HeatLag
+from kerfwise.rules.minizinc.rules.heat_lag import HeatLagTwin
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.agreement.agree import agreement
 from kerfwise.tests.agreement.by_check import Judge
 from kerfwise.tests.agreement.cases import judged_case
 from kerfwise.tests.agreement.engines import gecode
-from kerfwise.tests.agreement.orders import ORDER_RULES, admitted_by_check, admitted_by_statements, only
+from kerfwise.tests.agreement.orders import (
+    ORDER_RULES,
+    admitted_by_check,
+    admitted_by_statements,
+    only,
+    order_disagreements,
+)
 from kerfwise.tests.agreement.trial import Trial
 
 SEEDS = (2, 3, 5, 7, 13, 18, 20)
@@ -24,6 +33,8 @@ ONCE_WRONG = {
     111: "a stricter share leaves a cluster on no frame, which asks less",
 }
 """Seeds of nests on which the two sides once differed, and over what."""
+IGNORED = 0
+"""Seed of a nest with drawn options on which it matters how many cuts heat-lag asks for."""
 SLOW = {2, 3, 5, 9, 13}
 BY_SEED = [pytest.param(k, marks=[pytest.mark.slow] if k in SLOW else []) for k in (*SEEDS, *ONCE_WRONG)]
 
@@ -45,6 +56,41 @@ def test_they_agree_on_nests_with_slits(seed: int) -> None:
     found = agreement(seed, slits=True)
     assert found.outcome in ("solved", "infeasible")
     assert found.differ == ()
+
+
+@pytest.mark.minizinc
+@pytest.mark.parametrize("seed", [0, 2, *(pytest.param(k, marks=pytest.mark.slow) for k in (4, 10))])
+def test_they_agree_whatever_the_options(seed: int) -> None:
+    """Each option of each rule is drawn from what it declares: a new one is drawn by itself."""
+    found = agreement(seed, options=True)
+    assert found.outcome in ("solved", "infeasible")
+    assert found.differ == ()
+
+
+SIDES: dict[str, tuple[type, str]] = {
+    "all engines but MiniZinc": (HeatLag, "statements"),
+    "MiniZinc": (HeatLagTwin, "data"),
+    "the check": (HeatLag, "violations"),
+}
+"""Who may ignore an option → the function of heat-lag that hands its options on."""
+
+
+@pytest.mark.minizinc
+@pytest.mark.parametrize("side", SIDES)
+def test_an_option_that_one_side_ignores_is_noticed(side: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    owner, name = SIDES[side]
+    rightly = getattr(owner, name)
+    case = judged_case(IGNORED, options=True)
+    assert case.profile.rules["heat-lag"].strength != "off"
+    assert case.profile.rules["heat-lag"].options.lag_cuts > 1
+    assert order_disagreements(case.facts.nest, case.profile) == []
+
+    def ignoring(self: object, *given: Any) -> Any:
+        return rightly(self, *given[:-1], replace(given[-1], lag_cuts=1))
+
+    monkeypatch.setattr(owner, name, ignoring)
+    (found,) = order_disagreements(case.facts.nest, case.profile)
+    assert found.startswith("heat-lag admits")
 
 
 def test_the_cases_are_of_every_size_and_every_rule() -> None:

@@ -192,3 +192,23 @@ def test_times_heat_and_facts(result: kerfwise.Result, tmp_path: Path) -> None:
     assert kerfwise.facts(NEST).n == 16
     assert [planned.cut.contour for planned in kerfwise.read_plan(plan).cuts] == order(result)
     assert repr(result) == "<Result: 16 contours, idle 1.873 m, optimal>"
+
+
+def test_a_trade_off_takes_locks_and_goes_on_after_a_stop() -> None:
+    first, *_, last = (c for c in order(kerfwise.solve(NEST, work=1)) if "hole" in c)
+    locked = kerfwise.trade_off(NEST, prices_mm=[0], locks=f"{last} position first", work=1)
+    (trade,) = locked.trades
+    assert trade.lawful
+    assert trade.plan.cuts[0].cut.contour == last != first
+    rest = kerfwise.trade_off(NEST, prices_mm=[0], resume_from=trade.plan, upto=9, work=1)
+    (trade,) = rest.trades
+    assert trade.lawful
+    assert (trade.plan.resumed_after, trade.plan.already_cut[0].cut.contour) == (9, last)
+
+
+def test_a_trade_off_relaxes() -> None:
+    clash = ["part#1.outer position first", "part#3.outer before part#1.outer"]
+    with pytest.raises(kerfwise.RulesConflict):
+        kerfwise.trade_off(NEST, prices_mm=[0], locks=clash, work=1)
+    (trade,) = kerfwise.trade_off(NEST, prices_mm=[0], locks=clash, relax=True, work=2).trades
+    assert trade.lawful

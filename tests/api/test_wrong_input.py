@@ -51,7 +51,7 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
         lambda: kerfwise.solve(PAIR, locks=kerfwise.Lock(contour="P1.outer", before="P1.outer")),
         "P1.outer cannot be cut before itself",
     ),
-    "a stop without a count": (lambda: kerfwise.solve(PAIR, resume_from="old.nc"), "resume_from and upto go together"),
+    "a stop without a count": (lambda: kerfwise.solve(PAIR, resume_from="old.nc"), "in Python: resume_from and upto"),
     "a plan that is not there": (
         lambda: kerfwise.check(PAIR, "old.plan.json"),
         r"^old\.plan\.json: cannot read the plan",

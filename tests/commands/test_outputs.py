@@ -53,7 +53,7 @@ def code_with(out: io.StringIO, err: io.StringIO, *argv: str) -> int:
 
 
 @pytest.mark.parametrize("error", [BrokenPipeError(errno.EPIPE, "Broken pipe"), OSError(errno.ENOSPC, "No space left")])
-@pytest.mark.parametrize("moment", [0, 1, 2])
+@pytest.mark.parametrize("moment", range(12))
 def test_what_is_printed_decides_nothing(moment: int, error: OSError, tmp_path: Path) -> None:
     err = io.StringIO()
     assert code_with(Fails(moment, error), err, *SOLVE) == 0

@@ -88,7 +88,7 @@ def test_every_engine_finds_the_best_of_all_ways_to_go_on(left: Facts, profile: 
 @pytest.mark.scrap("looks at travel alone")
 def test_minizinc_finds_it_too(left: Facts, profile: Profile) -> None:
     ours = produce(ask(left, profile), profile, SolveOptions(work=5.0))
-    twin = produce(ask(left, profile, engine="minizinc"), profile, SolveOptions(work=60.0), engine="minizinc")
+    twin = produce(ask(left, profile), profile, SolveOptions(work=60.0), engine="minizinc")
     assert twin.plan.solve.objective == pytest.approx(ours.plan.solve.objective, abs=0.001)
 
 

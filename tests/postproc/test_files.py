@@ -12,8 +12,9 @@ from pathlib import Path
 
 import pytest
 
+from kerfwise.encoder import swap
 from kerfwise.encoder.errors import InputError
-from kerfwise.postproc import files, swap
+from kerfwise.postproc import files
 from kerfwise.postproc.files import expect_outputs, write_files
 
 NAMES = ("out.nc", "out.plan.json", "out.svg")

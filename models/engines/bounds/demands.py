@@ -67,7 +67,7 @@ class Cover:
     paid: int
 
 
-class Demands:
+class DemandColumns:
     """The columns beside the moves, and what the conditions of a problem ask of them.
 
     `cost` (columns,) is what each costs, µm; all lie between 0 and 1. `pairs` are two contours of two blocks each.

@@ -18,7 +18,7 @@ from kerfwise.arrays import Floats, Ints
 from kerfwise.models.engines.solution import Incumbent, Progress
 from kerfwise.models.problem.problem import Problem
 
-from .demands import Demands
+from .demands import DemandColumns
 from .inequalities import Inequalities, block_inequalities
 from .merged import merged
 from .moves import least_moves
@@ -71,7 +71,7 @@ def flow_bound(problem: Problem, plan: Incumbent, work: float, progress: Progres
     if problem.m > MOST_SITES:
         plan = Incumbent(tuple(int(problem.site_contour[s]) for s in plan.route), plan.cost)
         problem = merged(problem)
-    demands = Demands(problem)
+    demands = DemandColumns(problem)
     separation = Separation(problem, demands)
     blocks = block_inequalities(problem, len(demands.cost))
     flow, best, seen = _Flow(problem, plan, blocks, demands.cost), 0.0, [0.0] * PATIENCE

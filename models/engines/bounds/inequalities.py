@@ -57,7 +57,7 @@ class Inequalities:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Cut:
+class OrderCut:
     """Something goes from `tail` to `head`, each (m + 1,): once at least, or as often as site `through` is used, or
     where `order` holds."""
 
@@ -67,7 +67,7 @@ class Cut:
     order: Order | None = None
 
 
-def of_cuts(cuts: Sequence[Cut], sites: int, columns: int) -> Inequalities:
+def of_cuts(cuts: Sequence[OrderCut], sites: int, columns: int) -> Inequalities:
     """Cuts as inequalities, over so many sites and home, and columns beside the moves."""
     tail, head = (np.array([getattr(cut, name) for cut in cuts], dtype=np.bool_) for name in ("tail", "head"))
     into = np.zeros((len(cuts), sites + 1), dtype=np.bool_)

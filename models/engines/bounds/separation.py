@@ -18,9 +18,9 @@ from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.models.problem.closure import immediate
 from kerfwise.models.problem.problem import Problem
 
-from .demands import Demands, Order
+from .demands import DemandColumns, Order
 from .flow_kernels import flow_up_to
-from .inequalities import Cut, Inequalities, of_covers, of_cuts
+from .inequalities import Inequalities, OrderCut, of_covers, of_cuts
 
 UNIT = 1_000_000
 """Flows are whole millionths."""
@@ -56,7 +56,7 @@ class _Way(NamedTuple):
 class Separation:
     """Looks for inequalities of a problem that a flow breaks, and counts the deterministic seconds spent."""
 
-    def __init__(self, problem: Problem, demands: Demands) -> None:
+    def __init__(self, problem: Problem, demands: DemandColumns) -> None:
         self._problem, self._demands = problem, demands
         self.work = 0.0
 
@@ -66,7 +66,7 @@ class Separation:
         No more are looked for if `go` says no.
         """
         graph = _Graph(self._problem, flow)
-        found: dict[tuple[object, ...], tuple[float, Cut]] = {}
+        found: dict[tuple[object, ...], tuple[float, OrderCut]] = {}
         for way in self._ways(graph.used, beside):
             if not go():
                 break
@@ -122,7 +122,7 @@ class _Graph:
         self.size = int(taken.sum())
         self.used: Floats = np.bincount(flow.reach, flow.amount, problem.m + 1).astype(np.float64)
 
-    def least_cut(self, way: _Way, beside: Floats) -> tuple[float, Cut] | None:
+    def least_cut(self, way: _Way, beside: Floats) -> tuple[float, OrderCut] | None:
         """The least cut on a way, if more than a little is missing of what should go across, and how much."""
         through = way.end_site if way.start_site is None else way.start_site
         need = 1.0 if through is None else float(self.used[through])
@@ -139,7 +139,7 @@ class _Graph:
         amount = need - over / UNIT
         if amount <= LITTLE:
             return None
-        return amount, Cut(*self._sides(side, way, kept[self._owner]), through, way.order)
+        return amount, OrderCut(*self._sides(side, way, kept[self._owner]), through, way.order)
 
     def _sides(self, side: Bools, way: _Way, kept: Bools) -> tuple[Bools, Bools]:
         """All sites that are not barred on either side; those not in use go with the contour's own, or to the end."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 import asyncio
 import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from datetime import timedelta
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from kerfwise.encoder.contents import is_there
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.microns import UM_PER_MM
@@ -29,7 +29,8 @@ from .model_text import model_text
 if TYPE_CHECKING:
     from minizinc import Instance, Solver
 
-Refine = Callable[[tuple[int, ...]], tuple[Statement, ...]]
+    from kerfwise.models.engines.rounds import Refine
+
 NODES_PER_S = 100_000
 """Search nodes that count as a second of deterministic work."""
 MOST_MOVES = 1_000_000
@@ -168,7 +169,7 @@ def clear_errors() -> Iterator[None]:
     except MiniZincError as error:
         place = error.location
         message = f"MiniZinc: {str(error).strip()}"
-        if place is None or place.file is None or not Path(place.file).exists():  # in text that kerfwise wrote itself
+        if place is None or place.file is None or not is_there(place.file):  # in text that kerfwise wrote itself
             raise InputError(message) from None
         raise InputError(message, file=place.file, line=place.lines[0], column=place.columns[0]) from None
     except OSError as error:  # it has gone since it was asked

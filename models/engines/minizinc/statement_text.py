@@ -59,7 +59,7 @@ def conditions(statement: Statement) -> list[str]:
         case Crossing() | IdleTravel():
             raise InputError(
                 f"rule {statement.about.rule} cannot be stated for MiniZinc: turn it off in the profile, "
-                "or use --engine portfolio"
+                "or take another engine, such as portfolio"
             )
         case _:
             assert_never(statement)

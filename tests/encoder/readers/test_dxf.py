@@ -33,8 +33,8 @@ def test_units_can_be_overridden(tmp_path: Path) -> None:
 def test_metres_make_an_implausible_sheet(tmp_path: Path) -> None:
     [said] = texts(read_dxf(tmp_path, one_part, units=6).notes)
     assert (
-        said
-        == "the sheet is 400000 × 300000 mm, too large to be one: if m is the wrong unit, pass --units mm, cm or in"
+        said == "the sheet is 400000 × 300000 mm, too large to be one: if m is the wrong unit, "
+        "pass --units (in Python: units=) mm, cm or in"
     )
 
 

@@ -11,7 +11,8 @@ from kerfwise.tests.encoder.readers.drawings import areas, lines, read_dxf, save
 
 ASKED = (
     "a rectangle of 200 × 200 mm is drawn around everything, at (0.000, 0.000) on layer '0', and no layer says whether "
-    "it is the sheet or a part. Pass --frame sheet or --frame part, or say it in the profile: drawing: {frame: sheet}"
+    "it is the sheet or a part. Pass --frame sheet or --frame part (in Python: frame=), or say it in the profile: "
+    "drawing: {frame: sheet}"
 )
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.errors import REPAIR, InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.encoder.readers.json_schema import validator
@@ -215,7 +215,7 @@ def test_a_ring_of_two_vertices_encloses_nothing(tmp_path: Path) -> None:
     with pytest.raises(InputError) as error:
         read(tmp_path, given)
     assert error.value.details == (
-        "P2.outer encloses no area, at (60.000, 20.000): remove it, or try --repair, which removes it",
+        f"P2.outer encloses no area, at (60.000, 20.000): remove it, or try {REPAIR}, which removes it",
     )
     assert [c.part for c in read(tmp_path, given, repair=True).contours] == ["P1"] * 4
 

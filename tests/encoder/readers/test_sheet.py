@@ -33,7 +33,9 @@ def test_a_drawn_sheet_comes_before_a_given_size_and_says_so() -> None:
     drawn = pieces(square(0, 0, 200), closed=True)
     sheet, notes = choose_sheet(drawn, PARTS, None, ReadOptions(sheet_size_mm=(500, 500)))
     assert (sheet.bounds, sheet.stated) == ((0, 0, 200, 200), True)
-    assert texts(notes) == ["--sheet is not used: the sheet is drawn, at (0.000, 0.000) on layer '0'"]
+    assert texts(notes) == [
+        "--sheet (in Python: sheet_mm) is not used: the sheet is drawn, at (0.000, 0.000) on layer '0'"
+    ]
 
 
 def test_a_given_size_lies_at_the_origin_where_the_parts_are() -> None:

@@ -12,10 +12,18 @@ def test_a_plausible_sheet_raises_no_doubt(size: tuple[float, float]) -> None:
 @pytest.mark.parametrize(
     ("size", "units", "advice"),
     [
-        ((19.9, 5), "mm", "too small to be one: if mm is the wrong unit, pass --units cm, m, in or ft"),
-        ((152_400, 38_100), "in", "too large to be one: if in is the wrong unit, pass --units mm"),
-        ((60_000, 15_000), "cm", "too large to be one: if cm is the wrong unit, pass --units mm"),
-        ((1.5875, 0.3), "px", "too small to be one: if px is the wrong unit, pass --units cm, m, in or ft"),
+        (
+            (19.9, 5),
+            "mm",
+            "too small to be one: if mm is the wrong unit, pass --units (in Python: units=) cm, m, in or ft",
+        ),
+        ((152_400, 38_100), "in", "too large to be one: if in is the wrong unit, pass --units (in Python: units=) mm"),
+        ((60_000, 15_000), "cm", "too large to be one: if cm is the wrong unit, pass --units (in Python: units=) mm"),
+        (
+            (1.5875, 0.3),
+            "px",
+            "too small to be one: if px is the wrong unit, pass --units (in Python: units=) cm, m, in or ft",
+        ),
         ((1e-6, 1e-6), "mm", "too small to be one: if mm is the wrong unit, pass the right units"),
     ],
 )

@@ -3,7 +3,7 @@ import math
 import pytest
 
 from kerfwise.encoder.by_hand import circle, part, rect
-from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.errors import REPAIR, InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Sheet
 from kerfwise.encoder.validate.rings import contour_problems, enclosed, flat, sheet_ring_problems
@@ -40,10 +40,10 @@ def test_each_fault_is_placed_and_says_what_to_do() -> None:
     bow_tie, touching = [(0, 0), (10, 10), (10, 0), (0, 10)], [(0, 0), (9, 0), (9, 9), (4, 0), (0, 9)]
     faulty = part("A", bow_tie, [touching, [(1, 1), (2, 2)]], [[(7, 7), (7, 7)]])
     assert contour_problems(list(faulty)) == {
-        "A.mark1": "A.mark1 has no length, at (7.000, 7.000): remove it, or try --repair, which removes it",
-        "A.hole1": "A.hole1 touches itself at (4.000, 0.000): correct it in CAD, or try --repair",
-        "A.hole2": "A.hole2 encloses no area, at (1.000, 1.000): remove it, or try --repair, which removes it",
-        "A.outer": "A.outer crosses itself at (5.000, 5.000): correct it in CAD, or try --repair",
+        "A.mark1": f"A.mark1 has no length, at (7.000, 7.000): remove it, or try {REPAIR}, which removes it",
+        "A.hole1": f"A.hole1 touches itself at (4.000, 0.000): correct it in CAD, or try {REPAIR}",
+        "A.hole2": f"A.hole2 encloses no area, at (1.000, 1.000): remove it, or try {REPAIR}, which removes it",
+        "A.outer": f"A.outer crosses itself at (5.000, 5.000): correct it in CAD, or try {REPAIR}",
     }
 
 

@@ -109,7 +109,7 @@ MISTAKES = {
     "own_rules:\n  - !odd x": "2:5: own_rules[1]: expected a mapping (key: value), got 'x'",
     "own_rules: heavy": "1:12: own_rules: expected a list, got 'heavy'",
     "based_on: water": f"1:11: based_on: unknown profile 'water': did you mean 'water-jet'? (valid: {SHIPPED})",
-    "based_on: plant.yaml": " based_on goes in a circle: plant.yaml → plant.yaml",
+    "based_on: plant.yaml": "1:11: based_on: it goes in a circle: plant.yaml → plant.yaml",
     "leads: {lead_in: 2, lead_in_min: 3}": "1:34: leads.lead_in_min: 3 mm is more than lead_in, 2 mm",
     "material: {kerf: 4}": f"1:1: rules.pierce.clearance: 1.5 mm {WITHIN}",
     "heat: {material: carbon-stel}": (
@@ -179,3 +179,26 @@ def test_a_file_named_without_its_ending(tmp_path: Path) -> None:
     (tmp_path / "shop.yaml").write_text("name: shop\n")
     (said,) = error_of(tmp_path, "based_on: shop")
     assert said.endswith(f"(valid: {SHIPPED}); there is a file shop.yaml: give its ending too")
+
+
+def test_a_base_that_cannot_be_read_is_told_where_it_is_named(tmp_path: Path) -> None:
+    for base, said in (
+        ("nowhere.yaml", "cannot read the profile: No such file"),
+        ("n" * 300, "unknown profile"),
+        ("n" * 300 + ".yaml", "cannot read the profile: File name too long"),
+        ("/", "unknown profile"),
+        ("near.yaml", "it goes in a circle"),
+    ):
+        (tmp_path / "near.yaml").write_text("based_on: plant.yaml")
+        place = "near.yaml" if base == "near.yaml" else "plant.yaml"
+        (line, *_) = error_of(tmp_path, f"based_on: {base}")
+        assert line.startswith(f"{place}:1:11: based_on: "), line
+        assert said in line
+
+
+def test_a_chain_without_end(tmp_path: Path) -> None:
+    for k in range(40):
+        (tmp_path / f"p{k}.yaml").write_text(f"based_on: p{k + 1}.yaml")
+    (line, *_) = error_of(tmp_path, "based_on: p0.yaml")
+    assert "more than 20 profiles are based on each other in a row" in line
+    assert line.startswith("p18.yaml:1:11: ")

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from kerfwise.arrays import Floats
 from kerfwise.models.engines.bounds import flow, flow_bound
-from kerfwise.models.engines.bounds.demands import Demands
+from kerfwise.models.engines.bounds.demands import DemandColumns
 from kerfwise.models.engines.bounds.inequalities import block_inequalities
 from kerfwise.models.engines.bounds.separation import Flow, Separation
 from kerfwise.models.engines.solution import Incumbent
@@ -57,7 +57,7 @@ def test_no_plan_costs_less_where_moves_cost_what_they_will(tiny: Problem, seed:
 def test_cuts_hold_for_every_plan(tiny: Problem, seed: int) -> None:
     leave, reach = (ends.ravel() for ends in np.indices((tiny.m + 1, tiny.m + 1)))
     random = np.random.default_rng(seed)
-    amount, demands = random.random(len(leave)) / tiny.m, Demands(tiny)
+    amount, demands = random.random(len(leave)) / tiny.m, DemandColumns(tiny)
     beside = random.random(len(demands.cost))
     found = Separation(tiny, demands).broken(Flow(leave, reach, amount), beside)
     for cuts in (block_inequalities(tiny, len(beside)), found):
@@ -67,7 +67,7 @@ def test_cuts_hold_for_every_plan(tiny: Problem, seed: int) -> None:
             assert (made + cuts.beside @ columns_of(tiny, demands, route) >= cuts.least).all()
 
 
-def columns_of(tiny: Problem, demands: Demands, route: tuple[int, ...]) -> Floats:
+def columns_of(tiny: Problem, demands: DemandColumns, route: tuple[int, ...]) -> Floats:
     """What a route makes of the columns beside the moves: the orders of its pairs, and all that can be paid, paid."""
     at = {int(tiny.site_contour[site]): k for k, site in enumerate(route)}
     columns = np.ones(len(demands.cost))
@@ -81,7 +81,7 @@ def columns_of(tiny: Problem, demands: Demands, route: tuple[int, ...]) -> Float
 @given(problems(contours=5))
 def test_what_a_route_pays_beside_its_moves_is_no_more_than_its_conditions_cost(tiny: Problem) -> None:
     """Where a column to pay with is left at 0, a cover of a route that meets the conditions still holds."""
-    demands = Demands(tiny)
+    demands = DemandColumns(tiny)
     pairs = len(demands.pairs)
     for route in list(lawful(tiny))[:20]:
         columns = columns_of(tiny, demands, route)

@@ -3,7 +3,8 @@
 A set of files cannot be renamed in one step, so whoever is killed between two of them would leave a program of one
 generation beside a plan of another. Here a list of the moves is written first, beside the files; from then on whoever
 comes by brings it to the end: a process of its own, which a kill of the command does not reach, the command itself, and
-else the next command that writes there. The list is also what keeps two commands from moving at once.
+else the next command that reads or writes there. The list is also what keeps two commands from moving at once. Where
+the files lie in several folders, each has the list.
 
 This file is run as a program by that process, without the rest of kerfwise: it imports nothing of it.
 """
@@ -11,6 +12,7 @@ This file is run as a program by that process, without the rest of kerfwise: it 
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
 import os
 import subprocess
@@ -18,6 +20,8 @@ import sys
 import time
 from collections.abc import Iterable, Sequence
 
+BESIDE = ".kerfwise-"
+"""What the name of a new content begins with, beside its place."""
 LIST = ".kerfwise-moves.json"
 PATIENCE_S = 10.0
 """How long another's list may stand before it is taken over: moving takes milliseconds."""
@@ -25,6 +29,16 @@ HELPER_S = 10.0
 
 FileMove = tuple[str, str, "str | None"]
 """The new content beside its place, the place, and a second name of what stands there now (None where nothing does)."""
+
+
+_KILLED = (
+    "a command was killed while it put this file and others in their places, and they cannot be put right: read one of "
+    "them as a user who may write there"
+)
+
+
+class Unsettled(OSError):
+    """What a killed command has begun cannot be brought to its end: files are of two generations."""
 
 
 def swap(moves: Sequence[FileMove]) -> None:
@@ -39,10 +53,17 @@ def swap(moves: Sequence[FileMove]) -> None:
         os.replace(*moves[0][:2])
         sync_folders(moves)
         return
-    path = os.path.join(os.path.dirname(os.path.abspath(moves[0][1])), LIST)
-    write_list(path, moves)
+    lists = sorted({os.path.join(os.path.dirname(os.path.abspath(place)), LIST) for _, place, _ in moves})
+    written: list[str] = []
     try:
-        if not _helped(path):
+        for path in lists:  # in one order for all commands, so that no two wait for each other
+            write_list(path, moves)
+            written.append(path)
+    except BaseException:
+        remove(written)
+        raise
+    try:
+        if not _helped(lists[0]):
             make(moves)
     except OSError:
         undo(moves)
@@ -51,7 +72,28 @@ def swap(moves: Sequence[FileMove]) -> None:
         make(moves)
         raise
     finally:
-        remove([path, *(before for _, _, before in moves)])
+        remove([*lists, *(before for _, _, before in moves)])
+
+
+def settle(place: str) -> None:
+    """Before a file is read: wait for a command that is just moving there, or bring to its end what a killed one began.
+
+    Raises
+    ------
+    Unsettled
+        If that cannot be done, and the file is one of those.
+    """
+    path = os.path.join(os.path.dirname(os.path.abspath(place)), LIST)
+    since_s = time.monotonic()
+    while os.path.lexists(path) and _age_s(path) <= PATIENCE_S and time.monotonic() - since_s <= PATIENCE_S:
+        time.sleep(0.01)
+    if not os.path.lexists(path):
+        return
+    try:
+        take_over(path)
+    except OSError as error:
+        if _is_listed(place, path):
+            raise Unsettled(f"{_KILLED} ({error.strerror})") from None
 
 
 def write_list(path: str, moves: Sequence[FileMove]) -> None:
@@ -70,6 +112,8 @@ def write_list(path: str, moves: Sequence[FileMove]) -> None:
         except FileExistsError:
             if time.monotonic() - since_s > PATIENCE_S or _age_s(path) > PATIENCE_S:
                 take_over(path)
+                if os.path.lexists(path):
+                    raise FileExistsError(errno.EEXIST, "this is in the way, and cannot be removed", path) from None
             time.sleep(0.01)
     try:
         with os.fdopen(handle, "w", encoding="utf-8", errors="surrogateescape", newline="\n") as file:
@@ -81,6 +125,13 @@ def write_list(path: str, moves: Sequence[FileMove]) -> None:
         remove([path])
         raise
     sync_folders(moves)
+
+
+def _is_listed(place: str, path: str) -> bool:
+    try:
+        return os.path.abspath(place) in (there for _, there, _ in read_list(path))
+    except (OSError, ValueError):
+        return False
 
 
 def take_over(path: str) -> None:
@@ -111,7 +162,22 @@ def read_list(path: str) -> list[FileMove]:
         text = file.read()
     if not text.endswith("\n"):
         raise ValueError("the list is not whole")
-    return [(new, place, before) for new, place, before in json.loads(text)]
+    rows = json.loads(text)
+    if not (isinstance(rows, list) and all(map(_is_own, rows))):
+        raise ValueError("the list is not of kerfwise")
+    return [(new, place, before) for new, place, before in rows]
+
+
+def _is_own(row: object) -> bool:
+    """Whether a move is one that kerfwise writes down: to a place in the same folder. Lists are found, not given."""
+    if not (isinstance(row, list) and len(row) == 3 and isinstance(row[1], str) and isinstance(row[0], str)):
+        return False
+    folder = os.path.dirname(row[1])
+    return all(
+        isinstance(name, str) and os.path.dirname(name) == folder and os.path.basename(name).startswith(BESIDE)
+        for name in (row[0], row[2])
+        if name is not None
+    )
 
 
 def make(moves: Sequence[FileMove]) -> None:
