@@ -39,7 +39,14 @@ def test_a_rule_in_python(tmp_path: Path) -> None:
     assert "Strip.outer is long" in why
 
 
-@pytest.mark.parametrize("name", ["own-rules.md", "writing-a-rule.md"])
+@pytest.mark.slow
+@pytest.mark.minizinc
+def test_a_rule_in_minizinc(tmp_path: Path) -> None:
+    follow(page("model-files.md"), tmp_path)
+    assert order(tmp_path)[-1] == "Strip.outer"
+
+
+@pytest.mark.parametrize("name", ["own-rules.md", "model-files.md", "writing-a-rule.md"])
 def test_a_page_begins_with_installing(name: str) -> None:
     commands = [step.words for step in steps(page(name)) if isinstance(step, Command)]
     assert commands[0] == f"{INSTALLING}../kerfwise"
