@@ -26,9 +26,11 @@ class FactOptions:
     `start_side` fixes the side ("auto" decides it). `zone_respects` names the order facts that no zone may
     contradict; `zone_pairs` adds pairs of contour ids (before, after), as locks do; `zone_fixed` puts a part
     (by id) in a zone whatever the geometry says; what must go before it is brought forward with it. `zone_places` puts
-    a part in the zone that has this position of the order, counted from 1 over all contours. `zone_heat_kj` is how
-    much heat may go into a zone, None for any. `kerf_mm` is what a cut burns away; `splash_mm` the metal between a
-    pierced hole and the kerf of an older cut, None where nobody asks what meets older kerfs.
+    a part in the zone that has this position of the order, counted from 1 over all contours. `zone_contours` is
+    how many contours a zone has, about, None for as many as a proof bears; `parts_in_one_go` says that the contours of
+    a part follow each other. `zone_heat_kj` is how much heat may go into a zone, None for any. `kerf_mm` is what a cut
+    burns away; `splash_mm` the metal between a pierced hole and the kerf of an older cut, None where nobody asks what
+    meets older kerfs.
     """
 
     web_mm: float = 25.0
@@ -36,7 +38,8 @@ class FactOptions:
     long_ratio: float = 4.0
     offcut_share: float = 0.15
     start_side: Side | Literal["auto"] = "auto"
-    zone_contours: int = 12
+    zone_contours: int | None = None
+    parts_in_one_go: bool = True
     square_ratio: float = 1.25
     zone_heat_kj: float | None = None
     zone_respects: frozenset[OrderFact] = frozenset(get_args(OrderFact))

@@ -43,8 +43,7 @@ def blocks_of(
         If `zone_pairs` name an unknown contour.
     """
     tops, of = np.unique(outermost_of(parent), return_inverse=True)
-    locked = np.array([[_contour(nest, a), _contour(nest, b)] for a, b in options.zone_pairs], dtype=np.int64)
-    before, after = of[np.concatenate([respected, locked.reshape(-1, 2)])].T
+    before, after = of[np.concatenate([respected, locked_pairs(nest, options)])].T
     return Blocks(
         of,
         np.bincount(of[~outlines.is_mark], minlength=len(tops)),
@@ -53,6 +52,18 @@ def blocks_of(
         outlines.bounds_mm[tops],
         np.column_stack([before, after])[before != after],
     )
+
+
+def locked_pairs(nest: Nest, options: FactOptions) -> Ints:
+    """The pairs (before, after) of contours that `zone_pairs` name, (k, 2).
+
+    Raises
+    ------
+    InputError
+        If they name an unknown contour.
+    """
+    pairs = [[_contour(nest, a), _contour(nest, b)] for a, b in options.zone_pairs]
+    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
 def _contour(nest: Nest, contour_id: str) -> int:

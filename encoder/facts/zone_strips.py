@@ -18,8 +18,8 @@ _GAP_MM = 2 * ROUNDING_MM
 """Gaps between two lines of parts that differ by less are equal: either line may be off by rounding."""
 
 
-def strips_of(blocks: Blocks, start_side: Side, options: FactOptions) -> list[Ints]:
-    """The blocks of each strip, those at the side that it comes off first."""
+def strips_of(blocks: Blocks, start_side: Side, options: FactOptions, size: int) -> list[Ints]:
+    """The blocks of each strip of about `size` contours, those at the side that it comes off first."""
     count = len(blocks.contours)
     across: tuple[Side, Side] = ("bottom", "top") if AXIS[start_side] == 0 else ("left", "right")
     sides: tuple[Side, ...] = (start_side, *across)  # the side opposite the start stays to the end
@@ -32,7 +32,7 @@ def strips_of(blocks: Blocks, start_side: Side, options: FactOptions) -> list[In
         choices = []
         for side in sides if square else sides[:1]:
             remaining = order[side][left[order[side]]]
-            strip = _strip(remaining, depth[side], blocks, options)
+            strip = _strip(remaining, depth[side], blocks, options.zone_heat_kj, size)
             remains = left.copy()
             remains[strip] = False
             ahead = before[laid_out(first[strip], first[strip + 1] - first[strip])]
@@ -61,7 +61,7 @@ def _in_lines(depth_mm: Floats) -> Floats:
     return in_lines
 
 
-def _strip(order: Ints, place: Floats, blocks: Blocks, options: FactOptions) -> Ints:
+def _strip(order: Ints, place: Floats, blocks: Blocks, budget_kj: float | None, about: int) -> Ints:
     """The first blocks in order with about as many contours as asked; all of them when too few would be left over.
 
     It ends before its heat passes the budget. Of the strips that miss the number by a quarter at most (fewer, where the
@@ -69,7 +69,6 @@ def _strip(order: Ints, place: Floats, blocks: Blocks, options: FactOptions) -> 
     column of parts stays whole; where none does, the one that comes closest. Of gaps that are equal, all but rounding,
     the one is taken that comes closest to the number, then the first.
     """
-    about, budget_kj = options.zone_contours, options.zone_heat_kj
     room = len(order) if budget_kj is None else fitting(blocks.heat_kj[order], budget_kj)
     if room == len(order) and blocks.contours[order].sum() < 1.5 * about:
         return order

@@ -4,7 +4,8 @@ Petunin 2009, fig. 4: what remains uncut after each zone should come as close to
 of about `zone_contours` contours are taken off the bounding rectangle of the parts that remain: off the start side
 at first and while the rectangle's sides differ by more than `square_ratio`, then off whichever admissible side leaves
 it most square. Then zones are raised until no respected order points backwards. Where a budget of heat is given, strips
-end before they pass it, and what raising makes too hot is divided again.
+end before they pass it, and what raising makes too hot is divided again. Where
+no number is given, zones are as large as a proof bears.
 """
 
 from __future__ import annotations
@@ -20,9 +21,16 @@ from kerfwise.encoder.nest import Nest
 
 from .facts import FactOptions
 from .outlines import Outlines
-from .zone_blocks import blocks_of
+from .zone_blocks import Blocks, blocks_of, locked_pairs
 from .zone_heat import divided
+from .zone_sets import Units, sets_of_zones, units_of
 from .zone_strips import strips_of
+
+SIZES = (12, 16, 20, 25, 30, 40, 50, 60)
+"""Contours in a zone, about, where a profile says no number: the largest that a proof bears. Small zones make long
+ways, large ones many sets."""
+MOST_SETS, MOST_OF_ONE = 5_000_000, 1_000_000
+"""Sets of contours that may be out, of all zones together and of one: a proof takes a few seconds, and under 1 GB."""
 
 
 def zones_of(
@@ -49,7 +57,38 @@ def zones_of(
     if not outlines.n:
         return np.empty(0, dtype=np.int64)
     blocks = blocks_of(nest, outlines, parent, respected, options, heat_kj)
-    strips, pairs = strips_of(blocks, start_side, options), blocks.pairs
+    if options.zone_contours is None and not options.zone_fixed:
+        orders = np.concatenate([respected, locked_pairs(nest, options)])
+        units = units_of(outlines.own_outer, outlines.is_mark, orders, options.parts_in_one_go)
+        zone, pairs = _as_large_as_a_proof_bears(blocks, units, start_side, options)
+    else:
+        zone, pairs = _divided(blocks, start_side, options, options.zone_contours or SIZES[0])
+    placed = _placed(nest, blocks.of, options)
+    first, last = ([block for block, position in placed.items() if position == end] for end in (1, outlines.n))
+    pairs = pairs[~np.isin(pairs[:, 1], first) & ~np.isin(pairs[:, 0], last)]  # nothing goes before the first of all
+    cut_by = np.cumsum(np.bincount(zone[blocks.of]))  # how many contours there are up to every zone, from zone 0 on
+    reached = {block: int(np.searchsorted(cut_by, position)) for block, position in placed.items()}
+    return _closed_up(_with_fixed(zone, pairs, reached | _fixed(nest, blocks.of, options)))[blocks.of]
+
+
+def _as_large_as_a_proof_bears(
+    blocks: Blocks, units: Units, start_side: Side, options: FactOptions
+) -> tuple[Ints, Ints]:
+    """As `_divided`, with the largest number of contours a zone whose sets are few enough."""
+    best = _divided(blocks, start_side, options, SIZES[0])
+    for size in SIZES[1:]:
+        if best[0].max() == 1:
+            break
+        larger = _divided(blocks, start_side, options, size)
+        if sets_of_zones(larger[0][blocks.of], units, MOST_SETS, MOST_OF_ONE) > MOST_SETS:
+            break
+        best = larger
+    return best
+
+
+def _divided(blocks: Blocks, start_side: Side, options: FactOptions, size: int) -> tuple[Ints, Ints]:
+    """The zone of every block, of about so many contours each, and the pairs that zones respect."""
+    strips, pairs = strips_of(blocks, start_side, options, size), blocks.pairs
     zone, rank = np.empty((2, len(blocks.contours)), dtype=np.int64)
     in_turn = np.concatenate(strips)
     zone[in_turn] = np.repeat(np.arange(len(strips)), [len(strip) for strip in strips])
@@ -58,12 +97,7 @@ def zones_of(
     if options.zone_heat_kj is not None:
         zone = _closed_up(divided(zone, rank, blocks, options.zone_heat_kj))
         pairs = pairs[zone[pairs[:, 0]] <= zone[pairs[:, 1]]]  # without circles that were too hot for one zone
-    placed = _placed(nest, blocks.of, options)
-    first, last = ([block for block, position in placed.items() if position == end] for end in (1, outlines.n))
-    pairs = pairs[~np.isin(pairs[:, 1], first) & ~np.isin(pairs[:, 0], last)]  # nothing goes before the first of all
-    cut_by = np.cumsum(np.bincount(zone[blocks.of]))  # how many contours there are up to every zone, from zone 0 on
-    reached = {block: int(np.searchsorted(cut_by, position)) for block, position in placed.items()}
-    return _closed_up(_with_fixed(zone, pairs, reached | _fixed(nest, blocks.of, options)))[blocks.of]
+    return zone, pairs
 
 
 def _fixed(nest: Nest, block_of: Ints, options: FactOptions) -> dict[int, int]:

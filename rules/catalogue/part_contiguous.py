@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
@@ -12,13 +12,13 @@ from kerfwise.encoder.nest import Contour, Nest, Part
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.plain_values import Choice
 from kerfwise.rules.plant import Plant
-from kerfwise.rules.rule import Ids, Rule, RuleSetting, Violation
+from kerfwise.rules.rule import Ids, Rule, RuleSetting, Strength, Violation
 from kerfwise.rules.statements import Contiguous, Precede
 
 from .marks_first import MarksFirst, MarksFirstOptions
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import FactOptions, Facts
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +75,9 @@ class PartContiguous(Rule[PartContiguousOptions]):
                 reason = f"{part.outer.id} is the last cut of {part.id}"
                 about = self.about((contour.id, part.outer.id), f"{contour.id} is cut before {part.outer.id}: {reason}")
                 yield Precede(index[contour.id], index[part.outer.id], about)
+
+    def fact_options(self, given: FactOptions, options: PartContiguousOptions, strength: Strength) -> FactOptions:
+        return replace(given, parts_in_one_go=strength == "hard")
 
     def check_with(
         self, options: PartContiguousOptions, plant: Plant, rules: Mapping[str, RuleSetting]

@@ -27,8 +27,12 @@ if TYPE_CHECKING:
 class ZoneOrderOptions:
     """How the sheet is divided into zones; the last two are `heat.absorbed_power_w` and the profile's locks."""
 
-    zone_contours: int = field(
-        default=12, metadata=option(Number(1, whole=True), "contours in a zone, about, marks aside")
+    zone_contours: int | None = field(
+        default=None,
+        metadata=option(
+            OrWord(Number(1, whole=True), "auto"),
+            "contours in a zone, about, marks aside (auto: as many as a proof bears)",
+        ),
     )
     square_ratio: float = field(
         default=1.25,
@@ -53,6 +57,10 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
     hole and outer contour of a zone is cut before any of the next. A host and what it contains share a zone; no zone
     goes against the order rules. Marks do not count towards `zone_contours` and have no zone order: they neither free
     metal nor heat it.
+
+    Small zones make long ways. With `zone_contours: auto` zones are as large as a proof of the best plan bears, from
+    about 12 contours to about 60: as long as the sets of contours that may be out while a zone is cut are few enough.
+    The nest and the rules alone decide on that. Where locks put parts in zones, these have about 12 contours.
 
     With `zone_heat`, a strip ends before the heat of its contours passes that budget: `heat.absorbed_power_w` for as
     long as the torch is on, piercing included, at the feeds that the section `time` names. What the order rules then

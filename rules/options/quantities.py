@@ -12,6 +12,7 @@ from typing import Any
 import yaml
 
 from .kind import NUMBER, OptionKind, Unfit, digits, scalar_text
+from .plain_values import Number
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,9 +114,9 @@ def over_zero(quantity: Quantity) -> Quantity:
 
 @dataclass(frozen=True, slots=True)
 class OrWord(OptionKind):
-    """A quantity, or the word that stands for None: what the profile says elsewhere."""
+    """A quantity, a number, or the word that stands for None: said elsewhere, or worked out."""
 
-    quantity: Quantity
+    quantity: Quantity | Number
     none: str
 
     def read(self, node: yaml.Node) -> float | None:
@@ -125,7 +126,8 @@ class OrWord(OptionKind):
         return self.none if value is None else self.quantity.write(value)
 
     def schema(self) -> dict[str, Any]:
-        return {"anyOf": [{"const": self.none}, *self.quantity.schema()["anyOf"]]}
+        other = self.quantity.schema()
+        return {"anyOf": [{"const": self.none}, *other.get("anyOf", [other])]}
 
     def expected(self) -> str:
         return f"{self.quantity.expected()}, or {self.none!r}"

@@ -1,0 +1,60 @@
+"""The sets that can be out while zones are cut, against a count of all sets."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kerfwise.encoder.facts.zone_sets import MOST_UNITS, sets_of_zones, sets_within, units_of
+
+
+def lawful_sets(part: list[int], pairs: list[tuple[int, int]]) -> int:
+    """Sets of contours of parts, each cut in one go with its outer contour (its last number) at the end."""
+    outer = {p: max(k for k, q in enumerate(part) if q == p) for p in part}
+    count = 0
+    for chosen in product((False, True), repeat=len(part)):
+        out = {k for k, there in enumerate(chosen) if there}
+        begun = {p for p in outer if any(part[k] == p for k in out) and outer[p] not in out}
+        whole = all(part[k] != p or k in out for p in outer if outer[p] in out for k in range(len(part)))
+        ahead = all(outer[part[a]] in out for a, b in pairs if part[b] in {part[k] for k in out})
+        count += whole and ahead and len(begun) <= 1
+    return count
+
+
+@settings(max_examples=80, deadline=None)
+@given(st.lists(st.integers(0, 3), min_size=1, max_size=9), st.integers(0, 2**32 - 1))
+def test_as_many_as_a_count_of_all_sets(parts: list[int], seed: int) -> None:
+    part = sorted(parts)
+    random = np.random.default_rng(seed)
+    pairs = [(a, b) for a in range(len(part)) for b in range(len(part)) if part[a] < part[b] and random.random() < 0.15]
+    units = units_of(np.array(part), np.zeros(len(part), bool), np.array(pairs, dtype=np.int64).reshape(-1, 2), True)
+    assert sets_within(np.arange(len(units.inner)), units, 1e6) == lawful_sets(part, pairs)
+
+
+def test_orders_that_go_round_in_a_circle_are_none() -> None:
+    pairs = np.array([[0, 1], [1, 0], [1, 2]])
+    units = units_of(np.arange(3), np.zeros(3, bool), pairs, True)
+    assert sets_within(np.arange(3), units, 100.0) == 6  # {}, 0, 1, 01, 12, 012
+
+
+def test_more_than_a_word_holds_in_one_piece_is_too_much() -> None:
+    count = MOST_UNITS + 1
+    chain = np.stack([np.zeros(count - 1, dtype=np.int64), np.arange(1, count)], axis=1)
+    units = units_of(np.arange(count), np.zeros(count, bool), chain, True)
+    assert sets_within(np.arange(count), units, 1e9) == float("inf")
+
+
+@pytest.mark.parametrize(("most", "most_of_one"), [(5.0, 100.0), (100.0, 3.0)])
+def test_too_many_are_told(most: float, most_of_one: float) -> None:
+    units = units_of(np.arange(4), np.zeros(4, bool), np.empty((0, 2), dtype=np.int64), True)
+    assert sets_of_zones(np.array([1, 1, 2, 2]), units, 8.0, 4.0) == 8.0
+    assert sets_of_zones(np.array([1, 1, 2, 2]), units, most, most_of_one) == float("inf")
+
+
+def test_marks_are_in_no_set() -> None:
+    units = units_of(np.array([0, 0]), np.array([True, False]), np.array([[0, 1]]), True)
+    assert sets_within(np.array([0]), units, 100.0) == 2.0
