@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from kerfwise.arrays import Ints
+from kerfwise.arrays import Floats, Ints
 
 MOST_UNITS = 63
 """Units in a zone that a machine word holds one bit each."""
@@ -90,7 +90,7 @@ def sets_within(members: Ints, units: Units, most: float) -> float:
     count, part = connected_components(links, directed=False)
     whole, begun = 1.0, 0.0  # sets of whole units, and those in which one more is begun
     with np.errstate(over="ignore"):
-        half_done = 2.0 ** units.inner[members] - 1
+        half_done: Floats = np.exp2(units.inner[members].astype(np.float64)) - 1
     for k in range(count):
         own = np.flatnonzero(part == k)
         place = np.full(len(members), -1, dtype=np.int64)
@@ -104,7 +104,7 @@ def sets_within(members: Ints, units: Units, most: float) -> float:
     return whole + begun
 
 
-def _ideals(size: int, pairs: Ints, half_done: NDArray[np.float64], most: float) -> tuple[float, float]:
+def _ideals(size: int, pairs: Ints, half_done: Floats, most: float) -> tuple[float, float]:
     """Sets that have with every unit all that comes before it, and such with one more unit begun; both may end early,
     over `most`."""
     if size > MOST_UNITS:
