@@ -109,7 +109,7 @@ def _own(file: Path) -> bool:
     return not file.exists() or file.name == "rule.mzn" or file.resolve().is_relative_to(HERE)
 
 
-_ENGINES_OWN = ("stop", "leg", "cut_at", "travel", "idle_travel", "begin_ms", "end_ms", "cut_ms", "move_ms", "reach")
+_ENGINES_OWN = ("stop", "STOP", "leg", "cut_at", "travel", "idle_travel", "begin_ms", "end_ms", "cut_ms", "move_ms")
 
 
 def _hint(told: str) -> str:
