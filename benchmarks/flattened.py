@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from itertools import product
 from pathlib import Path
+from typing import assert_never
 
 from kerfwise import read_nest
 from kerfwise.encoder.errors import InputError
@@ -22,7 +23,19 @@ from kerfwise.rules.flat.nodes import Gate, Lit, Node, any_of, gate, holds_under
 from kerfwise.rules.minizinc.twin import rule_file
 from kerfwise.rules.profile.profile import load_profile
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.statements import AtLeast, Before, Contiguous, Forbid, Lag, Pick, Precede, Statement
+from kerfwise.rules.statements import (
+    AtLeast,
+    Before,
+    Contiguous,
+    Crossing,
+    Forbid,
+    IdleTravel,
+    Lag,
+    NoGood,
+    Pick,
+    Precede,
+    Statement,
+)
 
 NESTS = ("e1x_6.dxf", "s8877.dxf", "plate40.json")
 MOST_TRIED = 10
@@ -48,8 +61,10 @@ def said(statement: Statement) -> object:
             return ("run", frozenset(contours), statement.weight)
         case Lag(first, second):
             return ("lag", min(first, second), max(first, second), statement.cuts, statement.seconds, statement.weight)
-        case _:
+        case NoGood() | Crossing() | IdleTravel():
             return statement
+        case _:
+            assert_never(statement)
     return (_truth(node), statement.weight)
 
 

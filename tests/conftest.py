@@ -40,6 +40,11 @@ def pytest_xdist_setupnodes() -> None:
     subprocess.run([sys.executable, "-m", "kerfwise.tests.tools.kernels"], cwd=ROOT.parent, check=False)
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """What installs and compiles in an empty environment takes minutes in one process: it is begun first."""
+    items.sort(key=lambda item: item.path.name != "test_installing.py")
+
+
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """A test whose program is missing fails, in one line that says how to get it."""
     for marker, without in WITHOUT.items():

@@ -51,4 +51,4 @@ say "docs site, every link checked"
 NO_MKDOCS_2_WARNING=1 .venv/bin/mkdocs build # not --quiet: it would hide warnings, and pass in spite of them
 
 say "tests"
-exec .venv/bin/pytest -q -n 2 --dist loadfile "$@"
+exec .venv/bin/pytest -q -n 2 --dist loadfile --no-loadscope-reorder "$@"

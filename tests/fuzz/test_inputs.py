@@ -149,7 +149,8 @@ def test_a_case_that_hangs_or_dies_ends_the_process_and_no_more(
     os.mkfifo(waits)
     one = Worker()
     try:
-        monkeypatch.setattr(workers, "MOST_S", 1.0)
+        one.ask(PLAIN)  # all is loaded: what takes long now is the case
+        monkeypatch.setattr(workers, "MOST_S", 3.0)
         hanging = one.ask(replace(PLAIN, words=(*PLAIN.words, "-p", str(waits))))
         assert hanging.findings[0].startswith("hang: ")
         assert "encoder/contents.py" in hanging.findings[0]

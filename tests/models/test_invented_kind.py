@@ -13,6 +13,7 @@ from typing import Any, get_args
 import pytest
 
 import kerfwise
+from kerfwise.benchmarks.flattened import said
 from kerfwise.jobs.strategies import solve_by
 from kerfwise.models.engines.minizinc.asked import asked
 from kerfwise.models.engines.minizinc.data import data_text
@@ -133,6 +134,7 @@ REFUSES: dict[str, list[Refuses]] = {
     "models/engines/minizinc/asked.py": [lambda _: asked(PROFILE, STATED)],
     "models/engines/minizinc/data.py": [lambda _: data_text(FACTS, PROFILE, STATED, OPTIONS, clock=False)],
     "models/engines/minizinc/statement_text.py": [lambda _: conditions(INVENTED)],
+    "benchmarks/flattened.py": [lambda _: said(INVENTED)],
     "jobs/strategies.py": [lambda _: solve_by("random", FACTS, PROFILE, (INVENTED,), OPTIONS)],
 }
 """File → what is called there with the invented statement."""

@@ -104,7 +104,7 @@ def test_a_far_home_is_told() -> None:
     (text,) = placing_notes(FAR, Profile("shop"))
     assert text == (
         "the sheet is 3000 mm from the machine's home, further than it is long (100 mm): the torch travels there and "
-        "back; --origin sheet-corner (machine.origin) puts its corner at the machine's zero"
+        "back; machine.origin: sheet-corner (or --origin sheet-corner) puts its corner at the machine's zero"
     )
     assert list(placing_notes(FAR, CORNER)) == []
     assert list(placing_notes(FAR, Profile("shop", machine=Machine(home=(2901, 20))))) == []

@@ -70,9 +70,10 @@ def test_pairs_are_named_where_contours_have_no_room_for_leads_either() -> None:
     with pytest.raises(RulesConflict, match="cannot hold in any order") as error:
         facts_of(grid, PROFILE)
     assert len([reason for reason in error.value.reasons if "mm apart" in reason]) == 3 * 2 * 2 + 2 * 2 * 2
-    assert "besides, a contour of the nest cannot be cut as the options ask, and --relax does not help there:" in (
-        error.value.reasons
-    )
+    assert (
+        "besides, a contour of the nest cannot be cut as the options ask, and --relax (in Python: relax=True) does not "
+        "help there:"
+    ) in error.value.reasons
 
 
 def test_no_engine_is_asked_in_vain() -> None:
