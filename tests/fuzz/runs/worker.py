@@ -21,6 +21,7 @@ from typing import Any
 
 import yaml
 
+import kerfwise
 from kerfwise.models.engines.warm_up import load_kernels
 from kerfwise.postproc.dialects import dialect
 from kerfwise.postproc.dialects.dialect import dialect_names
@@ -37,6 +38,8 @@ MOST_S = 60.0
 """And so is one that waits for a minute, whatever for."""
 LIMIT_BYTES = 3_000_000_000
 SLOW_S = 5.0
+ROOT = f"{Path(kerfwise.__file__).parent}{os.sep}"
+"""What the files of kerfwise lie in."""
 CASES_A_LIFE = 3000
 AGAIN_EVERY, APART_EVERY = 20, 1000
 """Of so many cases one is run twice, and one in a process of its own; what comes of it must be the same."""
@@ -177,8 +180,13 @@ def _place(report: bytes) -> str:
     lines = [
         line.strip() for line in report.decode("utf-8", "replace").splitlines() if line.strip().startswith("File ")
     ]
-    own = [line for line in lines if "kerfwise" in line and "site-packages" not in line]
-    return (own or lines or [""])[-1].rpartition("kerfwise/")[2]
+    own = [line for line in lines if _is_own(line)]
+    return (own or lines or [""])[-1].rpartition(ROOT)[2]
+
+
+def _is_own(line: str) -> bool:
+    """Whether a line of a traceback is about a file of kerfwise's own, whatever the folder is called that it lies in."""
+    return ROOT in line and "site-packages" not in line
 
 
 def _last_place(error: BaseException) -> str:
@@ -201,8 +209,8 @@ def _where(process: int, notes: Path) -> str:
         os.kill(process, signal.SIGUSR1)
         time.sleep(0.5)
         lines = [line for line in notes.read_text(encoding="utf-8").splitlines() if "File" in line]
-        own = [line for line in lines if "kerfwise" in line and "site-packages" not in line]
-        return f", at {(own or lines)[0].strip().rpartition('kerfwise/')[2]}" if lines else ""
+        own = [line for line in lines if _is_own(line)]
+        return f", at {(own or lines)[0].strip().rpartition(ROOT)[2]}" if lines else ""
     return ""
 
 
