@@ -185,7 +185,7 @@ def _place(report: bytes) -> str:
 
 
 def _is_own(line: str) -> bool:
-    """Whether a line of a traceback is about a file of kerfwise's own, whatever the folder is called that it lies in."""
+    """Whether a line of a traceback is about a file of kerfwise's own, whatever its folder is called."""
     return ROOT in line and "site-packages" not in line
 
 
