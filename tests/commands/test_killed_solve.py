@@ -19,24 +19,17 @@ from kerfwise.encoder import swap
 from kerfwise.encoder.contents import contents
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.commands.test_boundary import PLAIN
+from kerfwise.tests.tools.killing import COUNTED
 
 OUT = ("plain.nc", "plain.plan.json", "plain.svg")
 ORIGINS = ("drawing", "sheet-corner")
 SOLVE = ("solve", "plain.json", "-o", OUT[0], "--plan", OUT[1], "--picture", OUT[2], "--work", "0.1", "--origin")
-KILLED = """
-import os, signal, sys
+KILLED = f"""
+{COUNTED}
 from kerfwise.cli import main
 from kerfwise.postproc import files
-moment, count, real = int(sys.argv.pop(1)), 0, files.write_files
+real = files.write_files
 sys.executable = ""  # no process beside it goes on: a kill ends all, as a power cut does
-def counted(call):
-    def then(*args, **named):
-        global count
-        count += 1
-        if count == moment:
-            os.kill(os.getpid(), signal.SIGKILL)
-        return call(*args, **named)
-    return then
 def write(contents):
     for name in ("open", "fsync", "link", "replace", "unlink"):
         setattr(os, name, counted(getattr(os, name)))

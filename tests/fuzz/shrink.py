@@ -1,8 +1,34 @@
-"""The smallest lines of a program that still show what the whole one shows (delta debugging)."""
+"""The fewest pieces of something that still show what the whole shows (delta debugging)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+Piece = TypeVar("Piece")
+
+
+def fewest(pieces: Sequence[Piece], shows: Callable[[list[Piece]], bool], least: int = 0) -> list[Piece]:
+    """Halves, quarters … and single pieces left out as long as what is left shows; `least` are left in any case.
+
+    Examples
+    --------
+    >>> fewest("abcdefgh", lambda left: "c" in left and "f" in left)
+    ['c', 'f']
+    """
+    left, size = list(pieces), 2
+    while len(left) > least:
+        step = max(1, len(left) // size)
+        for at in range(0, len(left), step):
+            fewer = left[:at] + left[at + step :]
+            if shows(fewer):
+                left, size = fewer, max(size - 1, 2)
+                break
+        else:
+            if step == 1:
+                break
+            size *= 2
+    return left
 
 
 def smallest(program: bytes, shows: Callable[[bytes], bool]) -> bytes:
@@ -13,16 +39,4 @@ def smallest(program: bytes, shows: Callable[[bytes], bool]) -> bytes:
     >>> smallest(b"a\\nb\\nc\\nd", lambda text: b"c" in text)
     b'c'
     """
-    lines, size = program.split(b"\n"), 2
-    while len(lines) > 1:
-        step = max(1, len(lines) // size)
-        for at in range(0, len(lines), step):
-            fewer = lines[:at] + lines[at + step :]
-            if shows(b"\n".join(fewer)):
-                lines, size = fewer, max(size - 1, 2)
-                break
-        else:
-            if step == 1:
-                break
-            size *= 2
-    return b"\n".join(lines)
+    return b"\n".join(fewest(program.split(b"\n"), lambda lines: shows(b"\n".join(lines)), least=1))

@@ -35,7 +35,7 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.reasons import reasons
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.rules.by_kind import by_kind
-from kerfwise.rules.outside import guarded
+from kerfwise.rules.named import candidates_named, contours_named
 from kerfwise.rules.statements import EXEMPTION_MM, About, Statement
 from kerfwise.rules.stating.places import positions
 from kerfwise.rules.stating.remainder import Remainder, of_what_is_left
@@ -104,10 +104,7 @@ def ask_order_model(patch: pytest.MonkeyPatch) -> None:
 Refuses = Callable[[pytest.MonkeyPatch], object]
 REFUSES: dict[str, list[Refuses]] = {
     "rules/by_kind.py": [lambda _: by_kind([INVENTED])],
-    "rules/outside/guarded.py": [
-        lambda _: list(guarded._contours(INVENTED)),
-        lambda _: list(guarded._candidates(INVENTED)),
-    ],
+    "rules/named.py": [lambda _: list(contours_named(INVENTED)), lambda _: list(candidates_named(INVENTED))],
     "rules/stating/places.py": [lambda _: positions([INVENTED], PARTS)],
     "rules/stating/remainder.py": [lambda _: list(of_what_is_left([INVENTED], Remainder(range(PARTS), {})))],
     "rules/stating/state_rules.py": [lambda _: hopeless([INVENTED]), lambda _: resolve([INVENTED], PARTS, {})],

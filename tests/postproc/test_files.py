@@ -16,26 +16,18 @@ from kerfwise.encoder import swap
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc import files
 from kerfwise.postproc.files import expect_outputs, write_files
+from kerfwise.tests.tools.killing import COUNTED
 
 NAMES = ("out.nc", "out.plan.json", "out.svg")
-WRITER = """
-import os, signal, sys
+WRITER = f"""
+{COUNTED}
 from pathlib import Path
 from kerfwise.postproc.files import write_files
-moment, count = int(sys.argv[1]), 0
-def counted(call):
-    def then(*args, **named):
-        global count
-        count += 1
-        if count == moment:
-            os.kill(os.getpid(), signal.SIGKILL)
-        return call(*args, **named)
-    return then
 for name in ("open", "fsync", "chmod", "link", "replace", "unlink", "fdopen"):
     setattr(os, name, counted(getattr(os, name)))
 import subprocess
 subprocess.Popen = counted(subprocess.Popen)
-write_files({Path(name): "new " + name for name in sys.argv[2:]})
+write_files({{Path(name): "new " + name for name in sys.argv[1:]}})
 print("done")
 """
 

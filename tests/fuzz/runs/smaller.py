@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 from kerfwise.tests.fuzz.inputs.case import Case
+from kerfwise.tests.fuzz.shrink import fewest
 
 from .worker import Report
 
@@ -42,10 +43,10 @@ def smaller(report: Report, ask: Callable[[Case], Report], most_s: float = MOST_
             pieces = split(best.case.files[name] or b"")
             if len(pieces) > (400 if split is _bytes else 20_000):
                 continue
-            _fewer(pieces, lambda left, name=name: shows(_with(best.case, name, b"".join(left))))  # type: ignore[misc]
+            fewest(pieces, lambda left, name=name: shows(_with(best.case, name, b"".join(left))))  # type: ignore[misc]
     words = list(report.case.words)
     first = 2 if not report.case.damaged else len(words)
-    _fewer(words[first:], lambda left: shows(replace(best.case, words=(*words[:first], *left))))
+    fewest(words[first:], lambda left: shows(replace(best.case, words=(*words[:first], *left))))
     for name in tuple(best.case.files):
         if name not in report.case.damaged and name not in best.case.words:
             shows(replace(best.case, files={n: c for n, c in best.case.files.items() if n != name}))
@@ -62,19 +63,3 @@ def _lines(data: bytes) -> list[bytes]:
 
 def _bytes(data: bytes) -> list[bytes]:
     return [bytes([byte]) for byte in data]
-
-
-def _fewer(pieces: Sequence[bytes] | Sequence[str], shows: Callable[[list], bool]) -> None:  # type: ignore[type-arg]
-    """Leave out halves, quarters … and single pieces, as long as it shows (delta debugging)."""
-    left, size = list(pieces), 2
-    while left:
-        step = max(1, len(left) // size)
-        for at in range(0, len(left), step):
-            fewer = left[:at] + left[at + step :]
-            if shows(fewer):
-                left, size = fewer, max(size - 1, 2)
-                break
-        else:
-            if step == 1:
-                break
-            size *= 2
