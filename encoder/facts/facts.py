@@ -92,7 +92,7 @@ class Past:
     loose: tuple[tuple[str, str], ...] = ()
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
 class Facts:
     """The facts of one nest. n contours, m candidates.
 

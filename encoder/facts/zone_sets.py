@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Bools, Floats, Ints
 
 MOST_UNITS = 63
 """Units in a zone that a machine word holds one bit each."""
@@ -33,7 +33,7 @@ class Units:
     pairs: Ints
 
 
-def units_of(part: Ints, is_mark: NDArray[np.bool_], pairs: Ints, in_one_go: bool) -> Units:
+def units_of(part: Ints, is_mark: Bools, pairs: Ints, in_one_go: bool) -> Units:
     """The units of contours of parts (n,), with `pairs` (k, 2) of contours (before, after)."""
     of = np.full(len(part), -1, dtype=np.int64)
     cut = ~is_mark

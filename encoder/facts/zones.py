@@ -4,8 +4,8 @@ Petunin 2009, fig. 4: what remains uncut after each zone should come as close to
 of about `zone_contours` contours are taken off the bounding rectangle of the parts that remain: off the start side
 at first and while the rectangle's sides differ by more than `square_ratio`, then off whichever admissible side leaves
 it most square. Then zones are raised until no respected order points backwards. Where a budget of heat is given, strips
-end before they pass it, and what raising makes too hot is divided again. Where
-no number is given, zones are as large as a proof bears.
+end before they pass it, and what raising makes too hot is divided again. Where no number is given, zones are as large
+as a proof bears.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ SIZES = (12, 16, 20, 25, 30, 40, 50, 60)
 """Contours in a zone, about, where a profile says no number: the largest that a proof bears. Small zones make long
 ways, large ones many sets."""
 MOST_SETS, MOST_OF_ONE = 5_000_000, 1_000_000
-"""Sets of contours that may be out, of all zones together and of one: a proof takes a few seconds, and under 1 GB."""
+"""Sets of contours that may be out, of all zones together and of one: a proof takes under 1 GB, and some seconds; half
+a minute where rules look at the moves between contours as well."""
 
 
 def zones_of(

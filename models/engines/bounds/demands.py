@@ -35,9 +35,15 @@ class Order:
         """That `then` is cut before `first`."""
         return Order(self.then, self.first, self.column, not self.turned)
 
+    @property
+    def weights(self) -> tuple[float, float]:
+        """How much of it holds is a constant and so many times its column."""
+        return (1.0, -1.0) if self.turned else (0.0, 1.0)
+
     def value(self, columns: Floats) -> float:
         """How much of it holds."""
-        return float(1 - columns[self.column] if self.turned else columns[self.column])
+        constant, times = self.weights
+        return constant + times * float(columns[self.column])
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -160,8 +160,7 @@ class _Flow:
 
     def drop_idle(self, kept: int) -> None:
         """Drop the inequalities that nothing is paid for, but for the first few."""
-        idle = self._idle
-        idle[:kept] = False
+        idle = self._idle & (np.arange(len(self._idle)) >= kept)
         self._program.drop_rows(self._n + self._m + 2 + np.flatnonzero(idle))
         self._inequalities = self._inequalities.only(~idle)
 

@@ -72,14 +72,14 @@ def of_cuts(cuts: Sequence[OrderCut], sites: int, columns: int) -> Inequalities:
     tail, head = (np.array([getattr(cut, name) for cut in cuts], dtype=np.bool_) for name in ("tail", "head"))
     into = np.zeros((len(cuts), sites + 1), dtype=np.bool_)
     least = np.ones(len(cuts))
-    entries: list[tuple[int, Order]] = []
+    entries = []
     for k, cut in enumerate(cuts):
         if cut.through is not None:
             into[k, cut.through], least[k] = True, 0.0
         elif cut.order is not None:
-            least[k] = 0.0 if not cut.order.turned else 1.0
-            entries.append((k, cut.order))
-    beside = _beside([(k, order.column, 1.0 if order.turned else -1.0) for k, order in entries], len(cuts), columns)
+            least[k], times = cut.order.weights
+            entries.append((k, cut.order.column, -times))
+    beside = _beside(entries, len(cuts), columns)
     return Inequalities(tail.reshape(-1, sites + 1), head.reshape(-1, sites + 1), into, least, beside)
 
 
@@ -91,9 +91,10 @@ def of_covers(covers: Sequence[Cover], sites: int, columns: int) -> Inequalities
     entries = []
     for k, cover in enumerate(covers):
         into[k, cover.sites] = True
-        for order in cover.orders:  # 1 - column where the order holds as it is, the column where it is turned
-            entries.append((k, order.column, 1.0 if order.turned else -1.0))
-            least[k] -= 0.0 if order.turned else 1.0
+        for order in cover.orders:  # how much of it does not hold
+            constant, times = order.weights
+            entries.append((k, order.column, -times))
+            least[k] -= 1.0 - constant
         if cover.paid >= 0:
             entries.append((k, cover.paid, 1.0))
     return Inequalities(none, none, into, least, _beside(entries, len(covers), columns))
