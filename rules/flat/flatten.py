@@ -59,7 +59,7 @@ def flatten(file: ModelFile, data: str, n: int, contour_of: Sequence[int], other
         If MiniZinc is missing, or the file has a mistake or says something that has no meaning for a rule.
     """
     text = _model(file, data, others)
-    key = sha256("\0".join([text, *(_content(path) for path in _read(file))]).encode()).hexdigest()
+    key = sha256("\0".join([text, *_read(file).values()]).encode()).hexdigest()
     if key in _kept:
         _kept.move_to_end(key)
         return _kept[key]
@@ -131,19 +131,17 @@ def include(path: Path) -> str:
 
 def whole_text(file: ModelFile) -> str:
     """The text of the file and of what it includes beside it."""
-    return "".join(_content(path) for path in _read(file))
+    return "".join(_read(file).values())
 
 
-def _read(file: ModelFile) -> list[Path]:
-    """The file, and the files beside it that it includes."""
-    found = [file.path.resolve()]
-    for path in found:
-        for name in re.findall(r'^\s*include\s+"([^"]+)"', _content(path), re.M):
+def _read(file: ModelFile) -> dict[Path, str]:
+    """The text of the file, and of the files beside it that it includes."""
+    found: dict[Path, str] = {}
+    waiting = [file.path.resolve()]
+    for path in waiting:
+        found[path] = path.read_text(encoding="utf-8-sig", errors="replace")
+        for name in re.findall(r'^\s*include\s+"([^"]+)"', found[path], re.M):
             beside = (path.parent / name).resolve()
-            if beside.is_file() and beside not in found:
-                found.append(beside)
+            if beside.is_file() and beside not in waiting:
+                waiting.append(beside)
     return found
-
-
-def _content(path: Path) -> str:
-    return path.read_text(encoding="utf-8-sig", errors="replace")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from kerfwise.rules.statements import Pick
 
@@ -122,12 +123,10 @@ class Meaning:
             return False
         return name not in self._word_names
 
-    @property
+    @cached_property
     def _word_names(self) -> frozenset[str]:
-        if not hasattr(self, "_names"):
-            arrays = [self._flat.arrays[a] for a in (*BOOLS, *SUMS) if a in self._flat.arrays]
-            self._names = frozenset(v for values in arrays for v in values if isinstance(v, str))
-        return self._names
+        arrays = [self._flat.arrays[a] for a in (*BOOLS, *SUMS) if a in self._flat.arrays]
+        return frozenset(v for values in arrays for v in values if isinstance(v, str))
 
     def _bool_word(self, value: Value, node: Node) -> None:
         if isinstance(value, bool):

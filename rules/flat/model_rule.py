@@ -5,12 +5,12 @@ from __future__ import annotations
 import dataclasses
 import json
 import re
-from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import field, make_dataclass
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError
@@ -145,13 +145,14 @@ class ModelRule(Rule[Any]):
     def violations(self, nest: Nest, cuts: CutSequence, options: Any) -> list[Violation]:
         if self.unjudged(nest, cuts, options) is not None:
             return []
-        holds, says, possible = judge_order(self.file, self._order_data(nest, cuts, options))
+        data = self._measured_data(nest, cuts, options)
+        holds, says, possible = judge_order(self.file, data + assignments(order_data(nest, cuts)))
+        elements = () if all(holds) else self._flat(nest, data).elements
         at = cuts.positions()
-        flat = self._measured(nest, cuts, options)
         found = []
         for k, held in enumerate(holds):
             if not held:
-                node = flat.elements[k] if k < len(flat.elements) else False
+                node = elements[k] if k < len(elements) else False
                 ids = tuple(nest.contours[number].id for number in contours_of(node))
                 said = says[k] if k < len(says) else self._told(nest, node)
                 positions = tuple(sorted(at[name] for name in ids)) if len(ids) <= MOST_TOLD else ()
@@ -207,8 +208,11 @@ class ModelRule(Rule[Any]):
 
     def _measured(self, nest: Nest, cuts: CutSequence, options: Any) -> Flattened:
         """The file's flat form over facts that the check has measured, each cut being a candidate."""
+        return self._flat(nest, self._measured_data(nest, cuts, options))
+
+    def _flat(self, nest: Nest, data: str) -> Flattened:
         n = len(nest.contours)
-        return flatten(self.file, self._measured_data(nest, cuts, options), n, range(n))
+        return flatten(self.file, data, n, range(n))
 
     def _measured_data(self, nest: Nest, cuts: CutSequence, options: Any) -> str:
         text = whole_text(self.file)
@@ -220,9 +224,6 @@ class ModelRule(Rule[Any]):
         else:
             own = twin_of(self.replaces.id).measured(nest, cuts, options) or []
         return assignments(measured_data(nest, cuts, limits, text) + own) + further_words(nest, text)
-
-    def _order_data(self, nest: Nest, cuts: CutSequence, options: Any) -> str:
-        return self._measured_data(nest, cuts, options) + assignments(order_data(nest, cuts))
 
     def lead_options(self, given: LeadOptions, options: Any, strength: Strength) -> LeadOptions:
         return given if self.replaces is None else self.replaces.lead_options(given, options, strength)
@@ -297,19 +298,16 @@ def parameters_data(file: ModelFile, options: Any) -> Fields:
     return [(p.name, json.dumps(getattr(options, p.key), ensure_ascii=False)) for p in file.parameters]
 
 
-_facts: OrderedDict[int, tuple[Any, str]] = OrderedDict()
-_MOST_FACTS = 4
+_facts: WeakKeyDictionary[Facts, str] = WeakKeyDictionary()
 
 
 def facts_data(facts: Facts) -> str:
-    """The facts as MiniZinc data, kept for the last few."""
+    """The facts as MiniZinc data, kept as long as the facts live."""
     from kerfwise.encoder.facts import facts_dzn
 
-    if id(facts) not in _facts:
-        _facts[id(facts)] = (facts, facts_dzn(facts))
-        if len(_facts) > _MOST_FACTS:
-            _facts.popitem(last=False)
-    return _facts[id(facts)][1]
+    if facts not in _facts:
+        _facts[facts] = facts_dzn(facts)
+    return _facts[facts]
 
 
 def _way_words(entry: tuple[float, float], direction: str) -> str:

@@ -156,15 +156,9 @@ class Writer:
     def _at_least(self, terms: Sequence[tuple[Lit | Gate, int]], bound: int, said: str | None) -> AtLeast:
         when = self._when(terms, bound)
         rest = [(term, weight) for term, weight in terms if when is None or term != Lit(Pick(when), False)]
-        made: list[Literal] = []
-        weights: list[int] = []
-        for term, weight in rest:
-            literal, sign = _literal(term)
-            bound -= weight if sign < 0 else 0
-            made.append(literal)
-            weights.append(sign * weight)
+        made = _enough(rest, bound)
         about = self._about([*rest, *(((Lit(Pick(when)), 1),) if when is not None else ())], said)
-        return AtLeast(tuple(made), tuple(weights), bound, about, when=when)
+        return AtLeast(made.literals, made.weights, made.bound, about, when=when)
 
     def _when(self, terms: Sequence[tuple[Lit | Gate, int]], bound: int) -> int | None:
         """The candidate without which nothing is asked: best one whose contour every order is about."""
@@ -217,17 +211,18 @@ def _ends(lit: Lit) -> tuple[int, int]:
 def _literal(term: Lit | Gate) -> tuple[Literal, int]:
     """The statement's literal for a term; with a sign of -1 where the term is its opposite."""
     if isinstance(term, Gate):
-        return _enough(merged_gate(term)), 1
+        inner = merged_gate(term)
+        return _enough(inner.terms, inner.bound), 1
     if isinstance(term.atom, Before):
         return Before(*_ends(term)), 1
     assert isinstance(term.atom, Pick), "words were written out"
     return term.atom, 1 if term.holds else -1
 
 
-def _enough(node: Gate) -> Enough:
-    """A gate as a literal of a statement."""
-    literals_, weights, bound = [], [], node.bound
-    for term, weight in node.terms:
+def _enough(terms: Iterable[tuple[Lit | Gate, int]], bound: int) -> Enough:
+    """Terms as literals: where a literal stands for its opposite, its weight is turned and the bound lowered."""
+    literals_, weights = [], []
+    for term, weight in terms:
         literal, sign = _literal(term)
         bound -= weight if sign < 0 else 0
         literals_.append(literal)

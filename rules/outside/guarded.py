@@ -5,25 +5,15 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Iterable, Iterator
 from functools import wraps
-from typing import TYPE_CHECKING, Any, assert_never, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from kerfwise.encoder.faults import RuleFault, at_work, by, file_of
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.named import candidates_named, contours_named
 from kerfwise.rules.rule import NoGoodIds, Rule, Violation
 from kerfwise.rules.statements import (
     About,
-    AtLeast,
-    Before,
-    Contiguous,
-    Crossing,
-    Forbid,
-    IdleTravel,
-    Lag,
-    NoGood,
-    Pick,
-    Precede,
     Statement,
-    plain,
 )
 from kerfwise.rules.temperature_limit import TemperatureLimit
 
@@ -80,48 +70,13 @@ def _statements(rule: Rule[Any], given: Any, facts: Facts, options: Any) -> Iter
             raise _Unfit(f"gives {s!r}, expected a statement such as Precede")
         if not isinstance(s.about, About) or s.about.rule != rule.id:
             raise _Unfit(f"gives a statement whose about is {s.about!r}, expected self.about((…), 'a sentence')")
-        for number in _contours(s):
+        for number in contours_named(s):
             if not 0 <= number < facts.n:
                 raise _Unfit(f"names contour number {number}; this nest has 0 to {facts.n - 1}")
-        for number in _candidates(s):
+        for number in candidates_named(s):
             if not 0 <= number < len(facts.candidates):
                 raise _Unfit(f"names candidate number {number}; this nest has 0 to {len(facts.candidates) - 1}")
         yield s
-
-
-def _contours(s: Statement) -> Iterator[int]:
-    match s:
-        case Precede():
-            yield from (s.before, s.after)
-        case Contiguous():
-            yield from s.contours
-        case Lag():
-            yield from (s.first, s.second)
-        case NoGood():
-            yield from (*s.out, *s.left)
-        case AtLeast():
-            for literal in plain(s.literals):
-                if isinstance(literal, Before):
-                    yield from (literal.i, literal.j)
-        case Crossing():
-            yield from () if s.over is None else (s.over,)
-        case Forbid() | IdleTravel():
-            return
-        case _:
-            assert_never(s)
-
-
-def _candidates(s: Statement) -> Iterator[int]:
-    match s:
-        case Forbid():
-            yield s.candidate
-        case AtLeast():
-            yield from (literal.c for literal in plain(s.literals) if isinstance(literal, Pick))
-            yield from () if s.when is None else (s.when,)
-        case Precede() | Contiguous() | Lag() | NoGood() | Crossing() | IdleTravel():
-            return
-        case _:
-            assert_never(s)
 
 
 def _violations(rule: Rule[Any], given: Any, nest: Nest, cuts: Any, options: Any) -> list[Violation]:

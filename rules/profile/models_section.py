@@ -14,13 +14,13 @@ import yaml
 from kerfwise.encoder.contents import is_file
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
-from kerfwise.rules.options.kind import Unfit
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.plain_values import Text
-from kerfwise.rules.options.yaml_positions import Place, Problems, items, wrong_at
+from kerfwise.rules.options.yaml_positions import Place, Problems, wrong_at
 from kerfwise.rules.rule import Rule, RuleSetting
 
-GivenFiles = dict[str, Any]
+from .rule_files import GivenFiles, names_of_files
+
 WHAT = "rules in MiniZinc files beside the profile, such as plant/*.mzn; one named as a shipped rule takes its place"
 
 
@@ -77,12 +77,7 @@ def _setting(rule: ModelRule, before: RuleSetting | None) -> RuleSetting:
 def _paths(node: yaml.Node, problems: Problems) -> Iterator[tuple[Path, yaml.Node]]:
     """Every file that is named, in order; patterns give theirs by name."""
     folder = Path(problems.file).parent
-    for entry in [node] if isinstance(node, yaml.ScalarNode) and node.value else items(node, problems, "models"):
-        try:
-            name = Text().read(entry)
-        except Unfit as error:
-            problems.add(entry, f"models: {error}")
-            continue
+    for name, entry in names_of_files(node, "models", problems):
         if glob.has_magic(name):
             try:
                 found = sorted(path for path in folder.glob(name) if path.suffix == ".mzn" and is_file(path))

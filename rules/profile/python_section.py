@@ -9,14 +9,12 @@ import yaml
 
 from kerfwise.encoder.contents import is_file
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.options.kind import Unfit
-from kerfwise.rules.options.plain_values import Text
-from kerfwise.rules.options.yaml_positions import Problems, items, wrong_at
+from kerfwise.rules.options.yaml_positions import Problems, wrong_at
 from kerfwise.rules.outside import PythonFile, is_trusted, refusal, rules_in_file
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule, RuleSetting
 
-GivenFiles = dict[str, Any]
+from .rule_files import GivenFiles, names_of_files
 
 
 def with_python_files(node: yaml.Node, given: GivenFiles, problems: Problems, trust: bool) -> GivenFiles:
@@ -32,12 +30,7 @@ def with_python_files(node: yaml.Node, given: GivenFiles, problems: Problems, tr
     files = list(given["python"])
     rules: dict[str, Rule[Any]] = dict(given["further_rules"])
     settings: dict[str, RuleSetting] = dict(given["rules"])
-    for entry in [node] if isinstance(node, yaml.ScalarNode) and node.value else items(node, problems, "python"):
-        try:
-            name = Text().read(entry)
-        except Unfit as error:
-            problems.add(entry, f"python: {error}")
-            continue
+    for name, entry in names_of_files(node, "python", problems):
         file = PythonFile(name, Path(problems.file).parent / name, problems.place(entry))
         for rule in _rules(file, trust):
             if rules.get(rule.id) is rule:

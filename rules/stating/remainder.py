@@ -110,59 +110,44 @@ def no_good_left(s: NoGood, rest: Remainder) -> Iterator[NoGood]:
         yield replace(s, out=out, left=frozenset(rest.number[k] for k in s.left))
 
 
-def _enough(asked: Enough, rest: Remainder) -> Enough | bool:
-    """What is left of a condition within another: itself over what is left, or whether it is decided to hold."""
-    literals: list[Literal] = []
-    weights: list[int] = []
-    bound = asked.bound
-    for literal, weight in zip(asked.literals, asked.weights, strict=True):
-        made: Literal | bool | None = literal
-        if isinstance(literal, Enough):
-            made = _enough(literal, rest)
-        elif isinstance(literal, Before):
-            made = rest.known(literal.i, literal.j)
-            if made is None:
-                made = Before(rest.number[literal.i], rest.number[literal.j])
-        if isinstance(made, bool):
-            bound -= weight * made
-        elif made is not None:
-            literals.append(made)
-            weights.append(weight)
-    if sum(min(w, 0) for w in weights) >= bound:
-        return True
-    if sum(max(w, 0) for w in weights) < bound:
-        return False
-    return Enough(tuple(literals), tuple(weights), bound)
-
-
-def _at_least(s: AtLeast, rest: Remainder) -> Iterator[Statement]:
+def _open(s: AtLeast | Enough, rest: Remainder) -> Enough:
+    """The literals of a sum that are not decided yet, and what the others leave of its bound."""
     literals: list[Literal] = []
     weights: list[int] = []
     bound = s.bound
     for literal, weight in zip(s.literals, s.weights, strict=True):
-        match literal:
-            case Pick():
-                literals.append(literal)
-                weights.append(weight)
-            case Before(i, j):
-                known = rest.known(i, j)
-                if known is None:
-                    literals.append(Before(rest.number[i], rest.number[j]))
-                    weights.append(weight)
-                elif known:
-                    bound -= weight
-            case Enough():
-                left = _enough(literal, rest)
-                if isinstance(left, Enough):
-                    literals.append(left)
-                    weights.append(weight)
-                elif left:
-                    bound -= weight
-            case _:
-                assert_never(literal)
-    if len(literals) < len(s.literals) and sum(min(w, 0) for w in weights) >= bound:
+        left = _left(literal, rest)
+        if isinstance(left, bool):
+            bound -= weight * left
+        else:
+            literals.append(left)
+            weights.append(weight)
+    return Enough(tuple(literals), tuple(weights), bound)
+
+
+def _left(literal: Literal, rest: Remainder) -> Literal | bool:
+    """A literal over what is left, or whether it is decided to hold."""
+    match literal:
+        case Pick():
+            return literal
+        case Before(i, j):
+            known = rest.known(i, j)
+            return Before(rest.number[i], rest.number[j]) if known is None else known
+        case Enough():
+            left = _open(literal, rest)
+            if sum(min(w, 0) for w in left.weights) >= left.bound:
+                return True
+            return left if sum(max(w, 0) for w in left.weights) >= left.bound else False
+        case _:
+            assert_never(literal)
+
+
+def _at_least(s: AtLeast, rest: Remainder) -> Iterator[Statement]:
+    left = _open(s, rest)
+    decided = len(left.literals) < len(s.literals)
+    if decided and sum(min(w, 0) for w in left.weights) >= left.bound:
         return
-    if len(literals) == len(s.literals) or sum(max(w, 0) for w in weights) >= bound:
-        yield replace(s, literals=tuple(literals), weights=tuple(weights), bound=bound)
+    if not decided or sum(max(w, 0) for w in left.weights) >= left.bound:
+        yield replace(s, literals=left.literals, weights=left.weights, bound=left.bound)
     elif s.when is not None:
         yield Forbid(s.when, s.about, s.weight)

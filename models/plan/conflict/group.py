@@ -7,20 +7,18 @@ from dataclasses import dataclass
 from typing import assert_never
 
 from kerfwise.rules.by_kind import by_kind
+from kerfwise.rules.named import candidates_named, contours_named
 from kerfwise.rules.statements import (
     About,
     AtLeast,
-    Before,
     Contiguous,
     Crossing,
     Forbid,
     IdleTravel,
     Lag,
     NoGood,
-    Pick,
     Precede,
     Statement,
-    plain,
 )
 
 CanClash = Precede | Forbid | AtLeast | Contiguous | Crossing | Lag | NoGood
@@ -62,27 +60,9 @@ def on_order(groups: Iterable[Group]) -> list[Group]:
 
 def contours_of(group: Group, contour_of: Sequence[int]) -> set[int]:
     """Numbers of the contours whose place or entry the group is about; `contour_of` maps candidates to contours."""
+    of_moves = by_kind(group.statements).crossing
     found: set[int] = set()
     for s in group.statements:
-        match s:
-            case Precede(i, j) | Lag(i, j):
-                found |= {i, j}
-            case Forbid(c):
-                found.add(contour_of[c])
-            case AtLeast():
-                found |= {k for lit in plain(s.literals) for k in _of_literal(lit, contour_of)}
-                if s.when is not None:
-                    found.add(contour_of[s.when])
-            case Contiguous(contours):
-                found |= set(contours)
-            case NoGood(out, left):
-                found |= out | left
-            case Crossing():
-                pass  # it is about moves
-            case _:
-                assert_never(s)
+        if s not in of_moves:
+            found |= {*contours_named(s), *(contour_of[c] for c in candidates_named(s))}
     return found
-
-
-def _of_literal(literal: Before | Pick, contour_of: Sequence[int]) -> tuple[int, ...]:
-    return (literal.i, literal.j) if isinstance(literal, Before) else (contour_of[literal.c],)
