@@ -18,7 +18,7 @@ A contour's way round may follow it, as in `Plate.outer/ccw`. Instead of a nest 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
@@ -81,12 +81,7 @@ def _commented(path: Path) -> str:
 
 def _of_one(number: int, node: yaml.Node, rule: Rule[Any], path: Path, problems: Problems) -> Iterator[Case]:
     what = f"cases[{number}]"
-    given: dict[str, yaml.Node] = {}
-    for key, key_node, value in entries(node, problems, what):
-        if key in KEYS:
-            given[key] = value
-        else:
-            problems.add(key_node, f"{what}: {unknown('key', key, KEYS)}")
+    given = _given(node, KEYS, problems, what)
     if "nest" not in given or not given.keys() & {"right", "wrong"}:
         problems.add(node, f"{what}: expected a nest, and orders under right or wrong")
         return
@@ -166,16 +161,22 @@ def _size(node: yaml.Node, problems: Problems, what: str) -> tuple[float, float]
     return float(found[1]), float(found[2])
 
 
+def _given(node: yaml.Node, keys: Sequence[str], problems: Problems, what: str) -> dict[str, yaml.Node]:
+    """What stands under the keys of a mapping; others than these are problems."""
+    given: dict[str, yaml.Node] = {}
+    for key, key_node, value in entries(node, problems, what):
+        if key in keys:
+            given[key] = value
+        else:
+            problems.add(key_node, f"{what}: {unknown('key', key, keys)}")
+    return given
+
+
 def _part(name: str, node: yaml.Node, problems: Problems, what: str) -> Part | None:
     if isinstance(node, yaml.ScalarNode):
         rows = _rows(node, problems, what)
         return None if rows is None else part(name, rows)
-    given: dict[str, yaml.Node] = {}
-    for key, key_node, value in entries(node, problems, what):
-        if key in PART_KEYS:
-            given[key] = value
-        else:
-            problems.add(key_node, f"{what}: {unknown('key', key, PART_KEYS)}")
+    given = _given(node, PART_KEYS, problems, what)
     if "outer" not in given:
         problems.add(node, f"{what}: expected {SHAPES}; or outer, holes, marks and attributes")
         return None

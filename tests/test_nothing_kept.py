@@ -12,6 +12,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import produce
 from kerfwise.jobs.solve_options import options_for
+from kerfwise.rules.flat.model_rule import facts_data
 from kerfwise.rules.profile.profile import load_profile
 
 
@@ -40,6 +41,15 @@ def test_no_nest_outlives_its_plan(programs_made: list[object]) -> None:
     programs_made.clear()  # what every test keeps to simulate it
     gc.collect()
     assert [k for k, of in enumerate(nests) if of() is not None] == []
+
+
+def test_no_facts_outlive_the_model_files_that_read_them() -> None:
+    facts = facts_of(nest(400, 200, part("A", rect(20, 20, 80, 80))), load_profile())
+    assert facts_data(facts) is facts_data(facts)
+    of = weakref.ref(facts)
+    del facts
+    gc.collect()
+    assert of() is None
 
 
 def test_answers_are_kept_with_each_nest() -> None:
