@@ -135,7 +135,8 @@ class Result:
         """
         if not self.ok:
             broken = [self.verdict.rule(rule) for rule in self.verdict.broken()]
-            reasons = tuple(f"{j.id}: {v.text}" for j in broken for v in j.violations)
+            told = [(j.id, [v.text for v in j.violations] or [j.unjudged or ""]) for j in broken]
+            reasons = tuple(f"{name}: {text}" for name, texts in told for text in texts)
             raise RulesConflict("the check refuses this plan; nothing was written", reasons)
         folder, name = Path(folder), name or Path(self.nest.file or "nest").stem
         contents: dict[str, str | bytes] = {

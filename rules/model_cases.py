@@ -12,37 +12,38 @@
 %     - Frame.hole1 Frame.outer Plate.outer
 ```
 
-A contour's way round may follow it, as in `Plate.outer/ccw`. Instead of a nest the path of a file may be given.
+A contour's way round may follow it, as in `Plate.outer/ccw`. Instead of a nest the path of a file may be given. What
+else a rule may ask of cuts is given beside the nest: `start_side: left`, `zones: {Plate: 1, Frame: 2}` by part, and
+`pause: 20 s`, the time from each cut to the next.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import yaml
 
-from kerfwise.encoder.by_hand import Rows, circle, part, rect
-from kerfwise.encoder.by_hand import nest as nest_of
-from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.cut import Cut, CutSequence, Side
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.nest import Nest, Part
-from kerfwise.rules.options.kind import Unfit
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.options.kind import OptionKind, Unfit
 from kerfwise.rules.options.option import options_of
+from kerfwise.rules.options.plain_values import Choice, Number
+from kerfwise.rules.options.quantities import DURATION
 from kerfwise.rules.options.suggest import unknown
-from kerfwise.rules.options.yaml_positions import Problems, compose, deepest, entries, items, plain, shape
+from kerfwise.rules.options.yaml_positions import Problems, compose, deepest, entries, items, shape
 from kerfwise.rules.rule import Rule
 
 from .case import Case, cut
+from .drawn_nest import given_keys, read_nest_of
 
-KEYS = ("nest", "right", "wrong", "options")
-PART_KEYS = ("outer", "holes", "marks", "attributes")
-SHAPES = "rect x y width height, circle x y radius, or polygon x y, x y, x y"
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)"
+KEYS = ("nest", "right", "wrong", "options", "start_side", "zones", "pause")
+SIDES: tuple[Side, ...] = get_args(Side)
 BEGINS = re.compile(r"^%\s*cases:\s*$")
 
 
@@ -81,19 +82,20 @@ def _commented(path: Path) -> str:
 
 def _of_one(number: int, node: yaml.Node, rule: Rule[Any], path: Path, problems: Problems) -> Iterator[Case]:
     what = f"cases[{number}]"
-    given = _given(node, KEYS, problems, what)
+    given = given_keys(node, KEYS, problems, what)
     if "nest" not in given or not given.keys() & {"right", "wrong"}:
         problems.add(node, f"{what}: expected a nest, and orders under right or wrong")
         return
-    drawn = _nest(given["nest"], path, problems, f"{what}.nest")
+    drawn = read_nest_of(given["nest"], path, problems, f"{what}.nest")
     if drawn is None:
         return
     options = _options(given.get("options"), rule, problems, f"{what}.options")
+    stated = _stated(given, drawn, problems, what)
     sides: tuple[tuple[Literal["right", "wrong"], Literal["passes", "fails"]], ...]
     sides = (("right", "passes"), ("wrong", "fails"))
     for key, kind in sides:
         for k, order in zip(count(1), items(given[key], problems, f"{what}.{key}") if key in given else ()):
-            cuts = _cuts(order, drawn, problems, f"{what}.{key}[{k}]")
+            cuts = _cuts(order, drawn, stated, problems, f"{what}.{key}[{k}]")
             if cuts is not None:
                 yield Case(f"{number}, {key}: {order.value}", kind, drawn, cuts, options=options)
 
@@ -105,21 +107,48 @@ def _options(node: yaml.Node | None, rule: Rule[Any], problems: Problems, what: 
     options, given = rule.Options(), {}
     known = {option.key: option for option in options_of(options)}
     for key, key_node, value in entries(node, problems, what):
-        if key not in known:
+        if key in known:
+            given[known[key].name] = _value(value, known[key].kind, problems, f"{what}.{key}")
+        else:
             problems.add(key_node, f"{what}: {unknown('option', key, known)}")
-            continue
-        try:
-            given[known[key].name] = known[key].kind.read(value)
-        except Unfit as error:
-            problems.add(error.node or value, f"{what}.{key}: {error}")
     return replace(options, **given)
 
 
-def _cuts(node: yaml.Node, drawn: Nest, problems: Problems, what: str) -> CutSequence | None:
+@dataclass(frozen=True, slots=True)
+class _Stated:
+    """What a case says of its cuts beside their order: the side they start from, zone by part, seconds between cuts."""
+
+    start_side: Side | None
+    zones: Mapping[str, int]
+    pause_s: float
+
+
+def _stated(given: Mapping[str, yaml.Node], drawn: Nest, problems: Problems, what: str) -> _Stated:
+    zones: dict[str, int] = {}
+    for part_id, key, value in entries(given["zones"], problems, f"{what}.zones") if "zones" in given else ():
+        if part_id not in drawn.part_of:
+            problems.add(key, f"{what}.zones: {unknown('part', part_id, drawn.part_of)}")
+        else:
+            zones[part_id] = _value(value, Number(1, whole=True), problems, f"{what}.zones.{part_id}") or 0
+    side = _value(given["start_side"], Choice(SIDES), problems, f"{what}.start_side") if "start_side" in given else None
+    pause_s = _value(given["pause"], DURATION, problems, f"{what}.pause") if "pause" in given else None
+    return _Stated(side, zones, pause_s or 0.0)
+
+
+def _value(node: yaml.Node, kind: OptionKind, problems: Problems, what: str) -> Any:
+    """The value of a node; None with a problem noted."""
+    try:
+        return kind.read(node)
+    except Unfit as error:
+        problems.add(error.node or node, f"{what}: {error}")
+        return None
+
+
+def _cuts(node: yaml.Node, drawn: Nest, stated: _Stated, problems: Problems, what: str) -> CutSequence | None:
     if not isinstance(node, yaml.ScalarNode):
         problems.add(node, f"{what}: expected contours in cutting order, such as A.outer B.outer, got {shape(node)}")
         return None
-    cuts = []
+    cuts: list[Cut] = []
     for word in str(node.value).split():
         name, _, way = word.partition("/")
         if name not in drawn.index:
@@ -128,88 +157,12 @@ def _cuts(node: yaml.Node, drawn: Nest, problems: Problems, what: str) -> CutSeq
         if way not in ("", "cw", "ccw"):
             problems.add(node, f"{what}: expected a way round, cw or ccw, after {name}/, got {way!r}")
             return None
-        cuts.append(cut(drawn, name, **({"direction": way} if way else {})))
+        at_s, zone = stated.pause_s * (len(cuts) + 1), stated.zones.get(drawn.contour(name).part, 0)
+        made = cut(drawn, name, **({"direction": way} if way else {}))
+        cuts.append(replace(made, zone=zone, start_s=at_s, end_s=at_s))
     missing = sorted(drawn.index.keys() - {c.contour for c in cuts})
     if missing or len(cuts) != len(drawn.contours):
         told = f"{', '.join(missing)} is missing" if missing else "one is there twice"
         problems.add(node, f"{what}: expected every contour of the nest once; {told}")
         return None
-    return CutSequence(tuple(cuts))
-
-
-def _nest(node: yaml.Node, path: Path, problems: Problems, what: str) -> Nest | None:
-    if isinstance(node, yaml.ScalarNode):
-        from kerfwise.encoder.readers import read_nest
-
-        return read_nest(path.parent / str(node.value))
-    so_far, size, parts = len(problems.found), None, []
-    for key, _, value in entries(node, problems, what):
-        if key == "sheet":
-            size = _size(value, problems, f"{what}.sheet")
-        elif (made := _part(key, value, problems, f"{what}.{key}")) is not None:
-            parts.append(made)
-    if len(problems.found) == so_far and (size is None or not parts):
-        problems.add(node, f"{what}: expected a sheet, such as sheet: 300 x 100, and parts")
-    return nest_of(*size, *parts) if size is not None and len(problems.found) == so_far else None
-
-
-def _size(node: yaml.Node, problems: Problems, what: str) -> tuple[float, float] | None:
-    found = re.fullmatch(rf"\s*({NUMBER})\s*x\s*({NUMBER})\s*", str(node.value))
-    if found is None or float(found[1]) <= 0 or float(found[2]) <= 0:
-        problems.add(node, f"{what}: expected width x height in mm, such as 300 x 100, got {shape(node)}")
-        return None
-    return float(found[1]), float(found[2])
-
-
-def _given(node: yaml.Node, keys: Sequence[str], problems: Problems, what: str) -> dict[str, yaml.Node]:
-    """What stands under the keys of a mapping; others than these are problems."""
-    given: dict[str, yaml.Node] = {}
-    for key, key_node, value in entries(node, problems, what):
-        if key in keys:
-            given[key] = value
-        else:
-            problems.add(key_node, f"{what}: {unknown('key', key, keys)}")
-    return given
-
-
-def _part(name: str, node: yaml.Node, problems: Problems, what: str) -> Part | None:
-    if isinstance(node, yaml.ScalarNode):
-        rows = _rows(node, problems, what)
-        return None if rows is None else part(name, rows)
-    given = _given(node, PART_KEYS, problems, what)
-    if "outer" not in given:
-        problems.add(node, f"{what}: expected {SHAPES}; or outer, holes, marks and attributes")
-        return None
-    outer = _rows(given["outer"], problems, f"{what}.outer")
-    holes = (
-        [_rows(n, problems, f"{what}.holes") for n in items(given["holes"], problems, what)] if "holes" in given else []
-    )
-    marks = (
-        [_line(n, problems, f"{what}.marks") for n in items(given["marks"], problems, what)] if "marks" in given else []
-    )
-    if outer is None or None in holes or None in marks:
-        return None
-    made = part(name, outer, [h for h in holes if h is not None], [m for m in marks if m is not None])
-    return replace(made, attributes=dict(plain(given["attributes"]) or {})) if "attributes" in given else made
-
-
-def _rows(node: yaml.Node, problems: Problems, what: str) -> Rows | None:
-    word, _, rest = str(node.value).strip().partition(" ") if isinstance(node, yaml.ScalarNode) else ("", "", "")
-    numbers = [float(n) for n in re.findall(NUMBER, rest)]
-    clean = re.fullmatch(rf"[\s,]*({NUMBER}[\s,]*)*", rest) is not None
-    if word == "rect" and len(numbers) == 4 and clean:
-        return rect(*numbers)
-    if word == "circle" and len(numbers) == 3 and clean:
-        return circle(*numbers)
-    if word == "polygon" and len(numbers) >= 6 and len(numbers) % 2 == 0 and clean:
-        return list(zip(numbers[::2], numbers[1::2], strict=True))
-    problems.add(node, f"{what}: expected {SHAPES}, got {shape(node)}")
-    return None
-
-
-def _line(node: yaml.Node, problems: Problems, what: str) -> Rows | None:
-    numbers = [float(n) for n in re.findall(NUMBER, str(node.value))] if isinstance(node, yaml.ScalarNode) else []
-    if len(numbers) < 4 or len(numbers) % 2:
-        problems.add(node, f"{what}: expected the points of a line, such as 10 10, 30 10, got {shape(node)}")
-        return None
-    return list(zip(numbers[::2], numbers[1::2], strict=True))
+    return CutSequence(tuple(cuts), stated.start_side)

@@ -89,7 +89,8 @@ class Rule(ABC, Generic[OptionsT]):
     the whole; what the cuts made have decided is left out.
 
     The pairs of a rule whose `pairs_are` is the name of a fact about two contours are what the check knows of that
-    fact, by geometry of its own. `brought` says who has brought a rule that is not of the catalogue: `rules/outside`
+    fact, by geometry of its own. A hard rule that `must_be_judged` fails the check where it cannot be judged; of others
+    that is said, and no more. `brought` says who has brought a rule that is not of the catalogue: `rules/outside`
     sets it.
     """
 
@@ -111,6 +112,7 @@ class Rule(ABC, Generic[OptionsT]):
     guards_metal: ClassVar[bool] = False
     makes_zones: ClassVar[bool] = False
     shares: ClassVar[tuple[str, ...]] = ()
+    must_be_judged: ClassVar[bool] = False
     brought: str = ""
     pairs_are: ClassVar[str] = ""
 

@@ -58,12 +58,20 @@ def _excused(judgement: Judgement, why: dict[Ids, str]) -> Judgement:
     violations: list[Violation] = []
     excused = list(judgement.excused)
     for violation in judgement.violations:
-        first, then = violation.contours
-        if (first, then) in why:
-            excused.append(Excused(violation, why[first, then]))
+        reason = _reason(violation, why)
+        if reason is not None:
+            excused.append(Excused(violation, reason))
         else:
             violations.append(violation)
     return replace(judgement, violations=tuple(violations), excused=tuple(excused))
+
+
+def _reason(violation: Violation, why: Mapping[Ids, str]) -> str | None:
+    """Why an order may be broken; of what is no order of two contours, nothing is known."""
+    if len(violation.contours) != 2:
+        return None
+    first, then = violation.contours
+    return why.get((first, then))
 
 
 def _contradictions(nest: Nest, cuts: CutSequence, profile: Profile, holding: set[str]) -> dict[Ids, str]:

@@ -29,6 +29,7 @@ def judge(nest: Nest, cuts: CutSequence, profile: Profile, relaxed: Sequence[Rel
                 v for v in book[name].violations(nest, cuts, setting.options) if book[name].still_counts(v, cuts.made)
             ),
             unjudged=book[name].unjudged(nest, cuts, setting.options),
+            must_be_judged=book[name].must_be_judged and setting.strength == "hard",
         )
         for name, setting in sorted(settings.items(), key=lambda item: (item[1].strength != "hard", item[0]))
     ]

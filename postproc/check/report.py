@@ -24,11 +24,18 @@ def report(result: CheckResult, most: int = MOST) -> str:
         lines.append(f"... and {len(result.warnings) - most} more warnings")
     measured = result.measured
     lines.append(f"measured: {measured.paths} paths, {measured.on_mm:.1f} mm torch on, {measured.idle_mm:.1f} mm idle")
-    broken = result.broken()
-    lines.append(
-        "ok: every hard rule holds" if result.ok else f"FAILED: {len(broken)} hard rules broken: {', '.join(broken)}"
-    )
+    lines.append("ok: every hard rule holds" if result.ok else f"FAILED: {_failed(result)}")
     return "\n".join(lines)
+
+
+def _failed(result: CheckResult) -> str:
+    """The hard rules that fail, in words: those that are broken, and those that could not be judged."""
+    failed = [result.rule(name) for name in result.broken()]
+    broken = [judgement.id for judgement in failed if judgement.violations]
+    unknown = [judgement.id for judgement in failed if not judgement.violations]
+    told = [f"{len(broken)} hard rules broken: {', '.join(broken)}"] if broken else []
+    told += [f"{len(unknown)} hard rules cannot be judged: {', '.join(unknown)}"] if unknown else []
+    return "; ".join(told)
 
 
 def _lines(judgement: Judgement, width: int, most: int) -> Iterator[str]:

@@ -22,7 +22,7 @@ class Excused:
 class Judgement:
     """One rule against one plan or program; one that is off is not judged at all.
 
-    `unjudged` says why nothing can be said, where that is so.
+    `unjudged` says why nothing can be said, where that is so. A rule that `must_be_judged` does not hold then.
     """
 
     id: str
@@ -31,11 +31,12 @@ class Judgement:
     violations: tuple[Violation, ...] = ()
     excused: tuple[Excused, ...] = ()
     unjudged: str | None = None
+    must_be_judged: bool = False
 
     @property
     def holds(self) -> bool:
-        """Whether nothing breaks the rule but what is excused."""
-        return not self.violations
+        """Whether nothing breaks the rule but what is excused, as far as it has to be known."""
+        return not self.violations and not (self.must_be_judged and self.unjudged is not None)
 
     @property
     def verdict(self) -> Verdict:
@@ -76,7 +77,7 @@ class CheckResult:
         return {j.id: j for j in self.rules}[rule_id]
 
     def broken(self) -> tuple[str, ...]:
-        """Ids of the hard rules that are broken."""
+        """Ids of the hard rules that are broken, or cannot be judged and have to be."""
         return tuple(j.id for j in self.rules if j.strength == "hard" and not j.holds)
 
     def __str__(self) -> str:

@@ -98,6 +98,8 @@ def judge(nest: Nest, plan: Plan, program: str, profile: Profile) -> CheckResult
         other = of_program.pop(judgement.id, None)
         more = () if other is None else other.violations
         rules.append(replace(judgement, violations=judgement.violations or more))
+        if other is not None and other.must_be_judged and judgement.unjudged is None:
+            rules[-1] = replace(rules[-1], unjudged=other.unjudged)
     warnings = tuple(dict.fromkeys(planned.warnings + written.warnings))
     result = CheckResult((*of_program.values(), *rules), warnings, written.measured)
     return result if result.ok else _by_block(result, program)

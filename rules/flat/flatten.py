@@ -12,13 +12,14 @@ from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
 
-from .compiler import JUDGED, WORDS, compile_model, printing
+from .compiler import JUDGED, WORDS, Compiled, compile_model, printing
 from .flatzinc import read_flatzinc
 from .meaning import SUMS, Meaning, NotUnderstood, Words
-from .model_file import ModelFile
+from .model_file import ModelFile, without_comments
 from .nodes import Node
 from .numbers import TooMuch
 
+_TEXT = re.compile(r'"(?:[^"\\\n]|\\[^(\n])*"')
 MOST_KEPT = 64
 """Flat forms that are kept while kerfwise runs: a plan asks for each rule's several times."""
 KEPT = "flat_kept_"
@@ -59,7 +60,7 @@ def flatten(file: ModelFile, data: str, n: int, contour_of: Sequence[int], other
         If MiniZinc is missing, or the file has a mistake or says something that has no meaning for a rule.
     """
     text = _model(file, data, others)
-    key = sha256("\0".join([text, *_read(file).values()]).encode()).hexdigest()
+    key = sha256("\0".join([text, *files_read(file).values()]).encode()).hexdigest()
     if key in _kept:
         _kept.move_to_end(key)
         return _kept[key]
@@ -78,7 +79,7 @@ def flatten(file: ModelFile, data: str, n: int, contour_of: Sequence[int], other
         raise InputError(f"rule {file.name}: {error}", file=file.path, line=file.line) from None
     except RecursionError:
         raise InputError(f"rule {file.name}: its conditions stand too deep in one another", file=file.path) from None
-    says: list[str] = next((json.loads(value) for name, value in compiled.printed if name == "says"), [])
+    says = _says(compiled)
     if says and len(says) != len(elements):
         raise InputError(
             f"rule {file.name}: {file.stem}_says has {len(says)} sentences, {file.array} {len(elements)} elements",
@@ -92,12 +93,21 @@ def flatten(file: ModelFile, data: str, n: int, contour_of: Sequence[int], other
     return made
 
 
-def judge_order(file: ModelFile, data: str, others: tuple[str, ...] = ()) -> tuple[list[bool], list[str], bool]:
-    """Which elements of the file's array hold of cuts that are made, their sentences, and whether its constraints do.
+@dataclass(frozen=True, slots=True)
+class JudgedOrder:
+    """Which elements of a file's array hold of cuts that are made, its sentences, and whether its constraints do."""
+
+    holds: Sequence[bool]
+    says: Sequence[str]
+    possible: bool
+
+
+def judge_order(file: ModelFile, data: str) -> JudgedOrder:
+    """The file evaluated by MiniZinc on an order.
 
     `data` are the facts that the check has measured, and when each contour is cut.
     """
-    compiled = compile_model(_model(file, data, others, judged=True), file.path)
+    compiled = compile_model(_model(file, data, (), judged=True), file.path)
     flat = read_flatzinc(compiled.flat)
     holds: list[bool] = []
     possible = True
@@ -106,8 +116,12 @@ def judge_order(file: ModelFile, data: str, others: tuple[str, ...] = ()) -> tup
             possible = False
         elif constraint.name == f"{KEPT}{file.array}" and isinstance(constraint.args[0], list):
             holds = [value is True for value in constraint.args[0]]
-    says: list[str] = next((json.loads(value) for name, value in compiled.printed if name == "says"), [])
-    return holds, says, possible
+    return JudgedOrder(holds, _says(compiled), possible)
+
+
+def _says(compiled: Compiled) -> list[str]:
+    """The file's sentences; none where it has none."""
+    return next((json.loads(value) for name, value in compiled.printed if name == "says"), [])
 
 
 def _model(file: ModelFile, data: str, others: tuple[str, ...], judged: bool = False) -> str:
@@ -130,17 +144,20 @@ def include(path: Path) -> str:
 
 
 def whole_text(file: ModelFile) -> str:
-    """The text of the file and of what it includes beside it."""
-    return "".join(_read(file).values())
+    """The text of the file and of what it includes beside it, without comments and sentences: what it names, it needs.
+
+    Texts that hold expressions stay.
+    """
+    return "".join(_TEXT.sub('""', without_comments(text)) for text in files_read(file).values())
 
 
-def _read(file: ModelFile) -> dict[Path, str]:
+def files_read(file: ModelFile) -> dict[Path, str]:
     """The text of the file, and of the files beside it that it includes."""
     found: dict[Path, str] = {}
     waiting = [file.path.resolve()]
     for path in waiting:
         found[path] = path.read_text(encoding="utf-8-sig", errors="replace")
-        for name in re.findall(r'^\s*include\s+"([^"]+)"', found[path], re.M):
+        for name in re.findall(r'\binclude\s*"([^"]+)"', without_comments(found[path])):
             beside = (path.parent / name).resolve()
             if beside.is_file() and beside not in waiting:
                 waiting.append(beside)

@@ -265,8 +265,9 @@ class Meaning:
                     raise NotUnderstood("a set that is not known beforehand")
                 return within(self._sum(args[0]), sorted(values))
             case "int_le" | "int_lt" | "int_eq" | "int_ne":
-                gap = plus([(1, self._sum(args[0])), (-1, self._sum(args[1]))])
-                return _compared(name[4:], gap, 0) if not _single(args) else self._against_constant(name[4:], args)
+                if _single(args):
+                    return self._against_constant(name[4:], args)
+                return _compared(name[4:], plus([(1, self._sum(args[0])), (-1, self._sum(args[1]))]), 0)
             case "int_lin_le" | "int_lin_eq" | "int_lin_ne" | "bool_lin_le" | "bool_lin_eq" | "int_lin_lt":
                 weights, values = _listed(args[0]), _listed(args[1])
                 sums = [of_node(self._node(v)) if name.startswith("bool") else self._sum(v) for v in values]

@@ -23,6 +23,7 @@ from kerfwise.rules.own.measures import edge_gaps_mm, is_long, measured
 from kerfwise.rules.registry import RULES
 
 PER_MM = 100
+NEVER_MS = 10**9
 PAIRS = ("level_ahead", "in_hull")
 SIDES = ("left", "right", "bottom", "top")
 
@@ -39,18 +40,25 @@ class Limits:
     tail_share: float = 0.25
 
 
-def missing(nest: Nest, cuts: CutSequence, text: str) -> str | None:
-    """Why what the text of a rule names cannot be known of these cuts, where that is so."""
+def missing(cuts: CutSequence, text: str) -> str | None:
+    """What the text of a rule names and these cuts do not state, and where to state it; None where nothing is missing.
+
+    All else the check measures for itself.
+    """
     named = _words(text)
-    at = cuts.positions()
-    if any(contour.id not in at for contour in nest.contours):
-        return "not every contour is cut"
-    if "zone" in named and not any(cut.zone for cut in cuts):
-        return "the zones of the cuts are not stated"
-    if named & {"level_ahead", "start_side"} and cuts.start_side is None:
-        return "the side that cutting starts from is not stated"
+    unzoned = next((f"cut {k} of {cut.contour}" for k, cut in enumerate(cuts, 1) if cut.zone < 1), None)
+    if "zone" in named and unzoned is not None:
+        return (
+            f"the zone of {unzoned} is not stated: a program says it in comments such as (CUT 1 A.outer ZONE 1 CW), "
+            "a case by zones"
+        )
+    if named & {"level_ahead", "start_side"} and cuts.start_side is None and len(cuts):
+        return (
+            "the side that cutting starts from is not stated: a program says it in a comment such as "
+            "(START SIDE LEFT), a case by start_side"
+        )
     if "pause_ms" in named and len(cuts) and not any(cut.end_s for cut in cuts):
-        return "the times of the cuts are not stated"
+        return "the times of the cuts are not stated: a plan and a program have them, a case says them by pause"
     return None
 
 
@@ -97,13 +105,15 @@ def measured_data(nest: Nest, cuts: CutSequence, limits: Limits, text: str) -> F
 
 
 def order_data(nest: Nest, cuts: CutSequence) -> Fields:
-    """When each contour is cut."""
+    """When each contour is cut; one that is not cut, as if after all others and much later."""
     at = cuts.positions()
-    own = [cuts[at[c.id] - 1] for c in nest.contours]
+    uncut = [contour.id for contour in nest.contours if contour.id not in at]
+    place = at | {name: k for k, name in enumerate(uncut, len(at) + 1)}
+    own = [cuts[at[c.id] - 1] if c.id in at else None for c in nest.contours]
     return [
-        ("position", numbers(at[c.id] for c in nest.contours)),
-        ("begin_ms", numbers(round(c.start_s * 1000) for c in own)),
-        ("end_ms", numbers(round(c.end_s * 1000) for c in own)),
+        ("position", numbers(place[c.id] for c in nest.contours)),
+        ("begin_ms", numbers(NEVER_MS if c is None else round(c.start_s * 1000) for c in own)),
+        ("end_ms", numbers(NEVER_MS if c is None else round(c.end_s * 1000) for c in own)),
     ]
 
 

@@ -84,7 +84,7 @@ def read_model_file(path: Path) -> ModelFile:
             file=path,
         )
     sentence, source = _header(text, stem)
-    code = _without_comments(text)
+    code = without_comments(text)
     array = re.search(rf"\b{stem}_holds\b(?=[^;=]*=)", code)
     bare = _BARE.search(code)
     if array is None and bare is None:
@@ -108,7 +108,7 @@ def read_model_file(path: Path) -> ModelFile:
 
 def states(file: ModelFile, array: str) -> bool:
     """Whether the file defines an array of that name."""
-    return re.search(rf"\b{array}\b[^;=]*=", _without_comments(file.text)) is not None
+    return re.search(rf"\b{array}\b[^;=]*=", without_comments(file.text)) is not None
 
 
 def _header(text: str, stem: str) -> tuple[str, str]:
@@ -147,7 +147,7 @@ def _parameters(path: Path, text: str, stem: str) -> Iterator[Parameter]:
         yield Parameter(name, key, kind, default["value"].strip(), (default["help"] or "").strip(), line)
 
 
-def _without_comments(text: str) -> str:
+def without_comments(text: str) -> str:
     """The text with comments blanked, so that every character keeps its place."""
     pattern = r'"(?:[^"\\\n]|\\.)*"|%[^\n]*|/\*.*?\*/'
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, make_dataclass
 from functools import cache, lru_cache
 from pathlib import Path
@@ -24,7 +24,7 @@ from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Forced, Ids, Rule, Strength, Violation
 from kerfwise.rules.statements import Before, Statement
 
-from .flatten import Flattened, flatten, judge_order, whole_text
+from .flatten import Flattened, JudgedOrder, flatten, judge_order, whole_text
 from .further_words import further_words
 from .measured_facts import Limits, measured_data, missing, order_data
 from .model_file import ModelFile, Parameter, read_model_file, states
@@ -58,6 +58,7 @@ class ModelRule(Rule[Any]):
     """
 
     Options = NoOptions
+    must_be_judged = True
 
     def __init__(self, file: ModelFile, rule_id: str = "", strength: Strength = "hard") -> None:
         self.file, self.strength = file, strength
@@ -146,18 +147,23 @@ class ModelRule(Rule[Any]):
         if self.unjudged(nest, cuts, options) is not None:
             return []
         data = self._measured_data(nest, cuts, options)
-        holds, says, possible = judge_order(self.file, data + assignments(order_data(nest, cuts)))
-        elements = () if all(holds) else self._flat(nest, data).elements
+        order = judge_order(self.file, data + assignments(order_data(nest, cuts)))
+        return self._blamed(nest, cuts, order, () if all(order.holds) else self._flat(nest, data).elements)
+
+    def _blamed(self, nest: Nest, cuts: CutSequence, order: JudgedOrder, elements: Sequence[Node]) -> list[Violation]:
+        """What an order breaks, as violations; what is about contours alone that are not cut is none."""
         at = cuts.positions()
         found = []
-        for k, held in enumerate(holds):
+        for k, held in enumerate(order.holds):
             if not held:
                 node = elements[k] if k < len(elements) else False
                 ids = tuple(nest.contours[number].id for number in contours_of(node))
-                said = says[k] if k < len(says) else self._told(nest, node)
-                positions = tuple(sorted(at[name] for name in ids)) if len(ids) <= MOST_TOLD else ()
+                if ids and not any(name in at for name in ids):
+                    continue
+                said = order.says[k] if k < len(order.says) else self._told(nest, node)
+                positions = tuple(sorted(at[name] for name in ids if name in at)) if len(ids) <= MOST_TOLD else ()
                 found.append(Violation(self.id, ids[:MOST_TOLD], f"{said} ({self.file.place})", positions))
-        if not possible:
+        if not order.possible:
             text = f"a constraint of the file does not hold: {self.sentence} ({self.file.path.name}:{self.file.bare})"
             found.append(Violation(self.id, (), text))
         return found
@@ -199,7 +205,7 @@ class ModelRule(Rule[Any]):
         return None if self.replaces is None else self.replaces.excuse(nest, cuts, options, violation, forced)
 
     def unjudged(self, nest: Nest, cuts: CutSequence, options: Any) -> str | None:
-        return missing(nest, cuts, whole_text(self.file))
+        return missing(cuts, whole_text(self.file))
 
     def still_counts(self, violation: Violation, made: int) -> bool:
         """A pair in the wrong order counts where both are new cuts, any other violation where the last of them is."""

@@ -70,7 +70,7 @@ def plus(sums: Sequence[tuple[int, Sum]], const: int = 0) -> Sum:
                 plain.append((factor, without_word(one)))
                 continue
         plain.append((factor, one))
-    if word is not None and (len(plain) > 1 or any(one.terms for _, one in plain)):
+    if word is not None and any(one.terms for _, one in plain):
         plain, word, times = [(factor, without_word(one)) for factor, one in sums], None, 0
     for factor, one in plain:
         const += factor * one.const

@@ -120,7 +120,11 @@ class Writer:
                 yield self._apart(node.atom, said)
                 return
             if isinstance(node.atom, Pause):
-                raise NotHeld(0, "a soft rule cannot ask for pause_ms: seconds that are missing have no whole price")
+                raise NotHeld(
+                    0,
+                    "a soft rule cannot ask for pause_ms, since each breach costs the same, however long: make the "
+                    "rule hard, or ask softly for cuts_between; missing seconds have a price in own_rules, by apart",
+                )
         plain = merged(without_words(node, len(self.nest.contours)))
         if self.in_parts:
             for clause in clauses(plain):

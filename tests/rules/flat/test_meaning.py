@@ -145,6 +145,28 @@ def test_every_plan_is_judged_alike(tmp_path: Path, text: str, means: Means, sof
 
 
 @pytest.mark.parametrize(
+    ("text", "lag"),
+    [
+        ("pause_ms(1, 2) >= 20000", (0, 1, 0, 20.0)),
+        ("pause_ms(4, 2) > 999", (1, 3, 0, 1.0)),
+        ("2 * pause_ms(1, 2) >= 2500", (0, 1, 0, 1.25)),
+        ("5000 <= pause_ms(1, 3) + 1000", (0, 2, 0, 4.0)),
+        ("cuts_between(3, 1) >= 2", (0, 2, 2, 0.0)),
+    ],
+)
+def test_a_gap_becomes_a_lag(tmp_path: Path, text: str, lag: tuple[int, int, int, float]) -> None:
+    (one,) = stated(tmp_path, text, soft=False)
+    assert isinstance(one, Lag)
+    assert (one.first, one.second, one.cuts, one.seconds) == lag
+
+
+def test_a_soft_rule_asks_for_no_seconds(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="a soft rule cannot ask for pause_ms") as refused:
+        stated(tmp_path, "pause_ms(1, 2) >= 20000", soft=True)
+    assert (refused.value.line, "element 1 of tried_holds" in refused.value.message) == (1, True)
+
+
+@pytest.mark.parametrize(
     ("text", "said"),
     [
         ("[pause_ms(1, 2) >= 5 \\/ before(1, 2)]", "pause_ms stands by itself only"),
