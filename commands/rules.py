@@ -43,9 +43,7 @@ def _list(profile: str, trust: bool) -> None:
 
     loaded = load_profile(profile, trust=trust)
     for row in rule_table(loaded):
-        click.echo(f"{row.id:26}{_strength(row.strength, row.weight):14}{row.sentence}")
-    for own in loaded.own_rules:
-        click.echo(f"{own.id:26}{_strength(own.strength, own.weight):14}{own.why}")
+        click.echo(f"{row.id:26}{_strength(row.strength, row.weight):14}{row.sentence}{row.from_where}")
 
 
 def _strength(strength: str, weight: float | None) -> str:

@@ -13,6 +13,7 @@ from kerfwise.encoder.faults import naming_the_rule
 from kerfwise.encoder.nest import Nest
 
 from .plant import Plant
+from .rule_file import RuleFile
 from .statements import About, Precede, Statement
 from .temperature_limit import TemperatureLimit
 
@@ -91,7 +92,7 @@ class Rule(ABC, Generic[OptionsT]):
     The pairs of a rule whose `pairs_are` is the name of a fact about two contours are what the check knows of that
     fact, by geometry of its own. A hard rule that `must_be_judged` fails the check where it cannot be judged; of others
     that is said, and no more. `brought` says who has brought a rule that is not of the catalogue: `rules/outside`
-    sets it.
+    sets it, and `stands_in` where that is a file of the plant.
     """
 
     id: str
@@ -114,6 +115,7 @@ class Rule(ABC, Generic[OptionsT]):
     shares: ClassVar[tuple[str, ...]] = ()
     must_be_judged: ClassVar[bool] = False
     brought: str = ""
+    stands_in: RuleFile | None = None
     pairs_are: ClassVar[str] = ""
 
     def __init_subclass__(cls, **options: Any) -> None:
@@ -122,6 +124,10 @@ class Rule(ABC, Generic[OptionsT]):
         for name, hook in list(vars(cls).items()):
             if inspect.isfunction(hook) and not name.startswith("__"):
                 setattr(cls, name, naming_the_rule(hook))
+
+    def page(self) -> str:
+        """The rule's page, in Markdown, without its settings."""
+        return inspect.getdoc(type(self)) or self.sentence
 
     @abstractmethod
     def statements(self, facts: Facts, options: OptionsT) -> Iterable[Statement]:

@@ -78,7 +78,8 @@ class SolveReport:
 class RuleReport:
     """One rule of the profile: whether it holds in the plan, and where it was excused and why.
 
-    `breaches` are where a soft rule does not hold: the contours, and what is wrong there.
+    `breaches` are where a soft rule does not hold: the contours, and what is wrong there. A rule of the plant's own
+    names the file that it stands in, with its sha256, and whether it takes the place of a shipped one.
     """
 
     id: str
@@ -86,6 +87,9 @@ class RuleReport:
     holds: bool
     exceptions: tuple[tuple[tuple[str, ...], str], ...] = ()
     breaches: tuple[tuple[tuple[str, ...], str], ...] = ()
+    file: str = ""
+    file_sha256: str = ""
+    in_place_of_shipped: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,6 +191,8 @@ class Plan:
                     "exceptions": [{"contours": list(c), "why": w} for c, w in r.exceptions],
                 }
                 | ({"breaches": [{"contours": list(c), "why": w} for c, w in r.breaches]} if r.breaches else {})
+                | ({"file": r.file, "file_sha256": r.file_sha256} if r.file else {})
+                | ({"in_place_of_shipped": True} if r.in_place_of_shipped else {})
                 for r in self.rules
             ],
             "dropped": [{"rule": d.rule, "contours": list(d.contours), "why": d.why} for d in self.dropped],

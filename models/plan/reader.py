@@ -156,6 +156,9 @@ def _plan_of(data: dict[str, Any]) -> Plan:
                 r["holds"],
                 tuple((tuple(e["contours"]), e["why"]) for e in r["exceptions"]),
                 tuple((tuple(b["contours"]), b["why"]) for b in r.get("breaches", ())),
+                r.get("file", ""),
+                r.get("file_sha256", ""),
+                r.get("in_place_of_shipped", False),
             )
             for r in data["rules"]
         ),

@@ -46,9 +46,9 @@ def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, 
     yield comment(dialect, f"KERFWISE FOR {plain(dialect.title).upper()}")
     yield comment(dialect, "NEST", PurePath(nest.file).name, f"SHA256 {nest.sha256[:SHA_DIGITS]}")
     yield comment(dialect, "PROFILE", profile.name, f"SHA256 {profile.sha256[:SHA_DIGITS]}")
-    for own in profile.model_rules():
-        what = "RULE FILE IN PLACE OF" if own.replaces is not None else "RULE FILE"
-        yield comment(dialect, what, own.id, f"SHA256 {own.file.sha256[:SHA_DIGITS]}")
+    for name, file in profile.rule_files().items():
+        what = "RULE FILE IN PLACE OF" if file.in_place_of_shipped else "RULE FILE"
+        yield comment(dialect, what, name, f"SHA256 {file.sha256[:SHA_DIGITS]}")
     yield from resume_comment(plan, dialect)
     thickness, kerf = number(material.thickness_mm, 3), number(material.kerf_mm, 3)
     yield comment(dialect, "MATERIAL", material.name, f"{thickness} MM, KERF {kerf} MM")

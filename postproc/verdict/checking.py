@@ -9,11 +9,13 @@ from dataclasses import replace
 from kerfwise.encoder.cut import HotSpot
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.shown import shown
 from kerfwise.encoder.still_going import long_job, so_much
 from kerfwise.models.plan.plan import Plan, RuleReport
 from kerfwise.postproc.check import CheckResult, Claims, Heating, Relaxed, Thermometer, check_cuts
 from kerfwise.postproc.check import check_program as check_nc
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.rule_file import RuleFile
 
 __all__ = ["check_plan", "check_program", "judge", "report_of", "thermometer_of"]
 
@@ -133,7 +135,7 @@ def _block(program: str, line: int) -> str:
 
 def report_of(result: CheckResult, profile: Profile) -> tuple[RuleReport, ...]:
     """The verdicts on the profile's rules as a plan states them."""
-    book = profile.rulebook()
+    book, files = profile.rulebook(), profile.rule_files()
     return tuple(
         RuleReport(
             judgement.id,
@@ -141,7 +143,13 @@ def report_of(result: CheckResult, profile: Profile) -> tuple[RuleReport, ...]:
             judgement.holds,
             tuple((excused.violation.contours, excused.why) for excused in judgement.excused),
             tuple((v.contours, v.text) for v in judgement.violations if judgement.strength == "soft"),
+            *_told_of(files.get(judgement.id)),
         )
         for judgement in result.rules
         if judgement.id in book and judgement.strength != "off"
     )
+
+
+def _told_of(file: RuleFile | None) -> tuple[str, str, bool]:
+    """What a plan says of the file that a rule stands in: its name, its sha256, and whether it took a shipped place."""
+    return ("", "", False) if file is None else (shown(file.path.name), file.sha256, file.in_place_of_shipped)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,11 +14,10 @@ from kerfwise.encoder.errors import InputError
 from .compiler import JUDGED, WORDS, Compiled, compile_model, printing
 from .flatzinc import read_flatzinc
 from .meaning import SUMS, Meaning, NotUnderstood, Words
-from .model_file import ModelFile, without_comments
+from .model_file import ModelFile, files_read, whole_text
 from .nodes import Node
 from .numbers import TooMuch
 
-_TEXT = re.compile(r'"(?:[^"\\\n]|\\[^(\n])*"')
 MOST_KEPT = 64
 """Flat forms that are kept while kerfwise runs: a plan asks for each rule's several times."""
 KEPT = "flat_kept_"
@@ -141,24 +139,3 @@ def _model(file: ModelFile, data: str, others: tuple[str, ...], judged: bool = F
 def include(path: Path) -> str:
     """The line that includes a file."""
     return f"include {json.dumps(path.as_posix(), ensure_ascii=False)};"
-
-
-def whole_text(file: ModelFile) -> str:
-    """The text of the file and of what it includes beside it, without comments and sentences: what it names, it needs.
-
-    Texts that hold expressions stay.
-    """
-    return "".join(_TEXT.sub('""', without_comments(text)) for text in files_read(file).values())
-
-
-def files_read(file: ModelFile) -> dict[Path, str]:
-    """The text of the file, and of the files beside it that it includes."""
-    found: dict[Path, str] = {}
-    waiting = [file.path.resolve()]
-    for path in waiting:
-        found[path] = path.read_text(encoding="utf-8-sig", errors="replace")
-        for name in re.findall(r'\binclude\s*"([^"]+)"', without_comments(found[path])):
-            beside = (path.parent / name).resolve()
-            if beside.is_file() and beside not in waiting:
-                waiting.append(beside)
-    return found

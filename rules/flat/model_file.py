@@ -15,6 +15,7 @@ from kerfwise.rules.registry import RULES
 TYPES = ("int", "bool", "string")
 _PARAMETER = re.compile(r"^\s*(?:(?P<type>[^:;%\n]+?))\s*:\s*(?P<name>[A-Za-z]\w*)\s*;[ \t]*(?:%(?P<help>.*))?$", re.M)
 _DEFAULT = re.compile(r"^\s*default\s+(?P<value>[^:,;]+?)\s*(?:[:,;]\s*(?P<help>.*))?$")
+_TEXT = re.compile(r'"(?:[^"\\\n]|\\[^(\n])*"')
 _BARE = re.compile(r"^\s*constraint\b(?!\s*(?:assert|trace|redundant_constraint|symmetry_breaking_constraint)\b)", re.M)
 
 
@@ -48,11 +49,6 @@ class ModelFile:
     says: bool
     bare: int
     parameters: tuple[Parameter, ...]
-
-    @property
-    def sha256(self) -> str:
-        """The content, as a digest."""
-        return hashlib.sha256(self.text.encode()).hexdigest()
 
     @property
     def place(self) -> str:
@@ -159,3 +155,30 @@ def without_comments(text: str) -> str:
 
 def _line(text: str, at: int) -> int:
     return text.count("\n", 0, at) + 1
+
+
+def whole_text(file: ModelFile) -> str:
+    """The text of the file and of what it includes beside it, without comments and sentences: what it names, it needs.
+
+    Texts that hold expressions stay.
+    """
+    return "".join(_TEXT.sub('""', without_comments(text)) for text in files_read(file).values())
+
+
+def files_read(file: ModelFile) -> dict[Path, str]:
+    """The text of the file, and of the files beside it that it includes."""
+    found: dict[Path, str] = {}
+    waiting = [file.path.resolve()]
+    for path in waiting:
+        found[path] = path.read_text(encoding="utf-8-sig", errors="replace")
+        for name in re.findall(r'\binclude\s*"([^"]+)"', without_comments(found[path])):
+            beside = (path.parent / name).resolve()
+            if beside.is_file() and beside not in waiting:
+                waiting.append(beside)
+    return found
+
+
+def content_digest(file: ModelFile) -> str:
+    """The sha256 of the file's text, and of what it includes, if anything."""
+    others = [text for path, text in files_read(file).items() if path != file.path.resolve()]
+    return hashlib.sha256("\0".join([file.text, *others]).encode()).hexdigest()

@@ -22,12 +22,13 @@ from kerfwise.rules.options.option import NoOptions, option
 from kerfwise.rules.options.plain_values import Flag, Number, Text
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Forced, Ids, Rule, Strength, Violation
+from kerfwise.rules.rule_file import RuleFile
 from kerfwise.rules.statements import Before, Statement
 
-from .flatten import Flattened, JudgedOrder, flatten, judge_order, whole_text
+from .flatten import Flattened, JudgedOrder, flatten, judge_order
 from .further_words import further_words
 from .measured_facts import Limits, measured_data, missing, order_data
-from .model_file import ModelFile, Parameter, read_model_file, states
+from .model_file import ModelFile, Parameter, content_digest, read_model_file, states, whole_text
 from .nodes import Lit, Node, contours_of, parts
 from .to_statements import NotHeld, Way, Writer
 
@@ -66,6 +67,7 @@ class ModelRule(Rule[Any]):
         self.replaces: Rule[Any] | None = RULES.get(self.id)
         self.sentence, self.source = file.sentence, file.source
         self.brought = f"file {file.path}"
+        self.stands_in = RuleFile(file.path, content_digest(file), self.replaces is not None)
         setattr(self, "Options", options_class(file.parameters))  # noqa: B010
         for mark in _MARKS if self.replaces is not None else ():
             setattr(self, mark, getattr(self.replaces, mark))
@@ -80,6 +82,14 @@ class ModelRule(Rule[Any]):
 
     def __hash__(self) -> int:
         return hash((self.file, self.id, self.strength))
+
+    def page(self) -> str:
+        """The sentence, where the rule stands, and the file's text without its cases."""
+        told = f"It stands in `{self.file.path}`"
+        if self.replaces is not None:
+            told += f", in the place of the shipped rule `{self.replaces.id}`"
+        text = re.split(r"^%\s*cases:\s*$", self.file.text, maxsplit=1, flags=re.M)[0].strip()
+        return f"{self.sentence}\n\n{told}.\n\n```\n{text}\n```"
 
     def with_strength(self, strength: Strength) -> ModelRule:
         """The same rule with the strength that a profile gives it."""

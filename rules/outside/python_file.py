@@ -14,6 +14,7 @@ from kerfwise.encoder.errors import InputError, KerfwiseError
 from kerfwise.encoder.faults import line_in, said
 from kerfwise.rules.options.yaml_positions import Place
 from kerfwise.rules.rule import Rule
+from kerfwise.rules.rule_file import RuleFile
 
 from .made import rules_of
 
@@ -44,7 +45,10 @@ def rules_in_file(path: Path) -> tuple[Rule[Any], ...]:
         raise InputError(f"cannot read the Python file: {getattr(error, 'strerror', error)}", file=path) from None
     key = str(full), hashlib.sha256(text).hexdigest()
     if key not in _LOADED:
-        _LOADED[key] = tuple(rules_of(run_file(full, text), f"file {path}"))
+        made = tuple(rules_of(run_file(full, text), f"file {path}"))
+        for rule in made:
+            rule.stands_in = RuleFile(path, key[1])
+        _LOADED[key] = made
     return _LOADED[key]
 
 

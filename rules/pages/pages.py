@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -45,14 +44,27 @@ class RuleRow:
     weight: float | None
     sentence: str
     source: str
+    from_where: str = ""
 
 
 def rule_table(profile: Profile) -> list[RuleRow]:
-    """Every rule, with the strength that the profile gives it: the catalogue by id, then those from outside."""
+    """Every rule with the strength that the profile gives it: the catalogue by id, then those from outside and its own.
+
+    `from_where` names the file or the package that has brought a rule.
+    """
+    own = {rule.id: rule for rule in profile.own_rules}
     return [
-        RuleRow(name, profile.rules[name].strength, profile.rules[name].weight, rule.sentence, rule.source)
-        for name, rule in profile.known_rules().items()
+        RuleRow(name, given.strength, given.weight, rule.sentence, rule.source, _from_where(rule))
+        for name, rule in profile.rulebook().items()
+        for given in (own[name] if name in own else profile.rules[name],)
     ]
+
+
+def _from_where(rule: Rule[Any]) -> str:
+    if not rule.brought:
+        return ""
+    replaces = rule.stands_in is not None and rule.stands_in.in_place_of_shipped
+    return f" ({rule.brought}{', in place of the shipped rule' if replaces else ''})"
 
 
 def rule_page(id: str, known: Mapping[str, Rule[Any]] = RULES) -> str:
@@ -75,7 +87,7 @@ def rule_page(id: str, known: Mapping[str, Rule[Any]] = RULES) -> str:
     lines = [
         f"# {rule.id}",
         "",
-        inspect.getdoc(type(rule)) or rule.sentence,
+        rule.page(),
         "",
         "## Settings",
         "",

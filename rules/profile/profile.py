@@ -33,6 +33,7 @@ from kerfwise.rules.plant import Plant
 from kerfwise.rules.profile.cuts_section import Cuts
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule, Strength
+from kerfwise.rules.rule_file import RuleFile
 from kerfwise.rules.temperature_limit import TemperatureLimit
 
 from .filling import T, filled_in, plant_of
@@ -56,8 +57,8 @@ class Profile:
     `further_rules` are those beside the catalogue that `rules` has settings of: of installed packages, which are off
     unless a profile says otherwise, and of the files that it names.
 
-    `sha256` is that of the profile's file, `read_from` are the places of that file and of those it is based on; they
-    and `file` do not make two profiles differ.
+    `sha256` is that of the profile's file and of the files of its rules, `read_from` are the places of that file and of
+    those it is based on; these and `file` do not make two profiles differ.
 
     Examples
     --------
@@ -122,6 +123,11 @@ class Profile:
         """The rules that are on and stand in model files, which need MiniZinc."""
         on = self.settings()
         return [rule for name, rule in self.rulebook().items() if name in on and isinstance(rule, ModelRule)]
+
+    def rule_files(self) -> dict[str, RuleFile]:
+        """Rule id → file, of the rules that are on and stand in a file of the plant, in Python or MiniZinc."""
+        on, book = self.settings(), self.rulebook()
+        return {name: file for name, rule in book.items() if name in on and (file := rule.stands_in) is not None}
 
     def known_rules(self) -> dict[str, Rule[Any]]:
         """Every rule that `rules` has a setting of, by id: those of the catalogue, and those from outside."""
@@ -320,7 +326,16 @@ def _load(name: str, folder: Path, chain: tuple[str, ...], trust: bool) -> Profi
 
     given = read_given(text, file, _fields(_silent(shown(Path(file).stem))), base, trust)
     read_from = (*given.get("read_from", ()), place)
-    return Profile(**given | {"sha256": hashlib.sha256(content).hexdigest(), "file": file, "read_from": read_from})
+    made = Profile(**given | {"file": file, "read_from": read_from})
+    return dataclasses.replace(made, sha256=_digest(content, made))
+
+
+def _digest(content: bytes, profile: Profile) -> str:
+    """The sha256 of a profile's text; where rules of its own stand in files, of these too, on or off."""
+    rules = [*profile.known_rules().values(), *(_of_own(own) for own in profile.own_rules if isinstance(own, OwnFile))]
+    of_files = [rule.stands_in.sha256 for rule in rules if rule.stands_in is not None]
+    text = hashlib.sha256(content).hexdigest()
+    return hashlib.sha256("\n".join([text, *of_files]).encode()).hexdigest() if of_files else text
 
 
 def _silent(name: str) -> Profile:
