@@ -46,28 +46,6 @@ def units_of(part: Ints, is_mark: Bools, pairs: Ints, in_one_go: bool) -> Units:
     return Units(of, inner, ordered[circle[ordered[:, 0]] != circle[ordered[:, 1]]])
 
 
-def sets_of_zones(zone: Ints, units: Units, most: float, most_of_one: float) -> float:
-    """The sets of all zones, of which `zone` (n,) names that of every contour; infinite if they, or one, have more.
-
-    Examples
-    --------
-    Two parts in one zone are two in one go, or one after the other in two.
-
-    >>> two = units_of(np.array([0, 1]), np.array([False, False]), np.empty((0, 2), dtype=np.int64), True)
-    >>> sets_of_zones(np.array([1, 1]), two, 100.0, 100.0), sets_of_zones(np.array([1, 2]), two, 100.0, 100.0)
-    (4.0, 4.0)
-    """
-    cut = units.of >= 0
-    of_unit = np.zeros(len(units.inner), dtype=np.int64)
-    of_unit[units.of[cut]] = zone[cut]
-    sets = 0.0
-    for name in np.unique(of_unit).tolist():
-        sets += sets_within(np.flatnonzero(of_unit == name), units, min(most - sets, most_of_one))
-        if sets > most:
-            break
-    return sets
-
-
 def sets_within(members: Ints, units: Units, most: float) -> float:
     """The sets that can be out while these units are cut, infinite if there are more than `most`.
 

@@ -1,13 +1,19 @@
-"""Zones by geometry alone: one strip after the other off the rectangle around the parts that remain."""
+"""Zones by geometry alone: one strip after the other off the rectangle around the parts that remain.
+
+Thin strips have few parts, far apart. So wide ones may be taken instead, and divided along their length into pieces that
+are about square. Those are cut one after the other, from the end where the strip before ended.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.cut import Side
 
-from .facts import FactOptions
+from .facts import SIDES, FactOptions
 from .outlines import ROUNDING_MM, SAME_SHARE
 from .ranges import laid_out
 from .sides import AWAY, AXIS
@@ -18,12 +24,15 @@ _GAP_MM = 2 * ROUNDING_MM
 """Gaps between two lines of parts that differ by less are equal: either line may be off by rounding."""
 
 
-def strips_of(blocks: Blocks, start_side: Side, options: FactOptions, size: int) -> list[Ints]:
-    """The blocks of each strip of about `size` contours, those at the side that it comes off first."""
+def strips_of(blocks: Blocks, start_side: Side, options: FactOptions, size: int, in_pieces: bool = False) -> list[Ints]:
+    """The blocks of each strip of about `size` contours, those at the side that it comes off first.
+
+    Or of each of the pieces of so many contours that wide strips are divided into, those that come first along it.
+    """
     count = len(blocks.contours)
     across: tuple[Side, Side] = ("bottom", "top") if AXIS[start_side] == 0 else ("left", "right")
     sides: tuple[Side, ...] = (start_side, *across)  # the side opposite the start stays to the end
-    depth = {s: _in_lines(AWAY[s] * blocks.centroid[:, AXIS[s]]) for s in sides}
+    depth = {s: _in_lines(AWAY[s] * blocks.centroid[:, AXIS[s]]) for s in SIDES}
     order = {s: np.argsort(depth[s], kind="stable") for s in sides}
     before, first = _predecessors(blocks.pairs, count)
     strips, left = list[Ints](), np.ones(count, dtype=np.bool_)
@@ -31,18 +40,46 @@ def strips_of(blocks: Blocks, start_side: Side, options: FactOptions, size: int)
         square = bool(strips) and _side_ratio(blocks.bounds_mm[left]) <= options.square_ratio * (1 + SAME_SHARE)
         choices = []
         for side in sides if square else sides[:1]:
+            about = size * (_pieces_along(side, blocks, left, size) if in_pieces else 1)
             remaining = order[side][left[order[side]]]
-            strip = _strip(remaining, depth[side], blocks, options.zone_heat_kj, size)
+            strip = _strip(remaining, depth[side], blocks, options.zone_heat_kj, about)
             remains = left.copy()
             remains[strip] = False
             ahead = before[laid_out(first[strip], first[strip + 1] - first[strip])]
             # A side is not admissible where something that would remain must go before a block of the strip.
             if side == start_side or not remains[ahead].any():
-                choices.append((_side_ratio(blocks.bounds_mm[remains]), strip))
-        squarest = min(ratio for ratio, _ in choices)
-        strips.append(next(strip for ratio, strip in choices if ratio <= squarest * (1 + SAME_SHARE)))
-        left[strips[-1]] = False
+                choices.append((_side_ratio(blocks.bounds_mm[remains]), strip, side))
+        squarest = min(ratio for ratio, _, _ in choices)
+        strip, side = next((strip, side) for ratio, strip, side in choices if ratio <= squarest * (1 + SAME_SHARE))
+        left[strip] = False
+        strips += _divided(strip, side, strips[-1:], depth, blocks, size) if in_pieces else [strip]
     return strips
+
+
+def _pieces_along(side: Side, blocks: Blocks, left: Bools, size: int) -> int:
+    """How many square pieces of so many contours fit along a strip off this side of what is left."""
+    box_mm = blocks.bounds_mm[left, 2:].max(axis=0) - blocks.bounds_mm[left, :2].min(axis=0)
+    piece_mm = float(np.sqrt(box_mm.prod() * size / max(1, int(blocks.contours[left].sum()))))
+    return max(1, round(float(box_mm[1 - AXIS[side]]) / piece_mm))
+
+
+def _divided(
+    strip: Ints, side: Side, last: Sequence[Ints], depth: Mapping[Side, Floats], blocks: Blocks, size: int
+) -> list[Ints]:
+    """A strip off a side in pieces along its length, from the end that is nearest to the piece cut `last`."""
+    axis = 1 - AXIS[side]
+    low, high = (s for s in SIDES if AXIS[s] == axis)
+    along = blocks.centroid[strip, axis]
+    from_low = True
+    if last:
+        came_mm = float(blocks.centroid[last[0], axis].mean())
+        from_low = abs(came_mm - float(along.min())) <= abs(came_mm - float(along.max())) + ROUNDING_MM
+    place = depth[low if from_low else high]
+    remaining, pieces = strip[np.argsort(place[strip], kind="stable")], list[Ints]()
+    while len(remaining):
+        pieces.append(_strip(remaining, place, blocks, None, size))
+        remaining = remaining[len(pieces[-1]) :]
+    return pieces
 
 
 def _in_lines(depth_mm: Floats) -> Floats:

@@ -4,8 +4,9 @@ Petunin 2009, fig. 4: what remains uncut after each zone should come as close to
 of about `zone_contours` contours are taken off the bounding rectangle of the parts that remain: off the start side
 at first and while the rectangle's sides differ by more than `square_ratio`, then off whichever admissible side leaves
 it most square. Then zones are raised until no respected order points backwards. Where a budget of heat is given, strips
-end before they pass it, and what raising makes too hot is divided again. Where no number is given, zones are as large
-as a proof bears.
+end before they pass it, and what raising makes too hot is divided again. Where no number is given, strips are wide and
+cut piece by piece, and zones are as large as a proof bears: pieces that follow each other are joined as long as a zone
+has few sets of contours that may be out.
 """
 
 from __future__ import annotations
@@ -23,15 +24,17 @@ from .facts import FactOptions
 from .outlines import Outlines
 from .zone_blocks import Blocks, blocks_of, locked_pairs
 from .zone_heat import divided
-from .zone_sets import Units, sets_of_zones, units_of
+from .zone_joined import joined
+from .zone_sets import Units, units_of
 from .zone_strips import strips_of
 
-SIZES = (12, 16, 20, 25, 30, 40, 50, 60)
-"""Contours in a zone, about, where a profile says no number: the largest that a proof bears. Small zones make long
-ways, large ones many sets."""
-MOST_SETS, MOST_OF_ONE = 5_000_000, 1_000_000
-"""Sets of contours that may be out, of all zones together and of one: a proof takes under 1 GB, and some seconds; half
-a minute where rules look at the moves between contours as well."""
+SIZE = 12
+"""Contours in a zone, about, where locks put parts in zones and a profile says no number."""
+PIECE = 8
+"""Contours in a piece of a strip, about, before pieces are joined."""
+MOST_SETS, MOST_OF_ONE, USUAL = 1_500_000, 1_000_000, 30
+"""Sets of contours that may be out, of all zones together if each has `USUAL` contours, and of one at the most: a proof
+takes under 1 GB, and some seconds."""
 
 
 def zones_of(
@@ -63,7 +66,7 @@ def zones_of(
         units = units_of(outlines.own_outer, outlines.is_mark, orders, options.parts_in_one_go)
         zone, pairs = _as_large_as_a_proof_bears(blocks, units, start_side, options)
     else:
-        zone, pairs = _divided(blocks, start_side, options, options.zone_contours or SIZES[0])
+        zone, pairs = _divided(blocks, start_side, options, options.zone_contours or SIZE)
     placed = _placed(nest, blocks.of, options)
     first, last = ([block for block, position in placed.items() if position == end] for end in (1, outlines.n))
     pairs = pairs[~np.isin(pairs[:, 1], first) & ~np.isin(pairs[:, 0], last)]  # nothing goes before the first of all
@@ -75,21 +78,19 @@ def zones_of(
 def _as_large_as_a_proof_bears(
     blocks: Blocks, units: Units, start_side: Side, options: FactOptions
 ) -> tuple[Ints, Ints]:
-    """As `_divided`, with the largest number of contours a zone whose sets are few enough."""
-    best = _divided(blocks, start_side, options, SIZES[0])
-    for size in SIZES[1:]:
-        if best[0].max() == 1:
-            break
-        larger = _divided(blocks, start_side, options, size)
-        if sets_of_zones(larger[0][blocks.of], units, MOST_SETS, MOST_OF_ONE) > MOST_SETS:
-            break
-        best = larger
-    return best
+    """As `_divided`, of pieces joined as long as a zone has few sets."""
+    zone, pairs = _divided(blocks, start_side, options, PIECE, in_pieces=True)
+    most = min(MOST_OF_ONE, MOST_SETS * USUAL / max(1, len(blocks.of)))
+    heat_kj = np.bincount(zone - 1, blocks.heat_kj)
+    zone[blocks.of] = joined(zone[blocks.of], units, most, heat_kj, options.zone_heat_kj)
+    return zone, pairs
 
 
-def _divided(blocks: Blocks, start_side: Side, options: FactOptions, size: int) -> tuple[Ints, Ints]:
+def _divided(
+    blocks: Blocks, start_side: Side, options: FactOptions, size: int, in_pieces: bool = False
+) -> tuple[Ints, Ints]:
     """The zone of every block, of about so many contours each, and the pairs that zones respect."""
-    strips, pairs = strips_of(blocks, start_side, options, size), blocks.pairs
+    strips, pairs = strips_of(blocks, start_side, options, size, in_pieces), blocks.pairs
     zone, rank = np.empty((2, len(blocks.contours)), dtype=np.int64)
     in_turn = np.concatenate(strips)
     zone[in_turn] = np.repeat(np.arange(len(strips)), [len(strip) for strip in strips])

@@ -58,9 +58,11 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
     goes against the order rules. Marks do not count towards `zone_contours` and have no zone order: they neither free
     metal nor heat it.
 
-    Small zones make long ways. With `zone_contours: auto` zones are as large as a proof of the best plan bears, from
-    about 12 contours to about 60: as long as the sets of contours that may be out while a zone is cut are few enough.
-    The nest and the rules alone decide on that. Where locks put parts in zones, these have about 12 contours.
+    Small zones make long ways, and so do thin strips of a large sheet. With `zone_contours: auto` strips are wide, and
+    divided along their length into pieces of about 8 contours. These are cut one after the other, from the end where
+    the strip before ended. Pieces that follow each other are then joined to zones that are as large as a proof of the
+    best plan bears: as long as there are few sets of contours that may be out while a zone is cut. The nest and the
+    rules alone decide on that. Where locks put parts in zones, these are strips of about 12 contours.
 
     With `zone_heat`, a strip ends before the heat of its contours passes that budget: `heat.absorbed_power_w` for as
     long as the torch is on, piercing included, at the feeds that the section `time` names. What the order rules then

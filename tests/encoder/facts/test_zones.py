@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -97,6 +98,19 @@ def test_a_row_is_taken_only_where_no_part_of_it_must_wait(waiting: list[tuple[s
 def test_a_zone_ends_between_columns_where_that_is_near_enough() -> None:
     found = zones(grid(8, 5), zone_contours=6)
     assert in_zone(found, 1) == {"00", "01", "02", "03", "04"}
+
+
+def test_without_a_number_zones_follow_each_other_to_and_fro_in_pieces_of_wide_strips() -> None:
+    sheet = grid(24, 12)
+    found = compute_facts(sheet, FactOptions(zone_respects=frozenset({"contains"})), ())
+    zone = found.zone
+    middle = np.array([[*p.outer.polygon.centroid.coords[0]] for p in sheet.parts])
+    middles = np.array([middle[zone == z].mean(axis=0) for z in range(1, zone.max() + 1)])
+    apart = np.hypot(*np.diff(middles, axis=0).T)
+    span = middle.max(axis=0) - middle.min(axis=0)
+    assert zone.max() > 8
+    assert apart.max() < span[1] / 2
+    assert all(np.ptp(middle[zone == z], axis=0).max() < span[1] for z in range(1, zone.max() + 1))
 
 
 def test_zones_are_about_as_large_as_asked_and_none_is_left_over_small() -> None:

@@ -1,0 +1,50 @@
+"""Zones that follow each other made one, as long as the sets of contours that may be out in it are few enough."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from kerfwise.arrays import Floats, Ints
+
+from .zone_sets import Units, sets_within
+
+
+def joined(zone: Ints, units: Units, most_sets: float, heat_kj: Floats, budget_kj: float | None = None) -> Ints:
+    """The zones 1…m of contours (n,) after as many of those that follow each other are made one as have so few sets.
+
+    No more than a budget of heat is joined; `heat_kj` (m,) is that of every zone. Zones that have too much of either
+    stay as they are.
+
+    Examples
+    --------
+    Two parts in one go, each a zone of its own, are one zone of four sets.
+
+    >>> two = Units(np.array([0, 1]), np.array([0, 0]), np.empty((0, 2), dtype=np.int64))
+    >>> joined(np.array([1, 2]), two, 4.0, np.zeros(2)), joined(np.array([1, 2]), two, 3.0, np.zeros(2))
+    (array([1, 1]), array([1, 2]))
+    """
+    cut = units.of >= 0
+    of_unit = np.zeros(len(units.inner), dtype=np.int64)
+    of_unit[units.of[cut]] = zone[cut]
+    by_zone = np.argsort(of_unit, kind="stable")
+    ends = np.arange(1, len(heat_kj) + 2)
+    first = np.searchsorted(of_unit[by_zone], ends)
+    pairs = units.pairs[np.argsort(of_unit[units.pairs[:, 0]], kind="stable")]
+    pairs_from = np.searchsorted(of_unit[pairs[:, 0]], ends)
+    most_kj = np.inf if budget_kj is None else budget_kj
+
+    def bears(begin: int, end: int) -> bool:
+        """Whether the zones begin + 1 … end may be one."""
+        within = replace(units, pairs=pairs[pairs_from[begin] : pairs_from[end]])
+        few = sets_within(by_zone[first[begin] : first[end]], within, most_sets) <= most_sets
+        return few and float(heat_kj[begin:end].sum()) <= most_kj
+
+    number = np.ones(len(heat_kj) + 1, dtype=np.int64)
+    begin = 0
+    for end in range(2, len(heat_kj) + 1):
+        if not bears(begin, end):
+            begin = end - 1
+        number[end] = number[end - 1] + (begin == end - 1)
+    return number[zone]
