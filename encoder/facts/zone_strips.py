@@ -1,7 +1,7 @@
 """Zones by geometry alone: one strip after the other off the rectangle around the parts that remain.
 
-Thin strips have few parts, far apart. So wide ones may be taken instead, and divided along their length into pieces that
-are about square. Those are cut one after the other, from the end where the strip before ended.
+Thin strips have few parts, far apart. So wide ones may be taken instead, and divided along their length into pieces
+that are about square. Those are cut one after the other, from the end where the strip before ended.
 """
 
 from __future__ import annotations

@@ -81,7 +81,7 @@ def _as_large_as_a_proof_bears(
     """As `_divided`, of pieces joined as long as a zone has few sets."""
     zone, pairs = _divided(blocks, start_side, options, PIECE, in_pieces=True)
     most = min(MOST_OF_ONE, MOST_SETS * USUAL / max(1, len(blocks.of)))
-    heat_kj = np.bincount(zone - 1, blocks.heat_kj)
+    heat_kj = np.bincount(zone - 1, blocks.heat_kj).astype(np.float64)
     zone[blocks.of] = joined(zone[blocks.of], units, most, heat_kj, options.zone_heat_kj)
     return zone, pairs
 
