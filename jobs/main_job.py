@@ -100,7 +100,7 @@ def plan_nest(
             left = replace(limits, time_s=max(limit_s - spent_s, LEAST_SHARE * limit_s))
         began_s = time.monotonic()
         with listener:
-            made = produce(asked, profile, left, listener, engine, solver, strategy)
+            made = produce(asked, profile, left, listener, engine, solver, strategy, and_zones=True)
     except RulesConflict as error:
         from kerfwise.models.engines.budget import Budget
         from kerfwise.models.plan.conflict import NotAnswered, find_conflict

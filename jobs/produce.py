@@ -21,6 +21,7 @@ from kerfwise.rules.stating.lazy import afterthoughts, look_takes_s
 from kerfwise.rules.stating.state_rules import Stated
 
 from .ask import Asked
+from .zones_cost import AS_LONG, LEAST, SHARE, zoned_by, zones_cost
 
 if TYPE_CHECKING:
     from kerfwise.models.heat_prices.cooler_orders import CoolerOrders
@@ -49,11 +50,14 @@ def produce(
     solver: str = "gecode",
     strategy: Strategy = "ours",
     cooler: CoolerOrders | None = None,
+    *,
+    and_zones: bool = False,
 ) -> Produced:
     """Solve, write the program, and judge both; a plain strategy may take the place of the engine, to compare with.
 
     Where the profile puts a price on overheats, the nest is simulated many times over; `cooler` knows what was
-    simulated before of the same nest by the same rules.
+    simulated before of the same nest by the same rules. `and_zones` has the plan say what zones cost, which takes a
+    share of a limit in seconds, or work beside that of the plan.
 
     Raises
     ------
@@ -62,6 +66,10 @@ def produce(
     """
     facts, started_s = asked.facts, time.monotonic()
     engine_named = engine if strategy == "ours" else "portfolio"
+    whole = limits
+    and_zones = and_zones and engine == "portfolio" and strategy == "ours" and bool(zoned_by(asked, profile))
+    if and_zones and limits.time_s is not None:
+        limits = replace(limits, time_s=limits.time_s * (1 - SHARE))
 
     def solved(share: float, stated: Stated, further: tuple[Statement, ...] = ()) -> Solution:
         part = replace(limits, work=limits.work * share, time_s=limits.time_s and limits.time_s * share)
@@ -74,9 +82,11 @@ def produce(
         cool, stated = solve_priced(asked, profile, limits, solved, progress, cooler)
         asked = Asked(facts, stated)
 
+    def seen_of(solution: Solution) -> tuple[Statement, ...]:
+        return afterthoughts(facts, profile)([facts.candidates[c].contour for c in solution.route])
+
     def planned(solution: Solution) -> Plan:
-        seen = afterthoughts(facts, profile)([facts.candidates[c].contour for c in solution.route])
-        stated = replace(asked.stated, statements=(*asked.stated.statements, *seen))
+        stated = replace(asked.stated, statements=(*asked.stated.statements, *seen_of(solution)))
         plan = make_plan(facts, profile, stated, solution, engine_named, limits.seed)
         return with_times(plan, facts.whole_nest, profile)
 
@@ -96,11 +106,22 @@ def produce(
     else:
         solution = solved(1.0, asked.stated) if cool is None else cool
         plan = planned(solution)
+    if and_zones:
+        looked = _looked(whole, time.monotonic() - started_s, solution)
+        plan = replace(plan, zones_cost=zones_cost(asked, seen_of(solution), profile, solution, looked, progress))
     began_s = time.monotonic()
     program = write_program(plan, facts.whole_nest, profile)
     verdict = judge(facts.whole_nest, plan, program, profile)
     judging_s = time.monotonic() - began_s
     return Produced(replace(plan, rules=report_of(verdict, profile)), program, verdict, solution.notes, judging_s)
+
+
+def _looked(limits: SolveOptions, spent_s: float, solution: Solution) -> SolveOptions:
+    """How long is looked for a plan without zones; what the plan took by the clock does not count at work."""
+    if limits.time_s is not None:
+        left_s = max(limits.time_s - spent_s, LEAST * SHARE)
+        return replace(limits, time_s=min(2 * SHARE * limits.time_s, left_s))
+    return replace(limits, work=min(SHARE * limits.work, max(LEAST, AS_LONG * solution.seconds)))
 
 
 def _solved(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -46,6 +46,7 @@ def solve(
     progress: Progress | None = None,
     refine: Refine | None = None,
     look_s: float = 0.0,
+    start: Sequence[int] = (),
 ) -> Solution:
     """The best route found within the limits, with what is proven of it.
 
@@ -54,6 +55,7 @@ def solve(
     bound all the same: the missing ones can only add to the cost. `look_s` is how long the first look will take, as
     far as anyone can tell: a limit in seconds keeps so much of itself for it. The last plan is looked at to the end,
     whatever the limit, since nothing else tells its cost; a note says so where that takes longer than the limit leaves.
+    `start` is a route to go on from, as a solution has it, if one is known.
 
     Raises
     ------
@@ -68,7 +70,7 @@ def solve(
     spent = 0.0
     posed: Problem | None = None
     known: Known | None = None
-    candidates: Sites | None = None
+    candidates = np.array(start, dtype=np.int64) if start else None
     while True:
         in_time = _in_time(watch, MOVES_SHARE * whole) if timed else _always
         posed = make_problem(facts, statements, options.home_mm, options.feeds, posed, in_time)
@@ -78,7 +80,7 @@ def solve(
         share = max(share, LEAST * whole) if known is None else max(share, 0.0)
         watch.begin()
         limits = replace(options, work=share, time_s=options.time_s and share)
-        known = run_portfolio(problem, limits, watch, _still_lawful(problem, candidates), known)
+        known = run_portfolio(problem, limits, watch, _still_lawful(problem, candidates, posed), known)
         spent += known.work
         if known.incumbent is None:
             raise _unable(options.member, known.unable) if known.unable else _no_plan(known.infeasible)
@@ -117,12 +119,26 @@ def _in_time(watch: Watch, most_s: float) -> Callable[[float], bool]:
     return going
 
 
-def _still_lawful(problem: Problem, candidates: Sites | None) -> tuple[int, ...] | None:
-    """The route of an earlier round, where it may be gone on from."""
+def _still_lawful(problem: Problem, candidates: Sites | None, posed: Problem) -> tuple[int, ...] | None:
+    """A route known before, where it may be gone on from; a site that another was never worse than is that other."""
     if candidates is None:
         return None
-    route = tuple(problem.candidate_site[candidates].tolist())
-    return None if min(route, default=0) < 0 or broken(problem, route) else route
+    route = [
+        _alike(problem, int(c), posed) if problem.candidate_site[c] < 0 else s
+        for c, s in zip(candidates, problem.candidate_site[candidates].tolist(), strict=True)
+    ]
+    return None if min(route, default=0) < 0 or broken(problem, route) else tuple(route)
+
+
+def _alike(problem: Problem, candidate: int, posed: Problem) -> int:
+    """The cheapest site of a problem with the ends of a candidate that the problem as it was posed still has, or -1."""
+    if (site := int(posed.candidate_site[candidate])) < 0:
+        return -1
+    sites = np.array(problem.sites(int(posed.site_contour[site])))
+    same = (problem.pierce_um[sites] == posed.pierce_um[site]).all(axis=1)
+    same &= (problem.end_um[sites] == posed.end_um[site]).all(axis=1)
+    alike = sites[same]
+    return int(alike[problem.site_cost[alike].argmin()]) if len(alike) else -1
 
 
 def _solution(problem: Problem, known: Known, spent: float) -> Solution:

@@ -14,6 +14,8 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.models.physics.timing.report import TimeReport
 from kerfwise.rules.profile.machine_section import Origin
 
+from .zones_cost import ZonesCost
+
 FORMAT = "kerfwise-plan/1"
 RELAXED = "relaxed: "
 """How the reason of a statement begins that is relaxed because the hard rules cannot all hold."""
@@ -120,9 +122,9 @@ class Plan:
 
     Coordinates are the drawing's; `zero` is the point of it that is the machine's zero, as its `origin` says. `time`
     says by which model the times are, and what they are spent on; None where no program has been timed. `left_out` are
-    small holes that are not cut. Where a program goes on after a stop, `already_cut` are the cuts made before, with
-    times of the program that made them, and `cuts` go on from there; `broken_off` is the one that is cut again, as it
-    was begun.
+    small holes that are not cut. `zones_cost` is what cutting zone after zone costs, where that was looked for. Where a
+    program goes on after a stop, `already_cut` are the cuts made before, with times of the program that made them, and
+    `cuts` go on from there; `broken_off` is the one that is cut again, as it was begun.
     """
 
     nest: Mapping[str, str]
@@ -136,6 +138,7 @@ class Plan:
     dropped: tuple[Dropped, ...] = field(default=())
     time: TimeReport | None = None
     left_out: tuple[LeftOut, ...] = ()
+    zones_cost: ZonesCost | None = None
     origin: Origin = "drawing"
     zero: Point = (0.0, 0.0)
     already_cut: tuple[PlannedCut, ...] = ()
@@ -197,6 +200,8 @@ class Plan:
             ],
             "dropped": [{"rule": d.rule, "contours": list(d.contours), "why": d.why} for d in self.dropped],
         }
+        if self.zones_cost is not None:
+            tail["zones_cost"] = self.zones_cost.as_json()
         if self.left_out:
             tail["left_out"] = [{"contour": left.contour, "why": left.why} for left in self.left_out]
         lines = [f' "{k}": {json.dumps(v, ensure_ascii=False)}' for k, v in head.items()]

@@ -24,6 +24,7 @@ from kerfwise.encoder.strict_json import strict_json
 from kerfwise.models.physics.timing.report import TimeReport
 
 from .plan import FORMAT, Dropped, LeftOut, Plan, PlannedCut, RuleReport, SolveReport, Totals
+from .zones_cost import ZonesCost
 
 MOST_ERRORS = 20
 
@@ -165,6 +166,7 @@ def _plan_of(data: dict[str, Any]) -> Plan:
         dropped=tuple(Dropped(d["rule"], tuple(d["contours"]), d["why"]) for d in data["dropped"]),
         time=_record(TimeReport, data["time"]) if "time" in data else None,
         left_out=tuple(LeftOut(left["contour"], left["why"]) for left in data.get("left_out", ())),
+        zones_cost=ZonesCost.of_json(data["zones_cost"]) if "zones_cost" in data else None,
         origin=data.get("origin", "drawing"),
         zero=(float(data["zero"][0]), float(data["zero"][1])) if "zero" in data else (0.0, 0.0),
         already_cut=_cuts(data.get("already_cut", [])),

@@ -1,0 +1,64 @@
+"""What cutting zone after zone costs a plan: against the best plan known that has no zones to respect."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class ZonesCost:
+    """How much better a plan is that need not be cut zone after zone, the best that was found in a short while.
+
+    Parameters
+    ----------
+    mm
+        What zones add to the objective, mm of idle travel, the weight of excuses left out; below 0 where the plan
+        without zones has fewer excuses, but longer ways.
+    excuses
+        How many excuses fewer it has.
+    avoided
+        Ids of the contours that the plan excuses, each with its rule, where the plan without zones does not.
+    seconds
+        How long it was looked for, s; of work, as `SolveReport.seconds`.
+    """
+
+    mm: float
+    excuses: int
+    avoided: tuple[tuple[str, str], ...]
+    seconds: float
+
+    @property
+    def sentence(self) -> str:
+        """What zones cost, for people.
+
+        Examples
+        --------
+        >>> ZonesCost(912.4, 0, (), 3.0).sentence
+        'zones cost 0.912 m against the best plan known without them, looked for in 3.0 s'
+        >>> ZonesCost(0.0, 0, (), 0.5).sentence
+        'no better plan without zones is known, looked for in 0.5 s'
+        >>> ZonesCost(-300.0, 1, (("A.outer", "no-islands"),), 3.0).sentence
+        'zones cost 1 excuse that a plan without them avoids, 0.300 m longer, looked for in 3.0 s: A.outer (no-islands)'
+        """
+        looked_for = f"looked for in {self.seconds:.1f} s"
+        if self.excuses > 0:
+            way = f"{abs(self.mm) / 1000:.3f} m {'shorter' if self.mm >= 0 else 'longer'}"
+            excuses = f"{self.excuses} excuse{'s' if self.excuses > 1 else ''}"
+            names = ", ".join(f"{contour} ({rule})" for contour, rule in self.avoided)
+            listed = f": {names}" if names else ""
+            return f"zones cost {excuses} that a plan without them avoids, {way}, {looked_for}{listed}"
+        if self.mm <= 0:
+            return f"no better plan without zones is known, {looked_for}"
+        return f"zones cost {self.mm / 1000:.3f} m against the best plan known without them, {looked_for}"
+
+    def as_json(self) -> dict[str, Any]:
+        """As a plan lists it."""
+        avoided = [{"contour": contour, "rule": rule} for contour, rule in self.avoided]
+        return {"mm": round(self.mm, 6), "excuses": self.excuses, "avoided": avoided, "seconds": round(self.seconds, 6)}
+
+    @staticmethod
+    def of_json(data: dict[str, Any]) -> ZonesCost:
+        """The same, read back."""
+        avoided = tuple((row["contour"], row["rule"]) for row in data["avoided"])
+        return ZonesCost(data["mm"], data["excuses"], avoided, data["seconds"])

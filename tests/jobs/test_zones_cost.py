@@ -1,0 +1,75 @@
+"""What zones cost is said, and is what they cost."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.produce import Produced, produce
+from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.summary import summary
+from kerfwise.models.plan.reader import read_plan
+from kerfwise.models.plan.zones_cost import ZonesCost
+from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.statements import EXEMPTION_MM
+
+SHEET = nest(
+    580, 320, *(part(f"{x}{y}", rect(20 + 170 * x, 20 + 100 * y, 120 + 20 * y, 70)) for x in range(3) for y in range(3))
+)
+"""Nine parts in three columns, of three widths."""
+
+
+def zoned(contours: int | None, strength: str = "hard") -> Profile:
+    profile = load_profile()
+    rule = profile.rules["zone-order"]
+    changed = replace(rule, strength=strength, options=replace(rule.options, zone_contours=contours))  # type: ignore[arg-type]
+    return replace(profile, rules={**profile.rules, "zone-order": changed})
+
+
+def planned(profile: Profile, and_zones: bool = True, time_s: float | None = None) -> Produced:
+    limits = options_for(SHEET, profile, work=5.0, time_s=time_s)
+    return produce(ask(facts_of(SHEET, profile), profile), profile, limits, and_zones=and_zones)
+
+
+@pytest.mark.parametrize("contours", [1, 2, 4])
+def test_they_cost_what_the_best_plan_without_them_costs_less(contours: int) -> None:
+    with_zones, without = planned(zoned(contours)).plan, planned(zoned(None, "off")).plan
+    assert with_zones.solve.status == without.solve.status == "optimal"
+    cost = with_zones.zones_cost
+    assert cost is not None
+    more_mm = with_zones.solve.objective - without.solve.objective
+    assert cost.mm + cost.excuses * EXEMPTION_MM == pytest.approx(more_mm, abs=1e-6)
+    assert len(cost.avoided) >= cost.excuses
+
+
+def test_the_program_is_the_same_and_so_is_the_answer_the_second_time() -> None:
+    profile = zoned(2)
+    first, second, without = planned(profile), planned(profile), planned(profile, and_zones=False)
+    assert first.program == without.program
+    assert first.plan.to_json() == second.plan.to_json()
+    assert "zones_cost" not in json.loads(without.plan.to_json())
+
+
+def test_a_limit_in_seconds_has_a_share_for_it() -> None:
+    cost = planned(zoned(2), time_s=2.0).plan.zones_cost
+    assert cost is not None
+    assert cost.mm >= 0
+
+
+@pytest.mark.parametrize("profile", [zoned(None), zoned(2, "off")])
+def test_nothing_is_said_where_there_are_no_zones(profile: Profile) -> None:
+    assert planned(profile).plan.zones_cost is None
+
+
+def test_it_is_printed_and_read_back(tmp_path: object) -> None:
+    made = planned(zoned(1))
+    assert made.plan.zones_cost is not None
+    assert made.plan.zones_cost.sentence in summary(made.plan, made.verdict)
+    told = ZonesCost(-3.5, 2, (("A.outer", "part-rigidity"),), 1.0)
+    file = tmp_path / "plan.json"  # type: ignore[operator]
+    file.write_text(replace(made.plan, zones_cost=told).to_json())
+    assert read_plan(file).zones_cost == told
