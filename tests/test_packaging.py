@@ -5,6 +5,7 @@ from __future__ import annotations
 import doctest
 import importlib
 import pkgutil
+import shutil
 import tomllib
 from pathlib import Path
 
@@ -51,8 +52,16 @@ def test_nothing_that_is_shipped_needs_the_tests() -> None:
     assert [str(path) for path in texts if "kerfwise.tests" in path.read_text(encoding="utf-8")] == []
 
 
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Some examples read nests of `examples`, some write."""
+    made = tmp_path_factory.mktemp("docstrings")
+    shutil.copytree(ROOT / "examples", made / "examples")
+    return made
+
+
 @pytest.mark.parametrize("name", modules())
-def test_examples_in_docstrings_run(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(ROOT)  # some read nests of examples/
+def test_examples_in_docstrings_run(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(folder)
     result = doctest.testmod(importlib.import_module(name))
     assert result.failed == 0

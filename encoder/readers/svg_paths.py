@@ -85,13 +85,14 @@ def _bezier(curve: Any) -> Floats:
 
 
 def _sampled(segment: Any, pieces: int) -> Floats:
-    points = np.array([_at(segment, k / pieces) for k in range(pieces + 1)])
+    points = np.array(segment.npoint(np.arange(pieces + 1) / pieces))
+    points[0], points[-1] = segment.start, segment.end  # exact, so that neighbours still meet
     keep = np.append(np.hypot(*np.diff(points, axis=0).T) > 1e-9, True)
     return fit_arcs(points[keep])
 
 
 def _at(segment: Any, fraction: float) -> Point:
-    ends = {0.0: segment.start, 1.0: segment.end}  # exact, so that neighbours still meet
+    ends = {0.0: segment.start, 1.0: segment.end}
     point = ends[fraction] if fraction in ends else segment.point(fraction)
     return float(point.x), float(point.y)
 

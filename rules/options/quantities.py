@@ -13,6 +13,7 @@ import yaml
 
 from .kind import NUMBER, OptionKind, Unfit, digits, scalar_text
 from .plain_values import Number
+from .suggest import nearest
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +121,15 @@ class OrWord(OptionKind):
     none: str
 
     def read(self, node: yaml.Node) -> float | None:
-        return None if scalar_text(node, self).strip() == self.none else self.quantity.read(node)
+        text = scalar_text(node, self).strip()
+        if text == self.none:
+            return None
+        try:
+            return self.quantity.read(node)
+        except Unfit as error:
+            hint = f": did you mean {self.none!r}?" if nearest(text, [self.none]) else ""
+            said = str(error).replace(self.quantity.expected(), self.expected())
+            raise Unfit(f"{said}{hint}", error.node) from None
 
     def write(self, value: float | None) -> str:
         return self.none if value is None else self.quantity.write(value)
@@ -130,7 +139,7 @@ class OrWord(OptionKind):
         return {"anyOf": [{"const": self.none}, *other.get("anyOf", [other])]}
 
     def expected(self) -> str:
-        return f"{self.quantity.expected()}, or {self.none!r}"
+        return f"{self.quantity.expected()}, or the word {self.none!r}"
 
 
 @dataclass(frozen=True, slots=True)

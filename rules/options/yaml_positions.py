@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from kerfwise.encoder.errors import InputError
+
+SHORT = 8000
+"""Characters of a text whose nodes are kept: a shipped profile or dialect, which one command reads several times."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +74,16 @@ def compose(text: str, file: str) -> yaml.Node | None:
     >>> [(key.value, value.value, value.start_mark.column + 1) for key, value in node.value]
     [('kerf', '1.5', 7)]
     """
+    return _kept(text, file) if len(text) <= SHORT else _composed(text, file)
+
+
+@lru_cache(maxsize=32)
+def _kept(text: str, file: str) -> yaml.Node | None:
+    """Nobody changes a node: all readers share it."""
+    return _composed(text, file)
+
+
+def _composed(text: str, file: str) -> yaml.Node | None:
     try:
         return yaml.compose(text, Loader=yaml.SafeLoader)
     except yaml.MarkedYAMLError as error:

@@ -27,7 +27,7 @@ def with_new_names(section: str, members: Sequence[KeyedNode], problems: Problem
         if not any(k == group for k, _, _ in kept):
             start, end = key_node.start_mark, value.end_mark
             kept.append((group, key_node, yaml.MappingNode("tag:yaml.org,2002:map", [], start, end)))
-        [inner] = [node for k, _, node in kept if k == group]
+        [(at, group_key, inner)] = [(at, at_key, node) for at, (k, at_key, node) in enumerate(kept) if k == group]
         if not isinstance(inner, yaml.MappingNode):
             continue  # `read_fields` reports it
         if any(k.value == name for k, _ in inner.value):
@@ -36,5 +36,6 @@ def with_new_names(section: str, members: Sequence[KeyedNode], problems: Problem
             )
             continue
         node = yaml.ScalarNode("tag:yaml.org,2002:str", name, key_node.start_mark, key_node.end_mark)
-        inner.value.append((node, value))
+        both = [*inner.value, (node, value)]  # in a node of its own: a text that is read again has the same nodes
+        kept[at] = (group, group_key, yaml.MappingNode(inner.tag, both, inner.start_mark, inner.end_mark))
     return kept

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -50,7 +51,7 @@ DEFAULT = "plasma-carbon-steel"
 """The shipped profile that is used where none is named."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Profile:
     """Everything a plant fixes beforehand.
 
@@ -93,6 +94,10 @@ class Profile:
 
         A machine that travels with its head down makes some soft rules hard.
         """
+        return dict(self._settings)
+
+    @cached_property
+    def _settings(self) -> Mapping[str, RuleSetting]:
         on = {name: setting for name, setting in self.rules.items() if setting.strength != "off"}
         if self.machine.head == "down":
             known = self.known_rules()
@@ -147,11 +152,14 @@ class Profile:
     def _filled_in(self, options: T) -> T:
         return filled_in(options, self.plant, self.rules, self.known_rules())
 
-    def _every_rule(self) -> Iterator[tuple[Rule[Any], Any, Strength]]:
+    @cached_property
+    def _every_rule(self) -> Sequence[tuple[Rule[Any], Any, Strength]]:
         """Each rule with its options and strength; those from outside only if they are on."""
-        for name, rule in self.known_rules().items():
-            if name in RULES or self.rules[name].strength != "off":
-                yield rule, self._filled_in(self.rules[name].options), self.rules[name].strength
+        return [
+            (rule, self._filled_in(self.rules[name].options), self.rules[name].strength)
+            for name, rule in self.known_rules().items()
+            if name in RULES or self.rules[name].strength != "off"
+        ]
 
     def at_origin(self, origin: Origin) -> Profile:
         """The profile with the machine's zero where a plan or program says that it has it."""
@@ -206,7 +214,7 @@ class Profile:
             hole_overcut_mm=self.length_mm(leads.hole_overcut_mm),
             edge_start=leads.edge_start,
         )
-        for rule, options, strength in self._every_rule():
+        for rule, options, strength in self._every_rule:
             given = rule.lead_options(given, options, strength)
         return given
 
@@ -215,7 +223,7 @@ class Profile:
         free = LeadOptions()
         return tuple(
             rule.id
-            for rule, options, strength in self._every_rule()
+            for rule, options, strength in self._every_rule
             if len(rule.lead_options(free, options, strength).directions[kind]) == 1
         )
 
@@ -246,7 +254,7 @@ class Profile:
             kerf_mm=self.material.kerf_mm,
             splash_mm=None,
         )
-        for rule, options, strength in self._every_rule():
+        for rule, options, strength in self._every_rule:
             given = rule.fact_options(given, options, strength)
         return given
 

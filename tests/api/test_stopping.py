@@ -9,7 +9,7 @@ import pytest
 
 import kerfwise
 
-NEST = Path(kerfwise.__file__).parent / "examples" / "nests" / "plate40.json"
+NEST = Path(kerfwise.__file__).parent / "examples" / "nests" / "e1x_6.json"
 
 
 @pytest.fixture(scope="module")

@@ -14,6 +14,7 @@ from kerfwise.tests.commands.run_cli import kerfwise
 NEST = Path(package.__file__).parent / "examples" / "nests" / "plate40.json"
 
 
+@pytest.mark.slow
 def test_the_best_plan_so_far_is_written_and_the_exit_code_is_130(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

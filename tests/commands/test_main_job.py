@@ -13,7 +13,8 @@ from kerfwise.tests.tools import canon
 
 EXAMPLES = Path(package.__file__).parent / "examples"
 NESTS = sorted(p for p in (EXAMPLES / "nests").iterdir() if p.suffix in (".dxf", ".json", ".svg"))
-BY_NAME = [pytest.param(p, id=p.name, marks=[pytest.mark.slow] if p.stem == "s8877" else []) for p in NESTS]
+SLOW = ("s8877", "plate40")
+BY_NAME = [pytest.param(p, id=p.name, marks=[pytest.mark.slow] if p.stem in SLOW else []) for p in NESTS]
 SHOP = EXAMPLES / "profiles" / "shop.yaml"
 
 

@@ -66,26 +66,34 @@ def test_what_is_printed_decides_nothing(moment: int, error: OSError, tmp_path: 
     assert code_with(Fails(moment, error), Fails(0, error), "check", "plain.json", "broken.nc") in (1, 2)
 
 
+STREAMS = (
+    ("engines", ">/dev/full", 0),
+    ("engines", ">/dev/full 2>/dev/full", 0),
+    ("engines", ">&- 2>&- <&-", 0),
+    ("engines", "| head -c 1 >/dev/null", 0),
+    ("facts plain.json", ">/dev/full", 2),
+    ("facts plain.json", ">/dev/full 2>&-", 2),
+    ("facts plain.json", "2>&- | head -c 1 > /dev/null", 0),
+)
+"""`facts` prints what it makes, `engines` only tells."""
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="Linux")
-def test_real_streams_that_take_nothing(tmp_path: Path) -> None:
-    """Python's own last flush included: `facts` prints what it makes, `engines` only tells."""
-    for argv, redirected, code in (
-        ("engines", ">/dev/full", 0),
-        ("engines", ">/dev/full 2>/dev/full", 0),
-        ("engines", ">&- 2>&- <&-", 0),
-        ("engines", "| head -c 1 >/dev/null", 0),
-        ("facts plain.json", ">/dev/full", 2),
-        ("facts plain.json", ">/dev/full 2>&-", 2),
-        ("facts plain.json", "2>&- | head -c 1 > /dev/null", 0),
-    ):
-        line = f"set -o pipefail; {sys.executable} -m kerfwise.cli {argv} {redirected}"
-        ended = subprocess.run(["bash", "-c", line], capture_output=True, text=True, check=False)
-        assert ended.returncode == code, (line, ended)
-        assert "Traceback" not in ended.stderr
-        assert "Exception ignored" not in ended.stderr
+@pytest.mark.parametrize(
+    ("argv", "redirected", "code"),
+    [pytest.param(*row, marks=[pytest.mark.slow] if k else []) for k, row in enumerate(STREAMS)],
+)
+def test_real_streams_that_take_nothing(argv: str, redirected: str, code: int, tmp_path: Path) -> None:
+    """Python's own last flush included."""
+    line = f"set -o pipefail; {sys.executable} -m kerfwise.cli {argv} {redirected}"
+    ended = subprocess.run(["bash", "-c", line], capture_output=True, text=True, check=False)
+    assert ended.returncode == code, ended
+    assert "Traceback" not in ended.stderr
+    assert "Exception ignored" not in ended.stderr
     assert sorted(p.name for p in tmp_path.iterdir()) == ["plain.json"]
 
 
+@pytest.mark.slow
 def test_a_closed_stream_gives_its_number_to_no_file(tmp_path: Path) -> None:
     line = f"{sys.executable} -m kerfwise.cli {' '.join(SOLVE)} >&- 2>&-"
     assert subprocess.run(["bash", "-c", line], check=False).returncode == 0

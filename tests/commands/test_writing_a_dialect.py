@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import kerfwise
 
 ROOT = Path(kerfwise.__file__).parent
@@ -16,6 +18,7 @@ OWN, OTHER = PAGE.split("## A control with other torch words")
 STEP = re.compile(r"^\$ (.+)\n((?:(?!\$ |```).+\n)*)", re.MULTILINE)
 
 
+@pytest.mark.slow
 def test_a_file_of_your_own(tmp_path: Path) -> None:
     (tmp_path / "postproc").symlink_to(ROOT / "postproc")
     env = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT.parent), os.environ.get("PYTHONPATH", "")])}

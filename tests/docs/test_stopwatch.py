@@ -63,7 +63,7 @@ def test_files_and_commands_are_found_in_order() -> None:
     ]
 
 
-WRONG = ("$ kerfwise engines\nthis is not said", "$ kerfwise profile check nowhere.yaml", "$ python3 -c 'print(1)'")
+WRONG = ("$ kerfwise --version\nthis is not said", "$ kerfwise nowhere", "$ python3 -c 'print(1)'")
 
 
 @pytest.mark.parametrize("console", WRONG)

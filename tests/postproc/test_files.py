@@ -69,6 +69,7 @@ def new_is_gone(path: Path) -> list[bool]:
     return [] if all(gone) else gone
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="SIGKILL")
 def test_a_kill_at_any_moment_leaves_one_generation(tmp_path: Path) -> None:
     outcomes = []

@@ -132,6 +132,7 @@ def test_an_open_curve_has_no_offset() -> None:
         offset_curve(Curve.of([(0, 0), (10, 0), (10, 10)], closed=False), 1.0)
 
 
+@pytest.mark.slow
 def test_where_chords_are_taken_of_a_long_ring_they_are_no_more_than_needed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every chord is a line of the program: noise in a ring of 20,000 vertices made 120,000 of them."""
     angle = np.arange(2000) * math.tau / 2000

@@ -21,12 +21,20 @@ from kerfwise.rules.run_cases import cases_of
 from kerfwise.tests.commands.run_cli import kerfwise
 
 NAME = "long-parts-last"
+WITH_ENGINES = ("[fine]", "[idle]")
+"""Damages of a model file whose tests are about the engines too."""
+
+
+@pytest.fixture
+def engines() -> None:
+    """For the tests that are about the engines."""
 
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
-    """Engines take long; only the tests that are about them ask them."""
-    if request.node.get_closest_marker("slow") is None:
+    """Engines take long; no other tests ask them."""
+    asked = "engines" in request.fixturenames or request.node.name.endswith(WITH_ENGINES)
+    if not asked:
         monkeypatch.setattr(optima, "against_engines", lambda *given: iter(()))
         monkeypatch.setattr("kerfwise.jobs.trials.run.against_engines", lambda *given: iter(()))
 
@@ -92,7 +100,11 @@ DAMAGES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("damage", DAMAGES)
+LONGER = ("an option that does nothing", "an option that only statements obey")
+IN_PYTHON = [pytest.param(name, marks=pytest.mark.slow if name in LONGER else ()) for name in DAMAGES]
+
+
+@pytest.mark.parametrize("damage", IN_PYTHON)
 def test_a_damage_in_python(damage: str, tmp_path: Path) -> None:
     instead, where, message = DAMAGES[damage]
     path = damaged(tmp_path, *instead)
@@ -157,7 +169,7 @@ OF_A_PLANT = {
 }  # fmt: skip
 
 
-SLOW = [pytest.param(name, marks=pytest.mark.slow if name in ("fine", "idle") else ()) for name in OF_A_PLANT]
+SLOW = [pytest.param(name, marks=pytest.mark.slow if f"[{name}]" in WITH_ENGINES else ()) for name in OF_A_PLANT]
 
 
 @pytest.mark.minizinc
@@ -189,6 +201,7 @@ def test_without_minizinc_a_rule_that_has_a_text_fails(monkeypatch: pytest.Monke
 
 @pytest.mark.slow
 @pytest.mark.minizinc
+@pytest.mark.usefixtures("engines")
 @pytest.mark.parametrize(
     ("lie", "message"),
     [
@@ -213,6 +226,7 @@ def test_an_engine_that_lies_is_named(lie: Any, message: str, monkeypatch: pytes
 
 @pytest.mark.slow
 @pytest.mark.minizinc
+@pytest.mark.usefixtures("engines")
 def test_the_command(tmp_path: Path) -> None:
     ended = kerfwise("rules", "test", damaged(tmp_path), "level-ahead")
     assert ended.code == 0, ended.out

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from kerfwise.rules.lock import Position
 from kerfwise.rules.options.kind import OptionKind, Unfit
 from kerfwise.rules.options.plain_values import Choice, Flag, Number, Text
-from kerfwise.rules.options.quantities import ACCELERATION, DURATION, LENGTH, SPEED, PointXY, over_zero
+from kerfwise.rules.options.quantities import ACCELERATION, DURATION, ENERGY, LENGTH, SPEED, OrWord, PointXY, over_zero
 
 
 def read(kind: OptionKind, text: str) -> Any:
@@ -47,6 +47,8 @@ def read(kind: OptionKind, text: str) -> Any:
         (Flag(), "off", False),
         (Choice(("hard", "soft", "off")), "off", "off"),
         (Choice(("auto", "mm"), none="auto"), "auto", None),
+        (OrWord(Number(1, whole=True), "auto"), "auto", None),
+        (OrWord(Number(1, whole=True), "auto"), "12", 12),
         (Text(), "P1.outer", "P1.outer"),
         (PointXY(), "[1, -2.5 mm]", (1.0, -2.5)),
         (Position(), "first", "first"),
@@ -76,6 +78,16 @@ def test_reads(kind: OptionKind, text: str, value: object) -> None:
         (Number(0), "-0.1", "expected a number of at least 0, got '-0.1'"),
         (Number(), "many", "expected a number, got 'many'"),
         (Flag(), "maybe", "expected true or false, got 'maybe'"),
+        (OrWord(Number(1, whole=True), "auto"), "atuo",
+         "expected a whole number of at least 1, or the word 'auto', got 'atuo': did you mean 'auto'?"),
+        (OrWord(Number(1, whole=True), "auto"), "0",
+         "expected a whole number of at least 1, or the word 'auto', got '0'"),
+        (OrWord(ENERGY, "off"), "3 bar",
+         "unknown unit 'bar' in '3 bar': expected an energy of at least 0 such as 300 or '300 kJ', or the word 'off'"),
+        (OrWord(ENERGY, "off"), "1e12", "expected an energy of at least 0 such as 300 or '300 kJ', or the word 'off', "
+         "and no more than 1e+09 kJ, got '1e12'"),
+        (OrWord(ENERGY, "off"), "[off]",
+         "expected an energy of at least 0 such as 300 or '300 kJ', or the word 'off', got a list of 1"),
         (Choice(("hard", "soft")), "sofd", "expected one of hard, soft, got 'sofd': did you mean 'soft'?"),
         (Choice(("hard", "soft")), "zzz", "expected one of hard, soft, got 'zzz'"),
         (Text(), "''", "expected a text, got ''"),

@@ -38,6 +38,7 @@ def plant(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_a_package_brings_a_rule(plant: Path) -> None:
     listed = python(plant, "-m", "kerfwise", "rules").stdout
     assert "bars-last                 off           Bars are cut after the other parts." in listed

@@ -32,7 +32,7 @@ TOGETHER = (
     "marks-first: {scope: part}"
 )
 WITHIN = "is within the kerf; a pierce lies further from every contour than half the kerf, 2 mm (Petunin 2009)"
-ENERGY = "an energy over 0 such as 300 or '300 kJ'"
+ENERGY = "an energy over 0 such as 300 or '300 kJ', or the word 'off'"
 ZONE_KEYS = "square_ratio, strength, weight, zone_contours, zone_heat"
 
 MISTAKES = {
@@ -82,7 +82,7 @@ MISTAKES = {
         f"2:16: rules.zone-order: unknown key 'zone_contour': did you mean 'zone_contours'? (valid: {ZONE_KEYS})"
     ),
     "rules:\n  zone-order:\n    zone_contours: 0": (
-        "3:20: rules.zone-order.zone_contours: expected a whole number of at least 1, got '0'"
+        "3:20: rules.zone-order.zone_contours: expected a whole number of at least 1, or the word 'auto', got '0'"
     ),
     "rules:\n  zone-order: {zone_heat: 0}": (f"2:27: rules.zone-order.zone_heat: expected {ENERGY}, got '0'"),
     "rules:\n  zone-order: {zone_heat: 3 kW}": (

@@ -84,6 +84,7 @@ def test_what_is_out_of_place_may_break_a_cycle_too() -> None:
     assert dropped(TWO_STEPS) == TWO_STEPS.least() == (2, 0)
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(asked())
 def test_no_fewer_would_do(asked: Asked) -> None:

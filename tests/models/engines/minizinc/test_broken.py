@@ -120,6 +120,7 @@ def test_one_that_is_well_passes(tmp_path: Path) -> None:
     trial.expect_solving(str(program), "org.gecode.gecode")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("script", ["exec sleep 1000", f"{SAYS_VERSION}; exec sleep 1000"])
 def test_the_package_is_not_imported_before(script: str, tmp_path: Path) -> None:
     """The package asks for the version when it is imported, and would wait for ever."""

@@ -105,6 +105,7 @@ def test_the_best_so_far_is_kept_when_it_is_interrupted(tmp_path: Path, monkeypa
     assert (len(found.route), found.status, found.bound) == (3, "feasible", None)
 
 
+@pytest.mark.slow
 def test_interrupted_before_there_is_a_plan(tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         stopped_once(["Ctrl-C"], plant(tmp_path, "own_rules: [{file: hard.mzn}]\n", {"hard.mzn": NEVER_ENDS}))

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from _pytest.mark import ParameterSet
 
 from kerfwise.models.engines.minizinc import solve_minizinc
 from kerfwise.models.engines.minizinc.data import travel_um
@@ -26,13 +28,21 @@ SEEDS = range(36)
 DRAWN = tuple(range(24))
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+QUICK = 3
+"""One of so many seeds is tried among the quick tests."""
+
+
+def slow_ones(seeds: Iterable[int]) -> list[ParameterSet]:
+    return [pytest.param(seed, marks=[pytest.mark.slow] if seed % QUICK else []) for seed in seeds]
+
+
+@pytest.mark.parametrize("seed", slow_ones(SEEDS))
 def test_the_engines_agree(seed: int) -> None:
     _, differ = disagreements(case(seed))
     assert differ == []
 
 
-@pytest.mark.parametrize("seed", DRAWN)
+@pytest.mark.parametrize("seed", slow_ones(DRAWN))
 def test_the_engines_agree_whatever_the_options(seed: int) -> None:
     drawn = drawn_case(seed)
     assert drawn is not None, "choose another seed: a contour of this nest has no room for its leads"

@@ -71,6 +71,7 @@ def test_it_takes_next_to_nothing_to_see_that_a_position_can_be_kept() -> None:
         assert core is None or len(core.groups) == 3
 
 
+@pytest.mark.slow
 def test_a_way_out_is_priced_without_moves_where_there_is_no_time_to_look_at_them() -> None:
     facts, profile = locked()
     statements = every_statement(facts, profile)[0]
