@@ -11,13 +11,10 @@ import shapely
 from kerfwise.arrays import Floats
 from kerfwise.encoder.errors import REPAIR, InputError
 from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.meetings import MOST_MEETINGS, meets_itself_too_often
 from kerfwise.encoder.nest import Contour, Sheet
 
 from .tolerances import TOUCH_MM
-
-MOST_CROSSINGS = 10_000
-"""Places where a ring may meet itself: the time to find what lies inside goes with their number, and more."""
-_AT_ONCE = 200
 
 
 def flat(curve: Curve) -> bool:
@@ -54,17 +51,11 @@ def enclosed(curve: Curve) -> shapely.Geometry:
 
 
 def _expect_few_crossings(curve: Curve, points: Floats) -> None:
-    lines = shapely.linestrings(np.stack([points, np.roll(points, -1, axis=0)], axis=1))
-    tree, met = shapely.STRtree(lines), 0
-    for begin in range(0, len(lines), _AT_ONCE):
-        one, other = tree.query(lines[begin : begin + _AT_ONCE], predicate="intersects")
-        apart = other - one - begin
-        met += int(((apart > 1) & (apart < len(lines) - 1)).sum())
-        if met > MOST_CROSSINGS:
-            raise InputError(
-                f"the ring that starts {place(curve)} crosses or touches itself more than {MOST_CROSSINGS} times: no "
-                "part is drawn so; correct it in CAD, or leave its layer out (drawing.layers.ignore)"
-            )
+    if meets_itself_too_often(points, closed=True, most=MOST_MEETINGS):
+        raise InputError(
+            f"the ring that starts {place(curve)} crosses or touches itself more than {MOST_MEETINGS} times: no "
+            "part is drawn so; correct it in CAD, or leave its layer out (drawing.layers.ignore)"
+        )
 
 
 def speck(curve: Curve) -> bool:

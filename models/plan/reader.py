@@ -16,6 +16,7 @@ from kerfwise.encoder.contents import contents
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.meetings import MOST_MEETINGS, meets_itself_too_often
 from kerfwise.encoder.json_words import said
 from kerfwise.encoder.nest import KINDS
 from kerfwise.encoder.readers.json_place import places
@@ -202,7 +203,12 @@ def _cut(c: dict[str, Any]) -> PlannedCut:
 
 def _path(cut: dict[str, Any], key: str) -> Curve | None:
     """A lead; one that goes nowhere is its one point."""
-    return checked_curve(cut[key], closed=False) if cut[key] else None
+    if not cut[key]:
+        return None
+    path = checked_curve(cut[key], closed=False)
+    if meets_itself_too_often(path.vertices[:, :2], closed=False, most=MOST_MEETINGS):
+        raise InputError(f"its {key} crosses or touches itself more than {MOST_MEETINGS} times: no torch runs so")
+    return path
 
 
 def _record(kind: Any, data: dict[str, Any]) -> Any:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.meetings import MOST_MEETINGS, meets_itself_too_often
 from kerfwise.encoder.geometry.segment import Point, Segment
 
 from .program import Burn, Fault, MoveStretch
@@ -65,6 +67,12 @@ class Track:
         if self.open is None:
             return
         o, path = self.open, Curve.of([*self.open.rows, (*self.at, 0.0)], closed=False)
+        if meets_itself_too_often(path.vertices[:, :2], closed=False, most=MOST_MEETINGS):
+            raise InputError(
+                f"the path that is cut from here on crosses or touches itself more than {MOST_MEETINGS} times: not "
+                "supported here; put the torch out where a cut ends",
+                line=o.line,
+            )
         feeds_mm_s = tuple(sorted(o.feeds_mm_s))
         self.burns.append(
             Burn(

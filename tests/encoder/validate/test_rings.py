@@ -66,8 +66,8 @@ def test_the_sheet_itself() -> None:
 
 def test_a_ring_that_crosses_itself_too_often_is_refused_before_it_is_mended(monkeypatch: pytest.MonkeyPatch) -> None:
     star = Curve.of([(100 * math.cos(math.tau * k * 5 / 11), 100 * math.sin(math.tau * k * 5 / 11)) for k in range(11)])
-    monkeypatch.setattr("kerfwise.encoder.validate.rings.MOST_CROSSINGS", 44)
+    monkeypatch.setattr("kerfwise.encoder.validate.rings.MOST_MEETINGS", 44)
     assert enclosed(star).area > 0
-    monkeypatch.setattr("kerfwise.encoder.validate.rings.MOST_CROSSINGS", 43)
+    monkeypatch.setattr("kerfwise.encoder.validate.rings.MOST_MEETINGS", 43)
     with pytest.raises(InputError, match=r"the ring that starts at \(100\.000, 0\.000\) crosses .* more than 43 times"):
         enclosed(star)

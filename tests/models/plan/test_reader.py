@@ -49,6 +49,10 @@ def test_there_and_back(tmp_path: Path) -> None:
         (lambda d: d["cuts"][0].update(direction="left"), 'cuts 1, direction: "left" given, expected one of cw, ccw'),
         (lambda d: d["cuts"][1].pop("lead_in"), "cuts 2: 'lead_in' missing"),
         (lambda d: d["cuts"][1].update(lead_in=[[0, 0], []]), "cuts 2, lead_in 2: nothing in it"),
+        (
+            lambda d: d["cuts"][1].update(lead_out=[[0, 0], [9, 0]] * 80),
+            "the plan is damaged: its lead_out crosses or touches itself more than 10000 times",
+        ),
         (lambda d: d["cuts"][1].update(excused=[1]), "cuts 2, excused 1: 1 given, expected a text"),
         (lambda d: d["cuts"][1].update(order=1), "the order of its cuts does not count 1, 2, 3"),
         (lambda d: d.update(cuts={}), "cuts: an object given, expected a list"),

@@ -173,3 +173,12 @@ def test_the_longest_line() -> None:
     assert read_nc("(" + (LONGEST - 2) * "x" + ")\nM2\n").comments == ((LONGEST - 2) * "x",)
     with pytest.raises(InputError, match=f"^1:{LONGEST + 1}: the line has"):
         read_nc("(" + (LONGEST - 2) * "x" + ")\r\nM2\n")
+
+
+def test_a_path_that_runs_along_itself_over_and_over_is_refused() -> None:
+    """What it burns would take memory that goes with the square of this number."""
+    cut = "G1 X5\nG1 X0\n"
+    program = f"{HEAD}M3 $0 S1\n{{}}M5 $0\nM2\n"
+    assert len(read_nc(program.format(cut * 70)).burns) == 1
+    with pytest.raises(InputError, match=r"^2: the path that is cut from here on crosses .* more than 10000 times"):
+        read_nc(program.format(cut * 75))
