@@ -1,13 +1,16 @@
 """Controls and how they spell a program."""
 
-from .dialect import ControlName, Dialect, LineNumbers, dialect_names, load_dialect, pierce_dwell_of
+from .dialect import ControlName, Dialect
 from .fit import fitting_dialect
+from .kinds import LineNumbers
+from .load import dialect_names, dialect_text, load_dialect, pierce_dwell_of
 
 __all__ = [
     "ControlName",
     "Dialect",
     "LineNumbers",
     "dialect_names",
+    "dialect_text",
     "fitting_dialect",
     "load_dialect",
     "pierce_dwell_of",

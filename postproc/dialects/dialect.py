@@ -1,215 +1,119 @@
-"""A dialect: how one family of controls wants its program spelt. Read from data, a file each."""
+"""A dialect: how one family of controls wants its program spelt. Data, a file each; `load.py` reads it."""
 
 from __future__ import annotations
 
-import dataclasses
-import string
 from collections.abc import Mapping
-from dataclasses import dataclass
-from importlib import resources
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from dataclasses import dataclass, field
+from typing import Literal, get_args
 
-import yaml
-
-from kerfwise.encoder.contents import MOST_BYTES_OF_YAML, contents
-from kerfwise.encoder.errors import InputError
-from kerfwise.rules.options.suggest import unknown
-from kerfwise.rules.options.yaml_positions import Problems, compose, entries, plain, shape
+from kerfwise.rules.options.option import option
+from kerfwise.rules.options.plain_values import Choice, Flag, Number, Text
+from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.profile.machine_section import PROCESSES, PierceDwell, Process
-from kerfwise.rules.profile.profile import Profile
 
-ControlName = Literal["linuxcnc-qtplasmac", "linuxcnc"]
-HOLES = {"feed": "mm_min", "dwell": "seconds", "comment": "text"}
-LEAST = {"decimals": 2, "max_line": 80}
-MOST = {"decimals": 6, "max_line": 252}
-"""More decimals than a control keeps, and lines that LinuxCNC cuts off, are refused."""
-MOST_COUNT = 1000
+from .kinds import DWELL, Assumptions, Block, Blocks, Counted, LineNumbers, ProgramNumber, Words
 
-
-@dataclass(frozen=True, slots=True)
-class LineNumbers:
-    """The N word of the first block and the step from block to block."""
-
-    start: int
-    step: int
+ControlName = Literal["linuxcnc-qtplasmac", "linuxcnc", "grbl", "eia", "burny"]
+ArcCentre = Literal["relative", "absolute", "radius", "none"]
+Positions = Literal["absolute", "incremental"]
+_TEXT, _BLOCK = Text(), Block()
+_TOOL = Blocks(Block(holes=(DWELL, "mm_min")))
+_LINE, _ARC = Block(holes=("x", "y"), empty=True), Block(holes=("x", "y", "i", "j", "r"))
 
 
 @dataclass(frozen=True, slots=True)
 class Dialect:
     """What a control wants to read.
 
-    Parameters
-    ----------
-    name, title, suffix
-        The name a profile uses, the control's own name, and the ending of its files.
-    control
-        Which of the check's readers reads its programs back: it knows the words of the control by itself.
-    processes
-        The processes that it is for; others are refused (see `fit.py`).
-    assumes
-        What each program assumes of the machine, a comment each: by process, and of what marks under "marks".
-    header, footer
-        Blocks before the first cut and after the last; the footer ends the program.
-    torch_on, torch_off, mark_on, mark_off
-        Blocks that start and stop the torch, and the tool that marks.
-    rapid, line, arc_cw, arc_ccw
-        Motion words.
-    arc_centre
-        Whether I and J count from the arc's start ("relative") or from the origin ("absolute").
-    feed, dwell
-        The feed word, with `{mm_min}`, and the block that waits, with `{seconds}`.
-    pierce_dwell
-        "program": the program waits for the profile's pierce time; "machine": the control does so by itself.
-    comment
-        A block that only a person reads, with `{text}`.
-    line_numbers
-        N words, or None for a program without.
-    decimals
-        Digits after the decimal point of a coordinate, mm.
-    max_line
-        Longest block the control takes, characters.
+    Keys without a default stand in each file. A block is a line of the program. In a block `{name}` stands for a value,
+    and nothing but the names told here may stand in braces.
     """
 
-    name: str
-    title: str
-    suffix: str
-    control: ControlName
-    processes: tuple[Process, ...]
-    assumes: Mapping[str, tuple[str, ...]]
-    header: tuple[str, ...]
-    footer: tuple[str, ...]
-    torch_on: str
-    torch_off: str
-    mark_on: str
-    mark_off: str
-    rapid: str
-    line: str
-    arc_cw: str
-    arc_ccw: str
-    arc_centre: Literal["relative", "absolute"]
-    feed: str
-    dwell: str
-    pierce_dwell: PierceDwell
-    comment: str
-    line_numbers: LineNumbers | None
-    decimals: int
-    max_line: int
+    name: str = field(metadata=option(_TEXT, "the name that a profile uses"))
+    title: str = field(metadata=option(_TEXT, "the control's own name"))
+    suffix: str = field(metadata=option(_TEXT, "the ending of its files"))
+    control: ControlName = field(
+        metadata=option(
+            Choice(get_args(ControlName)), "which of the check's readers reads its programs back, with words of its own"
+        )
+    )
+    processes: tuple[Process, ...] = field(
+        metadata=option(Words(PROCESSES), "the processes that it is for; others are refused")
+    )
+    assumes: Mapping[str, tuple[str, ...]] = field(
+        metadata=option(Assumptions((*PROCESSES, "marks")), "what each program assumes of the machine, a comment each")
+    )
+    header: tuple[str, ...] = field(
+        metadata=option(
+            Blocks(Block(holes=("program",))), "blocks before the first cut, with {program} for the program's number"
+        )
+    )
+    footer: tuple[str, ...] = field(metadata=option(Blocks(), "blocks after the last cut; they end the program"))
+    torch_on: tuple[str, ...] = field(
+        metadata=option(
+            _TOOL, "what starts the torch; {dwell} alone is where it waits for the pierce, else it waits behind all"
+        )
+    )
+    torch_off: tuple[str, ...] = field(metadata=option(Blocks(), "what stops the torch"))
+    mark_on: tuple[str, ...] = field(
+        metadata=option(Blocks(_TOOL.each, none=True), "what starts the tool that marks; null for none")
+    )
+    mark_off: tuple[str, ...] = field(metadata=option(Blocks(none=True), "what stops it"))
+    rapid: str = field(
+        metadata=option(_LINE, 'travel: a word, or a block with {x} and {y}; "" where controls tell it by the torch')
+    )
+    line: str = field(metadata=option(_LINE, "a line with the torch on, as rapid"))
+    arc_cw: str = field(metadata=option(_ARC, "an arc clockwise: a word, or a block with {x}, {y}, {i}, {j}, {r}"))
+    arc_ccw: str = field(metadata=option(_ARC, "an arc counter-clockwise, as arc_cw"))
+    arc_centre: ArcCentre = field(
+        metadata=option(
+            Choice(get_args(ArcCentre)),
+            "whether I and J count from the arc's start (relative) or from the origin (absolute), or R stands for them "
+            "(radius), or there are no arcs (none) and chords are written",
+        )
+    )
+    feed: str = field(metadata=option(Block(needs=("mm_min",)), "the feed word, with {mm_min}"))
+    dwell: str = field(metadata=option(Block(needs=("seconds", "milliseconds")), "the block that waits, with its time"))
+    pierce_dwell: PierceDwell = field(
+        metadata=option(
+            Choice(("machine", "program")), "whether the program waits for the pierce, or the machine does so by itself"
+        )
+    )
+    comment: str | None = field(
+        metadata=option(
+            Block(needs=("text",), none=True),
+            "a block that only a person reads, with {text}; null where there are none",
+        )
+    )
+    line_numbers: LineNumbers | None = field(
+        metadata=option(Counted(LineNumbers, "{start: 10, step: 10}"), "N words, or null for none")
+    )
+    decimals: int = field(metadata=option(Number(2, 6, whole=True), "digits after the decimal point of a coordinate"))
+    max_line: int = field(metadata=option(Number(80, 252, whole=True), "longest block that the control takes, bytes"))
+    verified_by: tuple[str, ...] = field(
+        default=(), metadata=option(Blocks(), "outside readers that agree with what is written, none if nobody looked")
+    )
+    positions: Positions = field(
+        default="absolute", metadata=option(Choice(get_args(Positions)), "whether X and Y count from the last position")
+    )
+    chord_mm: float = field(
+        default=0.01, metadata=option(LENGTH, "how far chords may be off an arc, where there are no arcs")
+    )
+    feed_alone: bool = field(
+        default=False, metadata=option(Flag(), "whether the feed is a block of its own, before the path")
+    )
+    height_off: tuple[str, ...] = field(
+        default=(), metadata=option(Blocks(none=True), "stops height control, in a small hole cut at its own feed")
+    )
+    height_on: tuple[str, ...] = field(default=(), metadata=option(Blocks(none=True), "starts it again"))
+    program: ProgramNumber | None = field(
+        default=None,
+        metadata=option(
+            Counted(ProgramNumber, "{number: 1, digits: 8}", (3600, 8)), "the program's number on the control, or null"
+        ),
+    )
 
-
-def pierce_dwell_of(profile: Profile, dialect: Dialect | None = None) -> PierceDwell:
-    """Who waits at a pierce: what the profile says, else the dialect of its machine."""
-    return profile.machine.pierce_dwell or (dialect or load_dialect(profile.machine.dialect)).pierce_dwell
-
-
-def dialect_names() -> tuple[str, ...]:
-    """The dialects that come with kerfwise.
-
-    Examples
-    --------
-    >>> "linuxcnc-qtplasmac" in dialect_names()
-    True
-    """
-    files = resources.files(__package__).iterdir()
-    return tuple(sorted(f.name.removesuffix(".yaml") for f in files if f.name.endswith(".yaml")))
-
-
-def load_dialect(name: str) -> Dialect:
-    """The dialect of that name, or of a plant's own file when `name` ends in .yaml.
-
-    Raises
-    ------
-    InputError
-        For a name that is not there, and for a file that lacks a key, has one too many or one of the wrong type.
-
-    Examples
-    --------
-    >>> load_dialect("linuxcnc-qtplasmac").torch_on
-    'M3 $0 S1'
-    """
-    if name.endswith((".yaml", ".yml")):
-        try:
-            text = contents(name, MOST_BYTES_OF_YAML).decode("utf-8")
-        except OSError as error:
-            raise InputError(f"cannot read the dialect: {error.strerror}", file=name) from None
-        except UnicodeDecodeError:
-            raise InputError("not a dialect: the file is not UTF-8 text", file=name) from None
-        except ValueError as error:  # a NUL, or half a character
-            raise InputError(f"cannot read the dialect: no file can have this name ({error})", file=name) from None
-        return parse_dialect(text, name)
-    if name not in dialect_names():
-        raise InputError(f"{unknown('dialect', name, dialect_names())}; the file of a plant's own ends in .yaml")
-    text = resources.files(__package__).joinpath(f"{name}.yaml").read_text(encoding="utf-8")
-    return parse_dialect(text, f"{name}.yaml")
-
-
-def parse_dialect(text: str, file: str) -> Dialect:
-    """Read a dialect from YAML text; `file` is the name for messages (see `load_dialect`)."""
-    root = compose(text, file)
-    if not isinstance(root, yaml.MappingNode):
-        raise InputError("not a dialect: expected keys such as torch_on and line", file=file)
-    problems = Problems(file)
-    hints = get_type_hints(Dialect)
-    values: dict[str, Any] = {}
-    for key, key_node, node in entries(root, problems, "dialect"):
-        if key not in hints:
-            problems.add(key_node, unknown("key", key, hints))
-            continue
-        try:
-            values[key] = _value(key, plain(node), hints[key])
-        except InputError as error:
-            problems.add(node, f"{key}: {error.message}")
-        except ValueError as error:
-            problems.add(node, f"{key}: expected {error}, got {shape(node)}")
-    problems.raise_any()
-    if missing := [key for key in hints if key not in values]:
-        raise InputError(f"the dialect lacks {', '.join(missing)}", file=file)
-    return Dialect(**values)
-
-
-def _value(key: str, value: object, hint: Any) -> Any:
-    """`value` as the field's type; ValueError says what was expected."""
-    if get_origin(hint) is Literal:
-        if value not in get_args(hint):
-            raise ValueError(" or ".join(get_args(hint)))
-    elif key == "processes":
-        if not isinstance(value, list) or not value or not all(v in PROCESSES for v in value):
-            raise ValueError(f"a list of {', '.join(PROCESSES)}")
-        return tuple(value)
-    elif key == "assumes":
-        if not isinstance(value, dict) or not set(value) <= {*PROCESSES, "marks"}:
-            raise ValueError(f"lists of comments under {', '.join(PROCESSES)} or marks")
-        return {of: _value(of, told, tuple[str, ...]) for of, told in value.items()}
-    elif get_origin(hint) is tuple:
-        if not isinstance(value, list) or not all(isinstance(v, str) and v.isprintable() for v in value):
-            raise ValueError("a list of blocks, a line each")
-        return tuple(value)
-    elif hint is str:
-        if not isinstance(value, str) or not value:
-            raise ValueError("text")
-        if not value.isprintable():
-            raise ValueError("one line of text")
-        if key in HOLES and _holes(value) != [(HOLES[key], "", None)]:
-            raise ValueError(f"one {{{HOLES[key]}}}, and no other brace")
-    elif hint is int:
-        least = LEAST.get(key, 0)
-        most = MOST[key]
-        if type(value) is not int or not least <= value <= most:
-            raise ValueError(f"a whole number from {least} to {most}")
-    elif value is not None:
-        names = {f.name for f in dataclasses.fields(LineNumbers)}
-        if (
-            not isinstance(value, dict)
-            or set(value) != names
-            or not all(type(v) is int and 0 < v <= MOST_COUNT for v in value.values())
-        ):
-            raise ValueError(f"{{start: 10, step: 10}} (each up to {MOST_COUNT}) or null")
-        return LineNumbers(**value)
-    return value
-
-
-def _holes(text: str) -> list[tuple[str, str | None, str | None]]:
-    """The `{name}`s of a text, each with its format and conversion; ("", …) where its braces do not match."""
-    try:
-        return [(name, spec, turn) for _, name, spec, turn in string.Formatter().parse(text) if name is not None]
-    except ValueError:
-        return [("", None, None)]
+    @property
+    def marks(self) -> bool:
+        """Whether it has words for marking."""
+        return bool(self.mark_on)

@@ -6,7 +6,8 @@ from kerfwise.rules.options.yaml_positions import place_in, wrong_at
 from kerfwise.rules.profile.checks import MACHINE_WAITS
 from kerfwise.rules.profile.profile import Profile
 
-from .dialect import Dialect, dialect_names, load_dialect, pierce_dwell_of
+from .dialect import Dialect
+from .load import dialect_names, load_dialect, pierce_dwell_of
 
 
 def fitting_dialect(profile: Profile) -> Dialect:

@@ -16,7 +16,7 @@ from collections.abc import Iterator, Mapping
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.dialects import Dialect
 
-from .blocks import comment, plain
+from .blocks import comment, plain, room_for
 
 _LONGEST_BESIDE = len("(BROKEN 123456  ZONE 123 CCW PIERCE -12345.123456 -12345.123456)")
 _KEPT = 24
@@ -44,7 +44,7 @@ def name_comments(names: Mapping[str, str], dialect: Dialect) -> Iterator[str]:
     replaced = [(name, told) for name, told in names.items() if told != plain(name)]
     for number, (name, told) in enumerate(replaced, 1):
         head = f"NAME {number} {told} IS"
-        room = dialect.max_line - len(dialect.comment.format(text=f"{head}  "))
+        room = room_for(dialect, head)
         line = ""
         for char in _spelt(name):
             if line and len(line) + len(char) > room:

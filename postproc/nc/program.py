@@ -11,8 +11,9 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.dialects import Dialect, fitting_dialect, load_dialect, pierce_dwell_of
 from kerfwise.rules.profile.profile import Profile
 
-from .blocks import comment, is_comment, number, numbered, path_blocks, plain, rapid_block, seconds_text, wait_block
+from .blocks import comment, is_comment, number, numbered, plain, room_for, seconds_text
 from .names import name_comments, program_names
+from .pen import Pen
 from .plan_paths import SHA_DIGITS, Toolpath, toolpaths
 from .resume_comments import out_comments, resume_comment
 
@@ -100,7 +101,7 @@ def _relaxed(plan: Plan, names: Mapping[str, str], dialect: Dialect) -> Iterator
     """What is relaxed, a number each; contours that have no room go on in another comment of that number."""
     for k, dropped in enumerate((d for d in plan.dropped if d.relaxed), 1):
         head = f"RELAXED {k} {plain(dropped.rule)}"
-        room = dialect.max_line - len(dialect.comment.format(text=f"{head}  "))
+        room = room_for(dialect, head)
         line = ""
         for name in (plain(names.get(contour, contour)).replace(" ", "_") for contour in dropped.contours):
             if line and len(line) + 1 + len(name) > room:
@@ -119,27 +120,34 @@ def _body(
     first: int = 1,
 ) -> Iterator[str]:
     """All but the comments at the top, which make no blocks; `first` is the number of the first cut."""
-    yield from dialect.header
+    yield from (block.format(program=program_number(dialect)) for block in dialect.header)
     x, y = profile.frame_on(nest).corner
+    pen = Pen(dialect, profile.machine.home)
     for order, made in enumerate(paths, first):
         name = names.get(made.planned.cut.contour, "")
-        yield from _cut(order, name, replace(made, path=made.path.moved(-x, -y)), profile, dialect)
+        yield from _cut(order, name, replace(made, path=made.path.moved(-x, -y)), profile, pen)
     yield comment(dialect, "HOME")
-    yield rapid_block(profile.machine.home, dialect)
+    yield pen.rapid(profile.machine.home)
     yield from dialect.footer
 
 
-def _cut(order: int, name: str, made: Toolpath, profile: Profile, dialect: Dialect) -> Iterator[str]:
-    cut, machine, mark = made.planned.cut, profile.machine, made.marks
+def program_number(dialect: Dialect) -> str:
+    """The number that the program is called by on the control, as its header spells it."""
+    return "" if dialect.program is None else str(dialect.program.number).zfill(dialect.program.digits)
+
+
+def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: Pen) -> Iterator[str]:
+    cut, machine, mark, dialect = made.planned.cut, profile.machine, made.marks, pen.dialect
     yield comment(dialect, f"{'MARK' if mark else 'CUT'} {order}", name, f"ZONE {cut.zone} {cut.direction.upper()}")
-    yield rapid_block(made.path.point_at(0.0), dialect)
+    yield pen.rapid(made.path.point_at(0.0))
     if made.planned.dwell_s > 0:  # metal cools, the torch being off
-        yield wait_block(made.planned.dwell_s, dialect)
-    yield dialect.mark_on if mark else dialect.torch_on
+        yield pen.wait(made.planned.dwell_s)
+    waits = pierce_dwell_of(profile, dialect) == "program"
     start_s = machine.edge_preheat_s if made.edge_start else machine.pierce_time_s
-    dwell_s = machine.mark_time_s if mark else start_s
-    if pierce_dwell_of(profile, dialect) == "program" and dwell_s > 0:
-        yield wait_block(dwell_s, dialect)
     feed_mm_s = machine.mark_feed_mm_s if mark else machine.cut_feed_mm_s * made.feed_share
-    yield from path_blocks(made.path, feed_mm_s, dialect)
-    yield dialect.mark_off if mark else dialect.torch_off
+    yield from pen.start(mark, (machine.mark_time_s if mark else start_s) if waits else 0.0, feed_mm_s)
+    slowed = made.feed_share < 1.0
+    yield from dialect.height_off if slowed else ()
+    yield from pen.path(made.path, feed_mm_s)
+    yield from dialect.height_on if slowed else ()
+    yield from pen.stop(mark)

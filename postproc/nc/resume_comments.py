@@ -18,7 +18,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.models.plan.plan import Plan, PlannedCut
 from kerfwise.postproc.dialects import Dialect
 
-from .blocks import comment, number
+from .blocks import comment, number, room_for
 
 DECIMALS = 6
 
@@ -46,7 +46,7 @@ def _cut(head: str, planned: PlannedCut, names: Mapping[str, str], dialect: Dial
     )
     for name, lead in (("IN", cut.lead_in), ("OUT", cut.lead_out)):
         if lead is not None:
-            for words in _lines(lead, dialect.max_line - len(dialect.comment.format(text=f"{head} LEAD {name}  "))):
+            for words in _lines(lead, room_for(dialect, f"{head} LEAD {name}")):
                 yield comment(dialect, f"{head} LEAD {name}", " ".join(words))
 
 

@@ -18,7 +18,9 @@ from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.postproc.check.reader.reader import read_nc
 from kerfwise.postproc.dialects import Dialect, fitting_dialect
-from kerfwise.postproc.nc.blocks import comment, numbered, path_blocks, rapid_block, wait_block
+from kerfwise.postproc.nc.blocks import comment, numbered
+from kerfwise.postproc.nc.pen import Pen
+from kerfwise.postproc.nc.program import program_number
 from kerfwise.rules.options.yaml_positions import place_in, wrong_at
 from kerfwise.rules.profile.dialect_kind import ENDINGS
 from kerfwise.rules.profile.profile import Profile
@@ -68,7 +70,12 @@ def read_back(dialect: Dialect, name: str) -> None:
     >>> for name in dialect_names():
     ...     read_back(load_dialect(name), name)
     """
-    lines = [*_header(dialect), *_run("torch", _CUT, dialect), *_run("mark", _MARK, dialect), *_footer(dialect)]
+    pen = Pen(dialect, _HOME)
+    lines = [*_header(dialect), *_run("torch", _CUT, pen)]
+    if dialect.marks:
+        lines += _run("mark", _MARK, pen)
+    lines += [_Line("rapid", pen.rapid(_HOME)), *(_Line("footer", block) for block in dialect.footer)]
+    lines = [line for line in lines if line.block]
     control = CONTROLS[dialect.control]
 
     def wrong(key: str, what: str) -> InputError:
@@ -95,32 +102,39 @@ def read_back(dialect: Dialect, name: str) -> None:
 
 def _header(dialect: Dialect) -> Iterator[_Line]:
     yield _Line("comment", comment(dialect, _SAID))
-    yield from (_Line("header", block) for block in dialect.header)
+    yield from (_Line("header", block.format(program=program_number(dialect))) for block in dialect.header)
 
 
-def _run(tool: str, path: Curve, dialect: Dialect) -> Iterator[_Line]:
+def _run(tool: str, path: Curve, pen: Pen) -> Iterator[_Line]:
     """Travel to a path, the tool on, a wait, the path, the tool off."""
-    yield _Line("rapid", rapid_block(path.point_at(0.0), dialect))
-    yield _Line(f"{tool}_on", dialect.torch_on if tool == "torch" else dialect.mark_on)
-    yield _Line("dwell", wait_block(_DWELL_S, dialect))
+    marks, wait = tool == "mark", pen.wait(_DWELL_S)
+    yield _Line("rapid", pen.rapid(path.point_at(0.0)))
+    yield from (
+        _Line("dwell" if block == wait else f"{tool}_on", block) for block in pen.start(marks, _DWELL_S, _FEED_MM_S)
+    )
+    blocks = pen.path(path, _FEED_MM_S)
+    if pen.dialect.feed_alone:
+        yield _Line("feed", blocks.pop(0))
     words = ["line", "arc_ccw", "arc_cw", "line"] if tool == "torch" else ["line"]
-    blocks = path_blocks(path, _FEED_MM_S, dialect)
-    yield from (_Line(word, block) for word, block in zip(words, blocks, strict=False))
-    yield _Line(f"{tool}_off", dialect.torch_off if tool == "torch" else dialect.mark_off)
+    yield from (_Line(word, block) for word, block in zip(_spread(words, len(blocks)), blocks, strict=True))
+    yield from (_Line(f"{tool}_off", block) for block in pen.stop(marks))
 
 
-def _footer(dialect: Dialect) -> Iterator[_Line]:
-    yield _Line("rapid", rapid_block(_HOME, dialect))
-    yield from (_Line("footer", block) for block in dialect.footer)
+def _spread(words: list[str], blocks: int) -> list[str]:
+    """A word a block; where arcs come in pieces, all blocks between the first and the last are taken for arcs."""
+    if len(words) == blocks:
+        return words
+    return [words[0], *["arc_ccw"] * (blocks - 2), words[-1]]
 
 
 def _misread(program: NcProgram, lines: list[_Line], dialect: Dialect) -> Iterator[tuple[str, str]]:
     """Keys whose words are read as something else, and what is read."""
-    if not any(_SAID in told for told in program.comments):
+    if dialect.comment is not None and not any(_SAID in told for told in program.comments):
         yield "comment", f"{lines[0].block!r} is not read as a comment"
-    begun = {lines[burn.line - 1].key: burn for burn in program.burns}
-    for tool, number_of, path in (("torch", 0, _CUT), ("mark", 1, _MARK)):
-        on, off = getattr(dialect, f"{tool}_on"), getattr(dialect, f"{tool}_off")
+    begun = {_started_by(burn, lines): burn for burn in reversed(program.burns)}
+    tools = [("torch", 0, _CUT), *([("mark", 1, _MARK)] if dialect.marks else [])]
+    for tool, number_of, path in tools:
+        on, off = (" and ".join(line.block for line in lines if line.key == f"{tool}_{way}") for way in ("on", "off"))
         burn = begun.get(f"{tool}_on")
         if burn is None:
             yield f"{tool}_on", f"{on!r} does not start the {_spoken(tool)}"
@@ -141,6 +155,11 @@ def _misread(program: NcProgram, lines: list[_Line], dialect: Dialect) -> Iterat
         yield "footer", "the program ends elsewhere than it is sent to"
 
 
+def _started_by(burn: Burn, lines: list[_Line]) -> str:
+    """The key of the last block that switches something on, up to where a burn begins."""
+    return next((line.key for line in lines[burn.line - 1 :: -1] if line.key.endswith("_on")), "")
+
+
 def _after(program: NcProgram, lines: list[_Line], off: str) -> str | None:
     """The block after the word `off` that moves with a tool on, None where none does."""
     at = next(k for k, line in enumerate(lines, 1) if line.key == off)
@@ -158,6 +177,15 @@ def _moved_wrong(burn: Burn, path: Curve, dialect: Dialect) -> Iterator[tuple[st
     if any(abs(feed - _FEED_MM_S) > _SHARE * _FEED_MM_S for feed in burn.feeds_mm_s):
         feeds = ", ".join(f"{feed * 60:g}" for feed in burn.feeds_mm_s)
         yield "feed", f"a feed of {_FEED_MM_S * 60:g} mm/min is read as {feeds} mm/min"
+    if dialect.arc_centre == "none":
+        far = [
+            p
+            for p in map(tuple, burn.path.vertices[:, :2].tolist())
+            if path.project(p)[1] > _NEAR_MM + dialect.chord_mm
+        ]
+        if far or abs(burn.path.length_mm - path.length_mm) > _SHARE * path.length_mm:
+            yield "line", f"a path of {path.length_mm:.2f} mm is read as one of {burn.path.length_mm:.2f} mm"
+        return
     words = {0.0: "line", 1.0: "arc_ccw", -1.0: "arc_cw"}
     for asked, read in zip(path.segments, burn.path.segments, strict=False):
         word = words[float(np.sign(asked.bulge))]

@@ -14,6 +14,7 @@ from .dialect_kind import DialectName
 
 Process = Literal["plasma", "oxyfuel", "laser", "water-jet"]
 PROCESSES: tuple[Process, ...] = ("plasma", "oxyfuel", "laser", "water-jet")
+DIALECTS = ("burny", "eia", "grbl", "linuxcnc", "linuxcnc-qtplasmac")
 Origin = Literal["drawing", "sheet-corner"]
 ORIGINS: tuple[Origin, ...] = ("drawing", "sheet-corner")
 PierceDwell = Literal["machine", "program"]
@@ -27,7 +28,7 @@ class Machine:
     process: Process = field(default="plasma", metadata=option(Choice(PROCESSES), "what cuts"))
     dialect: str = field(
         default="linuxcnc-qtplasmac",
-        metadata=option(DialectName(("linuxcnc-qtplasmac", "linuxcnc")), "language of the NC program"),
+        metadata=option(DialectName(DIALECTS), "language of the NC program"),
     )
     accept_dialect: bool = field(
         default=False, metadata=option(Flag(), "write in this dialect although it is for another process")

@@ -11,6 +11,7 @@ from .words import Block
 
 _ASKED: dict[str, frozenset[float]] = {
     "its units (G21 or G20)": frozenset({20.0, 21.0}),
+    "its units (G71 or G70)": frozenset({70.0, 71.0}),
     "how it counts (G90 or G91)": frozenset({90.0, 91.0}),
     "the plane of arcs (G17)": frozenset({17.0}),
     "how it counts their centres (G91.1 or G90.1)": frozenset({90.1, 91.1}),
@@ -24,9 +25,13 @@ _ASKED: dict[str, frozenset[float]] = {
 
 @dataclass(slots=True)
 class Modes:
-    """What has not been said yet; a program is told of it once."""
+    """What has not been said yet, of what a control with the G words `known` can be told; a program hears it once."""
 
-    left: dict[str, frozenset[float]] = field(default_factory=lambda: dict(_ASKED))
+    known: frozenset[float]
+    left: dict[str, frozenset[float]] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.left = {name: codes for name, codes in _ASKED.items() if codes & self.known}
 
     def said(self, block: Block, unit_mm: float) -> None:
         """Take note of the G words of a block. G64 that lets the torch round corners off more than is allowed unsays.

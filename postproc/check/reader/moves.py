@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from kerfwise.encoder.geometry.segment import Point, Segment
 
 from .arcs import arc_by_centre, arc_by_radius
+from .controls import Control
 from .grammar import DWELL, MOTION, NO_MOTION, PER_MINUTE, motion_of
 from .modes import Modes
 from .track import Track
@@ -22,18 +23,34 @@ class ModalState:
     """Modal state: motion, feed, units and how the program counts."""
 
     track: Track
+    control: Control
     unit_mm: float = 1.0
     absolute: bool = True
     centre_absolute: bool = False
     motion: float | None = None
     feed_mm_min: float = 0.0
-    modes: Modes = field(default_factory=Modes)
+    modes: Modes = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.modes = Modes(self.control.known_g)
+        self.centre_absolute = self.control.centre_absolute
+
+    def of(self, block: Block) -> float | None:
+        """The motion that a block makes, None for none; with no motion word, a line or travel as the torch is."""
+        if self.control.bare and any(letter in block.words for letter in "XY") and not block.g:
+            return 0.0 if self.track.open is None else 1.0
+        return motion_of(block, self.motion, self.control)
+
+    def modal(self, block: Block) -> float | None:
+        """The motion in force from a block on."""
+        said = [word.value for word in block.g if word.value in MOTION or word.value == NO_MOTION]
+        return self.motion if not said else None if said[0] == NO_MOTION else said[0]
 
     def feed(self, block: Block) -> None:
         """An F word counts in the units before its block, as the control has it; G94 forgets the F before it."""
         if block.has_g(PER_MINUTE):
             self.feed_mm_min = 0.0
-        if "F" in block.words:
+        if "F" in block.words and not (self.control.dwell == "F" and block.has_g(DWELL)):
             self.feed_mm_min = block.of("F") * self.unit_mm
 
     def wait(self, block: Block) -> None:
@@ -45,19 +62,19 @@ class ModalState:
             Where its time is missing.
         """
         if block.has_g(DWELL):
-            if "P" not in block.words:
-                raise block.refused("G4 without its time: expected P and seconds, such as G4 P0.5")
-            self.track.wait(block.of("P"))
+            letter = self.control.dwell
+            if letter not in block.words:
+                raise block.refused(f"G4 without its time: expected {letter} and seconds, such as G4 {letter}0.5")
+            self.track.wait(block.of(letter))
 
-    def move(self, block: Block) -> None:
-        """Set modes, then move.
+    def move(self, block: Block, motion: float | None) -> None:
+        """Set modes, then make the block's motion, if any.
 
         Raises
         ------
         InputError
             With line and column, for a move without feed, an arc that is none, and a place far off every machine.
         """
-        motion = motion_of(block, self.motion)
         self._modes(block)
         self.modes.said(block, self.unit_mm)
         if motion is None:
@@ -84,8 +101,8 @@ class ModalState:
     def _modes(self, block: Block) -> None:
         for word in block.g:
             code = word.value
-            if code in (20.0, 21.0):
-                self.unit_mm = INCH_MM if code == 20.0 else 1.0
+            if code in (20.0, 21.0, 70.0, 71.0):
+                self.unit_mm = INCH_MM if code in (20.0, 70.0) else 1.0
             elif code in (90.0, 91.0):
                 self.absolute = code == 90.0
             elif code in (90.1, 91.1):

@@ -12,7 +12,8 @@ from collections.abc import Iterator
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
 
-from .comments import row_of
+from .beam import Beam
+from .comments import Row, row_of
 from .controls import QTPLASMAC, Control
 from .filtering import Filter
 from .grammar import refuse_conflicts
@@ -20,6 +21,7 @@ from .moves import ModalState
 from .program import NcProgram
 from .rows import rows_of
 from .tools import Tools
+from .tools_on import ToolsOn
 from .track import Track
 from .words import Block, block_of
 
@@ -64,8 +66,8 @@ class _Machine:
     def __init__(self, travel_mm_s: float, control: Control, held_s: tuple[float, float], home: Point) -> None:
         self.control = control
         self.track = Track(travel_mm_s, home)
-        self.tools = Tools(self.track, control, held_s)
-        self.moves = ModalState(self.track)
+        self.tools: ToolsOn = (Beam if control.beam else Tools)(self.track, control, held_s)
+        self.moves = ModalState(self.track, control)
         self.filter = Filter(self.track) if control.filtered else None
         self.comments: list[str] = []
         self.blocks = self.line = 0
@@ -77,12 +79,19 @@ class _Machine:
         for text in block.comments:
             self.track.comment = text
             self.comments.append(text)
-        refuse_conflicts(block, self.moves.motion, self.control)
+        if self._names_program(block):
+            return
+        refuse_conflicts(block, self.moves.of(block), self.control)
         self.moves.feed(block)
-        self.tools.switch(block)
+        self.tools.switch(block, self.moves.of(block), self.moves.modal(block))
         self.moves.wait(block)
-        self.moves.move(block)
+        self.moves.move(block, self.moves.of(block))
         self.tools.halt(block)
+
+    def _names_program(self, block: Block) -> bool:
+        """Whether a block only gives the program's number, as some controls want it to."""
+        alone = not (block.g or block.m) and list(block.words) == [self.control.program]
+        return alone and not self.track.burns and self.track.open is None
 
     def done(self) -> NcProgram:
         """What the program did."""
@@ -110,8 +119,10 @@ class _Machine:
 def _blocks(text: str, machine: _Machine) -> Iterator[Block]:
     """The blocks of a program; behind its end it holds nothing but comments."""
     opened: bool | None = None
-    for line, raw in rows_of(text):
+    control = machine.control
+    for line, raw in rows_of(text, control.longest, control.obeyed):
         row = row_of(raw, line)
+        _expect_fit(row, line, control)
         if opened is None and raw.strip():
             opened = row.code == "%" and not row.comments
             if opened:
@@ -132,3 +143,17 @@ def _blocks(text: str, machine: _Machine) -> Iterator[Block]:
                 machine.filter.pass_(raw, row, line, machine.moves.absolute)
             if not machine.tools.ended:
                 yield block
+
+
+def _expect_fit(row: Row, line: int, control: Control) -> None:
+    """Refuse a comment where the control knows none, and more words in a line than it holds."""
+    if row.comments and not control.comments:
+        text = f"a comment, which {control.title} does not know: not supported here; post the program without"
+        raise InputError(text, line=line, column=row.comment_at)
+    if len(row.code) > control.longest_code:
+        raise InputError(
+            f"the line has {len(row.code)} characters without blanks and comments: {control.title} takes "
+            f"{control.longest_code}; write it shorter",
+            line=line,
+            column=row.columns[control.longest_code],
+        )

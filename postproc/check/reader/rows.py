@@ -13,8 +13,10 @@ _NEVER_SHOWN = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})
 """Unicode categories of controls, of marks that turn or join text, of halves of characters, and of separators."""
 
 
-def rows_of(text: str) -> Iterator[tuple[int, str]]:
-    """The rows, numbered from 1, without their line ends.
+def rows_of(text: str, longest: int = LONGEST, obeyed: str = "") -> Iterator[tuple[int, str]]:
+    """The rows, numbered from 1, without their line ends; none is over `longest` bytes.
+
+    `obeyed` are characters that the control takes for commands wherever they stand.
 
     Raises
     ------
@@ -30,23 +32,31 @@ def rows_of(text: str) -> Iterator[tuple[int, str]]:
     for line, row in enumerate(rows, 1):
         if line == len(rows):  # what follows the last LF
             if row:
-                yield line, _plain(row, line, 0)
+                yield line, _plain(row, line, 0, longest, obeyed)
         else:
             bare = row.removesuffix("\r")
-            yield line, _plain(bare, line, len(row) - len(bare))
+            yield line, _plain(bare, line, len(row) - len(bare), longest, obeyed)
 
 
-def _plain(row: str, line: int, cr: int) -> str:
-    if row.isascii() and row.isprintable() and len(row) + cr <= LONGEST:
+def _plain(row: str, line: int, cr: int, longest: int, obeyed: str) -> str:
+    for column, char in enumerate(row, 1) if obeyed else ():
+        if char in obeyed or not char.isascii():
+            raise InputError(
+                f"'{char}' (U+{ord(char):04X}), which the control takes for a command wherever it stands, comments "
+                "included: not supported here; delete it",
+                line=line,
+                column=column,
+            )
+    if row.isascii() and row.isprintable() and len(row) + cr <= longest:
         return row
     for column, char in enumerate(row, 1):
         if char != "\t" and unicodedata.category(char) in _NEVER_SHOWN:
             raise InputError(_found(char), line=line, column=column)
-    if (size := len(row.encode()) + cr) > LONGEST:
+    if (size := len(row.encode()) + cr) > longest:
         raise InputError(
-            f"the line has {size} bytes: more than {LONGEST} are not supported here, nor by controls; write it shorter",
+            f"the line has {size} bytes: more than {longest} are not supported here, nor by controls; write it shorter",
             line=line,
-            column=LONGEST + 1,
+            column=longest + 1,
         )
     return row
 

@@ -2,29 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-from .controls import Control
-from .track import Track
+from .tools_on import ALL, ToolsOn
 from .words import Block, Word
 
-_HALTS = frozenset({0.0, 1.0})
-_ENDS = frozenset({2.0, 30.0})
-_SET_BIT, _CLEAR_BIT, _START, _STOP, _ALL = 64.0, 65.0, 3.0, 5.0, -1
+_SET_BIT, _CLEAR_BIT, _START, _STOP = 64.0, 65.0, 3.0, 5.0
 _OUTPUTS = frozenset({67.0, 68.0})
 
 
 @dataclass(slots=True)
-class Tools:
-    """The tools that are on; the control holds the torch for `held_s` where it starts to cut, and to mark."""
+class Tools(ToolsOn):
+    """The tools of a control that starts and stops each by M words."""
 
-    track: Track
-    control: Control
-    held_s: tuple[float, float]
-    on: list[int] = field(default_factory=list)
-    ended: bool = False
-
-    def switch(self, block: Block) -> None:
+    def switch(self, block: Block, motion: float | None, modal: float | None) -> None:
         """Do what comes before a block's wait and motion, outputs first, as the control does.
 
         Raises
@@ -37,17 +28,12 @@ class Tools:
                 self._bit(word, block)
             elif word.value in _OUTPUTS:
                 self._output(word, block)
+            elif word.value in self.control.starts:
+                self.start(self.control.starts[word.value], block.line)
+            elif word.value in self.control.stops:
+                self.stop(self.control.stops[word.value])
             elif word.value in (_START, _STOP):
                 self._torch(word, block)
-
-    def halt(self, block: Block) -> None:
-        """Do what comes after its motion: halts and the program's end."""
-        for word in block.m:
-            if word.value in _HALTS and self.on:
-                self.track.fault(
-                    block.line, "torch-off-travel", f"{word.text} halts the program while tool ${self.on[0]} is on"
-                )
-            self.ended = self.ended or word.value in _ENDS
 
     def _torch(self, word: Word, block: Block) -> None:
         named = block.words.get("$")
@@ -61,11 +47,11 @@ class Tools:
             raise block.refused(f"{named.text} is not supported here: expected a whole number", named)
         tool = 0 if named is None else int(named.value)
         if word.value == _START:
-            if tool == _ALL:
+            if tool == ALL:
                 raise block.refused("all tools at once are not supported here: start one, such as $0", named)
             if block.of("S") <= 0:
                 self.track.fault(block.line, "program-state", f"tool ${tool} is started without S1, which turns it on")
-            self._start(tool, block.line)
+            self.start(tool, block.line)
             return
         if named is None and any(on != 0 for on in self.on) and self.control.numbered:
             raise block.refused(
@@ -73,7 +59,7 @@ class Tools:
                 "control stops all tools, another only $0; name the tool",
                 word,
             )
-        self._stop(tool)
+        self.stop(tool)
 
     def _bit(self, word: Word, block: Block) -> None:
         output = block.words.get("P")
@@ -83,9 +69,9 @@ class Tools:
                 output or word,
             )
         if word.value == _SET_BIT:
-            self._start(1, block.line)
+            self.start(1, block.line)
         else:
-            self._stop(1)
+            self.stop(1)
 
     def _output(self, word: Word, block: Block) -> None:
         if "E" not in block.words or "Q" not in block.words:
@@ -100,16 +86,3 @@ class Tools:
         if share not in (0.0, 100.0):
             text = f"{word.text} E3 Q{share:g} has the torch move at {share:g} % of its feed"
             self.track.fault(block.line, "feeds", text)
-
-    def _start(self, tool: int, line: int) -> None:
-        if self.on:
-            self.track.fault(line, "torch-off-travel", f"tool ${tool} is started while ${self.on[0]} is on")
-        if tool not in self.on:
-            self.on.append(tool)
-        if self.track.open is None:
-            self.track.begin(tool, line, self.held_s[0] if tool == 0 else self.held_s[1])
-
-    def _stop(self, tool: int) -> None:
-        self.on = [] if tool == _ALL else [t for t in self.on if t != tool]
-        if self.track.open is not None and self.track.open.tool not in self.on:
-            self.track.close()

@@ -19,7 +19,7 @@ from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.clock.timed import read_program
 from kerfwise.postproc.dialects import load_dialect
-from kerfwise.postproc.nc.blocks import path_blocks
+from kerfwise.postproc.nc.pen import Pen
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.nc.toolpath import torch_path
 from kerfwise.rules.profile.profile import Profile, load_profile, shipped_profiles
@@ -167,7 +167,7 @@ def test_any_path_survives_rounding(start: canon.Point, moves: list[tuple[float,
         rows.append((rows[-1][0] + dx, rows[-1][1] + dy, 0.0))
     path = Curve.of(rows, closed=False)
     x, y = (round(v, 4) for v in start)
-    blocks = path_blocks(path, 40.0, load_dialect("linuxcnc-qtplasmac"))
+    blocks = Pen(load_dialect("linuxcnc-qtplasmac"), (x, y)).path(path, 40.0)
     run = canon.run("\n".join([f"G21\nG0 X{x:.4f} Y{y:.4f}\nM3 $0 S1", *blocks, "M5 $0\nM2\n"]))
     assert run.error is None
     assert run.warnings == []

@@ -1,0 +1,101 @@
+"""Dialects by name: those that come with kerfwise, and a plant's own files."""
+
+from __future__ import annotations
+
+import dataclasses
+from importlib import resources
+
+import yaml
+
+from kerfwise.encoder.contents import MOST_BYTES_OF_YAML, contents
+from kerfwise.encoder.errors import InputError
+from kerfwise.rules.options.kind import Unfit
+from kerfwise.rules.options.option import options_of
+from kerfwise.rules.options.suggest import unknown
+from kerfwise.rules.options.yaml_positions import Problems, compose, entries
+from kerfwise.rules.profile.machine_section import PierceDwell
+from kerfwise.rules.profile.profile import Profile
+
+from .dialect import Dialect
+
+
+def pierce_dwell_of(profile: Profile, dialect: Dialect | None = None) -> PierceDwell:
+    """Who waits at a pierce: what the profile says, else the dialect of its machine."""
+    return profile.machine.pierce_dwell or (dialect or load_dialect(profile.machine.dialect)).pierce_dwell
+
+
+def dialect_names() -> tuple[str, ...]:
+    """The dialects that come with kerfwise.
+
+    Examples
+    --------
+    >>> "linuxcnc-qtplasmac" in dialect_names()
+    True
+    """
+    files = resources.files(__package__).iterdir()
+    return tuple(sorted(f.name.removesuffix(".yaml") for f in files if f.name.endswith(".yaml")))
+
+
+def dialect_text(name: str) -> str:
+    """The file of a dialect, as text: one that comes with kerfwise, or a plant's own when `name` ends in .yaml.
+
+    Raises
+    ------
+    InputError
+        For a name that is not there, and for a file that cannot be read.
+    """
+    if name.endswith((".yaml", ".yml")):
+        try:
+            return contents(name, MOST_BYTES_OF_YAML).decode("utf-8")
+        except OSError as error:
+            raise InputError(f"cannot read the dialect: {error.strerror}", file=name) from None
+        except UnicodeDecodeError:
+            raise InputError("not a dialect: the file is not UTF-8 text", file=name) from None
+        except ValueError as error:  # a NUL, or half a character
+            raise InputError(f"cannot read the dialect: no file can have this name ({error})", file=name) from None
+    if name not in dialect_names():
+        raise InputError(f"{unknown('dialect', name, dialect_names())}; the file of a plant's own ends in .yaml")
+    return resources.files(__package__).joinpath(f"{name}.yaml").read_text(encoding="utf-8")
+
+
+def load_dialect(name: str) -> Dialect:
+    """The dialect of that name, or of a plant's own file when `name` ends in .yaml.
+
+    Raises
+    ------
+    InputError
+        For a name that is not there, and for a file that lacks a key, has one too many or one of the wrong type.
+
+    Examples
+    --------
+    >>> load_dialect("linuxcnc-qtplasmac").torch_on
+    ('M3 $0 S1',)
+    """
+    text = dialect_text(name)
+    return parse_dialect(text, name if name.endswith((".yaml", ".yml")) else f"{name}.yaml")
+
+
+def parse_dialect(text: str, file: str) -> Dialect:
+    """Read a dialect from YAML text; `file` is the name for messages (see `load_dialect`)."""
+    root = compose(text, file)
+    if not isinstance(root, yaml.MappingNode):
+        raise InputError("not a dialect: expected keys such as torch_on and line", file=file)
+    problems = Problems(file)
+    known = {one.key: one for one in options_of(Dialect)}
+    values: dict[str, object] = {}
+    for key, key_node, node in entries(root, problems, "dialect"):
+        if key not in known:
+            problems.add(key_node, unknown("key", key, known))
+            continue
+        try:
+            values[known[key].name] = known[key].kind.read(node)
+        except Unfit as error:
+            problems.add(error.node or node, f"{key}: {error}")
+    problems.raise_any()
+    needed = [one for one in known.values() if one.default is dataclasses.MISSING]
+    if missing := [one.key for one in needed if one.name not in values]:
+        raise InputError(f"the dialect lacks {', '.join(missing)}", file=file)
+    dialect = Dialect(**values)  # type: ignore[arg-type]
+    if bool(dialect.mark_on) != bool(dialect.mark_off):
+        raise InputError("mark_on and mark_off: expected blocks for both, or null for both", file=file)
+    return dialect

@@ -1,0 +1,145 @@
+"""What moves and switches the torch, block by block, as a dialect spells it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point, Segment
+from kerfwise.postproc.dialects import Dialect
+from kerfwise.postproc.dialects.kinds import DWELL
+
+from .blocks import number
+
+CHORD_MM = 0.001
+RISE_MM = 0.0025
+FLAT_RAD = 1e-3
+_BY_RADIUS_RAD = 1.6
+"""An arc that turns further is split where a dialect gives the radius: near a half turn its centre hangs on the last
+digit."""
+
+
+class Pen:
+    """Writes blocks in a dialect; `at` is where the torch stands, in the program's coordinates, mm.
+
+    Points are rounded first and centres computed from the rounded points, so that the radius at an arc's end equals
+    the radius at its start to about one unit of the last decimal: controls compare the two (LinuxCNC to 0.0283 mm,
+    GRBL to 0.005 mm). Positions that count from the last one are differences of rounded ones, so that nothing adds up.
+
+    Examples
+    --------
+    >>> from kerfwise.postproc.dialects import load_dialect
+    >>> pen = Pen(load_dialect("linuxcnc"), (0.0, 0.0))
+    >>> pen.rapid((10, 5)), pen.path(Curve.of([(10, 5, 1.0), (20, 5)], closed=False), 10.0)
+    ('G0 X10 Y5', ['G3 X20 Y5 I5 J0 F600'])
+    """
+
+    def __init__(self, dialect: Dialect, at: Point) -> None:
+        self.dialect = dialect
+        self.at = self._rounded(at)
+
+    def rapid(self, point: Point) -> str:
+        """Travel to a point with the torch off."""
+        end = self._rounded(point)
+        block = _spelt(self.dialect.rapid, self._words(end))
+        self.at = end
+        return block
+
+    def start(self, marks: bool, dwell_s: float, feed_mm_s: float) -> list[str]:
+        """Start the torch, or what marks, and wait for `dwell_s`, where that is more than nothing."""
+        blocks = self.dialect.mark_on if marks else self.dialect.torch_on
+        wait = f"{{{DWELL}}}"
+        made: list[str] = []
+        for block in blocks if wait in blocks else (*blocks, wait):
+            if block != wait:
+                made.append(block.format(mm_min=_feed(feed_mm_s), dwell=""))
+            elif dwell_s > 0:
+                made.append(self.wait(dwell_s))
+        return made
+
+    def stop(self, marks: bool) -> tuple[str, ...]:
+        """Stop it."""
+        return self.dialect.mark_off if marks else self.dialect.torch_off
+
+    def wait(self, seconds: float) -> str:
+        """The block that waits."""
+        return self.dialect.dwell.format(seconds=number(seconds, 3), milliseconds=number(seconds * 1000, 0))
+
+    def path(self, path: Curve, feed_mm_s: float) -> list[str]:
+        """The blocks that run an open path from its first point, at which the torch already stands.
+
+        Arcs beyond a half turn are split in two, because near a full turn the last decimal decides between all and
+        nothing. Arcs that turn less than 0.001 rad become chords within 0.001 mm, those that rise less than 0.0025 mm
+        one line: LinuxCNC refuses a radius under 0.00127 mm.
+        """
+        dialect = self.dialect
+        word = dialect.feed.format(mm_min=_feed(feed_mm_s))
+        blocks = [word] if dialect.feed_alone else []
+        feed = "" if dialect.feed_alone else f" {word}"
+        self.at = self._rounded(path.segments[0].start) if path.segments else self.at
+        for piece in (p for segment in path.segments for p in self._pieces(segment)):
+            end = self._rounded(piece.end)
+            if end == self.at:
+                continue
+            motion = self._arc(piece, end) if piece.is_arc else _spelt(dialect.line, self._words(end))
+            blocks.append(f"{motion}{feed}")
+            feed, self.at = "", end
+        return blocks
+
+    def _arc(self, piece: Segment, end: Point) -> str:
+        arc, d = Segment(self.at, end, piece.bulge), self.dialect.decimals
+        cx, cy = arc.centre
+        i, j = (cx, cy) if self.dialect.arc_centre == "absolute" else (cx - self.at[0], cy - self.at[1])
+        words = self._words(end)
+        if self.dialect.arc_centre == "radius":
+            words["r"] = number(math.dist(self.at, (cx, cy)), d)
+        else:
+            words |= {"i": number(i, d), "j": number(j, d)}
+        return _spelt(self.dialect.arc_ccw if piece.bulge > 0 else self.dialect.arc_cw, words)
+
+    def _words(self, end: Point) -> dict[str, str]:
+        d = self.dialect.decimals
+        x, y = end
+        if self.dialect.positions == "incremental":
+            x, y = x - self.at[0], y - self.at[1]
+        return {"x": number(x, d), "y": number(y, d)}
+
+    def _pieces(self, segment: Segment) -> Iterator[Segment]:
+        """The segment as lines and arcs that every control makes the same way."""
+        dialect = self.dialect
+        rise_mm = segment.chord_mm * abs(segment.bulge) / 2
+        chords = dialect.arc_centre == "none"
+        if rise_mm < RISE_MM:
+            yield Segment(segment.start, segment.end)
+        elif not chords and _turns_far(segment, dialect):
+            yield from self._pieces(segment.between(0.0, 0.5))
+            yield from self._pieces(segment.between(0.5, 1.0))
+        elif chords or abs(segment.sweep_rad) < FLAT_RAD:
+            at = segment.start
+            for x, y in segment.flatten(dialect.chord_mm if chords else CHORD_MM).tolist():
+                yield Segment(at, (x, y))
+                at = (x, y)
+        else:
+            yield segment
+
+    def _rounded(self, point: Point) -> Point:
+        d = self.dialect.decimals
+        return round(point[0], d), round(point[1], d)
+
+
+def _turns_far(segment: Segment, dialect: Dialect) -> bool:
+    if dialect.arc_centre == "radius":
+        return abs(segment.sweep_rad) > _BY_RADIUS_RAD
+    return abs(segment.bulge) > 1.0 + 1e-6
+
+
+def _spelt(motion: str, words: dict[str, str]) -> str:
+    """A block of a motion: its own text with the words filled in, or its word with all of them behind it."""
+    if "{" in motion:
+        return motion.format(**dict.fromkeys("xyijr", "0") | words)
+    return " ".join(filter(None, (motion, *(f"{letter.upper()}{text}" for letter, text in words.items()))))
+
+
+def _feed(feed_mm_s: float) -> str:
+    return number(feed_mm_s * 60, 3)
