@@ -20,6 +20,7 @@ VERBS = {
     "facts": "Write the facts of a nest, as JSON or MiniZinc data.",
     "plot": "Draw a nest or a plan (SVG, PNG or HTML).",
     "profile": "Check a profile, or show it with every default filled in.",
+    "dialects": "List the languages of controls, or begin one of a plant's own.",
     "rules": "List the rules, print one rule's page, begin a new one, run the cases.",
     "bench": "Measure engines on nests and on the field's routing instances.",
     "engines": "List the engines and solvers that can be used.",
