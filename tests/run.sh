@@ -41,6 +41,12 @@ if [ ! -x .tools/rs274/bin/rs274 ]; then
   rm -f .rs274.log
 fi
 
+say "gcode-toolpath, another reader of programs, from npm"
+if [ ! -d .tools/node/node_modules/gcode-toolpath ]; then
+  command -v npm >/dev/null 2>&1 || from_debian npm
+  sh tests/tools/get_node_readers.sh .tools/node || fail "gcode-toolpath could not be fetched from npm"
+fi
+
 say "lint, types, layers"
 .venv/bin/ruff check .
 .venv/bin/ruff format --check .

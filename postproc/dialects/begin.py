@@ -7,6 +7,7 @@ import re
 import yaml
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.rules.options.yaml_positions import compose
 
 from .load import dialect_text, parse_dialect
 
@@ -38,7 +39,8 @@ def begun(name: str, like: str) -> str:
 
 def _replaced(text: str, key: str, value: str) -> str:
     """The text with another value of one of its keys; comments and order stay."""
-    root = yaml.compose(text, Loader=yaml.SafeLoader)
+    root = compose(text, "")
+    assert root is not None
     node = next(node for at, node in root.value if at.value == key)
     first, last = node.start_mark.index, node.end_mark.index
     while text[first - 1] in " \n":

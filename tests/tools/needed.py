@@ -9,6 +9,7 @@ import pytest
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.tests.tools import canon
+from kerfwise.tests.tools.outside import gcode_toolpath
 
 LEFT_OUT = "leaves these tests out"
 
@@ -33,7 +34,20 @@ def without_minizinc() -> str | None:
     return None
 
 
-WITHOUT: dict[str, Callable[[], str | None]] = {"linuxcnc": without_linuxcnc, "minizinc": without_minizinc}
+def without_node() -> str | None:
+    """How to get gcode-toolpath, where it is missing."""
+    try:
+        gcode_toolpath.modules()
+    except gcode_toolpath.MissingNodeReader as missing:
+        return f"{missing}; -m 'not node' {LEFT_OUT}"
+    return None
+
+
+WITHOUT: dict[str, Callable[[], str | None]] = {
+    "linuxcnc": without_linuxcnc,
+    "minizinc": without_minizinc,
+    "node": without_node,
+}
 """Marker → how to get the program, or None where it is there."""
 
 
@@ -51,7 +65,9 @@ def keep_from(marker: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the program of a marker refuse its service until the test is done."""
     import minizinc
 
-    if marker == "linuxcnc":
+    if marker == "node":
+        monkeypatch.setattr(gcode_toolpath, "modules", lambda: Unmarked(marker).path)
+    elif marker == "linuxcnc":
         monkeypatch.setattr(canon, "find_rs274", lambda: Unmarked(marker).path)
     else:
         monkeypatch.setattr(minizinc, "default_driver", Unmarked(marker))

@@ -9,16 +9,20 @@ import pytest
 
 from kerfwise.tests.tools import canon
 from kerfwise.tests.tools.needed import WITHOUT, keep_from, without_linuxcnc, without_minizinc
+from kerfwise.tests.tools.outside import gcode_toolpath
 
-FIND, DRIVER = canon.find_rs274, minizinc.default_driver
+FIND, DRIVER, MODULES = canon.find_rs274, minizinc.default_driver, gcode_toolpath.modules
 
 
 @pytest.fixture
 def bare(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A machine without either program."""
+    """A machine without any of these programs."""
     monkeypatch.setattr(canon, "find_rs274", FIND)
     monkeypatch.setattr(canon, "ROOT", Path("nowhere"))
     monkeypatch.setattr(minizinc, "default_driver", None)
+    monkeypatch.setattr(gcode_toolpath, "modules", MODULES)
+    monkeypatch.setattr(gcode_toolpath, "ROOT", Path("nowhere"))
+    monkeypatch.delenv("NODE_READERS", raising=False)
     monkeypatch.delenv("RS274", raising=False)
     monkeypatch.setenv("PATH", "")
 
@@ -28,6 +32,7 @@ def test_what_is_missing_is_said_in_one_line() -> None:
     said = {marker: without() or "" for marker, without in WITHOUT.items()}
     assert "sh tests/tools/get_rs274.sh .tools/rs274" in said["linuxcnc"]
     assert "apt-get install minizinc" in said["minizinc"]
+    assert "sh tests/tools/get_node_readers.sh .tools/node" in said["node"]
     for marker, text in said.items():
         assert "\n" not in text
         assert f"-m 'not {marker}'" in text
@@ -47,4 +52,4 @@ def test_nothing_is_said_of_a_minizinc_that_is_there() -> None:
 def test_a_test_that_is_not_marked_cannot_use_it(marker: str, monkeypatch: pytest.MonkeyPatch) -> None:
     keep_from(marker, monkeypatch)
     with pytest.raises(AssertionError, match=rf"mark it @pytest\.mark\.{marker}"):
-        WITHOUT[marker]() if marker == "linuxcnc" else minizinc.default_driver.available_solvers()
+        minizinc.default_driver.available_solvers() if marker == "minizinc" else WITHOUT[marker]()

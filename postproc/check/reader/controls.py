@@ -25,7 +25,8 @@ class Control:
 
     `beam` says that it is a laser of GRBL, lit by M3 and M4 with a power S in moves at a feed only; up to the power
     `marks_up_to` it marks. `dwell` is the letter of the seconds of G4. `bare` says that X and Y without a motion word
-    are a line with the torch on, and travel with it off. `program` is the letter of the number that a program begins
+    are a line with the torch on, and travel with it off. `fixed` are G words in force always, which nobody has to say.
+    `program` is the letter of the number that a program begins
     with. `longest` is the greatest number of bytes of a line, `longest_code` that without blanks and comments.
     `obeyed` are characters that it obeys wherever they stand, and with which none beyond ASCII may stand either.
     """
@@ -45,6 +46,7 @@ class Control:
     dwell: str = "P"
     bare: bool = False
     centre_absolute: bool = False
+    fixed: frozenset[float] = frozenset()
     comments: bool = True
     program: str = ""
     longest: int = LONGEST
@@ -77,6 +79,7 @@ CONTROLS: Mapping[str, Control] = {
         "GRBL in laser mode",
         known_g=_LINUXCNC_G - {61.1, 64.0, 90.1, 97.0},
         known_m=frozenset({0.0, 2.0, 3.0, 4.0, 5.0, 8.0, 9.0, 30.0}),
+        fixed=frozenset({61.0, 91.1}),
         beam=True,
         marks_up_to=400.0,
         longest=127,

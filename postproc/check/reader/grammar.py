@@ -76,7 +76,9 @@ def refuse_conflicts(block: Block, motion: float | None, control: Control) -> No
     for word in block.g:
         _note(users, word.text, {DWELL: control.dwell, ROUNDING: "PQ"}.get(word.value, ""))
     for word in block.m:
-        _note(users, word.text, _USES_M.get(word.value, ""))
+        switches = word.value in control.starts or word.value in control.stops
+        letters = "" if switches else _USES_M.get(word.value, "")
+        _note(users, word.text, letters.replace("$", "") if control.beam else letters)
     _note(users, "the motion", _USES_MOTION[motion])
     for letter, word in block.words.items():
         if letter == "F" or (letter == "S" and control.beam):

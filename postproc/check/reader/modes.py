@@ -25,13 +25,17 @@ _ASKED: dict[str, frozenset[float]] = {
 
 @dataclass(slots=True)
 class Modes:
-    """What has not been said yet, of what a control with the G words `known` can be told; a program hears it once."""
+    """What has not been said yet, of what a control with the G words `known` can be told; a program hears it once.
+
+    `fixed` are words that the control is in whatever a program says.
+    """
 
     known: frozenset[float]
+    fixed: frozenset[float] = frozenset()
     left: dict[str, frozenset[float]] = field(init=False)
 
     def __post_init__(self) -> None:
-        self.left = {name: codes for name, codes in _ASKED.items() if codes & self.known}
+        self.left = {name: codes for name, codes in _ASKED.items() if codes & self.known and not codes & self.fixed}
 
     def said(self, block: Block, unit_mm: float) -> None:
         """Take note of the G words of a block. G64 that lets the torch round corners off more than is allowed unsays.

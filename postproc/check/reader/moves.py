@@ -32,7 +32,7 @@ class ModalState:
     modes: Modes = field(init=False)
 
     def __post_init__(self) -> None:
-        self.modes = Modes(self.control.known_g)
+        self.modes = Modes(self.control.known_g, self.control.fixed)
         self.centre_absolute = self.control.centre_absolute
 
     def of(self, block: Block) -> float | None:

@@ -46,7 +46,7 @@ def test_a_plant_brings_its_own(tmp_path: Path) -> None:
     [
         ("torch_on: M3", "torchon: M3", r"shop.yaml:\d+:1: unknown key 'torchon': did you mean 'torch_on'"),
         ("dwell: G4 P{seconds}\n", "", "lacks dwell$"),
-        ("decimals: 4", "decimals: four", r":35:11: decimals: expected a whole number from 2 to 6, got 'four'"),
+        ("decimals: 4", "decimals: four", r":39:11: decimals: expected a whole number from 2 to 6, got 'four'"),
         ("decimals: 4", "decimals: yes", "expected a whole number from 2 to 6, got 'yes'"),
         ("pierce_dwell: machine", "pierce_dwell: never", "pierce_dwell: expected one of machine, program, got 'never'"),
         (
@@ -60,8 +60,8 @@ def test_a_plant_brings_its_own(tmp_path: Path) -> None:
             "processes: expected a list of plasma, oxyfuel, laser, water-jet",
         ),
         ("processes: [plasma]", "processes: [[plasma]]", "processes: expected a list of plasma"),
-        ("decimals: 4", "decimals: !!int x", r":35:11: decimals: expected a whole number from 2 to 6"),
-        ("decimals: 4", "decimals: 2001-99-99", r":35:11: decimals: expected a whole number from 2 to 6"),
+        ("decimals: 4", "decimals: !!int x", r":39:11: decimals: expected a whole number from 2 to 6"),
+        ("decimals: 4", "decimals: 2001-99-99", r":39:11: decimals: expected a whole number from 2 to 6"),
         (
             "control: linuxcnc-qtplasmac",
             "control: cnc",
