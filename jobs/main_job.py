@@ -11,6 +11,7 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.engines.baselines import Strategy
 from kerfwise.models.engines.names import Engine
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.postproc.dialects import expect_words
 from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 
 from .ask import ask, facts_of
@@ -80,7 +81,8 @@ def plan_nest(
         once more, unless the user has interrupted.
     """
     nest, profile = given.nest, again_first(given.profile, already)
-    trusted_dialect(profile)  # a file of the plant's own may be wrong: better said now than at the end
+    dialect = trusted_dialect(profile)  # a file of the plant's own may be wrong: better said now than at the end
+    expect_words(nest, profile, dialect, resumes=bool(already))
     if engine == "minizinc":
         from kerfwise.models.engines.minizinc.installation import solver_named
 

@@ -1,7 +1,7 @@
 """Controls and how they spell a program."""
 
 from .dialect import ControlName, Dialect
-from .fit import fitting_dialect
+from .fit import expect_words, fitting_dialect
 from .kinds import LineNumbers
 from .load import dialect_names, dialect_text, load_dialect, pierce_dwell_of
 
@@ -11,6 +11,7 @@ __all__ = [
     "LineNumbers",
     "dialect_names",
     "dialect_text",
+    "expect_words",
     "fitting_dialect",
     "load_dialect",
     "pierce_dwell_of",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from kerfwise.encoder.nest import Nest
 from kerfwise.rules.options.yaml_positions import place_in, wrong_at
 from kerfwise.rules.profile.checks import MACHINE_WAITS
 from kerfwise.rules.profile.profile import Profile
@@ -32,3 +33,28 @@ def fitting_dialect(profile: Profile) -> Dialect:
     if profile.leads.edge_start and pierce_dwell_of(profile, dialect) == "machine":
         raise wrong_at(place_in(profile.file, ("leads", "edge_start")), f"leads.edge_start: {MACHINE_WAITS}")
     return dialect
+
+
+def expect_words(nest: Nest, profile: Profile, dialect: Dialect, resumes: bool = False) -> None:
+    """Refuse a nest whose program a dialect has no words for; `resumes` says that it goes on after a stop.
+
+    Raises
+    ------
+    InputError
+        For marks where it cannot mark, and for a program that must tell what is cut where it knows no comments.
+    """
+    marks = [contour.id for contour in profile.as_cut(nest).contours if contour.kind == "mark"]
+    place = place_in(profile.file, ("machine", "dialect"))
+    if marks and not dialect.marks:
+        shown = ", ".join(marks[:3]) + (", …" if len(marks) > 3 else "")
+        raise wrong_at(
+            place,
+            f"machine.dialect: '{dialect.name}' has no words for marking, and the nest has {len(marks)} ({shown}): "
+            "take another dialect, or a nest without them",
+        )
+    if resumes and dialect.comment is None:
+        raise wrong_at(
+            place,
+            f"machine.dialect: '{dialect.name}' knows no comments, in which a program that goes on after a stop tells "
+            "what is cut: take another dialect",
+        )

@@ -8,7 +8,7 @@ from pathlib import PurePath
 
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
-from kerfwise.postproc.dialects import Dialect, fitting_dialect, load_dialect, pierce_dwell_of
+from kerfwise.postproc.dialects import Dialect, expect_words, fitting_dialect, load_dialect, pierce_dwell_of
 from kerfwise.rules.profile.profile import Profile
 
 from .blocks import comment, is_comment, number, numbered, plain, room_for, seconds_text
@@ -18,8 +18,8 @@ from .plan_paths import SHA_DIGITS, Toolpath, toolpaths
 from .resume_comments import out_comments, resume_comment
 
 
-def write_program(plan: Plan, nest: Nest, profile: Profile) -> str:
-    """The program of `plan` in the dialect of the profile's machine.
+def write_program(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect | None = None) -> str:
+    """The program of `plan` in the dialect of the profile's machine, or in one that has no file.
 
     Kerf compensation is in the path (the program keeps G40); pierce points, order and directions are the plan's. The
     same plan, nest and profile give the same bytes, and so does the plan once written to a file and read back.
@@ -29,7 +29,8 @@ def write_program(plan: Plan, nest: Nest, profile: Profile) -> str:
     InputError
         If the plan was made from another nest, or the dialect is unknown or cannot spell the program.
     """
-    dialect = fitting_dialect(profile)
+    dialect = dialect or fitting_dialect(profile)
+    expect_words(nest, profile, dialect, bool(plan.already))
     profile = profile.at_origin(plan.origin)
     names = program_names(profile.as_cut(nest), dialect)
     body = _body(toolpaths(plan, nest, profile), names, nest, profile, dialect, plan.resumed_after + 1)

@@ -13,7 +13,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from .heard import Heard, arc_points, length_mm
+from .heard import Heard, arc_points, sweep_rad
 
 ROOT = Path(__file__).resolve().parents[3]
 SCRIPT = Path(__file__).with_suffix(".js")
@@ -50,9 +50,10 @@ def read(text: str) -> Heard:
             heard.burns.append([(start[0], start[1])])
             heard.lengths_mm.append(0.0)
             burning = True
-        points = [(end[0], end[1])]
+        points, length_mm = [(end[0], end[1])], math.dist(start, end)
         if centre:
-            points = arc_points(tuple(start), tuple(end), tuple(centre[0]), ccw=motion == "G3")
-        heard.lengths_mm[-1] += length_mm([heard.burns[-1][-1], *points])
+            arc = (start, end, centre[0], motion == "G3")
+            points, length_mm = arc_points(*arc), math.dist(start, centre[0]) * abs(sweep_rad(*arc))
+        heard.lengths_mm[-1] += length_mm
         heard.burns[-1] += points
     return heard

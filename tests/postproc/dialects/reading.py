@@ -1,0 +1,95 @@
+"""How far what a reader makes of a program is from what its plan says."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.plan.plan import Plan
+from kerfwise.postproc.clock.timed import read_program
+from kerfwise.postproc.dialects import load_dialect
+from kerfwise.postproc.nc.plan_paths import toolpaths
+from kerfwise.postproc.nc.program import write_program
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.tests.tools import canon
+from kerfwise.tests.tools.outside import meerk40t
+from kerfwise.tests.tools.outside.heard import Heard
+from kerfwise.tests.tools.outside.mapped import in_linuxcnc
+
+
+@dataclass(frozen=True, slots=True)
+class Differences:
+    """Of a reader's burns and a plan's paths, mm: the farthest that one is from the other, and of their lengths."""
+
+    burns: int
+    paths: int
+    apart_mm: float
+    cut_mm: float
+    idle_mm: float
+
+    def within(self, apart_mm: float = 0.01, length_mm: float = 0.1) -> bool:
+        """Whether they are as many, as near, and as long."""
+        same = self.burns == self.paths and self.apart_mm <= apart_mm
+        return same and abs(self.cut_mm) <= length_mm and abs(self.idle_mm) <= length_mm
+
+
+def with_dialect(profile: Profile, name: str) -> Profile:
+    """The profile with a machine of a dialect, whatever process that is for."""
+    machine = dataclasses.replace(profile.machine, dialect=name, accept_dialect=True, pierce_dwell=None)
+    return dataclasses.replace(profile, machine=machine)
+
+
+def differences(plan: Plan, nest: Nest, profile: Profile, heard: Heard) -> Differences:
+    """A reader's burns against the plan's paths, in order."""
+    paths = [made.path for made in toolpaths(plan, nest, profile)]
+    apart = [apart_mm(path, points) for path, points in zip(paths, heard.burns, strict=False)]
+    cut_mm = sum(heard.lengths_mm) - sum(path.length_mm for path in paths)
+    idle_mm = heard.idle_mm - plan.totals.idle_mm
+    return Differences(len(heard.burns), len(paths), max(apart, default=0.0), cut_mm, idle_mm)
+
+
+def apart_mm(path: Curve, points: list[tuple[float, float]]) -> float:
+    """How far a path and a chain of points are from each other at most, their ends included."""
+    ours, theirs = shapely.LineString(path.flatten(0.0005)), shapely.LineString(np.array(points))
+    return float(
+        max(
+            shapely.distance(theirs, shapely.points(shapely.get_coordinates(ours))).max(),
+            shapely.distance(ours, shapely.points(shapely.get_coordinates(theirs))).max(),
+            math.dist(points[0], path.point_at(0.0)),
+            math.dist(points[-1], path.vertices[-1, :2]),
+        )
+    )
+
+
+def of_linuxcnc(text: str, control: str) -> Heard:
+    """What LinuxCNC's interpreter makes of a program, once it is spelt in its words.
+
+    Raises
+    ------
+    AssertionError
+        With what the interpreter says against it.
+    """
+    run = canon.run(in_linuxcnc(text, control), tolerance_mm=0.002)
+    assert (run.error, run.warnings, run.dry_feeds) == (None, [], [])
+    return Heard([b.points for b in run.burns], [b.length_mm for b in run.burns], run.idle_mm)
+
+
+def of_check(text: str, nest: Nest, profile: Profile) -> Heard:
+    """What the check's own reader makes of a program."""
+    program = read_program(text, nest, profile)
+    assert program.faults == ()
+    points = [[(x, y) for x, y in burn.path.flatten(0.0005).tolist()] for burn in program.burns]
+    return Heard(points, [burn.path.length_mm for burn in program.burns], program.idle_mm)
+
+
+def of_meerk40t(plan: Plan, nest: Nest, profile: Profile) -> Heard:
+    """What MeerK40t makes of the program with chords within 0.0004 mm for its arcs."""
+    dialect = load_dialect(profile.machine.dialect)
+    chords = dataclasses.replace(dialect, arc_centre="none", chord_mm=0.0004)
+    return meerk40t.read(write_program(plan, nest, profile, chords))
