@@ -1,0 +1,98 @@
+"""kerfwise dialects: the list, one file, and a plant's own to begin with."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import jsonschema
+import pytest
+import yaml
+
+from kerfwise.postproc.dialects import dialect_names, dialect_text, load_dialect
+from kerfwise.postproc.dialects.schema import schema_text
+from kerfwise.tests.commands.run_cli import kerfwise
+
+NEST = (
+    '{"format": "kerfwise-nest/1", "sheet": {"width": 200, "height": 120}, '
+    '"parts": [{"id": "A", "outer": [[20, 30], [80, 30], [80, 90]]%s}]}'
+)
+MARKED = NEST % ', "marks": [[[30, 40], [60, 40]]]'
+
+
+@pytest.fixture(autouse=True)
+def empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def test_the_list_names_each_with_who_agrees() -> None:
+    said = kerfwise("dialects")
+    assert said.code == 0
+    for name in dialect_names():
+        assert f"\n{name} " in f"\n{said.out}"
+        assert all(reader in said.out for reader in load_dialect(name).verified_by)
+    assert "not verified" not in said.out
+
+
+def test_one_is_shown_as_it_is() -> None:
+    assert kerfwise("dialects", "show", "eia").out == dialect_text("eia")
+
+
+@pytest.mark.parametrize("name", dialect_names())
+def test_a_copy_says_the_same_under_its_own_name_and_claims_no_reader(name: str) -> None:
+    assert kerfwise("dialects", "new", "shop", "--like", name).code == 0
+    copy, old = yaml.safe_load(Path("shop.yaml").read_text()), yaml.safe_load(dialect_text(name))
+    assert copy == old | {"name": "shop", "verified_by": []}
+    again = kerfwise("dialects", "new", "second", "--like", "shop.yaml")
+    assert (again.code, load_dialect("second.yaml").name) == (0, "second")
+    process = load_dialect(name).processes[0]
+    Path("plant.yaml").write_text(f"machine: {{process: {process}, dialect: shop.yaml}}\n")
+    assert kerfwise("profile", "check", "plant.yaml").code == 0
+
+
+@pytest.mark.parametrize(
+    ("argv", "message"),
+    [
+        (["new", "grbl", "--like", "grbl"], "is the name of a dialect that comes with kerfwise"),
+        (["new", "a b", "--like", "grbl"], "cannot be a dialect's name"),
+        (["new", "shop", "--like", "gbrl"], "did you mean 'grbl'"),
+        (["new", "shop", "--like", "none.yaml"], "cannot read the dialect"),
+        (["new", "shop", "--like", "grbl", "-o", "shop.txt"], "ends in .yaml"),
+        (["new", "there", "--like", "grbl"], "is there already"),
+        (["show", "gbrl"], "did you mean 'grbl'"),
+    ],
+)
+def test_what_cannot_be_begun(argv: list[str], message: str) -> None:
+    Path("there.yaml").write_text("x\n")
+    ended = kerfwise("dialects", *argv)
+    assert ended.code == 2
+    assert message in ended.err
+    assert [path.name for path in Path().iterdir()] == ["there.yaml"]
+
+
+@pytest.mark.parametrize("name", dialect_names())
+def test_the_published_schema_takes_each_dialect(name: str) -> None:
+    jsonschema.Draft202012Validator(yaml.safe_load(schema_text())).validate(yaml.safe_load(dialect_text(name)))
+
+
+def test_the_published_schema_is_up_to_date() -> None:
+    import kerfwise.postproc.dialects as package
+
+    published = Path(package.__file__).with_name("dialect.schema.json")
+    assert published.read_text(encoding="utf-8") == schema_text(), "run python -m kerfwise.postproc.dialects.schema"
+
+
+def test_a_dialect_without_marks_refuses_a_nest_with_them_before_it_is_planned() -> None:
+    Path("a.json").write_text(MARKED)
+    Path("b.yaml").write_text("machine: {dialect: burny}\n")
+    ended = kerfwise("solve", "a.json", "-p", "b.yaml")
+    assert ended.code == 2
+    assert "b.yaml:1:20: machine.dialect: 'burny' has no words for marking, and the nest has 1 (A.mark1)" in ended.err
+
+
+def test_a_dialect_without_comments_cannot_go_on_after_a_stop() -> None:
+    Path("a.json").write_text(NEST % '}, {"id": "B", "outer": [[120, 30], [180, 30], [180, 90]]')
+    Path("b.yaml").write_text("machine: {dialect: burny}\n")
+    assert kerfwise("solve", "a.json", "--work", 1, "-o", "a.nc").code == 0
+    ended = kerfwise("solve", "a.json", "-p", "b.yaml", "--lock-from", "a.nc", "--upto", 1)
+    assert ended.code == 2
+    assert "'burny' knows no comments" in ended.err
