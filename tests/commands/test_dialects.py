@@ -92,7 +92,7 @@ def test_a_dialect_without_marks_refuses_a_nest_with_them_before_it_is_planned()
 def test_a_dialect_without_comments_cannot_go_on_after_a_stop() -> None:
     Path("a.json").write_text(NEST % '}, {"id": "B", "outer": [[120, 30], [180, 30], [180, 90]]')
     Path("b.yaml").write_text("machine: {dialect: burny}\n")
-    assert kerfwise("solve", "a.json", "--work", 1, "-o", "a.nc").code == 0
-    ended = kerfwise("solve", "a.json", "-p", "b.yaml", "--lock-from", "a.nc", "--upto", 1)
+    assert kerfwise("solve", "a.json", "--work", 1, "--plan", "a.plan.json").code == 0
+    ended = kerfwise("solve", "a.json", "-p", "b.yaml", "--lock-from", "a.plan.json", "--upto", 1, "-o", "b.nc")
     assert ended.code == 2
     assert "'burny' knows no comments" in ended.err
