@@ -41,7 +41,8 @@ MISTAKES = {
     "name: ''": "1:7: name: expected a text, got ''",
     "machine: fast": "1:10: machine: expected a mapping (key: value), got 'fast'",
     "machine: {dialect: fanuc}": (
-        "1:20: machine.dialect: expected one of burny, eia, grbl, linuxcnc, linuxcnc-qtplasmac, or a dialect file of your own that ends "
+        "1:20: machine.dialect: expected one of burny, eia, grbl, linuxcnc, linuxcnc-qtplasmac, "
+        "or a dialect file of your own that ends "
         "in .yaml, got 'fanuc'"
     ),
     "machine: {travel_x: [0, 3 m], home: [-5, 0]}": (
