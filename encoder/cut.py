@@ -13,6 +13,14 @@ Direction = Literal["cw", "ccw"]
 Side = Literal["left", "right", "bottom", "top"]
 
 
+@dataclass(frozen=True, slots=True)
+class Span:
+    """The stretch of a contour that a cut follows, where another one has cut the rest: its two ends, on the contour."""
+
+    begin: Point
+    end: Point
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Cut:
     """One contour, cut (or marked) once.
@@ -22,6 +30,10 @@ class Cut:
     joining point to where it is switched off; both are open paths. Either may be None: the torch starts, or stops,
     where it joins. `zone` counts from 1, 0 where none is known; times are seconds from the program's start. `excused`
     are the ids of hard rules that the plan says it could not keep here.
+
+    A `linked` cut is not pierced: the torch stays on after the cut before, `pierce` is where that ends, and `lead_in`
+    is the link through the waste. A cut with a `span` follows only that stretch of its contour; earlier ones have cut
+    the rest of it.
     """
 
     contour: str
@@ -34,6 +46,8 @@ class Cut:
     start_s: float = 0.0
     end_s: float = 0.0
     excused: tuple[str, ...] = ()
+    linked: bool = False
+    span: Span | None = None
 
     @property
     def end(self) -> Point:

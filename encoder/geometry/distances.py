@@ -27,3 +27,20 @@ def distances_mm(line: shapely.Geometry, points: Floats) -> Floats:
     chords = shapely.linestrings(np.stack([ends[follows], ends[follows + 1]], axis=1))
     _, far_mm = shapely.STRtree(chords).query_nearest(at, return_distance=True, all_matches=False)
     return np.asarray(far_mm)
+
+
+def beyond_mm(line: shapely.Geometry, points: Floats, within_mm: float) -> float:
+    """How far the farthest of points (m, 2) is from a line; 0 where none is farther than `within_mm`.
+
+    Whether points are near is looked up far sooner than how near they are.
+
+    Examples
+    --------
+    >>> line = shapely.LineString([(0, 0), (9, 0)])
+    >>> beyond_mm(line, np.array([[4.0, 3.0], [9.0, 0.0]]), 2.0), beyond_mm(line, np.array([[4.0, 1.5]]), 2.0)
+    (3.0, 0.0)
+    """
+    shapely.prepare(line)
+    if shapely.dwithin(line, shapely.points(points), within_mm).all():
+        return 0.0
+    return float(distances_mm(line, points).max())

@@ -12,10 +12,13 @@ from kerfwise.postproc.check.reader.on_machine import on_its_origin, other_origi
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
+from .burnt_rings import Tabs, burnt_rings, burnt_twice, cut_tabs, left_open
 from .coverage import coverage, once_each
 from .edge_starts import edge_starts, forbidden
 from .heating import Thermometer, heatings_of_cuts, heatings_of_program, measured
 from .judge import judge
+from .links import bad_links
+from .loose_metal import burnt_loose
 from .metal import Pairs, gouges, off_sheet
 from .program_rules import judgement
 from .rebuild import rebuild
@@ -38,16 +41,20 @@ def check_cuts(
     claims: Claims | None = None,
     relaxed: Sequence[Relaxed] = (),
     thermometer: Thermometer | None = None,
+    tabs: Tabs | None = None,
 ) -> CheckResult:
     """Judge a plan's cuts, and what the plan says of them, where that is given.
 
     The torch's paths are made anew from the nest, the kerf and the leads. `relaxed` are the statements that the plan
-    says are relaxed. Without a thermometer no temperature is judged.
+    says are relaxed. Without a thermometer no temperature is judged. `tabs` are stretches of contours, by contour id,
+    that are to stay uncut.
     """
     judged_by = judged_nest(nest, profile)
     nest, slots = with_passes(judged_by.nest, passes_of_cuts(cuts), profile)
     runs, faults = runs_from_cuts(nest, cuts, profile.material.kerf_mm)
-    judged, warnings = _judge_paths(replace(judged_by, nest=nest), slots, cuts, runs, faults, profile, relaxed)
+    judged, warnings = _judge_paths(
+        replace(judged_by, nest=nest), slots, cuts, runs, faults, profile, relaxed, tabs=tabs
+    )
     felt = measured(once_each(nest, cuts), heatings_of_cuts(nest, cuts, runs, profile), thermometer)
     rules = judge(nest, felt, profile, relaxed)
     warnings += relaxed_warnings(relaxed)
@@ -59,9 +66,16 @@ def check_cuts(
 
 
 def check_program(
-    nest: Nest, nc_text: str, profile: Profile, file: str = "", thermometer: Thermometer | None = None
+    nest: Nest,
+    nc_text: str,
+    profile: Profile,
+    file: str = "",
+    thermometer: Thermometer | None = None,
+    tabs: Tabs | None = None,
 ) -> CheckResult:
     """Judge an NC program: what it burns is read with a reader of its own and matched with the nest.
+
+    `tabs` are stretches of contours, by contour id, that are to stay uncut.
 
     Raises
     ------
@@ -75,11 +89,11 @@ def check_program(
     profile = on_its_origin(program, profile)
     nest, slots = with_passes(nest, passes_of_program(nest, program, profile), profile)
     judged_by = replace(judged_by, nest=nest)
-    built = rebuild(nest, program, profile.material.kerf_mm, profile.home_on(nest))
+    built = rebuild(nest, program, profile.material.kerf_mm, profile.home_on(nest), tabs)
     astray = rapids_beyond_travel(nest, program, profile)
     relaxed = read_relaxed(nest, program.comments)
     judged, warnings = _judge_paths(
-        judged_by, slots, built.cuts, built.runs, built.violations, profile, relaxed, astray
+        judged_by, slots, built.cuts, built.runs, built.violations, profile, relaxed, astray, tabs
     )
     judged += judge_running(nest, program, profile, built.runs, judged_by.shares)
     felt = measured(once_each(nest, built.cuts), heatings_of_program(program), thermometer)
@@ -97,6 +111,7 @@ def _judge_paths(
     profile: Profile,
     relaxed: Sequence[Relaxed],
     astray: Iterable[Violation] = (),
+    tabs: Tabs | None = None,
 ) -> tuple[list[Judgement], list[str]]:
     """What is wrong with the paths of cuts; `astray` are ways without torch that leave the machine's travel."""
     nest, kerf_mm = judged_by.nest, profile.material.kerf_mm
@@ -104,17 +119,28 @@ def _judge_paths(
     found = gouges(nest, runs, kerf_mm, _sharing(nest, profile, relaxed), losses_mm)
     runs_up = forbidden(nest, profile) is None
     margin_mm = profile.material.kerf_mm + (profile.length_mm(profile.leads.lead_in_mm) if runs_up else 0.0)
+    made = [nest.contour(cut.contour) for cut in cuts[: cuts.made] if cut.contour in nest.index]
+    several = burnt_rings(nest.contours, runs, made, kerf_mm, tabs)
+    opened = list(left_open(several, cuts.positions()))
     judged = [
         judgement(
             "every-contour-once",
-            [*coverage(nest, cuts, relaxed), *(f for f in faults if f.rule == "every-contour-once")],
+            [
+                *coverage(nest, cuts, relaxed),
+                *opened,
+                *(f for f in faults if f.rule == "every-contour-once"),
+            ],
         ),
+        *([judgement("tabs", cut_tabs(several))] if tabs else []),
+        judgement("burnt-twice", burnt_twice(several, _overcut_mm(profile))),
+        judgement("links", bad_links(runs, kerf_mm, profile.cuts.links.longest_mm)),
+        judgement("loose-metal", burnt_loose(nest, runs, kerf_mm)),
         judgement("small-holes", small_holes(judged_by, cuts, runs, profile)),
         judgement("contour-geometry", _of("contour-geometry", faults)),
         judgement(
             "features-kept",
             [
-                *features_lost(runs, kerf_mm, _at_fault(faults), slits_of_made(nest, cuts)),
+                *features_lost(runs, kerf_mm, _at_fault([*faults, *opened]), slits_of_made(nest, cuts), tabs),
                 *misplaced(slots, cuts, kerf_mm),
             ],
         ),
@@ -133,6 +159,12 @@ def _judge_paths(
     ]
 
 
+def _overcut_mm(profile: Profile) -> float:
+    """How far a cut may run on along what is burnt: its overcut or lead-out, and the kerfs at its ends."""
+    leads = profile.leads
+    return max(profile.length_mm(leads.hole_overcut_mm), leads.lead_out_length_mm) + 2 * profile.material.kerf_mm
+
+
 def _resumed(cuts: CutSequence) -> list[str]:
     """What is taken for granted of a program that goes on after a stop."""
     return [f"resumed after cut {cuts.made}: what was cut before is taken as stated"] if cuts.made else []
@@ -149,7 +181,7 @@ def _sharing(nest: Nest, profile: Profile, relaxed: Sequence[Relaxed]) -> Pairs 
 
 
 def _measured(runs: Sequence[TorchRun], idle_mm: float) -> Measured:
-    return Measured(len(runs), math.fsum(run.length_mm for run in runs), idle_mm)
+    return Measured(sum(not run.linked for run in runs), math.fsum(run.length_mm for run in runs), idle_mm)
 
 
 def _at_fault(faults: Sequence[Violation]) -> frozenset[int]:

@@ -9,7 +9,7 @@ import shapely
 
 from kerfwise.encoder.cut import Cut, Direction
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.geometry.distances import distances_mm
+from kerfwise.encoder.geometry.distances import beyond_mm
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour
 from kerfwise.postproc.check.reader.program import Burn
@@ -64,17 +64,13 @@ def _wrong(
         found.append(("kerf-side", f"the torch runs on {name} itself: the kerf of {kerf_mm:g} mm is not allowed for"))
     if pieces.gap_mm > allowed and contour.curve.closed:
         found.append(("contour-geometry", f"{name} is not closed: {pieces.gap_mm:.3f} mm are left"))
-    off_mm = max(match.deviation_mm, _farthest(loop, match.ring))
+    off_mm = max(match.deviation_mm, beyond_mm(match.ring, shapely.get_coordinates(loop), allowed))
     if off_mm > allowed:
         found.append(("contour-geometry", f"the torch is up to {off_mm:.2f} mm off where {name} asks for it"))
     again = split(pieces.lead_out, match.ring.length) if contour.encloses else None
     if again is not None and again.gap_mm <= allowed:
         found.append(("contour-geometry", f"the torch goes round {name} more than once"))
     return found
-
-
-def _farthest(line: shapely.LineString, ring: shapely.LineString) -> float:
-    return float(distances_mm(ring, shapely.get_coordinates(line)).max())
 
 
 def _direction(contour: Contour, loop: Curve) -> Direction:

@@ -19,7 +19,7 @@ _RULE = "edge-start"
 
 def edge_starts(nest: Nest, runs: Sequence[TorchRun], profile: Profile) -> Iterator[Violation]:
     """Cuts that begin off the sheet although no edge start is allowed there."""
-    torch = [run for run in runs if not run.marks]
+    torch = [run for run in runs if not run.marks and not run.linked]
     why = forbidden(nest, profile)
     if why is None or not torch:
         return

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 import shapely
 
-from kerfwise.encoder.geometry.distances import distances_mm
+from kerfwise.encoder.geometry.distances import beyond_mm
 from kerfwise.encoder.geometry.segment import Box
 from kerfwise.encoder.nest import Nest
 
@@ -26,7 +26,10 @@ _OTHER: tuple[Side, ...] = ("wrong", "on")
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Match:
-    """The contour a path cuts (its index in the nest), the ring it follows there, and how far off the ring is, mm."""
+    """The contour a path cuts (its index in the nest), the ring it follows there, and how far off the ring is, mm.
+
+    `deviation_mm` is 0 where the path is off by no more than it may be.
+    """
 
     contour: int
     side: Side
@@ -95,7 +98,8 @@ class Matcher:
             ring = torch_rings([self.nest.contours[contour]], self.kerf_mm, side)[0]
         if ring is None or not _within(ring.bounds, line.bounds):
             return None
-        return Match(contour, side, ring, float(distances_mm(line, shapely.get_coordinates(ring)).max()))
+        off_mm = beyond_mm(line, shapely.get_coordinates(ring), tolerance_mm(self.kerf_mm))
+        return Match(contour, side, ring, off_mm)
 
 
 def _within(inner: Box, outer: Box) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import shapely
@@ -19,6 +19,7 @@ from .cut_from_burn import cut_from_burn
 from .matching import Matcher
 from .names import folded, ids_by_name
 from .resumed import read_resumed
+from .shared_cuts import Tabs, shared_cuts
 from .torch_run import TorchRun, line_of
 
 _CUT = re.compile(r"(?:CUT|MARK) \d+ (?P<contour>.+?) ZONE (?P<zone>\d+)\b", re.IGNORECASE)
@@ -41,7 +42,7 @@ class Rebuilt:
     broken_off: Cut | None = None
 
 
-def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point) -> Rebuilt:
+def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point, tabs: Tabs | None = None) -> Rebuilt:
     """Match every torch-on path of a program with a contour of the nest.
 
     Zones, the start side and excuses come from comments such as `CUT 12 P3.hole1 ZONE 2`, `START SIDE LEFT` and
@@ -55,14 +56,26 @@ def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point) -> Rebu
     ids = ids_by_name(nest, program.comments)
     names = [ids.get(folded(words["contour"])) if words else None for words in told]
     named = [None if name is None else nest.index[name] for name in names]
-    matches = Matcher(nest, kerf_mm).match(paths, [burn.tool != 0 for burn in burns], named)
+    matcher = Matcher(nest, kerf_mm)
+    matches = matcher.match(paths, [burn.tool != 0 for burn in burns], named)
+    several = shared_cuts(nest, burns, paths, matches, matcher.rings, kerf_mm, tabs)
+    zones = _zones(program.comments, ids) if several else {}
     excused = _excused(program, ids)
     before = read_resumed(nest, program.comments)
     cuts: list[Cut] = list(before.cuts)
     runs: list[TorchRun] = []
     violations: list[Violation] = list(before.violations)
     warnings: list[str] = []
-    for burn, path, words, name, match in zip(burns, paths, told, named, matches, strict=True):
+    for k, (burn, path, words, name, match) in enumerate(zip(burns, paths, told, named, matches, strict=True)):
+        if k in several:
+            for piece in several[k]:
+                position = 0
+                if piece.cut is not None:
+                    name_of = piece.contour.id
+                    cuts.append(replace(piece.cut, excused=excused[name_of], zone=zones.get(name_of, 0)))
+                    position = len(cuts)
+                runs.append(replace(piece.run, position=position))
+            continue
         if match is None:
             runs.append(TorchRun(0, f"line {burn.line}", None, None, path, None, burn.tool != 0))
             violations.append(_stray(burn, path))
@@ -78,6 +91,12 @@ def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point) -> Rebu
     side = next((_SIDES[found[1].upper()] for found in map(_SIDE.search, program.comments) if found), None)
     sequence = CutSequence(tuple(cuts), side, home, made=len(before.cuts))
     return Rebuilt(sequence, tuple(runs), tuple(violations), tuple(warnings), before.broken_off)
+
+
+def _zones(comments: Iterable[str], ids: Mapping[str, str]) -> dict[str, int]:
+    """Contour id → the zone that a comment gives it."""
+    told = filter(None, map(_CUT.search, comments))
+    return {name: int(words["zone"]) for words in told if (name := ids.get(folded(words["contour"]))) is not None}
 
 
 def _excused(program: NcProgram, ids: Mapping[str, str]) -> Mapping[str, tuple[str, ...]]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import zip_longest
 
 import numpy as np
 import shapely
@@ -61,10 +61,15 @@ def _feeds(
     program: NcProgram, profile: Profile, runs: Sequence[TorchRun], shares: Mapping[str, Shares]
 ) -> Iterator[tuple[int, str]]:
     machine = profile.machine
-    for burn, run in zip_longest(program.burns, runs):
-        cuts, name = burn.tool == 0, run.contour.id if run is not None and run.contour is not None else ""
+    names: dict[str, list[str]] = defaultdict(list)
+    for run in runs:
+        names[run.where].append(run.contour.id if run.contour is not None else "")
+    for burn in program.burns:
+        cuts, cut = burn.tool == 0, names[f"line {burn.line}"] or [""]
+        name = cut[0]
         asked = machine.cut_feed_mm_s if cuts else machine.mark_feed_mm_s
-        low, high = (asked * share for share in shares.get(name, (1.0, 1.0))) if cuts else (asked, asked)
+        allowed = [shares.get(one, (1.0, 1.0)) if cuts else (1.0, 1.0) for one in cut]
+        low, high = asked * min(least for least, _ in allowed), asked * max(most for _, most in allowed)
         for feed in burn.feeds_mm_s:
             if not low * (1 - _FEED_SHARE) <= feed <= high * (1 + _FEED_SHARE):
                 where = f" in {name}" if high < asked else ""

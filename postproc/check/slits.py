@@ -24,6 +24,8 @@ from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
+from .covering.intervals import total_mm, union
+from .covering.sharing import stretches_of
 from .matching import Matcher
 from .metal import metal_of
 from .names import folded
@@ -107,18 +109,31 @@ def passes_of_program(nest: Nest, program: NcProgram, profile: Profile) -> list[
     found = [(_known(name, known), start, end) for name, start, end in told_ends(program.comments)]
     burns = [burn for burn in program.burns if burn.tool == 0 and burn.path.segments]
     lines = [line for burn in burns if (line := line_of(burn.path)) is not None]
-    matches = Matcher(nest, kerf_mm).match(lines, [False] * len(lines), [None] * len(lines))
+    matcher = Matcher(nest, kerf_mm)
+    matches = matcher.match(lines, [False] * len(lines), [None] * len(lines))
     rings = shapely.STRtree([c.line for c in nest.contours if c.encloses])
     names = [c.part for c in nest.contours if c.encloses]
     taken = {name for name, _, _ in found}
-    for burn, match in zip(burns, matches, strict=True):
-        if match is not None and match.deviation_mm <= tolerance_mm(kerf_mm):
+    along = _on_rings(burns, matcher.rings, kerf_mm)
+    for number, (burn, match) in enumerate(zip(burns, matches, strict=True)):
+        if (match is not None and match.deviation_mm <= tolerance_mm(kerf_mm)) or number in along:
             continue
         points = burn.path.vertices[:, :2]
         part = names[int(rings.nearest(shapely.Point(points[-1])))]
         name = _called(burn, part, taken, known)
         taken.add(name)
         found.append((name, _xy(points[-2]), _xy(points[-1])))
+    return found
+
+
+def _on_rings(burns: Sequence[Burn], rings: Sequence[shapely.LineString | None], kerf_mm: float) -> set[int]:
+    """Burns that run along torch rings, if not all round one: at least half of the way."""
+    along = stretches_of([burn.path for burn in burns], rings, range(len(burns)), tolerance_mm(kerf_mm))
+    found = set()
+    for k, row in along.items():
+        on = union(np.array([(s.low_mm, s.high_mm) for s in row]))
+        if total_mm(on) >= burns[k].path.length_mm / 2:
+            found.add(k)
     return found
 
 

@@ -17,7 +17,8 @@ class TorchRun:
     """What the torch does between on and off.
 
     `position` counts cuts from 1; `where` says where a person finds it ("cut 3" or "line 40"). `loop` is the path
-    around the contour; `marks` says that another tool than the torch was on.
+    around the contour; `marks` says that another tool than the torch was on. A `linked` run follows the one before it
+    with the torch on: its lead-in is the link. The loop of a `partial` one is not all of its contour's ring.
     """
 
     position: int
@@ -27,6 +28,8 @@ class TorchRun:
     loop: shapely.LineString
     lead_out: shapely.LineString | None
     marks: bool = False
+    linked: bool = False
+    partial: bool = False
 
     @property
     def name(self) -> str:

@@ -8,7 +8,7 @@ no more than half the kerf, and 0.05 mm more. A pass along a slot reaches for th
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -18,6 +18,7 @@ from kerfwise.arrays import Floats
 from kerfwise.encoder.nest import Contour
 from kerfwise.rules.rule import Violation
 
+from .covering.free import Tab
 from .program_rules import tolerance_mm
 from .slits import burns_in
 from .torch_run import TorchRun
@@ -30,29 +31,49 @@ _SLOT_RAD = math.radians(15)
 
 
 def features_lost(
-    runs: Sequence[TorchRun], kerf_mm: float, skipped: frozenset[int] = frozenset(), opened: Sequence[Contour] = ()
+    runs: Sequence[TorchRun],
+    kerf_mm: float,
+    skipped: frozenset[int] = frozenset(),
+    opened: Sequence[Contour] = (),
+    tabs: Mapping[str, Sequence[Tab]] | None = None,
 ) -> list[Violation]:
     """Where contours are left uncut, those of runs at the positions `skipped` aside: their paths are wrong anyway.
 
-    `opened` are slits that were cut before the runs.
+    `opened` are slits that were cut before the runs, `tabs` stretches of contours that are to stay uncut.
     """
-    cut = [
-        run
-        for run in runs
-        if run.contour is not None and run.contour.encloses and not run.marks and run.position not in skipped
-    ]
+    round_contours = [run for run in runs if run.contour is not None and run.contour.encloses and not run.marks]
+    last = {run.name: run for run in round_contours}
+    cut = [run for run in round_contours if run.position not in skipped and (not run.partial or last[run.name] is run)]
     if kerf_mm <= 0 or not cut:
         return []
     within_mm = kerf_mm / 2 + tolerance_mm(kerf_mm) + SLACK_MM
     contours = np.array([run.contour.curve.line(_CHORD_MM) for run in cut if run.contour is not None], dtype=object)
+    helped = _helped(cut, runs, within_mm)
     paths = np.array(
-        [shapely.union_all([run.loop, *run.leads, *burns_in(runs, opened, run.name)]) for run in cut], dtype=object
+        [
+            shapely.union_all([run.loop, *run.leads, *burns_in(runs, opened, run.name), *helped.get(run.name, ())])
+            for run in cut
+        ],
+        dtype=object,
     )
     left = shapely.difference(contours, shapely.buffer(paths, within_mm, quad_segs=24))
+    for k, run in enumerate(cut):
+        for tab in (tabs or {}).get(run.name, ()):
+            left[k] = shapely.difference(left[k], shapely.buffer(shapely.Point(tab.at), tab.width_mm / 2 + within_mm))
     found: list[Violation] = []
     for k in np.flatnonzero(~shapely.is_empty(left)).tolist():
         found += _of_run(cut[k], left[k], paths[k], kerf_mm)
     return found
+
+
+def _helped(cut: Sequence[TorchRun], runs: Sequence[TorchRun], within_mm: float) -> dict[str, list[shapely.LineString]]:
+    """What else is burnt beside contours that no run goes all round, by contour id."""
+    partial = [run.contour for run in cut if run.partial and run.contour is not None]
+    if not partial:
+        return {}
+    lines = [line for run in runs if not run.marks for line in (run.loop, *run.leads)]
+    tree = shapely.STRtree(lines)
+    return {c.id: [lines[k] for k in tree.query(c.line, "dwithin", distance=within_mm).tolist()] for c in partial}
 
 
 def _of_run(run: TorchRun, left: shapely.Geometry, path: shapely.Geometry, kerf_mm: float) -> Iterator[Violation]:

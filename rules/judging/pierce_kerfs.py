@@ -18,13 +18,17 @@ from .pierce_places import SLACK_MM, Finding, pairs_found, spot
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _BurntLine:
-    """One line that an earlier cut has burnt along, or whose one side it has: its kerf reaches `reach_mm` from it."""
+    """One line that an earlier cut has burnt along, or whose one side it has: its kerf reaches `reach_mm` from it.
+
+    A link may leave beside a lead of the contour that it comes from (`is_own_lead`), as a lead-out may.
+    """
 
     position: int
     contour: Contour
     what: str
     line: Any
     reach_mm: float
+    is_own_lead: bool = False
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -48,7 +52,7 @@ def over_older_kerfs(nest: Nest, cuts: CutSequence, kerf_mm: float, splash_mm: f
         return
     burns = list(_burns_of(through, kerf_mm))
     tree = shapely.STRtree([burn.line for burn in burns])
-    pierced = [row for row in through if _pierces(nest, row[1])]
+    pierced = [row for row in through if not row[1].linked and _pierces(nest, row[1])]
     points = shapely.points(np.array([cut.pierce for _, cut, _ in pierced]).reshape(-1, 2))
     least_mm = kerf_mm / 2 + splash_mm
     reach_mm = np.array([burn.reach_mm for burn in burns])
@@ -63,12 +67,16 @@ def over_older_kerfs(nest: Nest, cuts: CutSequence, kerf_mm: float, splash_mm: f
             )
             text = f"{contour.id} (cut {k}) is pierced {where}, at {spot(cut)}"
             yield (burn.position, k), (contour.id, burn.contour.id), text
-    leads = [lead for row in through for lead in _leads_of(*row, kerf_mm)]
+    before = {k: nest.contour(cuts[k - 2].contour) for k, cut, _ in through if cut.linked and k > 1}
+    leads = [lead for row in through for lead in _leads_of(*row, kerf_mm, before.get(row[0]))]
     free = np.array([lead.line for lead in leads], dtype=object)
     for row, b in pairs_found(tree.query(free, "dwithin", distance=kerf_mm - SLACK_MM)):
         lead, burn = leads[row], burns[b]
-        if _older(burn, lead.position, lead.contour) and shapely.dwithin(
-            lead.line, burn.line, max(reach_mm[b] - SLACK_MM, 0.0)
+        left = lead.name == "link" and burn.position == lead.position - 1 and burn.is_own_lead
+        if (
+            not left
+            and _older(burn, lead.position, lead.contour)
+            and shapely.dwithin(lead.line, burn.line, max(reach_mm[b] - SLACK_MM, 0.0))
         ):
             text = f"the {lead.name} of {lead.contour.id} (cut {lead.position}) crosses the kerf of {burn.what}"
             yield (burn.position, lead.position), (lead.contour.id, burn.contour.id), text
@@ -95,22 +103,31 @@ def _burns_of(through: list[tuple[int, Cut, Contour]], kerf_mm: float) -> Iterat
             k, contour, f"{contour.id} (cut {k})", contour.line, kerf_mm if contour.encloses else kerf_mm / 2
         )
         for name, lead in _named_leads(cut):
-            yield _BurntLine(k, contour, f"the {name} of {contour.id} (cut {k})", lead.line(), kerf_mm / 2)
+            what = f"the {name} of {contour.id} (cut {k})"
+            yield _BurntLine(k, contour, what, lead.line(), kerf_mm / 2, is_own_lead=name != "link")
 
 
-def _leads_of(position: int, cut: Cut, contour: Contour, kerf_mm: float) -> Iterator[_Lead]:
-    """The leads of a cut, each without its half a kerf at the contour; a lead-out without its overcut."""
+def _leads_of(
+    position: int, cut: Cut, contour: Contour, kerf_mm: float, before: Contour | None = None
+) -> Iterator[_Lead]:
+    """The leads of a cut, each without its half a kerf at the contour; a lead-out without its overcut.
+
+    A link is also without what lies in the kerf of the contour `before`, which it comes from, and its first kerf.
+    """
     for name, lead in _named_leads(cut):
-        if name == "lead-in":
+        if name != "lead-out":
             free_mm = lead.length_mm - kerf_mm / 2
             free = lead.between(0.0, free_mm).line() if free_mm > SLACK_MM / 100 else None  # else none but rounding
         else:
             free = shapely.difference(lead.line(), shapely.buffer(contour.line, kerf_mm + SLACK_MM))
+        if free is not None and before is not None and name == "link":
+            begins = shapely.buffer(shapely.Point(cut.pierce), kerf_mm)
+            free = shapely.difference(free, shapely.union(begins, shapely.buffer(before.line, kerf_mm + SLACK_MM)))
         if free is not None and not free.is_empty:
             yield _Lead(position, contour, name, free)
 
 
 def _named_leads(cut: Cut) -> Iterator[tuple[str, Curve]]:
-    for name, lead in (("lead-in", cut.lead_in), ("lead-out", cut.lead_out)):
+    for name, lead in (("link" if cut.linked else "lead-in", cut.lead_in), ("lead-out", cut.lead_out)):
         if lead is not None and lead.length_mm > 0:
             yield name, lead

@@ -21,6 +21,8 @@ SLACK_MM = 0.03
 class PiercePlaces:
     """The cuts (marks aside) of one sequence with the contours around them, each looked up in a tree.
 
+    Linked cuts are not pierced: the torch is on already.
+
     A contour counts with all points that it encloses, whether shapely calls its ring valid or not.
     """
 
@@ -32,21 +34,22 @@ class PiercePlaces:
         ]
         self.through = [c for c in nest.contours if c.kind != "mark"]
         self.rings = [c for c in nest.contours if c.encloses]
-        self.points: Any = shapely.points(np.array([cut.pierce for _, cut, _ in self.cuts]).reshape(-1, 2))
+        self.pierced = [row for row in self.cuts if not row[1].linked]
+        self.points: Any = shapely.points(np.array([cut.pierce for _, cut, _ in self.pierced]).reshape(-1, 2))
         self.lines = shapely.STRtree([c.line for c in self.through])
         self.enclosing = self._enclosing()
 
     def _enclosing(self) -> list[set[str]]:
-        """For each cut, the contours that its pierce lies inside."""
+        """For each cut that is pierced, the contours that its pierce lies inside."""
         rows, inside = shapely.STRtree([c.polygon for c in self.rings]).query(self.points, "intersects")
-        found: list[set[str]] = [set() for _ in self.cuts]
+        found: list[set[str]] = [set() for _ in self.pierced]
         for row, k in zip(rows.tolist(), inside.tolist(), strict=True):
             found[row].add(self.rings[k].id)
         return found
 
     def misplaced(self) -> Iterator[Finding]:
         """Pierces on a part, outside the hole that they belong to, or inside the outline that they belong to."""
-        for (k, cut, contour), inside in zip(self.cuts, self.enclosing, strict=True):
+        for (k, cut, contour), inside in zip(self.pierced, self.enclosing, strict=True):
             if contour.kind == "hole" and contour.id not in inside:
                 yield (k,), (contour.id,), f"{contour.id} (cut {k}) is pierced outside itself, at {spot(cut)}"
             elif contour.kind == "outer" and contour.id in inside:
@@ -74,7 +77,7 @@ class PiercePlaces:
         on_edge = shapely.distance(self.nest.sheet.polygon.boundary, self.points) <= SLACK_MM
         rows = np.flatnonzero(pierced & ~on_edge)
         for row, k in pairs_found(self.lines.query(self.points[rows], "dwithin", distance=clearance_mm - SLACK_MM)):
-            (at, _, contour), near = self.cuts[rows[row]], self.through[k]
+            (at, _, contour), near = self.pierced[rows[row]], self.through[k]
             if near is contour and contour.kind == "slit":
                 continue
             gap = shapely.distance(self.points[rows[row]], near.line)
@@ -83,7 +86,7 @@ class PiercePlaces:
 
     def over_dropped_waste(self) -> Iterator[Finding]:
         """Pierces in the waste of a hole that has been cut before."""
-        for (k, _, contour), inside in zip(self.cuts, self.enclosing, strict=True):
+        for (k, _, contour), inside in zip(self.pierced, self.enclosing, strict=True):
             for hole in sorted(inside - {contour.id}):
                 if self.nest.contour(hole).kind == "hole" and self.at.get(hole, k) < k:
                     text = (
@@ -97,7 +100,7 @@ class PiercePlaces:
         leads = [
             (k, contour, name, curve.line())
             for k, cut, contour in self.cuts
-            for name, curve in (("lead-in", cut.lead_in), ("lead-out", cut.lead_out))
+            for name, curve in (("link" if cut.linked else "lead-in", cut.lead_in), ("lead-out", cut.lead_out))
             if curve is not None and curve.length_mm > 0
         ]
         drawn = np.array([line for *_, line in leads], dtype=object)

@@ -5,8 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from kerfwise.encoder.candidates.candidate import Narrow
+from kerfwise.rules.options.members import Members
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.plain_values import Choice
+from kerfwise.rules.options.quantities import LENGTH
+
+
+@dataclass(frozen=True, slots=True)
+class Links:
+    """Ways through waste from one contour to the next with the torch on."""
+
+    longest_mm: float = field(default=0.0, metadata=option(LENGTH, "longest link that the check lets pass; 0 mm: none"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,4 +28,7 @@ class Cuts:
             Choice(("refuse", "slit")),
             "a slot narrower than the kerf: refuse the nest, or open it by one pass along its middle, a kerf wide",
         ),
+    )
+    links: Links = field(
+        default=Links(), metadata=option(Members(Links), "ways through waste from one contour to the next, torch on")
     )

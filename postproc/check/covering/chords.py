@@ -20,8 +20,9 @@ CHORD_MM = 0.005
 class Chords:
     """Chords of several lines, those of a line in a row.
 
-    `begin` and `end` (n, 2) are their ends, mm; `of` is the number of the line, `at_mm` how far along it a chord begins,
-    and `span_mm` how much of it the chord stands for. `first` and `last` mark chords at the free ends of open lines.
+    `begin` and `end` (n, 2) are their ends, mm; `of` is the number of the line, `at_mm` how far along it a chord
+    begins, and `span_mm` how much of it the chord stands for. `first` and `last` mark chords at the free ends of open
+    lines.
     """
 
     begin: Floats
@@ -34,6 +35,15 @@ class Chords:
 
     def __len__(self) -> int:
         return len(self.of)
+
+    def boxes(self, more_mm: float) -> Floats:
+        """A box around all chords of each line, so much wider."""
+        numbers, first = np.unique(self.of, return_index=True)
+        if not len(numbers):
+            return np.empty(0, dtype=object)
+        low = np.minimum.reduceat(np.minimum(self.begin, self.end), first) - more_mm
+        high = np.maximum.reduceat(np.maximum(self.begin, self.end), first) + more_mm
+        return np.asarray(shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1]))
 
     def lines(self) -> Floats:
         """Each chord as a shapely line."""
@@ -58,7 +68,7 @@ def chords_of_paths(paths: Iterable[Curve]) -> Chords:
     """The chords of open paths; places along them are by the true lengths of arcs."""
     points, at, of = [np.empty((0, 2))], [np.empty(0)], [np.empty(0, dtype=np.int64)]
     count = 0
-    for count, path in enumerate(paths, 1):  # noqa: B007
+    for count, path in enumerate(paths, 1):
         if not path.segments:
             continue
         pieces = [np.array([path.segments[0].start])] + [s.flatten(CHORD_MM) for s in path.segments]

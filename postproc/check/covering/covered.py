@@ -20,13 +20,21 @@ class Covered:
     """What burns make of one ring, all places in mm along the ring.
 
     `out` is the burn with which the ring is covered, and how far along that burn; None where stretches are left `open`.
-    `new` is what each burn covers first, `again` what it runs along although it was burnt by another before.
+    `new` is what each burn covers first, `again` what it runs along although it was burnt by another before, and
+    `until_mm` how far along a burn it leaves the ring for good.
     """
 
     out: tuple[int, float] | None
     open: tuple[tuple[float, float], ...]
     new: Mapping[int, Floats]
     again: Mapping[int, Floats] = field(default_factory=dict)
+    until_mm: Mapping[int, float] = field(default_factory=dict)
+
+    def numbered(self, burns: Sequence[int]) -> Covered:
+        """The same, with the numbers that burns have elsewhere."""
+        out = None if self.out is None else (burns[self.out[0]], self.out[1])
+        new, again = ({burns[k]: rows for k, rows in of.items()} for of in (self.new, self.again))
+        return Covered(out, self.open, new, again, {burns[k]: mm for k, mm in self.until_mm.items()})
 
     @property
     def open_mm(self) -> float:
@@ -66,19 +74,21 @@ def _of_ring(rows: Near, length_mm: float, free: Floats, slack_mm: float) -> Cov
     held, burnt = free, NONE
     new: dict[int, Floats] = {}
     again: dict[int, Floats] = {}
+    until_mm: dict[int, float] = {}
     out: tuple[int, float] | None = None
     for burn in np.unique(rows.other).tolist():
         mine = rows.only(rows.other == burn)
         own = union(np.stack([mine.low_mm, mine.high_mm], axis=1))
         if total_mm(fresh := minus(own, burnt)) > 0:
             new[burn] = fresh
+            until_mm[burn] = float(np.maximum(mine.other_low_mm, mine.other_high_mm).max())
         if total_mm(twice := both(own, burnt)) > 0:
             again[burn] = twice
         now = union(np.concatenate([held, own]))
         if out is None and not _left(now, length_mm, slack_mm):
             out = burn, _when(mine, held, length_mm, slack_mm)
         held, burnt = now, union(np.concatenate([burnt, own]))
-    return Covered(out, tuple(_left(held, length_mm, slack_mm)), new, again)
+    return Covered(out, tuple(_left(held, length_mm, slack_mm)), new, again, until_mm)
 
 
 def _left(held: Floats, length_mm: float, slack_mm: float) -> list[tuple[float, float]]:

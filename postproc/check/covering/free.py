@@ -29,8 +29,8 @@ class Tab:
 def rounds(ring: shapely.LineString, contour: Contour) -> Floats:
     """The stretches of a ring that go round corners of its contour, as a set of intervals.
 
-    Once the torch has been at both ends of such a round, the corner is cut: whether it goes round in between, or straight
-    on until its next way crosses, is the same to the part.
+    Once the torch has been at both ends of such a round, the corner is cut. Whether it goes round in between, or
+    straight on until its next way crosses, is the same to the part.
     """
     points = shapely.points(shapely.get_coordinates(ring))
     at_mm = shapely.line_locate_point(ring, points)

@@ -37,7 +37,7 @@ def rest(held: Floats, length_mm: float) -> Floats:
     low = np.concatenate([[0.0], held[:, 1]])
     high = np.concatenate([held[:, 0], [length_mm]])
     left = np.stack([np.clip(low, 0.0, length_mm), np.clip(high, 0.0, length_mm)], axis=1)
-    return left[left[:, 1] - left[:, 0] > 1e-9]
+    return np.asarray(left[left[:, 1] - left[:, 0] > 1e-9])
 
 
 def both(one: Floats, other: Floats) -> Floats:
