@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
-import os
 import pickle
-import tempfile
 import warnings
 from collections.abc import Callable, Iterator
 from functools import cache, cached_property
@@ -23,8 +21,8 @@ import numpy as np
 from numba.core import caching, serialize
 
 from kerfwise.encoder.errors import Advice
+from kerfwise.encoder.sealed_files import DamagedFile, read_sealed, write_sealed
 
-_DIGEST_BYTES = 32
 _caching, _serialize = cast(Any, caching), cast(Any, serialize)
 F = TypeVar("F", bound=Callable[..., object])
 _told: set[str] = set()
@@ -60,9 +58,8 @@ def _tell(text: str) -> None:
 
 
 class Files:
-    """The kept kernels of one function: a file for each kind of arguments, with a sum of its content before it.
+    """The kept kernels of one function: a sealed file for each kind of arguments, by numba and source.
 
-    In front stands what numba and source it was compiled by (32 bytes), then the sum of the rest (32 bytes).
     `stamp` tells the source; it is asked when the first kernel is looked for, once all that it calls is defined.
     """
 
@@ -77,17 +74,11 @@ class Files:
     def load(self, key: object) -> Any:
         """What is kept for a key; None where nothing is, or nothing that may be run."""
         try:
-            data = self.path(key).read_bytes()
-        except OSError:
-            return None
-        made_by, total = data[:_DIGEST_BYTES], data[_DIGEST_BYTES : 2 * _DIGEST_BYTES]
-        content = data[2 * _DIGEST_BYTES :]
-        if len(total) == _DIGEST_BYTES and made_by != self.made_by:
-            return None
-        if hashlib.sha256(content).digest() != total:
+            content = read_sealed(self.path(key), self.made_by)
+        except DamagedFile:
             _tell("kept kernels are damaged, and are compiled anew")
             return None
-        return pickle.loads(content)
+        return None if content is None else pickle.loads(content)
 
     def save(self, key: object, kernel: object) -> None:
         """Keep a kernel, in place of what was kept for the key.
@@ -97,17 +88,7 @@ class Files:
         OSError
             If it cannot be written.
         """
-        content = _serialize.dumps(kernel)
-        handle, beside = tempfile.mkstemp(prefix=".", dir=self.folder)
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(self.made_by + hashlib.sha256(content).digest() + content)
-            os.chmod(beside, 0o644)
-            os.replace(beside, self.path(key))
-        except BaseException:
-            with contextlib.suppress(OSError):
-                os.unlink(beside)
-            raise
+        write_sealed(self.path(key), self.made_by, _serialize.dumps(kernel))
 
     def flush(self) -> None:
         """Forget all."""

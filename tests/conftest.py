@@ -19,6 +19,7 @@ from kerfwise.encoder import still_going
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs import produce as production
 from kerfwise.models.plan.plan import Plan
+from kerfwise.rules.flat import kept_compiled
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import simulate
@@ -66,6 +67,18 @@ def only_marked_tests_use_programs(request: pytest.FixtureRequest, monkeypatch: 
     for marker in WITHOUT:
         if request.node.get_closest_marker(marker) is None:
             keep_from(marker, monkeypatch)
+
+
+@pytest.fixture(scope="session")
+def compiled_rules(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the tests of one process keep what MiniZinc has compiled."""
+    return tmp_path_factory.mktemp("compiled")
+
+
+@pytest.fixture(autouse=True)
+def nothing_kept_from_elsewhere(compiled_rules: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No test finds what the user's own runs have compiled."""
+    monkeypatch.setattr(kept_compiled, "cache_folder", lambda: compiled_rules)
 
 
 @pytest.fixture(autouse=True)

@@ -11,8 +11,9 @@ from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
 
-from .compiler import JUDGED, WORDS, Compiled, compile_model, printing
+from .compiler import JUDGED, WORDS, Compiled, printing
 from .flatzinc import read_flatzinc
+from .kept_compiled import compiled
 from .meaning import SUMS, Meaning, NotUnderstood, Words
 from .model_file import ModelFile, files_read, whole_text
 from .nodes import Node
@@ -62,9 +63,9 @@ def flatten(file: ModelFile, data: str, n: int, contour_of: Sequence[int], other
     if key in _kept:
         _kept.move_to_end(key)
         return _kept[key]
-    compiled = compile_model(text, file.path)
+    told = compiled(file, text)
     try:
-        flat = read_flatzinc(compiled.flat)
+        flat = read_flatzinc(told.flat)
         kept = [c for c in flat.constraints if c.name.startswith(KEPT)]
         flat.arrays.clear()
         flat.arrays.update({c.name.removeprefix(KEPT): c.args[0] for c in kept if isinstance(c.args[0], list)})
@@ -77,7 +78,7 @@ def flatten(file: ModelFile, data: str, n: int, contour_of: Sequence[int], other
         raise InputError(f"rule {file.name}: {error}", file=file.path, line=file.line) from None
     except RecursionError:
         raise InputError(f"rule {file.name}: its conditions stand too deep in one another", file=file.path) from None
-    says = _says(compiled)
+    says = _says(told)
     if says and len(says) != len(elements):
         raise InputError(
             f"rule {file.name}: {file.stem}_says has {len(says)} sentences, {file.array} {len(elements)} elements",
@@ -105,8 +106,8 @@ def judge_order(file: ModelFile, data: str) -> JudgedOrder:
 
     `data` are the facts that the check has measured, and when each contour is cut.
     """
-    compiled = compile_model(_model(file, data, (), judged=True), file.path)
-    flat = read_flatzinc(compiled.flat)
+    told = compiled(file, _model(file, data, (), judged=True))
+    flat = read_flatzinc(told.flat)
     holds: list[bool] = []
     possible = True
     for constraint in flat.constraints:
@@ -114,12 +115,12 @@ def judge_order(file: ModelFile, data: str) -> JudgedOrder:
             possible = False
         elif constraint.name == f"{KEPT}{file.array}" and isinstance(constraint.args[0], list):
             holds = [value is True for value in constraint.args[0]]
-    return JudgedOrder(holds, _says(compiled), possible)
+    return JudgedOrder(holds, _says(told), possible)
 
 
-def _says(compiled: Compiled) -> list[str]:
+def _says(told: Compiled) -> list[str]:
     """The file's sentences; none where it has none."""
-    return next((json.loads(value) for name, value in compiled.printed if name == "says"), [])
+    return next((json.loads(value) for name, value in told.printed if name == "says"), [])
 
 
 def _model(file: ModelFile, data: str, others: tuple[str, ...], judged: bool = False) -> str:

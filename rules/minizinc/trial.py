@@ -57,6 +57,18 @@ def found_program() -> str | None:
 
 
 @lru_cache(maxsize=16)
+def version_of(program: str) -> str:
+    """What the program says of its version, in full; asked once.
+
+    Raises
+    ------
+    InputError
+        If it does not answer.
+    """
+    return _answer(program, "--version")
+
+
+@lru_cache(maxsize=16)
 def expect_usable(program: str) -> None:
     """Ask for the version and the solvers; what answered well once is not asked again.
 
@@ -65,7 +77,7 @@ def expect_usable(program: str) -> None:
     InputError
         If it is too old, or answers otherwise than MiniZinc does, or not within `LIMIT_S`.
     """
-    said = _answer(program, "--version")
+    said = version_of(program)
     version = re.search(r"version (\d+)\.(\d+)\.(\d+)", said)
     if version is None:
         raise unusable(program, f"asked for its version, it {_quoted(said)}")
