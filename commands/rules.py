@@ -25,16 +25,21 @@ class Pages(click.Group):
 
 
 @click.group(cls=Pages, invoke_without_command=True, subcommand_metavar="[RULE | new NAME | test [RULE]]")
+@click.option("--texts", is_flag=True, help="Which text is the source of each rule, and which a file may replace.")
 @PROFILE
 @TRUST
 @click.pass_context
-def command(ctx: click.Context, profile: str, trust: bool) -> None:
+def command(ctx: click.Context, texts: bool, profile: str, trust: bool) -> None:
     """List the rules with the strength the profile gives them, or print the page of RULE.
 
     `kerfwise rules RULE --picture OUT.svg` draws its cases, `kerfwise rules new NAME` begins a rule of that name,
     `kerfwise rules test [RULE]` runs the cases.
     """
-    if ctx.invoked_subcommand is None:
+    if ctx.invoked_subcommand is None and texts:
+        from kerfwise.rules.pages.texts import texts_page
+
+        click.echo(texts_page(), nl=False)
+    elif ctx.invoked_subcommand is None:
         _list(profile, trust)
 
 

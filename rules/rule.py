@@ -91,8 +91,9 @@ class Rule(ABC, Generic[OptionsT]):
 
     The pairs of a rule whose `pairs_are` is the name of a fact about two contours are what the check knows of that
     fact, by geometry of its own. A hard rule that `must_be_judged` fails the check where it cannot be judged; of others
-    that is said, and no more. `brought` says who has brought a rule that is not of the catalogue: `rules/outside`
-    sets it, and `stands_in` where that is a file of the plant.
+    that is said, and no more. `takes_no_file` says why no file of a plant may take the rule's place, where that is so.
+    `brought` says who has brought a rule that is not of the catalogue: `rules/outside` sets it, and `stands_in` where
+    that is a file of the plant.
     """
 
     id: str
@@ -114,6 +115,7 @@ class Rule(ABC, Generic[OptionsT]):
     makes_zones: ClassVar[bool] = False
     shares: ClassVar[tuple[str, ...]] = ()
     must_be_judged: ClassVar[bool] = False
+    takes_no_file: ClassVar[str] = ""
     brought: str = ""
     stands_in: RuleFile | None = None
     pairs_are: ClassVar[str] = ""

@@ -59,6 +59,7 @@ class Locks(Rule[LocksOptions]):
     sentence = "What the operator has locked stays as it is."
     source = "plant practice"
     Options = LocksOptions
+    takes_no_file = "zones, and what gives way to a lock, are worked out from the locks themselves"
     strengths = ("hard",)
     relaxed_last = True
 

@@ -71,6 +71,7 @@ class NoNarrowStrips(Rule[NoNarrowStripsOptions]):
     sentence = "No part is left in a narrow strip of metal between parts that are out."
     source = "Petunin 2009, fig. 3"
     Options = NoNarrowStripsOptions
+    takes_no_file = "strips are found in whole orders; nothing can be stated of them beforehand"
     minds_what_is_out = True
     default = "soft"
     default_weight = 250.0

@@ -64,6 +64,7 @@ class SharedMetal(Rule[SharedMetalOptions]):
     sentence = "No cut burns the metal of another part."
     source = "Pavlov 1999, section 1; Petunin 2009"
     Options = SharedMetalOptions
+    takes_no_file = "the check measures by it how deep kerfs reach into other parts, which no order decides"
     strengths = ("hard", "off")
     relaxable = True
     guards_metal = True

@@ -80,6 +80,7 @@ class StartSide(Rule[StartSideOptions]):
     sentence = "Cutting starts from the side of the sheet that heat and stiffness ask for."
     source = "Petunin 2009, fig. 2"
     Options = StartSideOptions
+    takes_no_file = "the side is chosen before anything is stated, and the check measures by it"
     strengths = ("hard", "off")
     shares = ("edge_band_mm", "long_ratio", "offcut_share")
 

@@ -71,6 +71,7 @@ class TMax(Rule[TMaxOptions]):
     sentence = "No metal outside the kerf's band becomes hotter than a limit."
     source = "Verkhoturov et al."
     Options = TMaxOptions
+    takes_no_file = "temperatures are simulated, not stated"
     strengths = ("hard", "off")
     default = "off"
 

@@ -16,7 +16,7 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.minizinc.dzn import Fields, assignments
-from kerfwise.rules.minizinc.twin import Further, Twin, TwinCase, rule_file, twin_of
+from kerfwise.rules.minizinc.twin import Further, TwinCase, twin_of
 from kerfwise.rules.options.kind import OptionKind
 from kerfwise.rules.options.option import NoOptions, option
 from kerfwise.rules.options.plain_values import Flag, Number, Text
@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 _MARKS = (
     *("strengths", "default", "default_weight", "gives_way"),
     *("excusable", "relaxable", "relaxed_last", "hard_with_head_down", "of_whole_nest", "minds_what_is_out"),
+    *("of_fallen_metal", "shares"),
 )
 """What a rule takes over from the one whose place it takes."""
 
@@ -264,10 +265,11 @@ def read_model_rule(path: Path, rule_id: str = "", sentence: str = "") -> ModelR
         If the file cannot be read or states nothing; MiniZinc is not asked yet.
     """
     file = read_model_file(Path(path))
-    if (rule_id or file.name) in RULES and not can_be_replaced(file.name):
+    shipped = RULES.get(rule_id or file.name)
+    if shipped is not None and shipped.takes_no_file:
         raise InputError(
-            f"rule {file.name} takes no file in its place: what its file reads beside the facts is not known to the "
-            f"check; give the file another name and set rules: {{{file.name}: off}}",
+            f"rule {shipped.id} takes no file in its place: {shipped.takes_no_file}; give the file another name, so "
+            "that it is a rule beside it",
             file=file.path,
         )
     return ModelRule(dataclasses.replace(file, sentence=sentence) if sentence else file, rule_id)
@@ -301,12 +303,6 @@ def _value(parameter: Parameter) -> object:
     if parameter.type == "int":
         return int(parameter.default)
     return parameter.default == "true" if parameter.type == "bool" else parameter.default.strip('"')
-
-
-def can_be_replaced(rule: str) -> bool:
-    """Whether a rule of the catalogue has a model file, and the check knows all that another in its place may read."""
-    twin = type(twin_of(rule))
-    return rule_file(rule).exists() and (twin.data is Twin.data or twin.measured is not Twin.measured)
 
 
 def parameters_data(file: ModelFile, options: Any) -> Fields:

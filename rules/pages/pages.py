@@ -14,6 +14,8 @@ from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule, Strength
 
+from .texts import place_of_file, texts_page
+
 if TYPE_CHECKING:
     from kerfwise.rules.profile.profile import Profile
 
@@ -95,6 +97,8 @@ def rule_page(id: str, known: Mapping[str, Rule[Any]] = RULES) -> str:
     ]
     if rule.brought:
         lines[-1] += f" Brought by {rule.brought}."
+    else:
+        lines += ["", place_of_file(rule)]
     return "\n".join([*lines, *_options(rule)]) + "\n"
 
 
@@ -111,4 +115,4 @@ def all_pages() -> str:
     rows = [f"| [{name}](#{name}) | {rule.default} | {rule.sentence} |" for name, rule in RULES.items()]
     table = "\n".join(["| rule | default | what it asks |", "|---|---|---|", *rows])
     pages = [re.sub("^#", "##", rule_page(name), flags=re.MULTILINE) for name in RULES]
-    return "\n".join([INTRODUCTION, table, "", *pages])
+    return "\n".join([INTRODUCTION, table, "", *pages, texts_page()])

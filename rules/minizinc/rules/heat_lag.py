@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import combinations
+
+import numpy as np
+import shapely
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
@@ -38,10 +40,10 @@ class HeatLagTwin(Twin[HeatLagOptions]):
 
 
 def near_pairs(nest: Nest, radius_mm: float) -> list[tuple[int, int]]:
-    """Contours of different parts, cut through, that are nearer than the radius."""
+    """Contours of different parts, cut through, that are nearer than the radius, in order."""
     cut = [(k, c) for k, c in enumerate(nest.contours) if c.kind != "mark"]
-    return [
-        (i, j)
-        for (i, a), (j, b) in combinations(cut, 2)
-        if a.part != b.part and a.line.distance(b.line) < radius_mm - 1e-6
-    ]
+    lines = np.array([c.line for _, c in cut], dtype=object)
+    one, other = shapely.STRtree(lines).query(lines, "dwithin", distance=radius_mm)
+    near = (one < other) & (shapely.distance(lines[one], lines[other]) < radius_mm - 1e-6)
+    pairs = ((cut[a], cut[b]) for a, b in zip(one[near].tolist(), other[near].tolist(), strict=True))
+    return sorted((i, j) for (i, a), (j, b) in pairs if a.part != b.part)

@@ -45,25 +45,47 @@ def pierced_waste(facts: Facts) -> list[tuple[int, int]]:
 
 def met_kerfs(facts: Facts, kerf_mm: float, splash_mm: float) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
     """Candidates that would meet the kerf of a contour, with that contour; and of a candidate's lead, with that one."""
-    kerfs, leads = [], []
-    drawn = [c for c in range(len(facts.candidates)) if facts.nest.contours[facts.candidates[c].contour].kind != "mark"]
-    for c in drawn:
-        own = facts.nest.contours[facts.candidates[c].contour]
-        for k, contour in enumerate(facts.nest.contours):
-            reach_mm = kerf_mm if contour.encloses else kerf_mm / 2
-            if (
-                contour.kind != "mark"
-                and _beside(own, contour)
-                and _meets(facts.candidates[c], contour.line, reach_mm, kerf_mm, splash_mm)
-            ):
-                kerfs.append((c, k))
-        for d in drawn:
-            older = facts.candidates[d]
-            if _beside(own, facts.nest.contours[older.contour]) and any(
-                _meets(facts.candidates[c], lead, kerf_mm / 2, kerf_mm, splash_mm) for lead in _leads(older, 0.0)
-            ):
-                leads.append((c, d))
-    return kerfs, leads
+    contours = facts.nest.contours
+    drawn = [c for c, candidate in enumerate(facts.candidates) if contours[candidate.contour].kind != "mark"]
+    met = _Met(facts, drawn, kerf_mm, splash_mm)
+    lines = [
+        (k, contour.line, kerf_mm if contour.encloses else kerf_mm / 2)
+        for k, contour in enumerate(contours)
+        if contour.kind != "mark"
+    ]
+    leads = [(d, lead, kerf_mm / 2) for d in drawn for lead in _leads(facts.candidates[d], 0.0)]
+    owner = [candidate.contour for candidate in facts.candidates]
+    return (
+        [(c, k) for c, k in met.with_kerfs(lines) if _beside(contours[owner[c]], contours[k])],
+        [(c, d) for c, d in met.with_kerfs(leads) if _beside(contours[owner[c]], contours[owner[d]])],
+    )
+
+
+class _Met:
+    """The pierces and leads of candidates, and how far each stays from the edge of a kerf."""
+
+    def __init__(self, facts: Facts, drawn: list[int], kerf_mm: float, splash_mm: float) -> None:
+        of, things, away_mm = [], [], []
+        for c in drawn:
+            candidate = facts.candidates[c]
+            pierce = [] if candidate.edge_start else [(shapely.Point(candidate.pierce), kerf_mm / 2 + splash_mm)]
+            for thing, room_mm in [*pierce, *((lead, 0.0) for lead in _leads(candidate, kerf_mm / 2))]:
+                of.append(c)
+                things.append(thing)
+                away_mm.append(room_mm)
+        self.of, self.away_mm = np.array(of, dtype=np.int64), np.array(away_mm)
+        self.things = np.array(things, dtype=object)
+
+    def with_kerfs(self, burns: list[tuple[int, shapely.LineString, float]]) -> list[tuple[int, int]]:
+        """Candidates and the numbers of the lines whose kerf, which reaches so far from the line, they meet."""
+        if not burns or not len(self.of):
+            return []
+        lines = np.array([line for _, line, _ in burns], dtype=object)
+        number, reach_mm = np.array([k for k, _, _ in burns]), np.array([mm for _, _, mm in burns])
+        row, burn = shapely.STRtree(lines).query(self.things, "dwithin", distance=self.away_mm + reach_mm.max())
+        near = shapely.distance(self.things[row], lines[burn]) < reach_mm[burn] + self.away_mm[row] - 1e-6
+        pairs = np.unique(np.column_stack([self.of[row], number[burn]])[near], axis=0)
+        return [(c, k) for c, k in pairs.tolist()]
 
 
 def _beside(one: Contour, other: Contour) -> bool:
@@ -73,14 +95,6 @@ def _beside(one: Contour, other: Contour) -> bool:
     """
     beside = one is not other and one.slot_of != other.id and "slit" in (one.kind, other.kind)
     return one.part != other.part or beside
-
-
-def _meets(candidate: Candidate, line: shapely.LineString, reach_mm: float, kerf_mm: float, splash_mm: float) -> bool:
-    """Whether a pierce or a lead meets the kerf that reaches so far from a line."""
-    pierce = shapely.Point(candidate.pierce)
-    if not candidate.edge_start and pierce.distance(line) < reach_mm + kerf_mm / 2 + splash_mm - 1e-6:
-        return True
-    return any(lead.distance(line) < reach_mm - 1e-6 for lead in _leads(candidate, kerf_mm / 2))
 
 
 def _leads(candidate: Candidate, less_mm: float) -> list[shapely.LineString]:

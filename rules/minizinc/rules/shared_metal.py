@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import combinations
-
+import numpy as np
 import shapely
 
 from kerfwise.encoder.facts.facts import Facts
@@ -38,12 +37,14 @@ def same_waste(facts: Facts, kerf_mm: float) -> list[tuple[int, int, int]]:
     """
     cut = [(k, c) for k, c in enumerate(facts.nest.contours) if c.encloses]
     inside = {(int(i), int(j)) for i, j in facts.contains}
-    lines = {k: shapely.LinearRing(c.curve.flatten(FINE_MM)) for k, c in cut}
+    lines = np.array([shapely.LinearRing(c.curve.flatten(FINE_MM)) for _, c in cut], dtype=object)
+    one, other = shapely.STRtree(lines).query(lines, "dwithin", distance=kerf_mm)
     found = []
-    for (i, a), (j, b) in combinations(cut, 2):
+    for x, y in sorted(zip(one[one < other].tolist(), other[one < other].tolist(), strict=True)):
+        (i, a), (j, b) = cut[x], cut[y]
         apart = a.kind == b.kind == "outer" and not {(i, j), (j, i)} & inside
         guest = (a.kind == "hole" and (i, j) in inside) or (b.kind == "hole" and (j, i) in inside)
-        if a.part != b.part and (apart or guest) and (gap_mm := lines[i].distance(lines[j])) <= kerf_mm:
-            found.append((i, j, round(gap_mm * UM_PER_MM)))
+        if a.part != b.part and (apart or guest):
+            found.append((i, j, round(float(shapely.distance(lines[x], lines[y])) * UM_PER_MM)))
     number = facts.nest.index
     return found + [(number[note.contours[1]], number[note.contours[1]], 0) for note in facts.nest.notes if note.common]
