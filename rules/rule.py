@@ -127,10 +127,6 @@ class Rule(ABC, Generic[OptionsT]):
             if inspect.isfunction(hook) and not name.startswith("__"):
                 setattr(cls, name, naming_the_rule(hook))
 
-    def page(self) -> str:
-        """The rule's page, in Markdown, without its settings."""
-        return inspect.getdoc(type(self)) or self.sentence
-
     @abstractmethod
     def statements(self, facts: Facts, options: OptionsT) -> Iterable[Statement]:
         """What the rule asks of a plan, stated as hard; the profile's strength is applied outside."""
@@ -204,6 +200,10 @@ class Rule(ABC, Generic[OptionsT]):
     def about(self, contours: Sequence[str], sentence: str) -> About:
         """Where a statement of this rule comes from."""
         return About(self.id, tuple(contours), sentence)
+
+    def page(self) -> str:
+        """The rule's page, in Markdown, without its settings."""
+        return inspect.getdoc(type(self)) or self.sentence
 
 
 class OrderRule(Rule[OptionsT]):

@@ -13,7 +13,7 @@ STATED, JUDGED, WRITTEN = "its statements", "its violations", "its text in MiniZ
 def against_violations(trials: Sequence[Trial]) -> Iterator[str]:
     """The first plan of each trial that the statements admit and the violations blame, or the other way round."""
     for trial in trials:
-        stated = trial.admitted_by_statements() & frozenset(trial.judged)
+        stated = trial.admitted_by_statements()
         ends = trial.rule.allowances(trial.options) or (trial.options,)
         judged = [trial.admitted_by_violations(options) for options in ends]
         yield from differing(trial, STATED, stated, JUDGED, frozenset.intersection(*judged), frozenset.union(*judged))

@@ -91,8 +91,8 @@ def _effect(
             said.append(str(conflict))
         names = [contour.id for contour in trial.nest.contours]
         said.append(rule.no_goods(trial.nest, names, options) != [])
-        for plan in trial.judged[:: max(1, len(trial.judged) // PLANS)]:
-            said.append([(v.contours, v.cuts) for v in rule.violations(trial.nest, trial.sequence(plan), options)])
+        some = trial.plans[:: max(1, len(trial.plans) // PLANS)]
+        said += [[(v.contours, v.cuts) for v in broken] for broken in trial.violations(some, options)]
     return repr(said)
 
 

@@ -104,9 +104,7 @@ class Bench:
         judged = [trial for trial in self.trials if trial.unjudged() is None]
         if not judged:
             return ("none of its cases' nests can be cut and judged, nor any of those made at random",), ""
-        some = any(len(trial.judged) < len(trial.plans) for trial in judged)
-        note = "some plans of each nest: a model file is judged by a run of MiniZinc each" if some else ""
-        return _lines(against_violations(judged)), note
+        return _lines(against_violations(judged)), ""
 
     def text(self) -> Looked:
         """The text in MiniZinc against the statements."""

@@ -27,13 +27,11 @@ from kerfwise.postproc.check.runs_from_cuts import runs_from_cuts
 from kerfwise.postproc.clock.contour_heat import contour_heat_kj
 from kerfwise.rules.flat.model_rule import ModelRule
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.rule import Rule, RuleSetting, Strength
+from kerfwise.rules.rule import Rule, RuleSetting, Strength, Violation
 from kerfwise.rules.statements import Statement
 
 MOST_PLANS = 800
 """Plans of one nest that are tried; nests with more are left out."""
-MOST_JUDGED = 6
-"""Plans of one nest that are judged by a model file."""
 PlanOf = tuple[int, ...]
 """One plan: candidate numbers in order."""
 
@@ -64,13 +62,6 @@ class Trial:
         return tuple(
             picked for order in permutations(range(self.facts.n)) for picked in product(*(ways[i] for i in order))
         )
-
-    @cached_property
-    def judged(self) -> tuple[PlanOf, ...]:
-        """The plans that are judged: all, but of a rule in a model file only some, for each takes a run of MiniZinc."""
-        if not isinstance(self.rule, ModelRule):
-            return self.plans
-        return self.plans[:: -(-len(self.plans) // MOST_JUDGED)]
 
     def said(self, plan: PlanOf) -> str:
         """A plan in words: the contours in order, with the way round where a contour has several ways."""
@@ -112,13 +103,21 @@ class Trial:
         return self.rule.unjudged(self.nest, self.sequence(self.plans[0]), self.options)
 
     def admitted_by_violations(self, options: Any) -> frozenset[PlanOf]:
-        """The plans, of those judged, in which the rule blames nothing, but what no order can avoid."""
+        """The plans in which the rule blames nothing, but what no order can avoid."""
         exempt = {frozenset(about.contours) for about in self.rule.exempt(self.facts, self.options)}
-        return frozenset(plan for plan in self.judged if not self._blamed(plan, options, exempt))
+        found = zip(self.plans, self.violations(self.plans, options), strict=True)
+        return frozenset(plan for plan, broken in found if not self._blamed(plan, broken, options, exempt))
 
-    def _blamed(self, plan: PlanOf, options: Any, exempt: set[frozenset[str]]) -> bool:
-        cuts = self.sequence(plan)
-        found = [v for v in self.rule.violations(self.nest, cuts, options) if frozenset(v.contours) not in exempt]
+    def violations(self, plans: Sequence[PlanOf], options: Any) -> list[tuple[Violation, ...]]:
+        """What the rule blames in each of these plans; a model file is evaluated on all of them at once."""
+        orders = [self.sequence(plan) for plan in plans]
+        if isinstance(self.rule, ModelRule):
+            return self.rule.violations_of_each(self.nest, orders, options)
+        return [tuple(self.rule.violations(self.nest, cuts, options)) for cuts in orders]
+
+    def _blamed(self, plan: PlanOf, broken: Sequence[Violation], options: Any, exempt: set[frozenset[str]]) -> bool:
+        found = [v for v in broken if frozenset(v.contours) not in exempt]
+        cuts = self.sequence(plan) if found else CutSequence(())
         return any(self.rule.excuse(self.nest, cuts, options, v, lambda name: frozenset()) is None for v in found)
 
     def admitted_by_statements(self) -> frozenset[PlanOf]:

@@ -11,11 +11,21 @@ from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.shown import shown
-from kerfwise.rules.minizinc.trial import HOW_TO_INSTALL, expect_usable, found_program, run, unusable
+from kerfwise.rules.minizinc.trial import (
+    HOW_TO_INSTALL,
+    Ran,
+    expect_solving,
+    expect_usable,
+    found_program,
+    run,
+    unusable,
+)
 
 HERE = Path(__file__).parent
 WORDS = HERE / "words.mzn"
 JUDGED = HERE / "judged.mzn"
+JUDGED_ORDERS = HERE / "judged_orders.mzn"
+GECODE = "gecode"
 LIMIT_S = 120.0
 """What a rule takes to be compiled for a nest of 300 contours is a second or two."""
 SAID = "%kerfwise "
@@ -52,6 +62,24 @@ def printing(name: str, expression: str) -> str:
     return f'constraint trace("{SAID}{name} " ++ showJSON({expression}) ++ "\\n");\n'
 
 
+def solve_all(text: str, about: Path) -> str:
+    """What MiniZinc prints for every solution of MiniZinc text that includes the rule file `about`, by Gecode.
+
+    Raises
+    ------
+    InputError
+        As `compile_model`; also if there is no Gecode.
+    """
+    program = minizinc_program()
+    expect_solving(program, GECODE)
+    with tempfile.TemporaryDirectory(prefix="kerfwise-", ignore_cleanup_errors=True) as folder:
+        model = Path(folder, "rule.mzn")
+        model.write_text(text, encoding="utf-8", newline="\n")
+        ran = run(program, ("--solver", GECODE, "--all-solutions", str(model)), LIMIT_S)
+        _expect_done(ran, about, program)
+        return ran.said
+
+
 def compile_model(text: str, about: Path) -> Compiled:
     """Compile MiniZinc text that includes the rule file `about`.
 
@@ -67,13 +95,20 @@ def compile_model(text: str, about: Path) -> Compiled:
         solver.write_text(json.dumps(_solver()), encoding="utf-8", newline="\n")
         words = ("-c", "--solver", str(solver), "--fzn", str(flat), "--no-output-ozn", str(model))
         ran = run(program, words, LIMIT_S)
-        if ran.code is None:
-            why = "prints without end" if ran.endless else f"is not done after {LIMIT_S:g} s"
-            raise InputError(f"MiniZinc compiles this rule for the nest and {why}", file=about)
-        if ran.code != 0 or not flat.exists():
+        _expect_done(ran, about, program)
+        if not flat.exists():
             raise _mistake(ran.complaint or ran.said, about, program)
         printed = [line.removeprefix(SAID).partition(" ") for line in ran.complaint.splitlines() if SAID in line[:20]]
         return Compiled(flat.read_text(encoding="utf-8"), tuple((name, value) for name, _, value in printed))
+
+
+def _expect_done(ran: Ran, about: Path, program: str) -> None:
+    """An error where MiniZinc did not come to its end."""
+    if ran.code is None:
+        why = "prints without end" if ran.endless else f"is not done after {LIMIT_S:g} s"
+        raise InputError(f"MiniZinc compiles this rule for the nest and {why}", file=about)
+    if ran.code != 0:
+        raise _mistake(ran.complaint or ran.said, about, program)
 
 
 def _solver() -> dict[str, object]:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
 
-from .compiler import JUDGED, WORDS, Compiled, printing
+from .compiler import JUDGED, JUDGED_ORDERS, WORDS, Compiled, printing, solve_all
 from .flatzinc import read_flatzinc
 from .kept_compiled import compiled
 from .meaning import SUMS, Meaning, NotUnderstood, Words
@@ -116,6 +116,23 @@ def judge_order(file: ModelFile, data: str) -> JudgedOrder:
         elif constraint.name == f"{KEPT}{file.array}" and isinstance(constraint.args[0], list):
             holds = [value is True for value in constraint.args[0]]
     return JudgedOrder(holds, _says(told), possible)
+
+
+def judge_orders(file: ModelFile, data: str, count: int) -> list[JudgedOrder]:
+    """The file evaluated by MiniZinc on many orders of the same cuts, in one run of its solver.
+
+    `data` are the facts that the check has measured, and when each contour is cut in each of `count` orders. Sentences
+    are left out.
+    """
+    array = f"array1d({file.array})" if file.array else "[true]"
+    lines = [include(JUDGED_ORDERS), include(file.path.resolve()), "solve satisfy;"]
+    output = f'output ["\\(order) \\(fix({array}))\\n"];'
+    judged = [JudgedOrder((), (), possible=False)] * count
+    for line in solve_all("\n".join([*lines, output, data]), file.path).splitlines():
+        order, _, holds = line.partition(" ")
+        if order.isdecimal():
+            judged[int(order) - 1] = JudgedOrder(json.loads(holds), (), possible=True)
+    return judged
 
 
 def _says(told: Compiled) -> list[str]:

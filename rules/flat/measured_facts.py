@@ -104,6 +104,18 @@ def measured_data(nest: Nest, cuts: CutSequence, limits: Limits, text: str) -> F
     return fields
 
 
+def orders_data(nest: Nest, orders: Sequence[CutSequence]) -> Fields:
+    """When each contour is cut, in many orders of the same cuts."""
+    rows = [dict(order_data(nest, cuts)) for cuts in orders]
+    shape = f"1..{len(orders)}, 1..{len(nest.contours)}"
+    names = ("position", "begin_ms", "end_ms")
+    tables = [(name, ", ".join(row[name].strip("[]") for row in rows)) for name in names]
+    return [
+        ("n_orders", str(len(orders))),
+        *((f"order_{name}", f"array2d({shape}, [{cells}])") for name, cells in tables),
+    ]
+
+
 def order_data(nest: Nest, cuts: CutSequence) -> Fields:
     """When each contour is cut; one that is not cut, as if after all others and much later."""
     at = cuts.positions()

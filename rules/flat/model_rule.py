@@ -25,9 +25,9 @@ from kerfwise.rules.rule import Forced, Ids, Rule, Strength, Violation
 from kerfwise.rules.rule_file import RuleFile
 from kerfwise.rules.statements import Before, Statement
 
-from .flatten import Flattened, JudgedOrder, flatten, judge_order
+from .flatten import Flattened, JudgedOrder, flatten, judge_order, judge_orders
 from .further_words import further_words
-from .measured_facts import Limits, measured_data, missing, order_data
+from .measured_facts import Limits, measured_data, missing, order_data, orders_data
 from .model_file import ModelFile, Parameter, content_digest, read_model_file, states, whole_text
 from .nodes import Lit, Node, contours_of, parts
 from .to_statements import NotHeld, Way, Writer
@@ -160,6 +160,28 @@ class ModelRule(Rule[Any]):
         data = self._measured_data(nest, cuts, options)
         order = judge_order(self.file, data + assignments(order_data(nest, cuts)))
         return self._blamed(nest, cuts, order, () if all(order.holds) else self._flat(nest, data).elements)
+
+    def violations_of_each(
+        self, nest: Nest, orders: Sequence[CutSequence], options: Any
+    ) -> list[tuple[Violation, ...]]:
+        """What each of many orders breaks; those of the same cuts are judged in one run of MiniZinc's solver.
+
+        Sentences are kerfwise's own.
+        """
+        alike: dict[frozenset[tuple[object, ...]], list[int]] = {}
+        for k, cuts in enumerate(orders):
+            alike.setdefault(frozenset((c.contour, c.entry, c.direction, c.zone) for c in cuts), []).append(k)
+        found: list[tuple[Violation, ...]] = [()] * len(orders)
+        for numbers in alike.values():
+            own = [orders[k] for k in numbers]
+            if self.unjudged(nest, own[0], options) is not None:
+                continue
+            data = self._measured_data(nest, own[0], options)
+            judged = judge_orders(self.file, data + assignments(orders_data(nest, own)), len(own))
+            elements = () if all(all(order.holds) for order in judged) else self._flat(nest, data).elements
+            for k, order in zip(numbers, judged, strict=True):
+                found[k] = tuple(self._blamed(nest, orders[k], order, elements))
+        return found
 
     def _blamed(self, nest: Nest, cuts: CutSequence, order: JudgedOrder, elements: Sequence[Node]) -> list[Violation]:
         """What an order breaks, as violations; what is about contours alone that are not cut is none."""

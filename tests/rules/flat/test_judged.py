@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from functools import cache
+from itertools import permutations
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,8 @@ from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import Produced, produce
+from kerfwise.jobs.trials.agree import against_violations
+from kerfwise.jobs.trials.trial import alone, trial_of
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.postproc.check import CheckResult, check_cuts, check_program, report
 from kerfwise.rules.case import in_order
@@ -176,3 +179,41 @@ def test_what_a_case_states_is_looked_over(tmp_path: Path) -> None:
     assert "cases[1].zones.A: expected" in details
     assert "cases[1].start_side: expected" in details
     assert "cases[1].pause: expected" in details
+
+
+MANY = """[before(1, 2) \\/ before(3, 2), position[3] <= 2, directly_before(2, 3), cuts_between(1, 3) <= 0,
+  pause_ms(1, 2) >= 4000, zone[1] = 1, breaches([before(1, 2), before(2, 3)]) <= 1];
+constraint position[2] != 3"""
+
+
+def test_many_orders_are_judged_as_each_is(tmp_path: Path) -> None:
+    """One run of MiniZinc's solver says of every order what the check says of it alone."""
+    rule = plant(tmp_path, MANY).rulebook()["in-turn"]
+    assert isinstance(rule, ModelRule)
+    orders = []
+    for zones, pause_s in (({"A": 1, "B": 1, "C": 1}, 3.0), ({"A": 2, "B": 1, "C": 1}, 5.0)):
+        for names in permutations(ORDER.split()):
+            cuts = in_order(ROW, " ".join(names), "left", zones)
+            timed = (replace(c, start_s=k * pause_s, end_s=k * pause_s) for k, c in enumerate(cuts, 1))
+            orders.append(replace(cuts, cuts=tuple(timed)))
+    together = rule.violations_of_each(ROW, orders, rule.Options())
+    one_by_one = [tuple(rule.violations(ROW, cuts, rule.Options())) for cuts in orders]
+    assert together == one_by_one
+    assert len({len(found) for found in one_by_one}) > 3
+    assert any("a constraint of the file does not hold" in v.text for found in one_by_one for v in found)
+
+
+def test_a_file_that_is_wrong_in_one_order_only_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    chain = " /\\ ".join(f"before({k}, {k + 1})" for k in range(1, 5))
+    profile = plant(tmp_path, f"[not ({chain})]")
+    plate = nest(560, 120, *(part(name, rect(10 + 110 * k, 20, 60, 60)) for k, name in enumerate("ABCDE")))
+    trial = trial_of("plate", plate, alone(profile, "in-turn"), "in-turn")
+    assert trial is not None
+    assert len(trial.plans) == 120
+    assert list(against_violations([trial])) == []
+    monkeypatch.setattr(ModelRule, "statements", lambda *given: iter(()))
+    (line,) = against_violations([trial])
+    assert line == (
+        "its statements admit plate: A.outer, B.outer, C.outer, D.outer, E.outer; its violations do not "
+        "(the only such plan)"
+    )

@@ -14,9 +14,7 @@ NEST = ROOT / "docs" / "own-rules.nest.json"
 RULE = '''
 from dataclasses import dataclass, field
 
-from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Number
-from kerfwise.rules.rule import OrderRule
+from kerfwise.rule_kit import Number, OrderRule, option
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,110 @@
+"""All that a plant's rule in Python needs: `from kerfwise.rule_kit import …`.
+
+What stands here stays: other modules of kerfwise may move, and what they hold may change its name. A rule that imports
+from here alone goes on working. `kerfwise rules new NAME --python` writes such a rule, and docs/rule-kit.md lists what
+there is.
+
+Examples
+--------
+>>> from kerfwise.rule_kit import Case, in_order, nest, part, rect
+>>> plate = nest(300, 100, part("A", rect(10, 10, 60, 60)), part("B", rect(90, 10, 60, 60)))
+>>> in_order(plate, "B.outer A.outer").positions()
+{'B.outer': 1, 'A.outer': 2}
+"""
+
+from __future__ import annotations
+
+from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.encoder.candidates.candidate import Candidate, LeadOptions
+from kerfwise.encoder.cut import Cut, CutSequence, Direction, Side
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.facts.facts import FactOptions, Facts
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Contour, Kind, Nest, Part, Sheet
+from kerfwise.rules.case import Case, cut, in_order
+from kerfwise.rules.judging.placement import host_holes, places
+from kerfwise.rules.options.by_thickness import LENGTH_BY_THICKNESS
+from kerfwise.rules.options.option import NoOptions, option
+from kerfwise.rules.options.plain_values import Choice, Flag, Number, Text
+from kerfwise.rules.options.quantities import DURATION, ENERGY, LENGTH, SPEED, TEMPERATURE, OrWord
+from kerfwise.rules.plant import Plant
+from kerfwise.rules.rule import Forced, Ids, NoGoodIds, OrderRule, Rule, RuleSetting, Strength, Violation
+from kerfwise.rules.statements import (
+    About,
+    AtLeast,
+    Before,
+    Contiguous,
+    Crossing,
+    Enough,
+    Forbid,
+    Lag,
+    NoGood,
+    Pick,
+    Precede,
+    Statement,
+)
+from kerfwise.rules.temperature_limit import TemperatureLimit
+
+__all__ = [
+    "DURATION",
+    "ENERGY",
+    "LENGTH",
+    "LENGTH_BY_THICKNESS",
+    "SPEED",
+    "TEMPERATURE",
+    "About",
+    "AtLeast",
+    "Before",
+    "Candidate",
+    "Case",
+    "Choice",
+    "Contiguous",
+    "Contour",
+    "Crossing",
+    "Curve",
+    "Cut",
+    "CutSequence",
+    "Direction",
+    "Enough",
+    "FactOptions",
+    "Facts",
+    "Flag",
+    "Forbid",
+    "Forced",
+    "Ids",
+    "InputError",
+    "Kind",
+    "Lag",
+    "LeadOptions",
+    "Nest",
+    "NoGood",
+    "NoGoodIds",
+    "NoOptions",
+    "Number",
+    "OrWord",
+    "OrderRule",
+    "Part",
+    "Pick",
+    "Plant",
+    "Point",
+    "Precede",
+    "Rule",
+    "RuleSetting",
+    "Sheet",
+    "Side",
+    "Statement",
+    "Strength",
+    "TemperatureLimit",
+    "Text",
+    "Violation",
+    "circle",
+    "cut",
+    "host_holes",
+    "in_order",
+    "nest",
+    "option",
+    "part",
+    "places",
+    "rect",
+]
