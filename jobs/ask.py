@@ -52,12 +52,13 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) ->
     ------
     InputError
         If a lock names what the nest does not have, a contour cannot be cut as the profile asks, or a rule in a model
-        file is on and there is no MiniZinc.
+        file is on and there is no MiniZinc, or more contours than it bears.
     RulesConflict
         If contours cannot be cut and hard rules cannot hold in any order: the second is mostly the reason of the first.
     """
-    if profile.model_rules():
+    for rule in profile.model_rules():
         minizinc_program()
+        rule.expect_small(nest)
     so_much(len(nest.contours), "contour", "contours")
     nest = profile.as_cut(nest)
     check_locks(profile.locks, nest)

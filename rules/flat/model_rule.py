@@ -49,6 +49,8 @@ _MARKS = (
 
 OF_CUTS = frozenset({"zone", "level_ahead", "start_side", "picked", "pick", "ways", "CANDIDATE", "HEAD", "TAIL"})
 """Words that mean nothing before there are cuts."""
+MOST_CONTOURS = 2000
+"""Relations between contours are square tables in MiniZinc's data."""
 MOST_TOLD = 12
 """Contours that a violation names at the most."""
 
@@ -96,7 +98,24 @@ class ModelRule(Rule[Any]):
         """The same rule with the strength that a profile gives it."""
         return ModelRule(self.file, self.id, strength)
 
+    def expect_small(self, nest: Nest) -> None:
+        """Refuse a nest whose square tables would be too large for MiniZinc.
+
+        Raises
+        ------
+        InputError
+            If it has more than `MOST_CONTOURS`.
+        """
+        if len(nest.contours) > MOST_CONTOURS:
+            raise InputError(
+                f"rule {self.id}: {nest.file or 'the nest'} has {len(nest.contours):,} contours, and rules in model "
+                f"files bear {MOST_CONTOURS:,} at the most: set rules: {{{self.id}: off}}, or write the rule under "
+                "own_rules or in Python",
+                file=self.file.path,
+            )
+
     def statements(self, facts: Facts, options: Any) -> Iterator[Statement]:
+        self.expect_small(facts.nest)
         further = self.further(options)
         data = facts_data(facts) + assignments(self.data(facts, options)) + self.words(facts.nest)
         flat = flatten(
@@ -254,6 +273,7 @@ class ModelRule(Rule[Any]):
         return flatten(self.file, data, n, range(n))
 
     def _measured_data(self, nest: Nest, cuts: CutSequence, options: Any) -> str:
+        self.expect_small(nest)
         text = whole_text(self.file)
         limits = Limits(
             **{f.name: getattr(options, f.name) for f in dataclasses.fields(Limits) if hasattr(options, f.name)}

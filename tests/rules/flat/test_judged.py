@@ -12,6 +12,8 @@ import pytest
 
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.facts.write_dzn import CONTOURS_MAX
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import Produced, produce
 from kerfwise.jobs.trials.agree import against_violations
@@ -19,6 +21,7 @@ from kerfwise.jobs.trials.trial import alone, trial_of
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.postproc.check import CheckResult, check_cuts, check_program, report
 from kerfwise.rules.case import in_order
+from kerfwise.rules.flat import model_rule
 from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
 from kerfwise.rules.model_cases import model_cases
 from kerfwise.rules.profile.profile import Profile, load_profile
@@ -179,6 +182,20 @@ def test_what_a_case_states_is_looked_over(tmp_path: Path) -> None:
     assert "cases[1].zones.A: expected" in details
     assert "cases[1].start_side: expected" in details
     assert "cases[1].pause: expected" in details
+
+
+def test_a_plate_that_is_too_large_is_refused_before_any_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    profile = plant(tmp_path, "[before(1, 2)]")
+    assert model_rule.MOST_CONTOURS == CONTOURS_MAX
+    monkeypatch.setattr(model_rule, "MOST_CONTOURS", 2)
+    monkeypatch.setattr("kerfwise.jobs.ask.build_with_older_kerfs", None)
+    said = (
+        "rule in-turn: the nest has 3 contours, and rules in model files bear 2 at the most: set rules: {in-turn: off}"
+    )
+    with pytest.raises(InputError, match=re.escape(said)):
+        facts_of(ROW, profile)
+    with pytest.raises(InputError, match=re.escape(said)):
+        check_cuts(ROW, in_order(ROW, ORDER), profile)
 
 
 MANY = """[before(1, 2) \\/ before(3, 2), position[3] <= 2, directly_before(2, 3), cuts_between(1, 3) <= 0,
