@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, replace
 
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
@@ -11,6 +10,7 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.engines.baselines import Strategy
 from kerfwise.models.engines.names import Engine
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.kernels import made_s, running_s
 from kerfwise.postproc.dialects import expect_words
 from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 
@@ -88,19 +88,17 @@ def plan_nest(
 
         solver_named(solver)  # the same goes for a MiniZinc that is missing or broken
     limit_s, listener = limits.time_s, listener or Listener()
-    began_s = time.monotonic()
+    began_s, made_before_s = running_s(), made_s()
     facts = facts_of(nest, profile, already)
-    _not_counted("the facts of the nest", time.monotonic() - began_s, limit_s, tell)
-    if (limit_s or limits.no_improvement_s) and engine != "minizinc":
-        _load_kernels(tell)
+    _not_counted("the facts of the nest", running_s() - began_s, limit_s, tell)
     try:
-        began_s = time.monotonic()
+        began_s = running_s()
         asked = ask(facts, profile, relax, limits)
         left = limits
         if limit_s:  # stating the rules is inside the limit; a plan gets its share all the same
-            spent_s = time.monotonic() - began_s
+            spent_s = running_s() - began_s
             left = replace(limits, time_s=max(limit_s - spent_s, LEAST_SHARE * limit_s))
-        began_s = time.monotonic()
+        began_s = running_s()
         with listener:
             made = produce(asked, profile, left, listener, engine, solver, strategy, and_zones=True)
     except RulesConflict as error:
@@ -112,7 +110,9 @@ def plan_nest(
         except NotAnswered:
             raise NoPlan(error, facts, profile, within_limit=False) from error
         raise NoPlan(error, facts, profile, conflict) from error
-    over_s = time.monotonic() - began_s - made.judging_s - (left.time_s or 0.0)
+    over_s = running_s() - began_s - made.judging_s - (left.time_s or 0.0)
+    if (limit_s or limits.no_improvement_s) and (took_s := made_s() - made_before_s) > SAID_S:
+        tell(f"kernels were compiled, which is done once: {took_s:.0f} s, not counted by the limit")
     _not_counted("ending the planning", over_s, limit_s, tell)
     _not_counted("writing and checking the program", made.judging_s, limit_s, tell)
     return Finished(Given(nest, profile), facts, made)
@@ -122,13 +122,3 @@ def _not_counted(what: str, took_s: float, limit_s: float | None, tell: Tell) ->
     """Say what took long beside a limit in seconds."""
     if limit_s and took_s > SAID_S:
         tell(f"{what} took {took_s:.0f} s, which the limit does not count")
-
-
-def _load_kernels(tell: Tell) -> None:
-    """Before the clock of a limit in seconds starts; said where it took long, as the first time it does."""
-    from kerfwise.models.engines.warm_up import load_kernels
-
-    started_s = time.monotonic()
-    load_kernels()
-    if (took_s := time.monotonic() - started_s) > SAID_S:
-        tell(f"kernels were compiled first, which is done once: {took_s:.0f} s, not counted by the limit")

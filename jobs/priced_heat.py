@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -10,6 +9,7 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.engines.solution import Progress, Solution, SolveOptions
 from kerfwise.models.heat_prices.cooler_orders import ROUNDS, CoolerOrders
+from kerfwise.models.kernels import running_s
 from kerfwise.models.physics.heat.route_path import RoutePaths
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.problem.compile import make_problem
@@ -76,10 +76,10 @@ def solve_priced(
     """
     facts, stated, price_mm = asked.facts, asked.stated, profile.objective.heat
     cooler = cooler or cooler_orders(facts, profile, stated)
-    began_s, made = time.monotonic(), list[Solution]()
+    began_s, made = running_s(), list[Solution]()
 
     def going() -> bool:
-        in_time = limits.time_s is None or time.monotonic() - began_s < limits.time_s * (1 - LATER)
+        in_time = limits.time_s is None or running_s() - began_s < limits.time_s * (1 - LATER)
         return in_time and (progress is None or progress("heat", None, None))
 
     def planner(k: int, further: tuple[Statement, ...]) -> Sequence[int]:

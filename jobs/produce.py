@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kerfwise.models.engines.baselines import Strategy
 from kerfwise.models.engines.names import Engine
 from kerfwise.models.engines.solution import Progress, Solution, SolveOptions
+from kerfwise.models.kernels import running_s
 from kerfwise.models.plan.make import make_plan
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult
@@ -64,7 +64,7 @@ def produce(
     RulesConflict
         If no lawful plan exists, or none was found.
     """
-    facts, started_s = asked.facts, time.monotonic()
+    facts, started_s = asked.facts, running_s()
     engine_named = engine if strategy == "ours" else "portfolio"
     whole = limits
     and_zones = and_zones and engine == "portfolio" and strategy == "ours" and bool(zoned_by(asked, profile))
@@ -99,7 +99,7 @@ def produce(
             return solved(share, asked.stated, further)
 
         def going() -> bool:
-            in_time = limits.time_s is None or time.monotonic() - started_s < limits.time_s
+            in_time = limits.time_s is None or running_s() - started_s < limits.time_s
             return in_time and (progress is None or progress(limit.rule, None, None))
 
         solution, plan = Cooler(facts, profile, limit, asked.stated.statements, attempt, planned, going).find(again)
@@ -107,12 +107,12 @@ def produce(
         solution = solved(1.0, asked.stated) if cool is None else cool
         plan = planned(solution)
     if and_zones:
-        looked = _looked(whole, time.monotonic() - started_s, solution)
+        looked = _looked(whole, running_s() - started_s, solution)
         plan = replace(plan, zones_cost=zones_cost(asked, seen_of(solution), profile, solution, looked, progress))
-    began_s = time.monotonic()
+    began_s = running_s()
     program = write_program(plan, facts.whole_nest, profile)
     verdict = judge(facts.whole_nest, plan, program, profile)
-    judging_s = time.monotonic() - began_s
+    judging_s = running_s() - began_s
     return Produced(replace(plan, rules=report_of(verdict, profile)), program, verdict, solution.notes, judging_s)
 
 
@@ -149,7 +149,7 @@ def _solved(
 
     look_s = 0.0
     if limits.time_s is not None:
-        began_s = time.monotonic()
+        began_s = running_s()
         look_s = look_takes_s(facts, profile)
-        limits = replace(limits, time_s=max(limits.time_s - (time.monotonic() - began_s), limits.time_s / 2))
+        limits = replace(limits, time_s=max(limits.time_s - (running_s() - began_s), limits.time_s / 2))
     return solve(facts, (*stated.statements, *further), limits, progress, refine, look_s)

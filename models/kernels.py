@@ -1,164 +1,140 @@
-"""Kernels kept on disk between runs, in files that cannot hurt: what is broken, foreign or out of date is not run.
+"""Kernels: functions that numba compiles once they have much to do, and that run as plain Python where it is little.
 
-Numba's own cache fails for ever on a file that is empty or cut short, runs one that is damaged, mixes up kernels where
-two runs write at once, and refuses to start where nothing may be written.
+To compile one takes seconds, once for each machine; to load numba and what is kept takes most of a second in each run.
+So neither is done before a kernel needs it, and a run may first take some steps in plain Python: a small nest needs no
+more. Both ways compute the same. No clock of a limit runs while something is compiled or loaded.
 """
 
 from __future__ import annotations
 
-import contextlib
-import hashlib
-import pickle
-import warnings
-from collections.abc import Callable, Iterator
-from functools import cache, cached_property
-from pathlib import Path
-from types import CodeType
+import os
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import cached_property, update_wrapper
 from typing import Any, TypeVar, cast
 
-import numba
-import numpy as np
-from numba.core import caching, serialize
-
-from kerfwise.encoder.errors import Advice
-from kerfwise.encoder.sealed_files import DamagedFile, read_sealed, write_sealed
-
-_caching, _serialize = cast(Any, caching), cast(Any, serialize)
 F = TypeVar("F", bound=Callable[..., object])
-_told: set[str] = set()
+
+PLAIN_STEPS = 150_000
+"""Steps that a process takes in plain Python for one kernel, before that is compiled or loaded: about 0.15 s."""
+
+_lock = threading.RLock()
+
+
+class _OfThread(threading.local):
+    plain = 0
+    """Plain kernels that are running, one within the other."""
+
+
+class _OfProcess:
+    plain_steps = PLAIN_STEPS
+    making = 0
+    """Threads that compile or load."""
+    since_s = made_s = 0.0
+
+
+_thread, _process = _OfThread(), _OfProcess()
+
+
+class Kernel:
+    """A function that numba can compile, with numba's `options`; `keep` it on disk once that is done.
+
+    It is compiled when it is first called, for each kind of arguments, unless the caller is itself a kernel that runs
+    as plain Python (see `suited`).
+    """
+
+    def __init__(self, function: Callable[..., Any], options: Mapping[str, Any], keep: bool) -> None:
+        update_wrapper(self, function)
+        self.py_func, self._options, self._keep = function, options, keep
+        self.plain_steps = 0.0
+
+    def __call__(self, *given: Any) -> Any:
+        return self.py_func(*given) if _thread.plain else self.dispatcher(*given)
+
+    def plainly(self, *given: Any) -> Any:
+        """The same as plain Python, with all that it calls."""
+        _thread.plain += 1
+        try:
+            return self.py_func(*given)
+        finally:
+            _thread.plain -= 1
+
+    @property
+    def made(self) -> bool:
+        """Whether it was compiled or loaded in this process."""
+        return "dispatcher" in self.__dict__
+
+    @cached_property
+    def dispatcher(self) -> Any:
+        """What numba makes of it."""
+        with compiling():
+            from .kernel_files import dispatcher_of
+
+            return dispatcher_of(self.py_func, self._options, self._keep)
 
 
 def kept(**options: Any) -> Callable[[F], F]:
-    """A decorator: compile a function with numba's `options`, once for each machine and kind of arguments.
+    """A decorator: a function that numba compiles with its `options`, once for each machine and kind of arguments."""
+    return lambda function: cast(F, Kernel(function, options, keep=True))
 
-    Where nothing can be kept, it is compiled in each run anew, and that is said once.
+
+def inner(**options: Any) -> Callable[[F], F]:
+    """A decorator for a function that only kernels call: it is kept with those."""
+    return lambda function: cast(F, Kernel(function, options, keep=False))
+
+
+def suited(kernel: F, steps: float) -> F:
+    """The kernel as it is best run to take about so many steps: compiled, or as plain Python if the steps are few.
+
+    A step is a turn of an inner loop. All plain runs of a kernel together take no more than `PLAIN_STEPS`.
     """
+    known = cast(Kernel, kernel)
+    with _lock:
+        if known.made or known.plain_steps + steps > _process.plain_steps:
+            return kernel
+        known.plain_steps += steps
+    return cast(F, known.plainly)
 
-    def compiled(function: F) -> F:
-        dispatcher: Any = numba.njit(**options)(function)
-        dispatcher._cache = _cache_of(function)
-        return cast(F, dispatcher)
 
-    return compiled
+def take_plainly(steps: float) -> None:
+    """Take so many steps of a kernel in plain Python from now on; with 0 whatever runs is compiled."""
+    _process.plain_steps = steps
 
 
-def _cache_of(function: Any) -> Any:
+@contextmanager
+def compiling() -> Iterator[None]:
+    """What is done here is done once for each machine or process: `running_s` stands still."""
+    with _lock:
+        _process.making += 1
+        if _process.making == 1:
+            _process.since_s = time.monotonic()
     try:
-        return Kept(function)
-    except (OSError, RuntimeError):  # numba found no place
-        _tell("compiled kernels cannot be kept here and are compiled anew each time; NUMBA_CACHE_DIR names a place")
-        return _caching.NullCache()
+        yield
+    finally:
+        with _lock:
+            _process.making -= 1
+            if not _process.making:
+                _process.made_s += time.monotonic() - _process.since_s
 
 
-def _tell(text: str) -> None:
-    """Say something once."""
-    if text not in _told:
-        _told.add(text)
-        warnings.warn(text, Advice, stacklevel=2)
+def made_s() -> float:
+    """Seconds by the clock in which kernels were compiled or loaded so far."""
+    with _lock:
+        return _process.made_s + (time.monotonic() - _process.since_s if _process.making else 0.0)
 
 
-class Files:
-    """The kept kernels of one function: a sealed file for each kind of arguments, by numba and source.
-
-    `stamp` tells the source; it is asked when the first kernel is looked for, once all that it calls is defined.
-    """
-
-    def __init__(self, folder: str, name: str, stamp: Callable[[], object]) -> None:
-        self.folder, self.name, self._stamp = Path(folder), name, stamp
-
-    @cached_property
-    def made_by(self) -> bytes:
-        """Which numba and which source a kernel has to be compiled by."""
-        return hashlib.sha256(repr((numba.__version__, self._stamp())).encode()).digest()
-
-    def load(self, key: object) -> Any:
-        """What is kept for a key; None where nothing is, or nothing that may be run."""
-        try:
-            content = read_sealed(self.path(key), self.made_by)
-        except DamagedFile:
-            _tell("kept kernels are damaged, and are compiled anew")
-            return None
-        return None if content is None else pickle.loads(content)
-
-    def save(self, key: object, kernel: object) -> None:
-        """Keep a kernel, in place of what was kept for the key.
-
-        Raises
-        ------
-        OSError
-            If it cannot be written.
-        """
-        write_sealed(self.path(key), self.made_by, _serialize.dumps(kernel))
-
-    def flush(self) -> None:
-        """Forget all."""
-        for path in self.folder.glob(f"{self.name}.*.kernel"):
-            with contextlib.suppress(OSError):
-                path.unlink()
-
-    def path(self, key: object) -> Path:
-        """The file for a key."""
-        return self.folder / f"{self.name}.{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}.kernel"
+def running_s() -> float:
+    """A clock, s, for limits: it stands still while a kernel is compiled or loaded."""
+    with _lock:
+        return time.monotonic() - made_s()
 
 
-def source_of(function: Any) -> tuple[list[str], list[str]]:
-    """All that a kernel is compiled from: digests of the files that it and the kernels it calls stand in, and numbers.
-
-    Numba itself looks at the kernel's own file alone, and runs on with what it has kept where another has changed.
-    """
-    files: set[str] = set()
-    numbers: set[str] = set()
-    seen, waiting = {function}, [function]
-    while waiting:
-        one = waiting.pop()
-        files.add(one.__code__.co_filename)
-        for name in _names(one.__code__):
-            value = one.__globals__.get(name)
-            called = getattr(value, "py_func", None)
-            if called is not None and called not in seen:
-                seen.add(called)
-                waiting.append(called)
-            elif isinstance(value, int | float | complex | tuple | np.generic):
-                numbers.add(f"{name} = {value!r}")
-    return sorted(map(_digest, files)), sorted(numbers)
-
-
-def _names(code: CodeType) -> Iterator[str]:
-    """Names of globals, those of inner functions and comprehensions too."""
-    yield from code.co_names
-    for constant in code.co_consts:
-        if isinstance(constant, CodeType):
-            yield from _names(constant)
-
-
-@cache
-def _digest(file: str) -> str:
-    return hashlib.sha256(Path(file).read_bytes()).hexdigest()
-
-
-_NumbasOwn: Any = _caching.FunctionCache
-
-
-class Kept(_NumbasOwn):  # type: ignore[misc]
-    """Numba's cache of a function, over `Files`; what cannot be read or written is done without."""
-
-    def __init__(self, function: Any) -> None:
-        super().__init__(function)
-        self._cache_file = Files(self._cache_path, self._impl.filename_base, lambda: source_of(function))
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The kernel kept for a signature, or None."""
-        try:
-            return super().load_overload(sig, target_context)
-        except Exception:  # whatever numba and LLVM say of it, it can be compiled
-            _tell("kept kernels cannot be read, and are compiled anew")
-            return None
-
-    def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep a kernel, where that can be done."""
-        try:
-            super().save_overload(sig, data)
-        except Exception as error:
-            why = getattr(error, "strerror", None) or type(error).__name__
-            _tell(f"compiled kernels cannot be kept ({why}) and are compiled anew each time")
-            self.disable()
+def cores() -> int:
+    """How many threads share the work of a kernel: one for each core, or as many as NUMBA_NUM_THREADS says."""
+    if asked := os.environ.get("NUMBA_NUM_THREADS", ""):
+        return max(1, int(asked)) if asked.isdecimal() else 1
+    if hasattr(os, "sched_getaffinity"):
+        return max(1, len(os.sched_getaffinity(0)))
+    return os.cpu_count() or 1

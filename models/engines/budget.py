@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
+
+from kerfwise.models.kernels import running_s
 
 from .solution import SolveOptions
 
@@ -36,7 +37,7 @@ class Budget:
         work: float = math.inf,
         time_s: float | None = None,
         per_s: float = 1.0,
-        clock: Callable[[], float] = time.monotonic,
+        clock: Callable[[], float] = running_s,
     ) -> None:
         self.per_s, self.operations, self._time_s, self._clock = per_s, work * per_s, time_s, clock
         self.operations_spent = 0.0

@@ -1,4 +1,7 @@
-"""Kernels are loaded, or compiled where that was never done, before a clock starts that would count it."""
+"""Kernels are loaded, or compiled where that was never done, before something is measured.
+
+A limit in seconds needs none of this: its clock stands still meanwhile (`kernels.running_s`).
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Kind, Nest, Part, Sheet
 from kerfwise.models.engines.ideals.windows import polish
+from kerfwise.models.kernels import take_plainly
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.profile import load_profile
@@ -29,6 +33,7 @@ def load_kernels(problem: Problem | None = None) -> None:
 
     Takes half a second; the first time after kerfwise was installed, the better part of a minute.
     """
+    take_plainly(0)
     problem = problem or _problem()
     watch = Watch(SolveOptions())
     run_portfolio(problem, SolveOptions(work=LOADING_S, member="beam"), watch)

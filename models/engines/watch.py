@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
+
+from kerfwise.models.kernels import running_s
 
 from .solution import Progress, SolveOptions
 
@@ -31,7 +32,7 @@ class Watch:
         self,
         options: SolveOptions,
         progress: Progress | None = None,
-        clock: Callable[[], float] = time.monotonic,
+        clock: Callable[[], float] = running_s,
     ) -> None:
         self._options, self._progress, self._clock = options, progress, clock
         self._started = self._improved = clock()
@@ -41,7 +42,7 @@ class Watch:
 
     @property
     def seconds(self) -> float:
-        """Wall-clock time since the start."""
+        """Wall-clock time since the start, without that in which kernels were compiled."""
         return self._clock() - self._started
 
     def begin(self) -> None:

@@ -7,7 +7,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from kerfwise.arrays import Bools, Ints
-from kerfwise.models.kernels import kept
+from kerfwise.models.kernels import kept, suited
 
 from .bits import Masks
 
@@ -42,7 +42,7 @@ def transitive(direct: Bools) -> Bools:
     _, label = connected_components(coo_matrix(direct), directed=True, connection="strong")
     on_cycle = np.bincount(label, minlength=n)[label] > 1
     closed = packed(direct)
-    _close(np.ascontiguousarray(direct.T), direct.sum(axis=1), closed)
+    suited(_close, n * n)(np.ascontiguousarray(direct.T), direct.sum(axis=1), closed)
     bits = np.unpackbits(closed.astype("<u8", copy=False).view(np.uint8), axis=1, count=n, bitorder="little")
     whole = bits.view(np.bool_)
     whole[on_cycle, on_cycle] = True
@@ -84,7 +84,7 @@ def immediate(before: Bools) -> Bools:
     rank = before.sum(axis=0)
     latest_first = np.argsort(-rank, kind="stable").astype(np.int64)
     kept = np.zeros_like(before)
-    _mark_immediate(np.ascontiguousarray(before.T), packed(before.T), latest_first, kept)
+    suited(_mark_immediate, before.size)(np.ascontiguousarray(before.T), packed(before.T), latest_first, kept)
     return kept
 
 

@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import numba
 import numpy as np
 import shapely
 
 from kerfwise.arrays import Bools, Floats, Ints
-from kerfwise.models.kernels import kept
+from kerfwise.models.kernels import cores, kept, suited
 
-_CONFIG: Any = numba.config
-THREADS = int(_CONFIG.NUMBA_NUM_THREADS)
+THREADS = cores()
 SLOTS_AT_FIRST = 1 << 10
 GROUPS_AT_ONCE = 8
 
@@ -72,15 +70,17 @@ def crossed_areas(
     tree = shapely.STRtree(areas)
     made = _edges_of(areas)
 
+    done = np.cumsum([0, *(len(moves.leave) * len(moves.reach) * len(moves.areas) for moves in groups)])
+    cross = suited(_crossed, float(done[-1]))
+
     def look(moves: IdleMoves) -> tuple[Ints, Ints, Ints]:
         ends = np.concatenate([moves.leave, moves.reach])
         around = tree.query(shapely.box(*ends.min(axis=0), *ends.max(axis=0)))
         near = np.intersect1d(around, moves.areas).astype(np.int64)
-        rows = _crossed(moves.leave, moves.reach, moves.owner, made, near, late)
+        rows = cross(moves.leave, moves.reach, moves.owner, made, near, late)
         return rows[0], rows[1], rows[2]
 
     found: list[tuple[Ints, Ints, Ints]] = []
-    done = np.cumsum([0, *(len(moves.leave) * len(moves.reach) * len(moves.areas) for moves in groups)])
     with ThreadPoolExecutor(THREADS) as threads:
         for begin in range(0, len(groups), GROUPS_AT_ONCE):
             if not going(float(done[begin] / max(1, done[-1]))):
@@ -115,7 +115,8 @@ def _crossed(  # pragma: no cover - compiled
                 if not late[owner[j], a] and _crosses(leave[i], reach[j], areas, a):
                     if count == rows.shape[1]:
                         wider = np.empty((3, 2 * count), np.int64)
-                        wider[:, :count] = rows
+                        for r in range(count):  # numba takes seconds to compile what copies a block
+                            wider[0, r], wider[1, r], wider[2, r] = rows[0, r], rows[1, r], rows[2, r]
                         rows = wider
                     rows[0, count], rows[1, count], rows[2, count] = i, j, a
                     count += 1

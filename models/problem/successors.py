@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from kerfwise.arrays import Bools, Ints
-from kerfwise.models.kernels import kept
+from kerfwise.models.kernels import kept, suited
 
 from .closure import immediate
 
@@ -26,7 +26,7 @@ def lawful_successors(before: Bools, block: Ints, apart: Iterable[tuple[int, int
     """
     n = len(before)
     lawful = np.zeros((n + 1, n + 1), dtype=np.bool_)
-    _mark_lawful(before, np.ascontiguousarray(before.T), immediate(before), block, lawful)
+    suited(_mark_lawful, 2 * n * n)(before, np.ascontiguousarray(before.T), immediate(before), block, lawful)
     lawful[n, :n] = ~before.any(axis=0)
     lawful[:n, n] = ~before.any(axis=1)
     for i, j in apart:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import importlib
+import subprocess
 import sys
+import time
 import warnings
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -14,8 +16,9 @@ import numba
 import pytest
 
 from kerfwise.encoder.errors import Advice
-from kerfwise.models import kernels
-from kerfwise.models.kernels import Files, Kept, kept
+from kerfwise.models import kernel_files, kernels
+from kerfwise.models.kernel_files import Files, Kept
+from kerfwise.models.kernels import Kernel, compiling, cores, inner, kept, made_s, running_s, suited, take_plainly
 
 
 def doubled(x: int) -> int:
@@ -25,7 +28,7 @@ def doubled(x: int) -> int:
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "kept"))
-    monkeypatch.setattr(kernels, "_told", set())
+    monkeypatch.setattr(kernel_files, "_told", set())
     return tmp_path / "kept"
 
 
@@ -41,7 +44,7 @@ def run() -> tuple[Any, list[str]]:
 
 
 def hits(kernel: Any) -> int:
-    return sum(kernel._cache_hits.values())
+    return sum(kernel.dispatcher._cache_hits.values())
 
 
 def test_a_second_run_loads_what_the_first_has_kept(folder: Path) -> None:
@@ -83,7 +86,7 @@ def test_a_damaged_file_is_compiled_anew(damage: str, folder: Path) -> None:
 def test_a_whole_file_of_something_else(folder: Path) -> None:
     """Its sums are right, and what is in it is no kernel."""
     first, _ = run()
-    files = first._cache._cache_file
+    files = first.dispatcher._cache._cache_file
     for path in folder.rglob("*.kernel"):
         files.path = lambda key, path=path: path
         files.save("key", "no kernel")
@@ -119,7 +122,7 @@ def test_a_kernel_is_compiled_anew_where_what_it_calls_has_changed(
         importlib.invalidate_caches()
         for name in ("called_kernel", "calling_kernel"):
             sys.modules.pop(name, None)
-        kernels._digest.cache_clear()
+        kernel_files._digest.cache_clear()
         calling = importlib.import_module("calling_kernel").calling
         found.append((calling(5), hits(calling)))
     assert found[0] == (30, 0)
@@ -187,3 +190,95 @@ def test_every_kernel_that_is_kept_is_kept_so() -> None:
     assert len(sources) > 300
     assert not [path for path in sources if "cache=True" in path.read_text(encoding="utf-8")]
     assert issubclass(Kept, numba.core.caching.FunctionCache)
+
+
+@inner(nogil=True)
+def _tripled(x: int) -> int:
+    return 3 * x
+
+
+@pytest.fixture
+def plainly(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kernels._process, "plain_steps", 100)
+
+
+@pytest.mark.usefixtures("plainly")
+def test_few_steps_are_taken_in_plain_python_and_more_are_compiled_with_all_that_is_called() -> None:
+    """Whatever a kernel calls runs as it does itself."""
+    ran: list[str] = []
+
+    def told(x: int) -> int:
+        ran.append("plain")
+        return 3 * x
+
+    called = Kernel(told, {"nogil": True}, keep=False)
+
+    def through(x: int) -> int:
+        return called(x) + 1
+
+    outer: Any = kept(nogil=True)(through)
+    assert suited(outer, 60)(5) == 16
+    assert suited(outer, 40)(5) == 16
+    assert (ran, outer.made, called.made) == (["plain"] * 2, False, False)
+    assert suited(outer, 1) is outer
+
+    def compiled(x: int) -> int:
+        return _tripled(x) + 1
+
+    whole: Any = kept(nogil=True)(compiled)
+    assert suited(whole, 101)(5) == 16
+    assert whole.made and len(whole.dispatcher.signatures) == 1
+    assert suited(whole, 1) is whole, "what is there is not run as plain Python"
+
+
+@pytest.mark.usefixtures("plainly")
+def test_none_runs_as_plain_python_once_everything_is_to_be_compiled() -> None:
+    kernel: Any = kept(nogil=True)(doubled)
+    assert suited(kernel, 1) == kernel.plainly
+    take_plainly(0)
+    assert suited(kernel, 1) is kernel
+    take_plainly(100)
+
+
+def test_the_clock_of_limits_stands_still_while_something_is_compiled() -> None:
+    before_s, before_made_s = running_s(), made_s()
+    with compiling():
+        within_s = running_s()
+        with compiling():
+            time.sleep(0.05)
+        assert running_s() - within_s < 1e-3
+    assert made_s() - before_made_s >= 0.05
+    assert running_s() >= before_s
+    kernel: Any = kept(nogil=True)(doubled)
+    since_s = made_s()
+    kernel(4)
+    assert made_s() > since_s
+
+
+@pytest.mark.parametrize(("asked", "found"), [("3", 3), ("0", 1), ("many", 1)])
+def test_as_many_threads_as_the_environment_says(asked: str, found: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NUMBA_NUM_THREADS", asked)
+    assert cores() == found
+
+
+def test_else_a_thread_for_each_core(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("NUMBA_NUM_THREADS", raising=False)
+    assert cores() == numba.config.NUMBA_DEFAULT_NUM_THREADS
+
+
+SMALL = Path(kernels.__file__).parents[1] / "examples" / "nests" / "e1x_6.json"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("limit", [(), ("--time-limit", "20")])
+def test_a_small_nest_is_planned_without_a_kernel_that_is_compiled(limit: tuple[str, ...], tmp_path: Path) -> None:
+    """Not even numba is loaded: that would take longer than the planning."""
+    script = (
+        "import sys; from kerfwise.cli import main\n"
+        "try: main()\nfinally: print([m for m in ('numba', 'ortools', 'pandas', 'matplotlib') if m in sys.modules])"
+    )
+    words = ("solve", str(SMALL), "-o", "made.nc", "--picture", "made.svg", *limit)
+    run = subprocess.run(
+        [sys.executable, "-c", script, *words], cwd=tmp_path, capture_output=True, encoding="utf-8", check=True
+    )
+    assert run.stdout.splitlines()[-1] == "[]"

@@ -11,14 +11,14 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats, Ints
 from kerfwise.models.engines.solution import Progress
+from kerfwise.models.kernels import cores
 from kerfwise.models.problem.problem import Problem
 
 from .kernels import look_back, walk_on
@@ -26,7 +26,7 @@ from .moves import least_moves
 from .ng_paths import NgSets, ng_sets
 
 ADDITIONS_PER_S = 6e8
-THREADS: int = cast(Any, numba.config).NUMBA_NUM_THREADS
+THREADS = cores()
 MOST_NEIGHBOURS = 7
 MOST_NUMBERS = 60_000_000
 """Of all tables together."""

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import time
-
 from kerfwise.models.engines.solution import Incumbent, Progress, SolveOptions
+from kerfwise.models.kernels import running_s
 from kerfwise.models.problem.problem import Problem
 
 from .arcs import count_site_arcs, site_arcs
@@ -40,7 +39,7 @@ def solve_cpsat(
     AssertionError
         If the model and `models/problem/evaluate` disagree about a route: a bug in one of them.
     """
-    progress = _until(progress, None if options.time_s is None else time.monotonic() + options.time_s)
+    progress = _until(progress, None if options.time_s is None else running_s() + options.time_s)
     if problem.n == 0:
         return CpsatOutcome(Incumbent((), 0), 0, proven_optimal=True)
     if problem.n > MAX_CONTOURS:
@@ -68,6 +67,6 @@ def _until(progress: Progress | None, deadline: float | None) -> Progress:
 
     def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
         heard = progress is None or progress(engine, cost_um, bound_um)
-        return heard and (deadline is None or time.monotonic() < deadline)
+        return heard and (deadline is None or running_s() < deadline)
 
     return going

@@ -117,7 +117,10 @@ def sweep(  # pragma: no cover - compiled
     have = np.empty(widest + TOGETHER, values.dtype)
     row = np.empty(widest + TOGETHER, np.int64)
     owner = np.empty(widest + TOGETHER, np.int64)
-    best = np.empty(moves.pad.max(), values.dtype)
+    padded = 0
+    for pad in moves.pad:
+        padded = max(padded, pad)
+    best = np.empty(padded, values.dtype)
     crossed, grouped = len(moves.mask) > 0, len(terms.soft_cost) > 0
     for a in range(start, stop):
         k = alive[a]

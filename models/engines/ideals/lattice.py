@@ -6,12 +6,11 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
-import numba
 import numpy as np
 
 from kerfwise.arrays import Int16s, Int32s, Ints
+from kerfwise.models.kernels import cores, suited
 from kerfwise.models.problem.bits import masks_of
 
 from .budget import SweepBudget
@@ -19,10 +18,11 @@ from .kernels import Costs, MoveTable, RestBound, arrange, crossing_in_set, leav
 from .local import Local
 from .sets import Sets, grow, growth
 
-_CONFIG: Any = numba.config
-THREADS = int(_CONFIG.NUMBA_NUM_THREADS)
+THREADS = cores()
 A_SHARE = 3e7
 """Additions that a thread does at a time, at the least."""
+STEPS_AN_ENTRY = 20
+"""Turns of inner loops that an entry takes beside its additions."""
 LOOKS = 16
 """Times a layer is looked up from, at the most."""
 WORTH_CLEARING = 0.8
@@ -71,15 +71,16 @@ def sweep_layers(stretch: SweptStretch, entrance: Costs, budget: SweepBudget, th
         ahead = growth(orders, sets, alive)
         budget.expect(ahead, len(sets), sets.masks.shape[1], wide)
         grown, contour, target, entry_from = grow(orders, sets, alive, ahead.entries)
-        ideal_entry, last, source, place, new_begin = arrange(
+        ideal_entry, last, source, place, new_begin = suited(arrange, 3 * ahead.entries)(
             contour, target, entry_from, alive, len(grown), orders.size
         )
         values = np.empty(ahead.states, dtype=entrance.dtype)
         living = np.empty(ahead.entries, dtype=np.bool_)
         back = layers[-1]
+        steps = ahead.additions + ahead.entries * STEPS_AN_ENTRY
         sweep_span = partial(
-            sweep, stretch.moves, local.terms, stretch.rests(depth), local.first, stretch.limit, stretch.never,
-            sets.masks, back.ideal_entry, back.contour, begin, back.values, alive,
+            suited(sweep, steps), stretch.moves, local.terms, stretch.rests(depth), local.first,
+            stretch.limit, stretch.never, sets.masks, back.ideal_entry, back.contour, begin, back.values, alive,
             entry_from, contour, place, new_begin, values, living,
         )  # fmt: skip
         for spans in _shares(len(alive), ahead.additions):
@@ -129,9 +130,10 @@ def walk_back(stretch: SweptStretch, layers: list[SweptLayer], state: int) -> tu
             costs = back.values[begin[s] : begin[s + 1]].astype(np.int64)
             costs += moves.table[moves.base[i] + rows * moves.pad[i] + offset]
             if len(moves.mask):
-                costs += [crossing_in_set(moves, out, row, columns[-1]) for row in rows]
+                over = suited(crossing_in_set, 4 * len(rows))
+                costs += [over(moves, out, row, columns[-1]) for row in rows]
             if j >= 0:
-                costs += leaving(local.terms, out, j, i)
+                costs += suited(leaving, 2 * len(local.terms.soft_cost))(local.terms, out, j, i)
             k = int(np.argmin(costs))
             if best < 0 or costs[k] < best:
                 best, state = int(costs[k]), int(begin[s]) + k

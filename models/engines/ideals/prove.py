@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -11,6 +10,7 @@ import numpy as np
 
 from kerfwise.models.engines.bounds import Completion, complete
 from kerfwise.models.engines.solution import Incumbent, Progress
+from kerfwise.models.kernels import running_s
 from kerfwise.models.problem.problem import Problem
 
 from .budget import SweepBudget, TooLarge
@@ -89,10 +89,10 @@ def prove(
     if not stages or known is None or problem.m > MOST_SITES_BOUND:
         return rounds.sweep(None, work)
     for share in stages:
-        until_s = np.inf if time_s is None else time.monotonic() + share * time_s
+        until_s = np.inf if time_s is None else running_s() + share * time_s
 
         def pricing(engine: str, cost_um: int | None, bound_um: int | None, until_s: float = until_s) -> bool:
-            return go() and time.monotonic() < until_s
+            return go() and running_s() < until_s
 
         bound = complete(problem, float(known), share * work, pricing)
         rounds.left -= bound.work

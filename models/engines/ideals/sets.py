@@ -7,12 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from kerfwise.arrays import Int16s, Int32s, Ints
-from kerfwise.models.kernels import kept
+from kerfwise.models.kernels import kept, suited
 from kerfwise.models.problem.bits import LOW, ONE, Masks, bit_number, missing, words
 
 from .local import OrderSets
 
 SLOTS_AT_FIRST = 1 << 12
+STEPS_A_WORD, STEPS_A_SET = 20, 30
+"""Turns of inner loops that it takes to count what may follow a set, and to find a set that follows."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -51,7 +53,8 @@ class Growth:
 
 def growth(orders: OrderSets, sets: Sets, alive: Ints) -> Growth:
     """Count before anything is made."""
-    entries, states, additions = _count(orders, sets.ready, sets.pending, sets.width, alive)
+    steps = len(alive) * sets.ready.shape[1] * STEPS_A_WORD
+    entries, states, additions = suited(_count, steps)(orders, sets.ready, sets.pending, sets.width, alive)
     return Growth(entries, states, float(additions))
 
 
@@ -61,7 +64,7 @@ def grow(orders: OrderSets, sets: Sets, alive: Ints, entries: int) -> tuple[Sets
     Returns them, and of every entry the contour cut and the set it leads to; entries of `alive[a]` are `entry_from[a]`
     … `entry_from[a + 1] - 1`.
     """
-    masks, ready, pending, width, hashes, contour, target, entry_from = _grow(
+    masks, ready, pending, width, hashes, contour, target, entry_from = suited(_grow, entries * STEPS_A_SET)(
         orders, sets.masks, sets.ready, sets.pending, sets.hashes, alive, entries
     )
     return Sets(masks, ready, pending, width, hashes), contour, target, entry_from
@@ -125,9 +128,9 @@ def cut_one_more(  # pragma: no cover - compiled
 ) -> int:
     """Write the set that cutting contour i leads to, and what may be cut next; the block that is not whole, or -1."""
     bit = ONE << (np.uint64(i) & LOW)
-    new_mask[:] = mask
+    for w in range(len(mask)):  # numba takes seconds to compile what copies an array into another
+        new_mask[w], new_ready[w] = mask[w], ready[w]
     new_mask[i >> 6] |= bit
-    new_ready[:] = ready
     new_ready[i >> 6] &= ~bit
     for e in range(orders.open_from[i], orders.open_from[i + 1]):
         j = orders.opens[e]

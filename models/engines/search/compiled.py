@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar
 
-import numba
-
-from kerfwise.models.kernels import kept
+from kerfwise.models.kernels import inner, kept
 
 F = TypeVar("F", bound=Callable[..., object])
 
@@ -20,7 +18,7 @@ _INNER: dict[str, Any] = {**_OPTIONS, "no_cpython_wrapper": True}
 
 def compiled(function: F) -> F:
     """Compile a function of numbers, arrays and structs that other compiled functions call."""
-    return cast(F, numba.njit(**_INNER)(function))
+    return inner(**_INNER)(function)
 
 
 def entry(function: F) -> F:

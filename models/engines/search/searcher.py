@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from functools import partial
@@ -10,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from kerfwise.models.engines.solution import Incumbent, Progress
+from kerfwise.models.kernels import running_s
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 
@@ -86,7 +86,7 @@ class Searcher:
 
     def _run(self, pool: Executor, budget: int, time_s: float | None, progress: Progress | None) -> bool:
         """See `run`; `budget` is in operations."""
-        started_s, spent = time.monotonic(), 0
+        started_s, spent = running_s(), 0
         likely = budget if time_s is None else max(1, min(budget, int(time_s * WORK_PER_S)))
         schedule = Schedule.of(self._problem.n, likely)
         if not self._walkers[0].ready:
@@ -99,7 +99,7 @@ class Searcher:
                 return False
             pace = 1 / likely  # share of the whole that an operation takes
             if time_s is not None and spent > 0:
-                pace = max(1 / budget, (time.monotonic() - started_s) / max(time_s, 1e-9) / spent)
+                pace = max(1 / budget, (running_s() - started_s) / max(time_s, 1e-9) / spent)
             if (done := pace * spent) >= 1.0:
                 break
             chunk = min(CHUNK, budget - spent)
@@ -121,7 +121,7 @@ class Searcher:
         """First routes, improved without going uphill; answers as `run` does."""
         list(pool.map(Walker.start, self._walkers))
         left = min(most, FIRST_DESCENT * self._problem.n)
-        while left > 0 and (end_s is None or time.monotonic() < end_s):
+        while left > 0 and (end_s is None or running_s() < end_s):
             if progress is not None and not progress("search", self._best_cost(), None):
                 return False
             list(pool.map(partial(Walker.descend, chunk=min(CHUNK, left)), self._walkers))

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar
 
-import numba
-
-from kerfwise.models.kernels import kept
+from kerfwise.models.kernels import inner, kept
 
 F = TypeVar("F", bound=Callable[..., object])
 
@@ -17,7 +15,7 @@ _OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {
 
 def compiled(function: F) -> F:
     """Compile a function that other compiled functions call."""
-    return cast(F, numba.njit(**_OPTIONS)(function))
+    return inner(**_OPTIONS)(function)
 
 
 def entry(function: F) -> F:

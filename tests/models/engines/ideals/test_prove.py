@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 
+from kerfwise.models import kernels
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.ideals.prove import applies
 from kerfwise.models.engines.ideals.series import series
 from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.kernels import Kernel
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem, SoftGroup
 from kerfwise.rules.statements import Lag
@@ -34,6 +37,22 @@ def test_same_optimum_as_brute_force(drawn: Problem) -> None:
     assert proof.incumbent.cost == best.cost
     assert broken(tiny, proof.incumbent.route) == ()
     assert route_cost(tiny, proof.incumbent.route) == best.cost
+
+
+@pytest.mark.slow
+@settings(max_examples=60, deadline=None)
+@given(problems())
+def test_the_same_proof_in_plain_python_as_compiled(drawn: Problem) -> None:
+    tiny = replace(drawn, general=(), lags=tuple(lag for lag in drawn.lags if lag.cuts <= 1 and not lag.seconds))
+    compiled = prove(tiny, None, work=10)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Kernel, "made", False)
+        patch.setattr(kernels._process, "plain_steps", math.inf)
+        patch.setattr(Kernel, "dispatcher", None)
+        plain = prove(tiny, None, work=10)
+    assert compiled is not None
+    assert plain is not None
+    assert plain.incumbent == compiled.incumbent
 
 
 @pytest.mark.slow

@@ -1,0 +1,342 @@
+"""Where the time of a `solve` goes, phase by phase and size by size, and how long a first and a later start take.
+
+Usage: python benchmarks/phases.py [OTHER] [--contours 100 300 1000 3000 10000] [--work W] > docs/phases.md
+
+OTHER is an earlier checkout; with one, each figure stands twice, before and after, from the same run. Plates are made
+by examples/gen_sheet.py, seed 1. Each plate and each start has a process of its own. Seconds are those of the
+processor, all threads together: other programs on the machine hardly change them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import json
+import math
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).resolve().parents[1]
+PAGE = """\
+# Phases
+
+Made by `python benchmarks/phases.py{given} > docs/phases.md` with {system}.{compared}
+Seconds are processor seconds of all threads together.
+
+## From file to picture
+
+Plates of `examples/gen_sheet.py`, seed 1, under the default profile, {work:g} of work for the planning, kernels
+compiled beforehand. `^` is the exponent from the size before: 1 is linear, 2 quadratic. Memory is the most that the process
+held, libraries included.
+
+{phases}
+
+## Starts
+
+`kerfwise solve` in a process of its own. A cold start finds no compiled kernels and no compiled Python files, as the
+first run after an installation does. `kernels` counts what was compiled.
+
+{starts}
+"""
+PHASES: dict[str, tuple[tuple[str, str], ...]] = {
+    "read": (("kerfwise.encoder.readers.json_nest", "read_json"),),
+    "candidates": (("kerfwise.jobs.ask", "build_with_older_kerfs"),),
+    "facts": (("kerfwise.jobs.ask", "compute_facts"), ("kerfwise.jobs.ask", "contour_heat_kj")),
+    "rules": (("kerfwise.jobs.ask", "state_rules"),),
+    "problem": (("kerfwise.models.engines.rounds", "make_problem"), ("kerfwise.models.engines.rounds", "simplify")),
+    "planning": (("kerfwise.models.engines.rounds", "run_portfolio"),),
+    "looks at whole orders": (),
+    "plan and its reasons": (("kerfwise.jobs.produce", "make_plan"), ("kerfwise.jobs.produce", "with_times")),
+    "program": (("kerfwise.jobs.produce", "write_program"),),
+    "check": (("kerfwise.jobs.produce", "judge"),),
+    "picture": (("kerfwise.postproc.report", "draw"),),
+}
+"""Phase → the functions it is made by, where they are called from; what is called within one counts there only."""
+REST, ALL, BUT_PLANNING, MEMORY = "all else", "all", "all but planning", "memory, MB"
+STARTS: dict[str, tuple[str, ...]] = {
+    "16 contours": ("e1x_6.json",),
+    "16 contours, a limit of 5 s": ("e1x_6.json", "--time-limit", "5"),
+    "41 contours": ("plate40.json", "--work", "5"),
+}
+CHILD = """
+import atexit, sys, time
+compiled = []
+def note():
+    import numba.core.event as event
+    class Compiled(event.Listener):
+        def on_start(self, told): compiled.append(told.data["dispatcher"].py_func.__module__)
+        def on_end(self, told): pass
+    event.register("numba:compile", Compiled())
+class Finder:
+    def find_spec(self, name, path=None, target=None):
+        if name == "numba.core.registry":
+            sys.meta_path.remove(self)
+            import numba.core.event
+            note()
+sys.meta_path.insert(0, Finder())
+def told():
+    own = sum(name.startswith("kerfwise.") for name in compiled)
+    sys.__stderr__.write(f"\\nused {time.process_time():.2f} {own}\\n")
+atexit.register(told)
+from kerfwise.cli import main
+main()
+"""
+
+
+class Clock:
+    """Processor seconds by phase; a phase within a phase counts for itself alone."""
+
+    def __init__(self) -> None:
+        self.seconds = dict.fromkeys(PHASES, 0.0)
+        self._running: list[str] = []
+        self._since_s = time.process_time()
+
+    @contextmanager
+    def phase(self, name: str) -> Iterator[None]:
+        """Count for a phase."""
+        self._turn()
+        self._running.append(name)
+        try:
+            yield
+        finally:
+            self._turn()
+            self._running.pop()
+
+    def _turn(self) -> None:
+        now_s = time.process_time()
+        if self._running:
+            self.seconds[self._running[-1]] += now_s - self._since_s
+        self._since_s = now_s
+
+    def around(self, name: str, step: Callable[..., Any]) -> Callable[..., Any]:
+        """The same function, counted."""
+
+        def run(*given: Any, **options: Any) -> Any:
+            with self.phase(name):
+                return step(*given, **options)
+
+        return run
+
+
+def spent(contours: int, work: float) -> dict[str, float]:
+    """Plan, write, check and draw one plate in this process; processor seconds by phase, and the memory."""
+    from kerfwise.encoder.readers import ReadOptions
+    from kerfwise.examples.gen_sheet import make_sheet
+    from kerfwise.jobs.bench.memory import peak_mb
+    from kerfwise.jobs.given import Given
+    from kerfwise.jobs.main_job import plan_nest
+    from kerfwise.jobs.solve_options import options_for
+    from kerfwise.rules.profile.profile import load_profile
+
+    text = json.dumps(make_sheet(1, contours)).encode()
+    profile = load_profile()
+    clock = Clock()
+    for name, steps in PHASES.items():
+        for module, step in steps:
+            place = importlib.import_module(module)
+            if hasattr(place, step):
+                setattr(place, step, clock.around(name, getattr(place, step)))
+    _around_looks(clock)
+    began_s = time.process_time()
+    nest = importlib.import_module("kerfwise.encoder.readers.json_nest").read_json(text, ReadOptions())
+    limits = options_for(nest, profile, work=work)
+    made = plan_nest(Given(nest, profile), limits).made
+    if not made.verdict.ok:
+        raise SystemExit("the check refuses the plan")
+    importlib.import_module("kerfwise.postproc.report").draw(nest, made.plan, ".svg", profile.home_on(nest))
+    whole_s = time.process_time() - began_s
+    rest_s = whole_s - sum(clock.seconds.values())
+    return {
+        **clock.seconds,
+        REST: rest_s,
+        ALL: whole_s,
+        BUT_PLANNING: whole_s - clock.seconds["planning"],
+        MEMORY: peak_mb(),
+        "contours": len(nest.contours),
+    }
+
+
+def _around_looks(clock: Clock) -> None:
+    """Count what rules that judge a whole order find wrong with those that are tried."""
+    place: Any = importlib.import_module("kerfwise.jobs.produce")
+    plain = place.afterthoughts
+
+    def counted(*given: Any) -> Callable[..., Any]:
+        return clock.around("looks at whole orders", plain(*given))
+
+    place.afterthoughts = counted
+
+
+@dataclass(frozen=True)
+class Start:
+    """What a start took."""
+
+    cpu_s: float
+    kernels: int
+
+
+class Tree:
+    """A checkout, run by this Python in processes of its own, with compiled Python files and kernels of its own."""
+
+    def __init__(self, checkout: Path, folder: Path) -> None:
+        self.folder = folder
+        package = folder / "package"
+        package.mkdir(parents=True)
+        (package / "kerfwise").symlink_to(checkout, target_is_directory=True)
+        self.checkout, self.package = checkout, package
+
+    def run(self, words: Sequence[str], kept: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+        """Run Python with what is kept under a name."""
+        unset = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+        places = {
+            "PYTHONPATH": str(self.package),
+            "PYTHONPYCACHEPREFIX": str(self.folder / kept / "python"),
+            "NUMBA_CACHE_DIR": str(self.folder / kept / "kernels"),
+        }
+        done = subprocess.run(
+            [sys.executable, *words],
+            cwd=cwd or self.folder,
+            env={**unset, **places},
+            capture_output=True,
+            encoding="utf-8",
+            check=False,
+        )
+        if done.returncode:
+            raise SystemExit(f"{self.checkout}: {done.stderr[-2000:]}")
+        return done
+
+    def phases(self, contours: int, work: float) -> dict[str, float]:
+        """See `spent`."""
+        done = self.run([__file__, "--one", str(contours), "--work", f"{work:g}"], "warm")
+        answer: dict[str, float] = json.loads(done.stdout.splitlines()[-1])
+        return answer
+
+    def start(self, words: Sequence[str], kept: str) -> Start:
+        """A `solve` of an example."""
+        nest, *options = words
+        with tempfile.TemporaryDirectory() as out:
+            path = HERE / "examples" / "nests" / nest
+            done = self.run(["-c", CHILD, "solve", str(path), *options], kept, Path(out))
+        cpu_s, kernels = done.stderr.rpartition("\nused ")[2].split()
+        return Start(float(cpu_s), int(kernels))
+
+
+def exponent(sizes: tuple[float, float], seconds: tuple[float, float]) -> str:
+    """By what power of the size it grew, "" where it is too quick to say.
+
+    Examples
+    --------
+    >>> exponent((100, 1000), (1.0, 100.0)), exponent((100, 1000), (0.01, 0.02))
+    ('2.0', '')
+    """
+    if min(seconds) < 0.05:
+        return ""
+    return f"{math.log(seconds[1] / seconds[0]) / math.log(sizes[1] / sizes[0]):.1f}"
+
+
+def phase_table(runs: Sequence[Sequence[dict[str, float]]]) -> str:
+    """Rows of phases; `runs` has for each size what each checkout took."""
+    heads, aligned = ["phase"], ["---"]
+    for of_size in runs:
+        told = f"{of_size[-1]['contours']:.0f}"
+        heads += [f"{told}, before", "after", "^"] if len(of_size) > 1 else [told, "^"]
+        aligned += ["---:"] * (len(of_size) + 1)
+    rows = []
+    for name in (*PHASES, REST, ALL, BUT_PLANNING, MEMORY):
+        cells = [name]
+        for k, of_size in enumerate(runs):
+            cells += [f"{run[name]:.0f}" if name == MEMORY else f"{run[name]:.2f}" for run in of_size]
+            pair = (runs[k - 1][-1], of_size[-1]) if k else None
+            cells.append(_growth(pair, name) if pair and name != MEMORY else "")
+        rows.append(cells)
+    return _lines([heads, aligned, *rows])
+
+
+def _growth(pair: tuple[dict[str, float], dict[str, float]], name: str) -> str:
+    one, two = pair
+    return exponent((one["contours"], two["contours"]), (one[name], two[name]))
+
+
+def start_table(rows: Sequence[tuple[str, Sequence[tuple[Start, Start]]]]) -> str:
+    """Rows of starts: cold and warm, of each checkout."""
+    several = len(rows[0][1]) > 1
+    heads, aligned = ["nest"], ["---"]
+    for when in ("before", "after") if several else ("",):
+        of = f", {when}" if when else ""
+        heads += [f"cold{of}, s", f"kernels{of}", f"warm{of}, s"]
+        aligned += ["---:"] * 3
+    body = []
+    for name, pairs in rows:
+        cells = [name]
+        for cold, warm in pairs:
+            cells += [f"{cold.cpu_s:.1f}", str(cold.kernels), f"{warm.cpu_s:.1f}"]
+        body.append(cells)
+    return _lines([heads, aligned, *body])
+
+
+def _lines(rows: Sequence[Sequence[str]]) -> str:
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in rows)
+
+
+def main() -> None:
+    """Print the page."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("other", type=Path, nargs="?")
+    parser.add_argument("--contours", type=int, nargs="*", default=[100, 300, 1000, 3000, 10_000])
+    parser.add_argument("--work", type=float, default=2.0)
+    parser.add_argument("--starts", nargs="*", choices=list(STARTS), default=list(STARTS))
+    parser.add_argument("--one", type=int, help=argparse.SUPPRESS)
+    given = parser.parse_args()
+    if given.one is not None:
+        print(json.dumps(spent(given.one, given.work)))
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        checkouts = [*([given.other.resolve()] if given.other else []), HERE]
+        trees = [Tree(checkout, Path(folder) / str(k)) for k, checkout in enumerate(checkouts)]
+        starts = []
+        for name in given.starts:
+            pairs = []
+            for k, tree in enumerate(trees):
+                cold = tree.start(STARTS[name], f"start {len(starts)}")
+                pairs.append((cold, tree.start(STARTS[name], f"start {len(starts)}")))
+                print(f"{name}, checkout {k + 1}: {pairs[-1]}", file=sys.stderr, flush=True)
+            starts.append((name, pairs))
+        runs = []
+        for contours in given.contours:
+            for tree in trees if not runs else ():
+                tree.phases(contours, given.work)  # compiles
+            runs.append([tree.phases(contours, given.work) for tree in trees])
+            print(runs[-1], file=sys.stderr, flush=True)
+    words = [*(["OTHER"] if given.other else []), *_sizes(given, parser)]
+    system = f"Python {platform.python_version()}, {platform.system()} {platform.machine()}, {os.cpu_count()} cores"
+    compared = "\n`before` is an earlier checkout, OTHER, and `after` this one, in the same run."
+    print(
+        PAGE.format(
+            given="".join(f" {word}" for word in words),
+            system=system,
+            compared=compared if given.other else "",
+            work=given.work,
+            phases=phase_table(runs) if runs else "",
+            starts=start_table(starts) if starts else "",
+        ),
+        end="",
+    )
+
+
+def _sizes(given: argparse.Namespace, parser: argparse.ArgumentParser) -> list[str]:
+    """What was asked for that the page would not have without being asked."""
+    said = [] if given.contours == parser.get_default("contours") else ["--contours", *map(str, given.contours)]
+    return said + ([] if given.work == parser.get_default("work") else ["--work", f"{given.work:g}"])
+
+
+if __name__ == "__main__":
+    main()
