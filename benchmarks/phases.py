@@ -35,8 +35,8 @@ Seconds are processor seconds of all threads together.
 ## From file to picture
 
 Plates of `examples/gen_sheet.py`, seed 1, under the default profile, {work:g} of work for the planning, kernels
-compiled beforehand. `^` is the exponent from the size before: 1 is linear, 2 quadratic. Memory is the most that the process
-held, libraries included.
+compiled beforehand. `^` is the exponent from the size before: 1 is linear, 2 quadratic. Memory is the most that the
+process held, libraries included.
 
 {phases}
 
@@ -302,7 +302,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         checkouts = [*([given.other.resolve()] if given.other else []), HERE]
         trees = [Tree(checkout, Path(folder) / str(k)) for k, checkout in enumerate(checkouts)]
-        starts = []
+        starts: list[tuple[str, list[tuple[Start, Start]]]] = []
         for name in given.starts:
             pairs = []
             for k, tree in enumerate(trees):
@@ -310,7 +310,7 @@ def main() -> None:
                 pairs.append((cold, tree.start(STARTS[name], f"start {len(starts)}")))
                 print(f"{name}, checkout {k + 1}: {pairs[-1]}", file=sys.stderr, flush=True)
             starts.append((name, pairs))
-        runs = []
+        runs: list[list[dict[str, float]]] = []
         for contours in given.contours:
             for tree in trees if not runs else ():
                 tree.phases(contours, given.work)  # compiles

@@ -49,10 +49,12 @@ def dispatcher_of(function: Callable[..., object], options: Mapping[str, Any], k
     return dispatcher
 
 
-@_numba.typeof_impl.register(Kernel)
 def _type_of(kernel: Kernel, _: object) -> Any:
     """A kernel that another one calls."""
     return cast(Any, types).Dispatcher(kernel.dispatcher)
+
+
+_numba.typeof_impl.register(Kernel)(_type_of)
 
 
 def _cache_of(function: Any) -> Any:

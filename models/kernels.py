@@ -29,7 +29,7 @@ class _OfThread(threading.local):
 
 
 class _OfProcess:
-    plain_steps = PLAIN_STEPS
+    plain_steps: float = PLAIN_STEPS
     making = 0
     """Threads that compile or load."""
     since_s = made_s = 0.0
@@ -77,12 +77,20 @@ class Kernel:
 
 def kept(**options: Any) -> Callable[[F], F]:
     """A decorator: a function that numba compiles with its `options`, once for each machine and kind of arguments."""
-    return lambda function: cast(F, Kernel(function, options, keep=True))
+
+    def made(function: F) -> F:
+        return cast(F, Kernel(function, options, keep=True))
+
+    return made
 
 
 def inner(**options: Any) -> Callable[[F], F]:
     """A decorator for a function that only kernels call: it is kept with those."""
-    return lambda function: cast(F, Kernel(function, options, keep=False))
+
+    def made(function: F) -> F:
+        return cast(F, Kernel(function, options, keep=False))
+
+    return made
 
 
 def suited(kernel: F, steps: float) -> F:

@@ -14,10 +14,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from kerfwise.encoder import still_going
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs import produce as production
+from kerfwise.models.kernels import take_plainly
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.flat import kept_compiled
 from kerfwise.rules.profile.profile import Profile
@@ -30,7 +32,14 @@ Made = list[tuple[Nest, Profile, str, str | None]]
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Commands that tests run as processes of their own share what Python compiles, wherever else that is kept."""
+    """Commands that tests run as processes of their own share what Python compiles, wherever else that is kept.
+
+    No example has a deadline, which would depend on the load of the machine. Kernels are compiled, whatever runs
+    first; how they run as plain Python has tests of its own.
+    """
+    settings.register_profile("kerfwise", deadline=None)
+    settings.load_profile("kerfwise")
+    take_plainly(0)
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     os.environ.setdefault("PYTHONPYCACHEPREFIX", str(ROOT / ".pytest_cache" / "compiled"))
 

@@ -9,10 +9,9 @@ from __future__ import annotations
 from heapq import heapify, heappop, heappush
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.components import strong_components
 
 from .zone_blocks import Blocks
 
@@ -55,11 +54,9 @@ def _in_turn(members: Ints, rank: Ints, blocks: Blocks, budget_kj: float) -> lis
     number[members] = np.arange(len(members))
     within = number[blocks.pairs]
     within = np.unique(within[(within >= 0).all(axis=1)], axis=0)
-    links = coo_array((np.ones(len(within)), (within[:, 0], within[:, 1])), shape=(len(members), len(members)))
-    _, unit = connected_components(links, directed=True, connection="strong")
+    unit = strong_components(len(members), within)
     too_hot = np.bincount(unit, blocks.heat_kj[members]) > budget_kj * (1 + _ROUNDING)
     alone = np.flatnonzero(too_hot[unit])  # a circle that is too hot is broken: its blocks go one by one
-    unit = unit.astype(np.int64)
     within = within[~((unit[within[:, 0]] == unit[within[:, 1]]) & too_hot[unit[within[:, 0]]])]
     unit[alone] = len(members) + np.arange(len(alone))
     names, unit = np.unique(unit, return_inverse=True)

@@ -10,10 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.encoder.components import strong_components, weak_components
 
 MOST_UNITS = 63
 """Units in a zone that a machine word holds one bit each."""
@@ -40,8 +39,7 @@ def units_of(part: Ints, is_mark: Bools, pairs: Ints, in_one_go: bool) -> Units:
     of[cut] = np.unique(part[cut], return_inverse=True)[1] if in_one_go else np.arange(int(cut.sum()))
     ordered = of[pairs]
     ordered = np.unique(ordered[(ordered >= 0).all(axis=1)], axis=0)
-    links = coo_array((np.ones(len(ordered)), (ordered[:, 0], ordered[:, 1])), shape=(int(of.max(initial=-1)) + 1,) * 2)
-    _, circle = connected_components(links, connection="strong")  # orders that go round in one are no orders
+    circle = strong_components(int(of.max(initial=-1)) + 1, ordered)  # orders that go round in one are no orders
     inner = np.bincount(of[cut]) - 1
     return Units(of, inner, ordered[circle[ordered[:, 0]] != circle[ordered[:, 1]]])
 
@@ -64,12 +62,11 @@ def sets_within(members: Ints, units: Units, most: float) -> float:
     number[members] = np.arange(len(members))
     pairs = number[units.pairs]
     pairs = pairs[(pairs >= 0).all(axis=1)]
-    links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(members), len(members)))
-    count, part = connected_components(links, directed=False)
+    part = weak_components(len(members), pairs)
     whole, begun = 1.0, 0.0  # sets of whole units, and those in which one more is begun
     with np.errstate(over="ignore"):
         half_done: Floats = np.exp2(units.inner[members].astype(np.float64)) - 1
-    for k in range(count):
+    for k in range(int(part.max(initial=-1)) + 1):
         own = np.flatnonzero(part == k)
         place = np.full(len(members), -1, dtype=np.int64)
         place[own] = np.arange(len(own))

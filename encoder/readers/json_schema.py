@@ -6,8 +6,7 @@ import json
 from functools import cache
 from importlib.resources import files
 from itertools import islice
-
-from jsonschema import Draft202012Validator
+from typing import TYPE_CHECKING
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.json_words import said
@@ -15,14 +14,19 @@ from kerfwise.encoder.json_words import said
 from .json_place import places, spoken
 from .limits import LIMIT_MM
 
+if TYPE_CHECKING:
+    from jsonschema import Draft202012Validator
+
 MOST_ERRORS = 20
 
 
 @cache
 def validator() -> Draft202012Validator:
     """The validator of the schema beside this file."""
+    from jsonschema import Draft202012Validator as Validator
+
     schema = json.loads((files(__package__) / "nest.schema.json").read_text(encoding="utf-8"))
-    return Draft202012Validator(schema)
+    return Validator(schema)
 
 
 def check_schema(document: object, text: str) -> None:

@@ -12,9 +12,7 @@ from kerfwise.models.engines.ideals.windows import polish
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 
-from . import beam, ideals
-from .bounds import MOST_SITES, flow_bound
-from .cpsat import solve_cpsat
+from . import beam, bounds, cpsat, ideals
 from .known import Known
 from .names import Member
 from .search import Searcher
@@ -238,7 +236,7 @@ class _Run:
 
     def _bounded_well(self) -> bool:
         """Whether the bound by flows is worth its time: a nest, with all its sites in it."""
-        return self.problem.m <= MOST_SITES and bool(self.problem.conditions or self.problem.lags)
+        return self.problem.m <= bounds.MOST_SITES and bool(self.problem.conditions or self.problem.lags)
 
     def _carried(self) -> bool:
         """Whether CP-SAT alone can hold all that is asked."""
@@ -265,7 +263,7 @@ class _Run:
     def _flow(self, share: float) -> None:
         if self.known.incumbent is None or self.known.proved_by == "flow":
             return
-        found = flow_bound(self.problem, self.known.incumbent, share, self._within(share))
+        found = bounds.flow_bound(self.problem, self.known.incumbent, share, self._within(share))
         self.known.work += found.work
         if found.bound > 0:
             self.known.notes.append("flow: a bound by linear programming")
@@ -289,7 +287,7 @@ class _Run:
 
     def _cpsat(self, share: float) -> None:
         limits = replace(self.options, work=share, time_s=self.options.time_s and share)
-        outcome = solve_cpsat(self.problem, limits, self.known.incumbent, self.known.bound_um, self.watch)
+        outcome = cpsat.solve_cpsat(self.problem, limits, self.known.incumbent, self.known.bound_um, self.watch)
         self.known.offer(outcome.incumbent, "cp-sat")
         self.known.infeasible = outcome.infeasible
         if outcome.bound is not None:

@@ -8,9 +8,7 @@ from importlib.resources import files
 from itertools import islice
 from operator import itemgetter
 from pathlib import Path
-from typing import Any
-
-from jsonschema import Draft202012Validator
+from typing import TYPE_CHECKING, Any
 
 from kerfwise.encoder.contents import contents
 from kerfwise.encoder.cut import Cut
@@ -26,6 +24,9 @@ from kerfwise.models.physics.timing.report import TimeReport
 
 from .plan import FORMAT, Dropped, LeftOut, Plan, PlannedCut, RuleReport, SolveReport, Totals
 from .zones_cost import ZonesCost
+
+if TYPE_CHECKING:
+    from jsonschema import Draft202012Validator
 
 MOST_ERRORS = 20
 
@@ -79,7 +80,9 @@ def _check_order(data: dict[str, Any], path: str | Path) -> None:
 @cache
 def validator() -> Draft202012Validator:
     """The validator of the schema beside this file."""
-    return Draft202012Validator(json.loads((files(__package__) / "plan.schema.json").read_text(encoding="utf-8")))
+    from jsonschema import Draft202012Validator as Validator
+
+    return Validator(json.loads((files(__package__) / "plan.schema.json").read_text(encoding="utf-8")))
 
 
 def _check_schema(data: dict[str, Any], text: str, path: str | Path) -> None:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from kerfwise.arrays import Bools, Ints
+from kerfwise.encoder.components import strong_components
 from kerfwise.models.kernels import kept, suited
 
 from .bits import Masks
@@ -39,14 +38,19 @@ def close(n: int, pairs: list[tuple[int, int]], block: Ints) -> Bools:
 def transitive(direct: Bools) -> Bools:
     """Transitive closure of a square relation; members of a cycle get a true diagonal (and perhaps no more)."""
     n = len(direct)
-    _, label = connected_components(coo_matrix(direct), directed=True, connection="strong")
-    on_cycle = np.bincount(label, minlength=n)[label] > 1
     closed = packed(direct)
-    suited(_close, n * n)(np.ascontiguousarray(direct.T), direct.sum(axis=1), closed)
+    waiting = direct.sum(axis=1)
+    suited(_close, n * n)(np.ascontiguousarray(direct.T), waiting, closed)
+    on_cycle = _on_cycles(direct) if waiting.any() else np.zeros(n, dtype=np.bool_)
     bits = np.unpackbits(closed.astype("<u8", copy=False).view(np.uint8), axis=1, count=n, bitorder="little")
     whole = bits.view(np.bool_)
     whole[on_cycle, on_cycle] = True
     return whole
+
+
+def _on_cycles(direct: Bools) -> Bools:
+    label = strong_components(len(direct), np.argwhere(direct))
+    return np.asarray(np.bincount(label, minlength=len(direct))[label] > 1)
 
 
 @kept(nogil=True)

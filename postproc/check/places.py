@@ -10,8 +10,6 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeVar
 
-from ortools.sat.python.cp_model import INFEASIBLE, CpModel, CpSolver
-
 WORK, WORK_IN_ALL = 5.0, 20.0
 """CP-SAT's deterministic seconds for a question, and for all; where they do not show that there is no room, some
 counts as being there."""
@@ -63,6 +61,8 @@ class Room:
 
     def _refuted(self, orders: Sequence[OrderedPair]) -> bool:
         """Whether the model shows that there is no room."""
+        from ortools.sat.python.cp_model import INFEASIBLE, CpModel, CpSolver
+
         model, run_of = CpModel(), self._run_of
         last = len(self._names) + 1
         begin = {run: model.new_int_var(1, last - len(run), "") for run in dict.fromkeys(run_of.values())}

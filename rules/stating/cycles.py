@@ -11,10 +11,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from kerfwise.arrays import Ints
+from kerfwise.encoder.components import strong_components, weak_components
 
 Link = tuple[int, int]
 
@@ -30,7 +29,7 @@ def contracted(n: int, pairs: Sequence[Link], together: Iterable[Sequence[int]])
     [(0, 2), (2, 0), (4, 5)]
     """
     chain = [link for members in together for link in pairwise(members)]
-    node = _labels(n, chain, "weak").tolist()
+    node = weak_components(n, _ends(chain)).tolist()
     return [(node[a], node[b]) if node[a] != node[b] else (n + a, n + b) for a, b in pairs]
 
 
@@ -43,7 +42,7 @@ def components(links: Sequence[Link]) -> list[list[int]]:
     [[1, 2], [3]]
     """
     size = 1 + max((max(link) for link in links), default=0)
-    label = _labels(size, links, "strong")
+    label = strong_components(size, _ends(links))
     found: dict[int, list[int]] = defaultdict(list)
     for k, (a, b) in enumerate(links):
         if label[a] == label[b]:
@@ -77,8 +76,5 @@ def _traced(links: Sequence[Link], came_by: Mapping[int, int], start: int, goal:
     return trail[::-1]
 
 
-def _labels(size: int, links: Sequence[Link], connection: str) -> Ints:
-    """For each node, the number of the (strongly or weakly) connected component that it is in."""
-    ends = np.array(links, dtype=np.int64).reshape(-1, 2)
-    graph = coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(size, size))
-    return np.asarray(connected_components(graph, directed=True, connection=connection)[1], dtype=np.int64)
+def _ends(links: Sequence[Link]) -> Ints:
+    return np.array(links, dtype=np.int64).reshape(-1, 2)

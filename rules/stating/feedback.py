@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import Bounds, LinearConstraint, milp
-from scipy.sparse import coo_array
 
 from .cycles import Link, components, path
 
@@ -71,6 +69,9 @@ def _exact(links: Sequence[Link], weights: Sequence[int | None], names: Sequence
 
 def _cover(cycles: Sequence[frozenset[int]], weights: Sequence[int | None]) -> set[int]:
     """The lightest set of links that has at least one of each cycle."""
+    from scipy.optimize import Bounds, LinearConstraint, milp
+    from scipy.sparse import coo_array
+
     free = sorted({k for cycle in cycles for k in cycle if weights[k] is not None})
     column = {k: c for c, k in enumerate(free)}
     cells = [(row, column[k]) for row, cycle in enumerate(cycles) for k in sorted(cycle) if k in column]

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
-from ortools.sat.python.cp_model import FEASIBLE, OPTIMAL, CpModel, CpSolver
 
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.statements import About, AtLeast, Before, Statement
@@ -185,6 +184,8 @@ class _Program:
 
     def least(self, weights: Sequence[int]) -> tuple[list[int], bool] | None:
         """The links dropped, at the least weight if `WORK` is enough to show that; None where nothing was found."""
+        from ortools.sat.python.cp_model import FEASIBLE, OPTIMAL, CpModel, CpSolver
+
         model = CpModel()
         columns = [model.new_bool_var("") for _ in range(self.columns)]
         for row, low, high in zip(self.rows, self.low, self.high, strict=True):

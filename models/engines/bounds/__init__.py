@@ -1,6 +1,22 @@
-"""Bounds on what every plan costs, from a state on or from the start."""
+"""Bounds on what every plan costs, from a state on or from the start.
 
-from .completion import Completion, complete
-from .flow import MOST_SITES, FlowBound, flow_bound
+They are imported when they are first asked for: their linear programs bring scipy along, which most runs do without.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .completion import Completion, complete
+    from .flow import MOST_SITES, FlowBound, flow_bound
 
 __all__ = ["MOST_SITES", "Completion", "FlowBound", "complete", "flow_bound"]
+_HOME = {"Completion": "completion", "complete": "completion"}
+
+
+def __getattr__(name: str) -> object:
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f".{_HOME.get(name, 'flow')}", __name__), name)

@@ -1,6 +1,22 @@
-"""CP-SAT: carries every statement, improves on a known route and proves bounds."""
+"""CP-SAT: carries every statement, improves on a known route and proves bounds.
 
-from .outcome import CpsatOutcome
-from .solve import solve_cpsat
+It is imported when it is first asked for: OR-Tools takes longer to load than a small nest to plan.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .outcome import CpsatOutcome
+    from .solve import solve_cpsat
 
 __all__ = ["CpsatOutcome", "solve_cpsat"]
+
+
+def __getattr__(name: str) -> object:
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from . import outcome, solve
+
+    return getattr(solve if name == "solve_cpsat" else outcome, name)

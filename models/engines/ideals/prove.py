@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kerfwise.models.engines.bounds import Completion, complete
+from kerfwise.models.engines import bounds
 from kerfwise.models.engines.solution import Incumbent, Progress
 from kerfwise.models.kernels import running_s
 from kerfwise.models.problem.problem import Problem
@@ -17,6 +18,9 @@ from .budget import SweepBudget, TooLarge
 from .lattice import THREADS
 from .series import series
 from .sweep import sweep_through
+
+if TYPE_CHECKING:
+    from kerfwise.models.engines.bounds import Completion
 
 STAGES = (0.03, 0.1, 0.4)
 """Shares of the work, or the time, for the bound by walks: a quick one first, as a sweep often is short even so."""
@@ -94,7 +98,7 @@ def prove(
         def pricing(engine: str, cost_um: int | None, bound_um: int | None, until_s: float = until_s) -> bool:
             return go() and running_s() < until_s
 
-        bound = complete(problem, float(known), share * work, pricing)
+        bound = bounds.complete(problem, float(known), share * work, pricing)
         rounds.left -= bound.work
         last = share == stages[-1] or bound.work <= AS_GOOD_AS_IT_GETS * share * work
         proof = rounds.sweep(bound, rounds.left if last else min(rounds.left, share * work))

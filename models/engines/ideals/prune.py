@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kerfwise.models.engines.bounds import Completion
 from kerfwise.models.problem.problem import Problem
 
 from .kernels import RestBound
 from .local import Local
+
+if TYPE_CHECKING:
+    from kerfwise.models.engines.bounds import Completion
 
 NOWHERE = 1e12
 """Travel to a contour that nothing may come right before: more than any plan costs, but finite."""

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from concurrent.futures import Executor
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kerfwise.models.engines.bounds import Completion
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.problem import Problem
 
@@ -18,6 +18,9 @@ from .local import localise
 from .prune import least_in, least_rest, walked_rest
 from .series import series
 from .stretches import dearest, entrance_of, home_from, make_moves, never
+
+if TYPE_CHECKING:
+    from kerfwise.models.engines.bounds import Completion
 
 
 def sweep_through(

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from kerfwise.arrays import Bools, Ints
 from kerfwise.models.problem.closure import immediate
@@ -82,6 +81,8 @@ def _nearest(legs: Legs, allowed: Bools, forward: bool) -> Ints:
             found[i, : len(best)] = best
         return found
     here, there = (legs.end_circle, legs.pierce_circle) if forward else (legs.pierce_circle, legs.end_circle)
+    from scipy.spatial import KDTree
+
     _, around = KDTree(there[:, :2]).query(here[:, :2], k=min(4 * k, legs.n))
     for i, others in enumerate(around.reshape(legs.n, -1)):
         best = others[allowed[i, others]][:k]

@@ -134,7 +134,7 @@ def test_an_earlier_plan_and_bound_are_gone_on_from() -> None:
 def test_no_member_sets_out_without_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each step takes a second by the clock; what is left is too little for the others' tables."""
     given, seconds, set_out = scattered(1, contours=45, sites=1), count(), list[str]()
-    for module, name in ((portfolio.beam, "beam"), (portfolio, "flow_bound"), (portfolio, "solve_cpsat")):
+    for module, name in ((portfolio.beam, "beam"), (portfolio.bounds, "flow_bound"), (portfolio.cpsat, "solve_cpsat")):
         monkeypatch.setattr(module, name, lambda *given, name=name: set_out.append(name))
     limits = SolveOptions(time_s=5.0)
     watch = Watch(replace(limits, time_s=1e9), clock=lambda: float(next(seconds)))
