@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from dataclasses import replace
 
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.engines.solution import Progress, Solution, SolveOptions
+from kerfwise.models.kernels import running_s
 from kerfwise.models.plan.excused import excused
 from kerfwise.models.plan.plan import RELAXED
 from kerfwise.models.plan.zones_cost import ZonesCost
@@ -75,7 +75,7 @@ def zones_cost(
         return None
     free = tuple(s for s in asked.stated.statements if s.about.rule not in names)
     statements = (*free, *further)
-    began_s = time.monotonic()
+    began_s = running_s()
     limits = replace(limits, member="search", gap=None, no_improvement_s=None)
     try:
         found = solve(facts, statements, limits, progress, afterthoughts(facts, profile), start=solution.route)
@@ -87,7 +87,7 @@ def zones_cost(
         before_mm = route_cost(problem, problem.candidate_site[list(solution.route)].tolist()) / UM_PER_MM
     gained_mm = before_mm - found.objective
     excuses = round(gained_mm / EXEMPTION_MM)
-    seconds = found.seconds if limits.time_s is None else time.monotonic() - began_s
+    seconds = found.seconds if limits.time_s is None else running_s() - began_s
     if excuses < 0 or gained_mm <= 0:
         return ZonesCost(0.0, 0, (), seconds)
     stated = Stated(statements, (), asked.stated.exempt)

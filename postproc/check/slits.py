@@ -216,10 +216,15 @@ def told_of_slots(nest: Nest, slots: Slots, kerf_mm: float) -> Iterator[str]:
         yield f"{len(told) - _MOST_TOLD} more slots are opened so; no part loses more than {most_mm:.2f} mm at a side"
 
 
-def burns_in(runs: Sequence[TorchRun], opened: Sequence[Contour], contour: str) -> list[shapely.LineString]:
-    """The passes along slots of a contour: those of runs, and slits that were cut before."""
-    before = [slit.line for slit in opened if slit.slot_of == contour]
-    return before + [run.loop for run in runs if run.contour is not None and run.contour.slot_of == contour]
+def burns_by_contour(runs: Sequence[TorchRun], opened: Sequence[Contour]) -> Mapping[str, list[shapely.LineString]]:
+    """The passes along slots of each contour that has any: slits that were cut before, and those of runs."""
+    found: dict[str, list[shapely.LineString]] = {}
+    passes = [(slit, slit.line) for slit in opened]
+    passes += [(run.contour, run.loop) for run in runs if run.contour is not None]
+    for contour, line in passes:
+        if contour.slot_of:
+            found.setdefault(contour.slot_of, []).append(line)
+    return found
 
 
 def slits_of_made(nest: Nest, cuts: CutSequence) -> list[Contour]:

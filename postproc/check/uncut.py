@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import shapely
@@ -20,13 +21,15 @@ from kerfwise.rules.rule import Violation
 
 from .covering.free import Tab
 from .program_rules import tolerance_mm
-from .slits import burns_in
+from .slits import burns_by_contour
 from .torch_run import TorchRun
 
 SLACK_MM = 0.01
 """What the chords of paths and contours may make of a distance."""
 _CHORD_MM = 0.002
 _STEP_MM = 0.05
+NEARLY_MM = 0.01
+"""Less than this the buffers of lines and of their pieces lie apart."""
 _SLOT_RAD = math.radians(15)
 
 
@@ -49,21 +52,28 @@ def features_lost(
     within_mm = kerf_mm / 2 + tolerance_mm(kerf_mm) + SLACK_MM
     contours = np.array([run.contour.curve.line(_CHORD_MM) for run in cut if run.contour is not None], dtype=object)
     helped = _helped(cut, runs, within_mm)
-    paths = np.array(
-        [
-            shapely.union_all([run.loop, *run.leads, *burns_in(runs, opened, run.name), *helped.get(run.name, ())])
-            for run in cut
-        ],
-        dtype=object,
-    )
-    left = shapely.difference(contours, shapely.buffer(paths, within_mm, quad_segs=24))
-    for k, run in enumerate(cut):
-        for tab in (tabs or {}).get(run.name, ()):
-            left[k] = shapely.difference(left[k], shapely.buffer(shapely.Point(tab.at), tab.width_mm / 2 + within_mm))
+    along = burns_by_contour(runs, opened)
+    burns = [[run.loop, *run.leads, *along.get(run.name, ()), *helped.get(run.name, ())] for run in cut]
+    left = _left(contours, [shapely.multilinestrings(lines) for lines in burns], within_mm)
     found: list[Violation] = []
     for k in np.flatnonzero(~shapely.is_empty(left)).tolist():
-        found += _of_run(cut[k], left[k], paths[k], kerf_mm)
+        path, spared = shapely.union_all(burns[k]), _spared(tabs, cut[k], within_mm)
+        if any(_of_run(cut[k], shapely.difference(left[k], spared), path, kerf_mm, NEARLY_MM)):
+            # the buffer of lines taken apart where they meet is rounder, and made in ten times the time
+            exactly = _left(contours[k : k + 1], [path], within_mm)[0]
+            found += _of_run(cut[k], shapely.difference(exactly, spared), path, kerf_mm)
     return found
+
+
+def _left(contours: Any, paths: Sequence[shapely.Geometry], within_mm: float) -> Any:
+    """What of each contour is farther from its path."""
+    return shapely.difference(contours, shapely.buffer(np.array(paths, dtype=object), within_mm, quad_segs=24))
+
+
+def _spared(tabs: Mapping[str, Sequence[Tab]] | None, run: TorchRun, within_mm: float) -> shapely.Geometry:
+    """Where a contour is to stay uncut."""
+    own = (tabs or {}).get(run.name, ())
+    return shapely.union_all([shapely.buffer(shapely.Point(tab.at), tab.width_mm / 2 + within_mm) for tab in own])
 
 
 def _helped(cut: Sequence[TorchRun], runs: Sequence[TorchRun], within_mm: float) -> dict[str, list[shapely.LineString]]:
@@ -76,14 +86,17 @@ def _helped(cut: Sequence[TorchRun], runs: Sequence[TorchRun], within_mm: float)
     return {c.id: [lines[k] for k in tree.query(c.line, "dwithin", distance=within_mm).tolist()] for c in partial}
 
 
-def _of_run(run: TorchRun, left: shapely.Geometry, path: shapely.Geometry, kerf_mm: float) -> Iterator[Violation]:
+def _of_run(
+    run: TorchRun, left: shapely.Geometry, path: shapely.Geometry, kerf_mm: float, nearly_mm: float = 0.0
+) -> Iterator[Violation]:
+    """What is wrong with what is left along a run; with `nearly_mm` also what is as much less than wrong."""
     half_mm, more_mm = kerf_mm / 2, tolerance_mm(kerf_mm) + SLACK_MM
     shapely.prepare(path)
     for stretch in shapely.get_parts(shapely.line_merge(left) if left.geom_type == "MultiLineString" else left):
         places = shapely.points(shapely.get_coordinates(shapely.segmentize(stretch, _STEP_MM)))
         beyond_mm = shapely.distance(path, places) - half_mm
         worst = int(np.argmax(beyond_mm))
-        if beyond_mm[worst] <= min(_by_nature_mm(stretch, half_mm), half_mm) + more_mm:
+        if beyond_mm[worst] <= min(_by_nature_mm(stretch, half_mm), half_mm) + more_mm - nearly_mm:
             continue
         at, name = places[worst], run.name
         text = (

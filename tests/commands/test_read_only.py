@@ -123,9 +123,9 @@ def test_what_writes_says_where_it_may_not(words: tuple[str, ...], place: Path) 
 
 
 def test_a_plan_is_made_where_its_outputs_alone_may_be_written(place: Path, tmp_path: Path) -> None:
-    """Kernels cannot be kept, which is said once; they are compiled."""
+    """Kernels could not be kept there; a small nest needs none."""
     out = tmp_path / "out.nc"
     done = ended(place, "solve", "plain.json", "--work", "0.1", "--engine", "ideals", "-o", str(out))
     assert done.returncode == 0, done.stderr
     assert out.read_bytes() == (place / "work" / "plain.nc").read_bytes()
-    assert done.stderr.count("compiled kernels cannot be kept") == 1
+    assert "kernels" not in done.stderr
