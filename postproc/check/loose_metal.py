@@ -10,9 +10,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
+from kerfwise.encoder.components import weak_components
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.rules.rule import Violation
 
@@ -56,9 +55,8 @@ def burnt_loose(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float) -> Iterato
 def _clusters(lines: Sequence[shapely.Geometry], partial: Sequence[bool], kerf_mm: float) -> list[list[int]]:
     """Runs whose kerfs meet, in order of time; clusters of runs that are all whole rounds are left out."""
     one, other = shapely.STRtree(lines).query(lines, "dwithin", distance=kerf_mm)
-    links = coo_array((np.ones(len(one)), (one, other)), shape=(len(lines), len(lines)))
-    count, label = connected_components(links, directed=False)
-    clusters: list[list[int]] = [[] for _ in range(count)]
+    label = weak_components(len(lines), np.column_stack([one, other]))
+    clusters: list[list[int]] = [[] for _ in range(int(label.max(initial=-1)) + 1)]
     for k, number in enumerate(label.tolist()):
         clusters[number].append(k)
     return [cluster for cluster in clusters if any(partial[k] for k in cluster)]

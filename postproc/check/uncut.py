@@ -90,6 +90,8 @@ def _of_run(
     run: TorchRun, left: shapely.Geometry, path: shapely.Geometry, kerf_mm: float, nearly_mm: float = 0.0
 ) -> Iterator[Violation]:
     """What is wrong with what is left along a run; with `nearly_mm` also what is as much less than wrong."""
+    if left.is_empty:
+        return
     half_mm, more_mm = kerf_mm / 2, tolerance_mm(kerf_mm) + SLACK_MM
     shapely.prepare(path)
     for stretch in shapely.get_parts(shapely.line_merge(left) if left.geom_type == "MultiLineString" else left):
