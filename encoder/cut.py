@@ -15,7 +15,11 @@ Side = Literal["left", "right", "bottom", "top"]
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """The stretch of a contour that a cut follows, where another one has cut the rest: its two ends, on the contour."""
+    """The stretch of a contour that a cut follows, where others have cut the rest.
+
+    `begin` and `end` are where the torch's centre joins the compensated contour and leaves it: at a corner, the nearest
+    point of the contour would not say which.
+    """
 
     begin: Point
     end: Point

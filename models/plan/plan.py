@@ -247,6 +247,10 @@ def _cut_row(order: int, planned: PlannedCut) -> dict[str, Any]:
         "end_s": round(cut.end_s, 3),
         "because": list(planned.because),
     }
+    if cut.linked:
+        row["linked"] = True
+    if cut.span is not None:
+        row["span"] = {"from": [round(v, 6) for v in cut.span.begin], "to": [round(v, 6) for v in cut.span.end]}
     if planned.dwell_s:
         row["dwell_s"] = round(planned.dwell_s, 3)
     return row | ({"excused": list(cut.excused)} if cut.excused else {})

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kerfwise.encoder.contents import contents
-from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.cut import Cut, Span
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.meetings import MOST_MEETINGS, meets_itself_too_often
@@ -128,7 +128,7 @@ def _plain(cut: object) -> bool:
         and all(isinstance(row, list) and 2 <= len(row) <= 3 and _plain_row(row) for key in _PATHS for row in cut[key])
         and all(abs(cut[key]) <= 1e12 for key in ("length_mm", "start_s", "end_s"))
         and all(isinstance(text, str) for text in texts)
-        and "dwell_s" not in cut
+        and not _SELDOM & cut.keys()
     )
 
 
@@ -137,6 +137,7 @@ def _plain_row(row: list[object]) -> bool:
 
 
 _PATHS = ("lead_in", "lead_out")
+_SELDOM = {"dwell_s", "linked", "span"}
 _NUMBER, _TEXT, _WHOLE, _LIST = (int, float), (str,), (int,), (list,)
 _CUT_KINDS: dict[str, tuple[type, ...]] = {
     "order": _WHOLE, "contour": _TEXT, "part": _TEXT, "kind": _TEXT, "zone": _WHOLE, "entry": _LIST, "pierce": _LIST,
@@ -195,6 +196,8 @@ def _cut(c: dict[str, Any]) -> PlannedCut:
             c["start_s"],
             c["end_s"],
             tuple(c.get("excused", ())),
+            c.get("linked", False),
+            _span(c["span"]) if "span" in c else None,
         ),
         c["part"],
         c["kind"],
@@ -202,6 +205,11 @@ def _cut(c: dict[str, Any]) -> PlannedCut:
         tuple(c["because"]),
         c.get("dwell_s", 0.0),
     )
+
+
+def _span(ends: dict[str, Any]) -> Span:
+    (x0, y0), (x1, y1) = ends["from"], ends["to"]
+    return Span((float(x0), float(y0)), (float(x1), float(y1)))
 
 
 def _path(cut: dict[str, Any], key: str) -> Curve | None:

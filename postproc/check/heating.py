@@ -66,6 +66,7 @@ def heatings_of_cuts(nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], pr
         cut = cuts[run.position - 1]
         points = np.concatenate([shapely.get_coordinates(line) for line in _in_order(run, cut)])
         pierce_s = machine.pierce_time_s if _pierced(nest, cut.pierce) else machine.edge_preheat_s
+        pierce_s = 0.0 if cut.linked else pierce_s
         yield Heating(run.name, points, cut.start_s, max(cut.start_s, cut.end_s), pierce_s, cut.start_s)
 
 
@@ -87,8 +88,9 @@ def _in_order(run: TorchRun, cut: Cut) -> Iterator[shapely.LineString]:
     if run.lead_in is not None:
         yield run.lead_in
     ring = run.loop
-    if run.contour is not None and not run.contour.curve.closed:
+    if run.partial or (run.contour is not None and not run.contour.curve.closed):
         yield ring
+        yield from () if run.lead_out is None or not run.partial else (run.lead_out,)
         return
     if shapely.is_ccw(shapely.LinearRing(ring)) != (cut.direction == "ccw"):
         ring = ring.reverse()

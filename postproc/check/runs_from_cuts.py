@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import shapely
 from shapely import ops
 
-from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.cut import Cut, CutSequence, Span
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
@@ -17,6 +17,7 @@ from kerfwise.rules.rule import Violation
 from .program_rules import tolerance_mm
 from .rings import torch_rings
 from .torch_run import TorchRun, line_of
+from .totals import end_of
 
 
 def runs_from_cuts(nest: Nest, cuts: CutSequence, kerf_mm: float) -> tuple[tuple[TorchRun, ...], tuple[Violation, ...]]:
@@ -33,16 +34,60 @@ def runs_from_cuts(nest: Nest, cuts: CutSequence, kerf_mm: float) -> tuple[tuple
             ring = contour.curve.line()
         join = _join(cut, ring)
         faults += list(_faults(cut, contour, ring, join, kerf_mm))
-        where, marks = f"cut {position}", contour.kind == "mark"
-        runs.append(TorchRun(position, where, contour, line_of(cut.lead_in), ring, line_of(cut.lead_out), marks))
+        if cut.linked:
+            faults += list(_unlinked(nest, cut, cuts[position - 2] if position > cuts.made + 1 else None, kerf_mm))
+        if cut.span is not None and contour.encloses:
+            faults += list(_off_span(cut, contour, cut.span, ring, join, kerf_mm))
+            ring = _stretch(ring, join, cut.span.end, cut.direction == "ccw")
+        where, marks, partial = f"cut {position}", contour.kind == "mark", cut.span is not None
+        lead_in, lead_out = line_of(cut.lead_in), line_of(cut.lead_out)
+        runs.append(TorchRun(position, where, contour, lead_in, ring, lead_out, marks, cut.linked, partial))
         violations += [Violation(rule, (contour.id,), f"{where}: {text}", (position,)) for rule, text in faults]
     return tuple(runs), tuple(violations)
 
 
+def _unlinked(nest: Nest, cut: Cut, before: Cut | None, kerf_mm: float) -> Iterator[tuple[str, str]]:
+    """What keeps a cut from being linked with the one before."""
+    if before is None:
+        yield "contour-geometry", f"{cut.contour}: there is no cut before, to be linked with"
+    elif (apart_mm := math.dist(end_of(nest, before), cut.pierce)) > tolerance_mm(kerf_mm):
+        text = f"the link begins {apart_mm:.3f} mm from where {before.contour} ends"
+        yield "contour-geometry", f"{cut.contour}: {text}"
+
+
+def _off_span(
+    cut: Cut, contour: Contour, span: Span, ring: shapely.LineString, join: Point, kerf_mm: float
+) -> Iterator[tuple[str, str]]:
+    """What is wrong with the ends of the stretch that a cut follows."""
+    if math.dist(span.begin, join) > tolerance_mm(kerf_mm):
+        yield "contour-geometry", f"{contour.id}: the span does not begin where the torch joins"
+    if (off_mm := ring.distance(shapely.Point(span.end))) > tolerance_mm(kerf_mm):
+        yield "contour-geometry", f"{contour.id}: the span ends {off_mm:.3f} mm off where the kerf asks for it"
+    if cut.lead_out is None:
+        yield "contour-geometry", f"{contour.id}: a cut with a span says with its lead-out where it ends"
+
+
+def _stretch(ring: shapely.LineString, join: Point, end: Point, ccw: bool) -> shapely.LineString:
+    """The stretch of a ring from where the torch joins it to a point of it, the way the cut goes."""
+    if shapely.is_ccw(shapely.LinearRing(ring.coords)) != ccw:
+        ring = ring.reverse()
+    low, high = (float(ring.project(shapely.Point(at))) for at in (join, end))
+    line = shapely.LineString(ring.coords)
+    if low <= high:
+        return ops.substring(line, low, high)
+    rows = [ops.substring(line, a, b).coords for a, b in ((low, line.length), (0.0, high)) if b > a]
+    return shapely.LineString([point for row in rows for point in row])
+
+
 def _join(cut: Cut, ring: shapely.LineString) -> Point:
-    """Where the torch joins the contour: the end of the lead-in, else the start of the lead-out, else at the entry."""
+    """Where the torch joins the contour: the end of the lead-in, else the start of the lead-out, else at the entry.
+
+    A link that goes nowhere, and a stretch without a lead-in, begin where the torch is.
+    """
     if cut.lead_in is not None:
         return _xy(cut.lead_in, -1)
+    if cut.linked or cut.span is not None:
+        return cut.pierce
     if cut.lead_out is not None:
         return _xy(cut.lead_out, 0)
     x, y = ops.nearest_points(ring, shapely.Point(cut.entry))[0].coords[0]
@@ -86,7 +131,7 @@ def _faults(
             geometry(f"the torch joins {off_mm:.3f} mm off where the kerf asks for it")
     if math.dist(join, cut.entry) > kerf_mm + allowed:
         geometry(f"the torch joins {math.dist(join, cut.entry):.3f} mm from the entry")
-    if cut.lead_out is not None and math.dist(_xy(cut.lead_out, 0), join) > allowed:
+    if cut.lead_out is not None and cut.span is None and math.dist(_xy(cut.lead_out, 0), join) > allowed:
         geometry("the lead-out does not start where the round ends")
     return found
 

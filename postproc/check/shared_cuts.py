@@ -74,11 +74,12 @@ def shared_cuts(
     for burn in sorted(taken):
         path = burns[burn].path
         row = pieces(burn, path, along.get(burn, []), coverage, around, kerf_mm, within_mm)
-        whole = {
-            k: is_whole(coverage[k], burn, ring, free[k], within_mm)
-            for k in {piece.ring for piece in row if piece.ring in coverage}
-            if (ring := around[k]) is not None
-        }
+        whole = [
+            (ring := around[piece.ring]) is not None
+            and piece.out
+            and is_whole(piece, coverage[piece.ring], burn, ring, free[piece.ring], within_mm)
+            for piece in row
+        ]
         made[burn] = list(_cut_out(nest, burns[burn], row, whole, rings))
     return {burn: cuts for burn, cuts in made.items() if cuts}
 
@@ -117,7 +118,7 @@ def _coverage(
     return {k: done.numbered(burns) for k, done in zip(numbers, found, strict=True)}
 
 
-def _cut_out(nest: Nest, burn: Burn, row: Sequence[Piece], whole: Mapping[int, bool], rings: Rings) -> Iterator[CutOut]:
+def _cut_out(nest: Nest, burn: Burn, row: Sequence[Piece], whole: Sequence[bool], rings: Rings) -> Iterator[CutOut]:
     path, begin_mm = burn.path, 0.0
 
     def piece_of(low_mm: float, high_mm: float) -> Curve:
@@ -126,7 +127,7 @@ def _cut_out(nest: Nest, burn: Burn, row: Sequence[Piece], whole: Mapping[int, b
     for number, piece in enumerate(row):
         contour = nest.contours[piece.ring]
         loop = piece_of(piece.join_mm, piece.leave_mm)
-        alone = piece.out and whole.get(piece.ring, False)
+        alone = whole[number]
         run = TorchRun(
             0, f"line {burn.line}", contour, line_of(piece_of(piece.start_mm, piece.join_mm)),
             line_of(loop) or _dot(path.point_at(piece.join_mm)), line_of(piece_of(piece.leave_mm, piece.end_mm)),
@@ -152,12 +153,12 @@ def _cut(
     path, since_mm = burn.path, piece.since_mm
     join, leave = path.point_at(since_mm), path.point_at(piece.leave_mm)
     followed = piece_of(since_mm, piece.leave_mm)
-    first, last = (contour.curve.point_at(contour.curve.project(at)[0]) for at in (join, leave))
+    entry = contour.curve.point_at(contour.curve.project(join)[0])
     lead_in = piece_of(begin_mm, since_mm)
     return Cut(
-        contour.id, first, _direction(contour, followed, rings[piece.ring], alone), path.point_at(begin_mm),
+        contour.id, entry, _direction(contour, followed, rings[piece.ring], alone), path.point_at(begin_mm),
         lead_in if lead_in.segments else None, piece_of(piece.leave_mm, piece.end_mm), 0, _when_s(burn, begin_mm),
-        _when_s(burn, piece.end_mm), linked=begin_mm > 0, span=None if alone else Span(first, last),
+        _when_s(burn, piece.end_mm), linked=begin_mm > 0, span=None if alone else Span(join, leave),
     )  # fmt: skip
 
 

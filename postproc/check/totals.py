@@ -38,7 +38,7 @@ class Claims:
 
 def idle_mm(nest: Nest, cuts: CutSequence) -> float:
     """Idle travel: home, every pierce and end in order, and home again, mm."""
-    ends = [cuts.home, *(_end(nest, cut) for cut in cuts.new)]
+    ends = [cuts.home, *(end_of(nest, cut) for cut in cuts.new)]
     starts = [*(cut.pierce for cut in cuts.new), cuts.home]
     return math.fsum(map(math.dist, ends, starts))
 
@@ -77,7 +77,7 @@ def totals(nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], claims: Clai
     return found
 
 
-def _end(nest: Nest, cut: Cut) -> Point:
+def end_of(nest: Nest, cut: Cut) -> Point:
     """Where the torch goes off: at the end of the lead-out, of an open mark, or of the round, which is its start."""
     if cut.lead_out is not None:
         return cut.end
@@ -93,7 +93,8 @@ def _end(nest: Nest, cut: Cut) -> Point:
 
 def _pierces(nest: Nest, cuts: CutSequence) -> tuple[int, int]:
     """Cuts that pierce the sheet; an edge start right at the edge may count or not."""
-    torch = [c.pierce for c in cuts.new if c.contour in nest.index and nest.contour(c.contour).kind != "mark"]
+    cut = (c for c in cuts.new if not c.linked and c.contour in nest.index)
+    torch = [c.pierce for c in cut if nest.contour(c.contour).kind != "mark"]
     points = shapely.points(torch) if torch else []
     sheet = shapely.make_valid(nest.sheet.polygon)
     counts = [int(shapely.contains(shapely.buffer(sheet, by), points).sum()) for by in (-TOLERANCE_MM, TOLERANCE_MM)]

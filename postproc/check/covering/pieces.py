@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -69,12 +70,14 @@ def pieces(
         until_mm = high_mm + _SNAP * within_mm if number < len(blocks) else length_mm
         here = [event for event in events if event[0] <= until_mm]
         events = events[len(here) :]
-        for when_mm, ring in here:
-            when_mm = max(min(when_mm, high_mm), at_mm)
-            since = (
+        for found_mm, ring in here:
+            comes = (
                 max(snapped(s.low_mm), last_out_mm) for s in row if _finishes(s, ring, burn, coverage, last_out_mm)
             )
-            made.append(Piece(ring, start_mm, at_mm, when_mm, when_mm, True, min(next(since, at_mm), when_mm)))
+            since_mm = next(comes, at_mm)
+            when_mm = _closes(path, since_mm, found_mm, _SNAP * within_mm, within_mm) or found_mm
+            when_mm = max(min(when_mm, high_mm), at_mm)
+            made.append(Piece(ring, start_mm, at_mm, when_mm, when_mm, True, min(since_mm, when_mm)))
             start_mm = at_mm = last_out_mm = when_mm
         adds = _adding(burn, row, coverage, at_mm, high_mm)
         if not here or max(adds.values(), default=0.0) > 2 * within_mm:
@@ -86,6 +89,15 @@ def pieces(
     if made:
         made[-1] = replace(made[-1], end_mm=length_mm)
     return made
+
+
+def _closes(path: Curve, since_mm: float, from_mm: float, reach_mm: float, within_mm: float) -> float | None:
+    """Where a burn that goes all round comes back to where it began, soon after a place; None where it does not."""
+    begins = path.point_at(since_mm)
+    ends = path.starts_mm[(path.starts_mm >= from_mm - 1e-6) & (path.starts_mm <= from_mm + reach_mm)].tolist()
+    apart = [(math.dist(path.point_at(mm), begins), mm) for mm in ends]
+    nearest = min(apart, default=(math.inf, 0.0))
+    return nearest[1] if nearest[0] <= within_mm else None
 
 
 def _finishes(stretch: Stretch, ring: int, burn: int, coverage: Mapping[int, Covered], after_mm: float) -> bool:
@@ -137,7 +149,11 @@ def _longest(row: Sequence[Stretch], low_mm: float, high_mm: float) -> int:
     return max(row, key=lambda s: (min(s.high_mm, high_mm) - max(s.low_mm, low_mm), -s.ring)).ring
 
 
-def is_whole(done: Covered, burn: int, ring: shapely.LineString, free: Floats, within_mm: float) -> bool:
-    """Whether a burn covers all of a ring by itself."""
+def is_whole(piece: Piece, done: Covered, burn: int, ring: shapely.LineString, free: Floats, within_mm: float) -> bool:
+    """Whether a piece goes all round a ring, and nothing else has burnt any of it."""
     new = done.new.get(burn)
-    return new is not None and total_mm(union(np.concatenate([new, free]))) >= ring.length - 2 * within_mm
+    if new is None or not piece.out:
+        return False
+    around_mm = ring.length - 4 * within_mm
+    alone = total_mm(union(np.concatenate([new, free]))) >= around_mm
+    return alone and piece.leave_mm - piece.since_mm >= float(around_mm - total_mm(free))
