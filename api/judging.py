@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 from .reading import Made, plan_of, plan_or_path
 
 
-def check(nest: NestLike, made: Made, profile: ProfileLike = DEFAULT) -> CheckResult:
+def check(nest: NestLike, made: Made, profile: ProfileLike = DEFAULT, plan: Made | None = None) -> CheckResult:
     """Judge a plan or an NC program by every rule, independently of whatever made it: from geometry and profile alone.
 
     Parameters
@@ -37,6 +37,9 @@ def check(nest: NestLike, made: Made, profile: ProfileLike = DEFAULT) -> CheckRe
         A plan, a result, or the path of a plan (.json) or of an NC program.
     profile
         A profile, its name or its path.
+    plan
+        The plan of an NC program, a result, or its path: the program has to follow it, and what the program's comments
+        do not say is taken from there.
 
     Returns
     -------
@@ -57,7 +60,8 @@ def check(nest: NestLike, made: Made, profile: ProfileLike = DEFAULT) -> CheckRe
     >>> verdict.ok, verdict.rule("inner-before-outer").verdict
     (True, 'holds')
     """
-    return check_made(given_of(nest, profile), plan_or_path(made))
+    of_plan = None if plan is None else plan_or_path(plan)
+    return check_made(given_of(nest, profile), plan_or_path(made), plan=of_plan)
 
 
 def explain(

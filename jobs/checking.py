@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from kerfwise.encoder.errors import InputError
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.reader import read_plan
 from kerfwise.postproc.check import CheckResult
@@ -13,8 +14,12 @@ from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 from .given import Given, Tell, differences, is_plan_file, program_text, silent
 
 
-def check_made(given: Given, made: Plan | str | Path, tell: Tell = silent) -> CheckResult:
+def check_made(
+    given: Given, made: Plan | str | Path, tell: Tell = silent, plan: Plan | str | Path | None = None
+) -> CheckResult:
     """The verdict on a plan, or on the plan or NC program in a file.
+
+    With `plan`, a program has to follow that plan too, which says what the program's own comments do not.
 
     Raises
     ------
@@ -23,8 +28,13 @@ def check_made(given: Given, made: Plan | str | Path, tell: Tell = silent) -> Ch
     """
     trusted_dialect(given.profile)  # a plan is worth nothing on a machine whose programs would not run
     if not isinstance(made, Plan) and not is_plan_file(made):
-        return check_program(given.nest, program_text(made), given.profile, str(made))
-    plan = made if isinstance(made, Plan) else read_plan(made)
-    for text in differences(plan, given):
+        followed = read_plan(plan) if isinstance(plan, str | Path) else plan
+        for text in differences(followed, given) if followed is not None else ():
+            tell(text)
+        return check_program(given.nest, program_text(made), given.profile, str(made), followed)
+    if plan is not None:
+        raise InputError("a plan is held against no other plan: expected an NC program, with the plan it was made from")
+    judged = made if isinstance(made, Plan) else read_plan(made)
+    for text in differences(judged, given):
         tell(text)
-    return check_plan(given.nest, plan, given.profile)
+    return check_plan(given.nest, judged, given.profile)

@@ -2,6 +2,7 @@
 
 from .check import check_cuts, check_program
 from .heating import Heating, Thermometer
+from .planned import Planned
 from .relaxed import Relaxed
 from .report import report
 from .result import CheckResult, Excused, Judgement, Measured
@@ -14,6 +15,7 @@ __all__ = [
     "Heating",
     "Judgement",
     "Measured",
+    "Planned",
     "Relaxed",
     "Thermometer",
     "check_cuts",

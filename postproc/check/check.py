@@ -20,6 +20,7 @@ from .judge import judge
 from .links import bad_links
 from .loose_metal import burnt_loose
 from .metal import Pairs, gouges, off_sheet
+from .planned import Planned, strays_from
 from .program_rules import judgement
 from .rebuild import rebuild
 from .relaxed import Relaxed, read_relaxed, relaxed_warnings
@@ -72,10 +73,12 @@ def check_program(
     file: str = "",
     thermometer: Thermometer | None = None,
     tabs: Tabs | None = None,
+    planned: Planned | None = None,
 ) -> CheckResult:
     """Judge an NC program: what it burns is read with a reader of its own and matched with the nest.
 
-    `tabs` are stretches of contours, by contour id, that are to stay uncut.
+    `tabs` are stretches of contours, by contour id, that are to stay uncut. Given what a plan says, the program has to
+    follow that, cut by cut, and names, zones and excuses that it does not tell are the plan's.
 
     Raises
     ------
@@ -84,17 +87,22 @@ def check_program(
     """
     judged_by = judged_nest(nest, profile)
     nest = judged_by.nest
+    profile = profile if planned is None else profile.at_origin(planned.origin)
     program = read_on_machine(nc_text, nest, profile, file)
     told = list(other_origin(program, profile))
     profile = on_its_origin(program, profile)
     nest, slots = with_passes(nest, passes_of_program(nest, program, profile), profile)
     judged_by = replace(judged_by, nest=nest)
-    built = rebuild(nest, program, profile.material.kerf_mm, profile.home_on(nest), tabs)
+    built = rebuild(nest, program, profile.material.kerf_mm, profile.home_on(nest), tabs, planned)
     astray = rapids_beyond_travel(nest, program, profile)
     relaxed = read_relaxed(nest, program.comments)
+    if planned is not None:
+        relaxed = tuple(dict.fromkeys((*relaxed, *planned.relaxed)))
     judged, warnings = _judge_paths(
         judged_by, slots, built.cuts, built.runs, built.violations, profile, relaxed, astray, tabs
     )
+    if planned is not None:
+        judged.append(judgement("follows-plan", strays_from(planned, nest, built.cuts, profile.material.kerf_mm)))
     judged += judge_running(nest, program, profile, built.runs, judged_by.shares)
     felt = measured(once_each(nest, built.cuts), heatings_of_program(program), thermometer)
     rules = judge(nest, felt, profile, relaxed)

@@ -6,6 +6,7 @@ import re
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 
 import shapely
 
@@ -18,6 +19,7 @@ from kerfwise.rules.rule import Violation
 from .cut_from_burn import cut_from_burn
 from .matching import Matcher
 from .names import folded, ids_by_name
+from .planned import Planned
 from .resumed import read_resumed
 from .shared_cuts import Tabs, shared_cuts
 from .torch_run import TorchRun, line_of
@@ -42,20 +44,29 @@ class Rebuilt:
     broken_off: Cut | None = None
 
 
-def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point, tabs: Tabs | None = None) -> Rebuilt:
+def rebuild(
+    nest: Nest,
+    program: NcProgram,
+    kerf_mm: float,
+    home: Point,
+    tabs: Tabs | None = None,
+    planned: Planned | None = None,
+) -> Rebuilt:
     """Match every torch-on path of a program with a contour of the nest.
 
     Zones, the start side and excuses come from comments such as `CUT 12 P3.hole1 ZONE 2`, `START SIDE LEFT` and
     `EXCUSED part-rigidity P1.outer`, where there are any, and so does what was cut before the program began (see
     `resumed`); which contour is cut, its entry, direction and leads come
-    from geometry alone.
+    from geometry alone. What the comments do not say the plan does, where there is one.
     """
     burns = program.burns
     paths = [line_of(burn.path) or _dot(burn) for burn in burns]
     told = [_CUT.search(burn.comment) for burn in burns]
     ids = ids_by_name(nest, program.comments)
     names = [ids.get(folded(words["contour"])) if words else None for words in told]
-    named = [None if name is None else nest.index[name] for name in names]
+    if planned is not None:
+        names = [name or guess for name, guess in zip_longest(names, planned.names_of_burns())][: len(burns)]
+    named = [None if name is None else nest.index.get(name) for name in names]
     matcher = Matcher(nest, kerf_mm)
     matches = matcher.match(paths, [burn.tool != 0 for burn in burns], named)
     several = shared_cuts(nest, burns, paths, matches, matcher.rings, kerf_mm, tabs)
@@ -63,6 +74,9 @@ def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point, tabs: T
     excused = _excused(program, ids)
     before = read_resumed(nest, program.comments)
     cuts: list[Cut] = list(before.cuts)
+    if planned is not None and not cuts:
+        cuts += planned.cuts[: planned.cuts.made]
+    made = len(cuts)
     runs: list[TorchRun] = []
     violations: list[Violation] = list(before.violations)
     warnings: list[str] = []
@@ -81,7 +95,7 @@ def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point, tabs: T
             violations.append(_stray(burn, path))
             continue
         contour = nest.contours[match.contour]
-        if name is not None and name != match.contour:
+        if words and name is not None and name != match.contour:
             warnings.append(f"line {burn.line}: the comment names {nest.contours[name].id}, but {contour.id} is cut")
         zone = int(words["zone"]) if words else 0
         cut, run, wrong = cut_from_burn(burn, path, contour, match, kerf_mm, zone, len(cuts) + 1)
@@ -89,7 +103,8 @@ def rebuild(nest: Nest, program: NcProgram, kerf_mm: float, home: Point, tabs: T
         runs.append(run)
         violations += wrong
     side = next((_SIDES[found[1].upper()] for found in map(_SIDE.search, program.comments) if found), None)
-    sequence = CutSequence(tuple(cuts), side, home, made=len(before.cuts))
+    sequence = CutSequence(tuple(cuts), side, home, made=made)
+    sequence = sequence if planned is None else planned.completed(sequence)
     return Rebuilt(sequence, tuple(runs), tuple(violations), tuple(warnings), before.broken_off)
 
 

@@ -12,7 +12,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.shown import shown
 from kerfwise.encoder.still_going import long_job, so_much
 from kerfwise.models.plan.plan import Plan, RuleReport
-from kerfwise.postproc.check import CheckResult, Claims, Heating, Relaxed, Thermometer, check_cuts
+from kerfwise.postproc.check import CheckResult, Claims, Heating, Planned, Relaxed, Thermometer, check_cuts
 from kerfwise.postproc.check import check_program as check_nc
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule_file import RuleFile
@@ -24,7 +24,7 @@ def _of_plan(nest: Nest, plan: Plan, profile: Profile) -> str:
     return f"checking the plan of {nest.file or 'the nest'}"
 
 
-def _of_program(nest: Nest, nc_text: str, profile: Profile, file: str = "") -> str:
+def _of_program(nest: Nest, nc_text: str, profile: Profile, file: str = "", plan: Plan | None = None) -> str:
     program = file or f"the program of {nest.file or 'the nest'}"
     return f"checking {program}"
 
@@ -45,15 +45,17 @@ def check_plan(nest: Nest, plan: Plan, profile: Profile) -> CheckResult:
         {rule.id: rule.holds for rule in plan.rules},
         plan.profile.get("sha256") == profile.sha256,
     )
-    relaxed = tuple(Relaxed(dropped.rule, dropped.contours) for dropped in plan.dropped if dropped.relaxed)
+    relaxed = _relaxed_of(plan)
     thermometer = thermometer_of(nest, profile)
     profile = profile.at_origin(plan.origin)
     return check_cuts(nest, plan.sequence(profile.home_on(nest)), profile, claims, relaxed, thermometer)
 
 
 @long_job(_of_program)
-def check_program(nest: Nest, nc_text: str, profile: Profile, file: str = "") -> CheckResult:
+def check_program(nest: Nest, nc_text: str, profile: Profile, file: str = "", plan: Plan | None = None) -> CheckResult:
     """Judge an NC program by geometry, the profile and, where a rule asks for it, temperatures.
+
+    Given a plan, the program has to follow it, and what the program's comments do not say is taken from there.
 
     Raises
     ------
@@ -61,7 +63,13 @@ def check_program(nest: Nest, nc_text: str, profile: Profile, file: str = "") ->
         With the line, for a program that is malformed or says something the reader does not understand.
     """
     so_much(nc_text.count("\n"), "line", "lines")
-    return check_nc(nest, nc_text, profile, file, thermometer_of(nest, profile))
+    planned = None if plan is None else Planned(plan.sequence(), _relaxed_of(plan), plan.origin)
+    return check_nc(nest, nc_text, profile, file, thermometer_of(nest, profile), planned=planned)
+
+
+def _relaxed_of(plan: Plan) -> tuple[Relaxed, ...]:
+    """The statements that a plan says it has relaxed."""
+    return tuple(Relaxed(dropped.rule, dropped.contours) for dropped in plan.dropped if dropped.relaxed)
 
 
 def thermometer_of(nest: Nest, profile: Profile) -> Thermometer | None:
