@@ -32,6 +32,8 @@ def _list() -> None:
             click.echo(f"{'':20}  read back by {reader}")
         if not dialect.verified_by:
             click.echo(f"{'':20}  not verified by any reader but the check's own, nor on a control")
+    click.echo(f"{'DXF':20}the torch's paths as a drawing, a polyline a cut, in order: kerfwise solve … --dxf OUT.dxf")
+    click.echo(f"{'':20}  read back by GDAL (pyogrio)")
 
 
 @command.command()

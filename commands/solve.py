@@ -21,6 +21,7 @@ from .numbers import AMOUNT_OVER_ZERO, Amount
 @given_options
 @click.option("-o", "--output", metavar="OUT.nc", help="The program. If no output is named: NEST.nc, .plan.json, .svg.")
 @click.option("--plan", "plan_path", metavar="PLAN.json", help="The plan.")
+@click.option("--dxf", metavar="OUT.dxf", help="The torch's paths as a drawing, a polyline a cut, in order.")
 @click.option("--picture", metavar="OUT.svg|.png|.html", help="A picture of the plan.")
 @click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit by the clock, in seconds.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
@@ -49,6 +50,7 @@ from .numbers import AMOUNT_OVER_ZERO, Amount
 def command(
     output: str | None,
     plan_path: str | None,
+    dxf: str | None,
     picture: str | None,
     time_limit: float | None,
     work: float,
@@ -73,17 +75,18 @@ def command(
     from kerfwise.jobs.stopped import already_cut
     from kerfwise.jobs.summary import summary
     from kerfwise.postproc.files import write_files
+    from kerfwise.postproc.nc.dxf_out import write_dxf
     from kerfwise.postproc.report import draw
 
     from .conflict import tell_conflict
     from .progress import ProgressLine
 
     file = Path(options["nest"])
-    if named_after := output is plan_path is picture is None:
+    if named_after := output is plan_path is dxf is picture is None:
         beside = f"{file.stem}.plan.svg" if file.suffix.lower() == ".svg" else f"{file.stem}.svg"
         output, plan_path, picture = f"{file.stem}.nc", f"{file.stem}.plan.json", beside
     conflict_picture = conflict_picture or f"{file.stem}.conflict.svg"
-    outputs = (output, plan_path, picture, conflict_picture)
+    outputs = (output, plan_path, dxf, picture, conflict_picture)
     _expect(outputs, (picture, conflict_picture), (file, lock_from))
     if named_after:
         expect_own(file, Path(str(output)), Path(str(plan_path)), Path(str(picture)))
@@ -111,6 +114,8 @@ def command(
             files[Path(output)] = made.program
         if plan_path:
             files[Path(plan_path)] = made.plan.to_json()
+        if dxf:
+            files[Path(dxf)] = write_dxf(made.plan, given.nest, given.profile)
         if picture:
             files[Path(picture)] = draw(given.nest, made.plan, Path(picture).suffix, given.profile.home_on(given.nest))
         write_files(files)
