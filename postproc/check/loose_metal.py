@@ -1,6 +1,6 @@
 """Burns in metal that has come loose: pieces that several burns have cut off together before all in them was cut.
 
-What one burn cuts off by going round one contour is what the rules on inner and nested contours speak of. Here are
+What one burn cuts off by going round one contour is what the rules on inner and nested contours are about. Here are
 pieces that only the kerfs of several burns enclose, such as a row of parts with common edges.
 """
 
