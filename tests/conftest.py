@@ -21,11 +21,13 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.jobs import produce as production
 from kerfwise.models.kernels import take_plainly
 from kerfwise.models.plan.plan import Plan
+from kerfwise.postproc.dialects import load_dialect
 from kerfwise.rules.flat import kept_compiled
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import simulate
 from kerfwise.tests.tools.needed import LEFT_OUT, WITHOUT, keep_from
+from kerfwise.tests.tools.outside.mapped import in_linuxcnc
 
 ROOT = Path(__file__).parents[1]
 Made = list[tuple[Nest, Profile, str, str | None]]
@@ -120,8 +122,13 @@ def before(plan: Plan) -> Plan:
 
 
 def judged(nest: Nest, profile: Profile, program: str, old: str | None = None) -> list[object]:
-    """The findings of a program, which may go on after an `old` one; without a kerf nothing is burnt."""
+    """The findings of a program, which may go on after an `old` one; without a kerf nothing is burnt.
+
+    The simulation reads LinuxCNC's words: a program for another control is spelt in these first.
+    """
     if profile.material.kerf_mm <= 0:
         return []
-    more = {} if old is None else {"before": old}
+    control = load_dialect(profile.machine.dialect).control
+    program = in_linuxcnc(program, control)
+    more = {} if old is None else {"before": in_linuxcnc(old, control)}
     return [*simulate(profile.as_cut(nest), program, **plant(profile), **more)]

@@ -14,6 +14,7 @@ from kerfwise.encoder.still_going import long_job, so_much
 from kerfwise.models.plan.plan import Plan, RuleReport
 from kerfwise.postproc.check import CheckResult, Claims, Heating, Planned, Relaxed, Thermometer, check_cuts
 from kerfwise.postproc.check import check_program as check_nc
+from kerfwise.postproc.dialects import load_dialect
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule_file import RuleFile
 
@@ -95,13 +96,15 @@ def thermometer_of(nest: Nest, profile: Profile) -> Thermometer | None:
 def judge(nest: Nest, plan: Plan, program: str, profile: Profile) -> CheckResult:
     """Judge a plan and the program written from it: a rule holds if it holds in both.
 
+    A program in a dialect without comments is held against the plan, as `check --plan` does.
+
     Raises
     ------
     InputError
         If the program that the profile's dialect makes of the plan cannot be read back: with the block, for nobody has
         the program.
     """
-    planned, written = check_plan(nest, plan, profile), _check_written(nest, program, profile)
+    planned, written = check_plan(nest, plan, profile), _check_written(nest, plan, program, profile)
     of_program = {judgement.id: judgement for judgement in written.rules}
     rules = []
     for judgement in planned.rules:
@@ -115,9 +118,10 @@ def judge(nest: Nest, plan: Plan, program: str, profile: Profile) -> CheckResult
     return result if result.ok else _by_block(result, program)
 
 
-def _check_written(nest: Nest, program: str, profile: Profile) -> CheckResult:
+def _check_written(nest: Nest, plan: Plan, program: str, profile: Profile) -> CheckResult:
+    silent = load_dialect(profile.machine.dialect).comment is None
     try:
-        return check_program(nest, program, profile)
+        return check_program(nest, program, profile, plan=plan if silent else None)
     except InputError as error:
         block = f" ({_block(program, error.line)})" if error.line is not None else ""
         message = f"the program that dialect {profile.machine.dialect} makes here cannot be read back{block}"

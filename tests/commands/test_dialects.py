@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import jsonschema
@@ -96,3 +97,25 @@ def test_a_dialect_without_comments_cannot_go_on_after_a_stop() -> None:
     ended = kerfwise("solve", "a.json", "-p", "b.yaml", "--lock-from", "a.plan.json", "--upto", 1, "-o", "b.nc")
     assert ended.code == 2
     assert "'burny' knows no comments" in ended.err
+
+
+@pytest.mark.parametrize("name", dialect_names())
+def test_each_dialects_program_is_solved_and_checked_by_the_command_line(name: str) -> None:
+    Path("a.json").write_text(NEST % '}, {"id": "B", "outer": [[120, 30], [180, 30], [180, 90]]')
+    process = load_dialect(name).processes[0]
+    Path("b.yaml").write_text(f"machine: {{process: {process}, dialect: {name}}}\n")
+    solved = kerfwise("solve", "a.json", "-p", "b.yaml", "--work", 1, "-o", "a.nc", "--plan", "a.plan.json")
+    assert solved.code == 0, solved.err + solved.out
+    assert "not judged" not in solved.out
+    alone = kerfwise("check", "a.json", "a.nc", "-p", "b.yaml")
+    silent = load_dialect(name).comment is None
+    assert ("not judged hard zone-order" in alone.out, alone.code) == (silent, 1 if silent else 0)
+    held = kerfwise("check", "a.json", "a.nc", "-p", "b.yaml", "--plan", "a.plan.json")
+    assert held.code == 0, held.out
+    rows = Path("a.nc").read_text().splitlines(keepends=True)
+    at = [k for k, row in enumerate(rows) if re.search(r"\bX[0-9]", row) and "(" not in row][3]
+    rows[at] = re.sub(r"X([0-9.]+)", lambda x: f"X{float(x[1]) + 1:g}", rows[at])  # in the middle of a path
+    Path("a.nc").write_text("".join(rows))
+    damaged = kerfwise("check", "a.json", "a.nc", "-p", "b.yaml", "--plan", "a.plan.json")
+    assert damaged.code in (1, 2)  # another path, or an arc that is none
+    assert "contour-geometry" in damaged.out or "the arc's radius" in damaged.err

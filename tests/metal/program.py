@@ -20,7 +20,7 @@ _CUT = re.compile(r"^(?:CUT|MARK|SPOT) (\d+) (.+?)(?: ZONE .*)?$")
 _RESUMED = re.compile(r"^RESUME AFTER CUT (\d+)")
 _CORNER = re.compile(r"^ORIGIN SHEET CORNER\b")
 _HARMLESS = {
-    "G": {"4", "17", "21", "40", "49", "64", "80", "90", "91.1", "94"},
+    "G": {"4", "17", "21", "40", "49", "64", "61", "80", "90", "94"},
     "M": {"2", "30", "66", "67", "68", "190"},
 }
 """Words that move nothing and burn nothing. G20, G91, G41, offsets and M62 to M65 (torch off while the path goes on)
@@ -92,6 +92,7 @@ class _Reader:
     resumed_after: int | None = None
     from_corner: bool = False
     ended: bool = False
+    centres_absolute: bool = False
 
     def block(self, number: int, line: str) -> None:
         for said in _COMMENT.findall(line):
@@ -126,6 +127,8 @@ class _Reader:
                 self._stop(1)
             elif letter == "M" and value == "5":
                 self._stop(int(values.get("$", 0)))
+            elif letter == "G" and value in ("90.1", "91.1"):
+                self.centres_absolute = value == "90.1"
             elif value not in _HARMLESS[letter]:
                 raise UnreadableProgram(f"line {number}: {letter}{value} is not known here: {line.strip()}")
             self.ended = self.ended or (letter == "M" and value in ("2", "30"))
@@ -138,7 +141,8 @@ class _Reader:
         if code < 2:
             way = np.array([end])
         else:
-            centre = (start[0] + values.get("I", 0.0), start[1] + values.get("J", 0.0))
+            base = (0.0, 0.0) if self.centres_absolute else start
+            centre = (base[0] + values.get("I", 0.0), base[1] + values.get("J", 0.0))
             way = chords(start, centre, _sweep_rad(start, centre, end, ccw=code == 3), end)
         if self.on is not None:
             self.points.append(way)
