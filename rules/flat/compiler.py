@@ -26,6 +26,8 @@ WORDS = HERE / "words.mzn"
 JUDGED = HERE / "judged.mzn"
 JUDGED_ORDERS = HERE / "judged_orders.mzn"
 GECODE = "gecode"
+OWN_MODEL = "kerfwise model.mzn"
+"""What kerfwise asks MiniZinc to compile: no rule's file may have such a name."""
 LIMIT_S = 120.0
 """What a rule takes to be compiled for a nest of 300 contours is a second or two."""
 SAID = "%kerfwise "
@@ -73,7 +75,7 @@ def solve_all(text: str, about: Path) -> str:
     program = minizinc_program()
     expect_solving(program, GECODE)
     with tempfile.TemporaryDirectory(prefix="kerfwise-", ignore_cleanup_errors=True) as folder:
-        model = Path(folder, "rule.mzn")
+        model = Path(folder, OWN_MODEL)
         model.write_text(text, encoding="utf-8", newline="\n")
         ran = run(program, ("--solver", GECODE, "--all-solutions", str(model)), LIMIT_S)
         _expect_done(ran, about, program)
@@ -90,7 +92,7 @@ def compile_model(text: str, about: Path) -> Compiled:
     """
     program = minizinc_program()
     with tempfile.TemporaryDirectory(prefix="kerfwise-", ignore_cleanup_errors=True) as folder:
-        model, flat, solver = (Path(folder, name) for name in ("rule.mzn", "rule.fzn", "kerfwise.msc"))
+        model, flat, solver = (Path(folder, name) for name in (OWN_MODEL, "rule.fzn", "kerfwise.msc"))
         model.write_text(text, encoding="utf-8", newline="\n")
         solver.write_text(json.dumps(_solver()), encoding="utf-8", newline="\n")
         words = ("-c", "--solver", str(solver), "--fzn", str(flat), "--no-output-ozn", str(model))
@@ -130,24 +132,27 @@ def _mistake(said: str, about: Path, program: str) -> InputError:
     told = next((line.removeprefix("Error:").strip() for line in lines if line.startswith("Error:")), "")
     if not told:
         return unusable(program, f"it ends with {shown(said[:100])!r} and no error")
-    told = told.removeprefix("type error:").strip()
-    message = f"MiniZinc: {told}{_hint(told)}"
-    for line in lines:
-        place = _PLACE.match(line.strip())
-        if place is not None and place["file"] and not _own(Path(place["file"])):
-            return InputError(message, file=place["file"], line=int(place["line"]), column=int(place["column"]))
+    for words in ("type error:", "symbol error:", "(did you forget to specify a data file?)"):
+        told = told.replace(words, "").strip()
+    message = f"MiniZinc: {told}{_hint(told, about)}"
+    found = (place for line in lines if (place := _PLACE.match(line.strip())) is not None and place["file"])
+    places = [place for place in found if not _own(Path(place["file"]))]
+    beside = about.resolve().parent
+    for place in sorted(places, key=lambda place: not Path(place["file"]).resolve().is_relative_to(beside)):
+        file = about if Path(place["file"]).resolve() == about.resolve() else Path(place["file"])
+        return InputError(message, file=file, line=int(place["line"]), column=int(place["column"]))
     return InputError(message, file=about)
 
 
 def _own(file: Path) -> bool:
     """Whether kerfwise, or MiniZinc itself, wrote the file."""
-    return not file.exists() or file.name == "rule.mzn" or file.resolve().is_relative_to(HERE)
+    return not file.exists() or file.name == OWN_MODEL or file.resolve().is_relative_to(HERE)
 
 
 _ENGINES_OWN = ("stop", "STOP", "leg", "cut_at", "travel", "idle_travel", "begin_ms", "end_ms", "cut_ms", "move_ms")
 
 
-def _hint(told: str) -> str:
+def _hint(told: str, about: Path) -> str:
     """What to do where a file uses what only the MiniZinc engine has."""
     name = re.search(r"[`'](\w+)'", told)
     if name is not None and name[1] in _ENGINES_OWN:
@@ -156,5 +161,6 @@ def _hint(told: str) -> str:
             "rule with before, picked, directly_before, cuts_between, position, pick or pause_ms"
         )
     if "must be defined" in told:
-        return "; a parameter of the rule is set in the profile's rules"
+        own = f"{about.stem.replace('-', '_')}_most"
+        return f"; a parameter is called as the file and then by its own name, as in {own}, with a default beside it"
     return ""

@@ -84,6 +84,13 @@ def read_model_file(path: Path) -> ModelFile:
     array = re.search(rf"\b{stem}_holds\b(?=[^;=]*=)", code)
     bare = _BARE.search(code)
     if array is None and bare is None:
+        other = re.search(r"\b(\w+)_holds\b(?=[^;=]*=)", code)
+        if other is not None:
+            raise InputError(
+                f"the array {other[0]} is not named as the file: call it {stem}_holds, or the file {other[1]}.mzn",
+                file=path,
+                line=_line(code, other.start()),
+            )
         raise InputError(
             f"the file states nothing: expected an array `array[int] of var bool: {stem}_holds = [...];`", file=path
         )

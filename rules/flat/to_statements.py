@@ -75,8 +75,12 @@ class Writer:
         for (i, j), (cuts, k) in lags.items():
             yield self._apart(Between(i, j, cuts), _said(says, k))
         for k in rest:
+            said = _said(says, k)
+            if elements[k] is False:
+                words = f"element {k + 1} of the file's array can hold in no order"
+                said = f"{words}: {said or self.why}"
             try:
-                yield from self._of_node(elements[k], _said(says, k))
+                yield from self._of_node(elements[k], said)
             except NotHeld as error:
                 raise NotHeld(k + 1, str(error)) from None
         for node in further:

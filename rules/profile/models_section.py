@@ -86,6 +86,8 @@ def _paths(node: yaml.Node, problems: Problems) -> Iterator[tuple[Path, yaml.Nod
             if not found:
                 problems.add(entry, f"models: no MiniZinc file matches {str(folder / name)!r}")
             yield from ((path, entry) for path in found)
+        elif (folder / name).is_dir():
+            problems.add(entry, f"models: {str(folder / name)!r} is a folder: name the files in it, as in {name}/*.mzn")
         elif not is_file(folder / name):
             problems.add(entry, f"models: there is no file {str(folder / name)!r}")
         else:

@@ -87,7 +87,7 @@ class Conflict:
         for rule, abouts in by_rule.items():
             count = f"{len(abouts)} statement" + ("s" if len(abouts) > 1 else "")
             names = tuple(dict.fromkeys(name for about in abouts for name in about.contours))
-            yield f"  relax {rule}: {count} about {_few(names)}"
+            yield f"  relax {rule}: {count}" + (f" about {_few(names)}" if names else "")
 
 
 def find_conflict(facts: Facts, profile: Profile, budget: Budget | None = None) -> Conflict | None:
