@@ -122,3 +122,38 @@ def names() -> frozenset[str]:
 
 def test_every_kind_of_change_is_tried() -> None:
     assert names() == {"reversed", "weakened", "strengthened"}
+
+
+FULL = nest(
+    420, 260,
+    part("H", rect(20, 20, 110, 110), [rect(35, 35, 80, 80)]),
+    part("G", rect(55, 55, 40, 40)),
+    part("M", rect(160, 20, 90, 90), [rect(180, 40, 20, 20)], marks=[[(215, 80), (235, 80)]]),
+    part("U", [(280, 20), (390, 20), (390, 50), (310, 50), (310, 110), (390, 110), (390, 140), (280, 140)]),
+    part("V", rect(335, 65, 40, 30)),
+)  # fmt: skip
+REPLACED = [name for name, rule in RULES.items() if not rule.takes_no_file]
+
+
+@pytest.mark.parametrize("rule", REPLACED)
+@pytest.mark.parametrize("strength", ["hard", "soft"])
+def test_a_copy_of_a_shipped_file_changes_nothing(tmp_path: Path, rule: str, strength: str) -> None:
+    if strength not in RULES[rule].strengths:
+        return
+    weight = ", weight: 40" if strength == "soft" else ""
+    others = {"zone-order": "", "heat-lag": "level-ahead: off, hull-before: off, zone-order: off, "}
+    zones = others.get(rule, "zone-order: {zone_contours: 4}, ")
+    options = ", heat_radius: 16 mm" if rule == "heat-lag" else ""
+    settings = f"rules: {{{zones}{rule}: {{strength: {strength}{weight}{options}}}}}\n"
+    (tmp_path / "shipped.yaml").write_text(settings, encoding="utf-8")
+    text = rule_file(rule).read_text(encoding="utf-8")
+    (tmp_path / rule_file(rule).name).write_text(text, encoding="utf-8")
+    (tmp_path / "own.yaml").write_text(f"models: '*.mzn'\n{settings}", encoding="utf-8")
+    shipped, own = (planned_in(FULL, load_profile(tmp_path / name)) for name in ("shipped.yaml", "own.yaml"))
+    assert own.verdict.ok == shipped.verdict.ok is True
+    assert (own.plan.solve.objective, own.plan.solve.status) == (shipped.plan.solve.objective, "optimal")
+    assert {j.id: j.verdict for j in own.verdict.rules}[rule] == {j.id: j.verdict for j in shipped.verdict.rules}[rule]
+
+
+def planned_in(of: Nest, profile: Profile) -> Produced:
+    return produce(ask(facts_of(of, profile), profile), profile, SolveOptions(work=3.0))
