@@ -9,9 +9,9 @@ from kerfwise.models.problem.problem import Problem
 
 from .merge import merge
 from .pool import Elite
-from .structs import for_kernels
 from .tables import make_tables
 from .walker import Walker
+from .walkers import make_walker_like
 
 LEAST = 8  # contours of a merged problem that is worth a search
 EACH = 400_000  # operations for each of its contours
@@ -36,7 +36,7 @@ def merge_tours(
         found = walker.take()
         return better if found is None else found, operations
     fields = make_tables(merged.problem)
-    child = Walker(for_kernels(fields), fields, seed, like=walker)
+    child = make_walker_like(walker, fields, seed)
     child.stand_on(merged.route)
     operations = min(most, EACH * merged.problem.n)
     child.cool(operations)

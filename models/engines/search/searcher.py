@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from functools import partial
+from operator import methodcaller
 
 import numpy as np
 
@@ -15,10 +16,9 @@ from kerfwise.models.problem.problem import Problem
 
 from .merge import mergeable
 from .schedule import CoolingPart, Schedule
-from .structs import for_kernels
 from .tables import make_tables
 from .tour_merging import CHILD, TourMerging
-from .walker import Walker
+from .walkers import make_walkers
 
 WORK_PER_S = 450_000_000  # elementary operations that a second of work stands for
 CHUNK = 20_000_000  # operations between two looks at the clock and at whether to stop
@@ -41,8 +41,7 @@ class Searcher:
     def __init__(self, problem: Problem, seed: int = 1) -> None:
         self._problem = problem
         fields = make_tables(problem)
-        tables = for_kernels(fields)
-        self._walkers = [Walker(tables, fields, (seed, k)) for k in range(WALKERS)]
+        self._walkers = make_walkers(fields, seed, WALKERS)
         self._merging = TourMerging(problem, self._walkers, seed) if mergeable(problem) else None
 
     @property
@@ -119,14 +118,14 @@ class Searcher:
 
     def _begin(self, pool: Executor, most: int, end_s: float | None, progress: Progress | None) -> bool:
         """First routes, improved without going uphill; answers as `run` does."""
-        list(pool.map(Walker.start, self._walkers))
+        list(pool.map(methodcaller("start"), self._walkers))
         left = min(most, FIRST_DESCENT * self._problem.n)
         while left > 0 and (end_s is None or running_s() < end_s):
             if progress is not None and not progress("search", self._best_cost(), None):
                 return False
-            list(pool.map(partial(Walker.descend, chunk=min(CHUNK, left)), self._walkers))
+            list(pool.map(methodcaller("descend", min(CHUNK, left)), self._walkers))
             left -= CHUNK
-        list(pool.map(partial(Walker.measure, most=most), self._walkers))
+        list(pool.map(methodcaller("measure", most), self._walkers))
         return True
 
     def stand_on(self, route: Sequence[int]) -> None:

@@ -11,6 +11,7 @@ from kerfwise.models.engines.search.structs import for_kernels
 from kerfwise.models.engines.search.tables import make_tables
 from kerfwise.models.engines.search.tour_merging import TourMerging
 from kerfwise.models.engines.search.walker import Walker
+from kerfwise.models.engines.search.annealing_walker import AnnealingWalker
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.tests.models.problems import scattered
 
@@ -19,7 +20,7 @@ PLATE = scattered(11, contours=60, sites=1, pairs=40)
 
 def _walker(number: int) -> Walker:
     fields = make_tables(PLATE)
-    walker = Walker(for_kernels(fields), fields, (5, number))
+    walker = AnnealingWalker(for_kernels(fields), fields, (5, number))
     walker.start()
     walker.measure(100_000)
     return walker

@@ -1,0 +1,68 @@
+"""Arcs as chains of exchanges read them, and on which problems chains are tried."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from kerfwise.arrays import Int32s, Ints
+from kerfwise.models.engines.search.orders import OrderLists
+from kerfwise.models.engines.search.tables import SearchTables
+from kerfwise.models.problem.successors import lawful_successors
+
+from .reduced_costs import reduced_costs
+
+NEAREST = 10
+"""Arcs out of every contour that steps make."""
+UNLAWFUL = 1 << 30
+"""Stands for the cost of an arc that no lawful order has; a sum of a few is a small number still."""
+SPARSE, FEWEST, MOST = 0.15, 60, 3000
+"""Share of the pairs of contours that orders decide up to which, and numbers of contours for which, chains are tried."""
+TYPICAL = 5
+"""Nearest arcs by whose cost temperatures are chosen."""
+
+
+class ChainTables(NamedTuple):
+    """Contours 0 … n - 1 and home, n: `cost` (n + 1, n + 1) are reduced costs.
+
+    `near[a]` lists the arcs out of a that cost least, the cheapest first, filled up with -1.
+    """
+
+    n: int
+    cost: Int32s
+    near: Int32s
+    orders: OrderLists
+
+
+def chained(fields: SearchTables) -> bool:
+    """Whether chains are worth trying: each contour has one site, orders alone bind, and they decide little."""
+    n = fields.legs.n
+    decided = int(fields.orders.before.sum()) / max(1, n * (n - 1) // 2)
+    return fields.arcs.plain > 0 and FEWEST <= n <= MOST and decided < SPARSE
+
+
+def make_chain_tables(fields: SearchTables) -> ChainTables:
+    """The arcs of a plain problem."""
+    lawful = lawful_successors(fields.orders.before, np.arange(fields.legs.n, dtype=np.int64))
+    given = fields.arcs.cost.astype(np.int64)
+    cost = reduced_costs(given, lawful)
+    if cost[lawful].max(initial=0) >= UNLAWFUL:  # sums of a few would be no small numbers
+        cost = given
+    cost = np.where(lawful, cost, UNLAWFUL)
+    by_cost = np.lexsort((given, cost), axis=1)[:, :NEAREST]
+    near = np.where(np.take_along_axis(cost, by_cost, axis=1) < UNLAWFUL, by_cost, -1)
+    return ChainTables(
+        fields.legs.n,
+        np.ascontiguousarray(cost.astype(np.int32)),
+        np.ascontiguousarray(near.astype(np.int32)),
+        fields.orders,
+    )
+
+
+def typical_cost(tables: ChainTables) -> float:
+    """Mean reduced cost of the nearest arcs."""
+    rows = np.arange(tables.n + 1)[:, None]
+    near = tables.near[:, :TYPICAL]
+    costs: Ints = tables.cost[rows, near].astype(np.int64)
+    return float(costs[near >= 0].mean())
