@@ -16,6 +16,8 @@ from kerfwise.models.engines.search.state import WORK
 from .state import HIGH, LOW, ChainState
 from .tables import UNLAWFUL, ChainTables
 
+SHORT = 8
+"""Length of stretches that are moved by steps whose second new arc need not be a near one."""
 PER_ARC, PER_SWAP = 5, 20
 """Operations for looking at an arc, and for a swap, beside those for each place."""
 
@@ -58,7 +60,7 @@ def find_steps(tables: ChainTables, state: ChainState, depth: int, most: int, p:
     `saved` is what broken arcs cost more than made ones, with the arc at p broken. It stays above zero on the way.
     Steps that may end the chain with a gain come first, then those that save most.
     """
-    line, near = state.line, tables.near
+    line, near, near_in = state.line, tables.near, tables.near_in
     x, follows = line[p], line[p + 1]
     found = 0
     for e in range(near.shape[1]):
@@ -74,20 +76,42 @@ def find_steps(tables: ChainTables, state: ChainState, depth: int, most: int, p:
             w = near[z, f]
             if w < 0 or arc(tables, z, w) >= after:
                 break
-            state.number[WORK] += PER_ARC
-            c = arrival(tables, state, w)
-            i, j, k = stretches(p, q, c)
-            v = line[c - 1]
-            closing = arc(tables, v, follows)
-            if i == 0 or closing >= UNLAWFUL:
-                continue
-            freed = after - arc(tables, z, w) + arc(tables, v, w)
-            if found == most and _rank(freed, closing) <= _rank_at(state, depth, most - 1):
-                continue
-            state.number[WORK] += min(j - i, k - j)
-            if may_swap(tables.orders, line, state.place, i, j, k):
-                found = min(found + 1, most)
-                _note_step(state, depth, found - 1, i, j, k, freed, closing)
+            found = _consider(tables, state, depth, found, most, p, q, arrival(tables, state, w), after)
+        for f in range(near_in.shape[1]):
+            v = near_in[follows, f]
+            if v >= 0:
+                found = _consider(tables, state, depth, found, most, p, q, np.int64(state.place[v]) + 1, after)
+        for size in range(1, SHORT + 1):
+            found = _consider(tables, state, depth, found, most, p, q, q + size, after)
+            found = _consider(tables, state, depth, found, most, p, q, p + 1 - size, after)
+    return found
+
+
+@compiled
+def _consider(
+    tables: ChainTables, state: ChainState, depth: int, found: int, most: int, p: int, q: int, c: int, after: int
+) -> int:
+    """Note the step that breaks the arc into place c as well, if it is lawful and one of the best; answers how many."""
+    state.number[WORK] += PER_ARC
+    i, j, k = stretches(p, q, c)
+    if i == 0 or k > tables.n + 1:
+        return found
+    line = state.line
+    v, w = line[c - 1], line[c]
+    made, closing = arc(tables, line[q - 1], w), arc(tables, v, line[p + 1])
+    freed = after - made + arc(tables, v, w)
+    if made >= after or closing >= UNLAWFUL:
+        return found
+    if found == most and _rank(freed, closing) <= _rank_at(state, depth, most - 1):
+        return found
+    for at in range(found):
+        if state.swap[depth, at, 0] == i and state.swap[depth, at, 1] == j and state.swap[depth, at, 2] == k:
+            return found
+    state.number[WORK] += min(j - i, k - j)
+    if not may_swap(tables.orders, line, state.place, i, j, k):
+        return found
+    found = min(found + 1, most)
+    _note_step(state, depth, found - 1, i, j, k, freed, closing)
     return found
 
 

@@ -26,12 +26,14 @@ TYPICAL = 5
 class ChainTables(NamedTuple):
     """Contours 0 … n - 1 and home, n: `cost` (n + 1, n + 1) are reduced costs.
 
-    `near[a]` lists the arcs out of a that cost least, the cheapest first, filled up with -1.
+    `near[a]` lists the arcs out of a that cost least, the cheapest first, filled up with -1;
+    `near_in[b]` the ends of those into b.
     """
 
     n: int
     cost: Int32s
     near: Int32s
+    near_in: Int32s
     orders: OrderLists
 
 
@@ -50,14 +52,20 @@ def make_chain_tables(fields: SearchTables) -> ChainTables:
     if cost[lawful].max(initial=0) >= UNLAWFUL:  # sums of a few would be no small numbers
         cost = given
     cost = np.where(lawful, cost, UNLAWFUL)
-    by_cost = np.lexsort((given, cost), axis=1)[:, :NEAREST]
-    near = np.where(np.take_along_axis(cost, by_cost, axis=1) < UNLAWFUL, by_cost, -1)
     return ChainTables(
         fields.legs.n,
         np.ascontiguousarray(cost.astype(np.int32)),
-        np.ascontiguousarray(near.astype(np.int32)),
+        _nearest(cost, given),
+        _nearest(cost.T, given.T),
         fields.orders,
     )
+
+
+def _nearest(cost: Ints, given: Ints) -> Int32s:
+    """The ends of the cheapest lawful arcs of each row; of those whose reduced costs are the same, the cheaper first."""
+    by_cost = np.lexsort((given, cost), axis=1)[:, :NEAREST]
+    near = np.where(np.take_along_axis(cost, by_cost, axis=1) < UNLAWFUL, by_cost, -1)
+    return np.ascontiguousarray(near.astype(np.int32))
 
 
 def typical_cost(tables: ChainTables) -> float:

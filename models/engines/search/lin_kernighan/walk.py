@@ -18,6 +18,8 @@ KICKS = 2
 """Random steps of a kick."""
 WIDTH = 8
 """Nearest arcs that a kick draws from."""
+LONGEST = 16
+"""Length of stretches that a kick moves, where but one of its arcs is a near one."""
 DRAWS = 100
 """Draws of a kick after which there is none."""
 PER_KICK = 50
@@ -58,7 +60,7 @@ def _begin_trial(tables: ChainTables, state: ChainState) -> None:
 
 @compiled
 def _kick(tables: ChainTables, state: ChainState) -> None:
-    """A random step that makes two near arcs, whatever the third one costs."""
+    """A random step that makes a near arc or two, whatever the others cost."""
     line, near = state.line, tables.near
     for _ in range(DRAWS):
         p = below(state.random, tables.n + 1)
@@ -67,14 +69,14 @@ def _kick(tables: ChainTables, state: ChainState) -> None:
         if y < 0:
             continue
         q = arrival(tables, state, y)
-        z = line[q - 1]
-        w = near[z, below(state.random, min(WIDTH, near.shape[1]))]
-        if w < 0:
-            continue
-        c = arrival(tables, state, w)
-        v = line[c - 1]
+        c = _third(tables, state, p, q)
         i, j, k = stretches(p, q, c)
-        if i == 0 or arc(tables, v, follows) >= UNLAWFUL or not may_swap(tables.orders, line, state.place, i, j, k):
+        if i == 0 or k > tables.n + 1:
+            continue
+        z, v, w = line[q - 1], line[c - 1], line[c]
+        if arc(tables, z, w) >= UNLAWFUL or arc(tables, v, follows) >= UNLAWFUL:
+            continue
+        if not may_swap(tables.orders, line, state.place, i, j, k):
             continue
         state.number[COST] += (
             arc(tables, x, y)
@@ -88,6 +90,20 @@ def _kick(tables: ChainTables, state: ChainState) -> None:
             enqueue(state, np.int64(tail))
         swap(state, i, j, k)
         return
+
+
+@compiled
+def _third(tables: ChainTables, state: ChainState, p: int, q: int) -> int:
+    """Where a kick breaks the third arc: such that another arc is a near one, or that a short stretch moves."""
+    kind = below(state.random, 4)
+    if kind == 0:
+        w = tables.near[state.line[q - 1], below(state.random, min(WIDTH, tables.near.shape[1]))]
+        return arrival(tables, state, w) if w >= 0 else 0
+    if kind == 1:
+        v = tables.near_in[state.line[p + 1], below(state.random, min(WIDTH, tables.near_in.shape[1]))]
+        return int(np.int64(state.place[v])) + 1 if v >= 0 else 0
+    size = 1 + below(state.random, LONGEST)
+    return q + size if kind == 2 else p + 1 - size
 
 
 @compiled
