@@ -10,17 +10,11 @@ from .walker import Walker
 
 
 def make_walkers(fields: SearchTables, seed: int, count: int) -> list[Walker]:
-    """So many walkers over a problem, each with random numbers of its own.
-
-    Where orders are sparse they go by chains; where most arcs cost the same both ways, and a stretch may be turned
-    round at no cost, the last of them anneals.
-    """
-    chains = 0 if not chained(fields) else count - 1 if fields.arcs.even else count
+    """So many walkers over a problem, each with random numbers of its own."""
+    if chained(fields):
+        return [ChainedWalker(fields, (seed, k)) for k in range(count)]
     tables = for_kernels(fields)
-    return [
-        ChainedWalker(fields, (seed, k)) if k < chains else AnnealingWalker(tables, fields, (seed, k))
-        for k in range(count)
-    ]
+    return [AnnealingWalker(tables, fields, (seed, k)) for k in range(count)]
 
 
 def make_walker_like(like: Walker, fields: SearchTables, seed: tuple[int, ...]) -> Walker:

@@ -1,8 +1,8 @@
 """Steps of a chain: an arc is broken, two near ones are made, two more are broken, and one arc closes the line.
 
-Arcs a → a', b → b', c → c', in this order along the line, become a → b', c → a', b → c': two stretches change places and
-none is turned round (Gambardella and Dorigo 2000). Whichever of the three is broken first, x → x' say, and y is where
-the first new arc leads: x → y, then from y's predecessor z → w, then w's predecessor v → x'.
+Arcs a → a', b → b', c → c', in this order along the line, become a → b', c → a', b → c': two stretches change places
+and none is turned round (Gambardella and Dorigo 2000). Whichever of the three is broken first, x → x' say, and y is
+where the first new arc leads: x → y, then from y's predecessor z → w, then w's predecessor v → x'.
 """
 
 from __future__ import annotations
@@ -36,13 +36,7 @@ def arrival(tables: ChainTables, state: ChainState, contour: int) -> int:
 
 @compiled
 def stretches(p: int, q: int, c: int) -> tuple[int, int, int]:
-    """The places i, j, k of the swap that makes the arcs p → q, q - 1 → c and c - 1 → p + 1; i = 0 if there is none.
-
-    Examples
-    --------
-    >>> stretches(2, 5, 8), stretches(4, 7, 2), stretches(7, 2, 5), stretches(2, 5, 4)
-    ((3, 5, 8), (2, 5, 7), (2, 5, 8), (0, 0, 0))
-    """
+    """The places i, j, k of the swap that makes the arcs p → q, q - 1 → c and c - 1 → p + 1; i = 0 if there is none."""
     if q > p + 1:
         if c > q:
             return p + 1, q, c

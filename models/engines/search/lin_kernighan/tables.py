@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kerfwise.arrays import Int32s, Ints
+from kerfwise.arrays import Bools, Int32s, Ints
 from kerfwise.models.engines.search.orders import OrderLists
 from kerfwise.models.engines.search.tables import SearchTables
 from kerfwise.models.problem.successors import lawful_successors
@@ -17,8 +17,11 @@ NEAREST = 10
 """Arcs out of every contour that steps make."""
 UNLAWFUL = 1 << 30
 """Stands for the cost of an arc that no lawful order has; a sum of a few is a small number still."""
-SPARSE, FEWEST, MOST = 0.15, 60, 3000
-"""Share of the pairs of contours that orders decide up to which, and numbers of contours for which, chains are tried."""
+SPARSE, FEWEST, MOST = 0.5, 60, 3000
+"""Chains are tried where orders decide less than this share of the pairs of contours, and for so many contours."""
+DETOURS, SAMPLE = 0.1, 60
+"""Share of arcs and contours that there is a cheaper way by, from which on costs are not taken for distances, and of
+how many contours it is counted. Where they are distances, annealing does as well or better."""
 TYPICAL = 5
 """Nearest arcs by whose cost temperatures are chosen."""
 
@@ -38,15 +41,36 @@ class ChainTables(NamedTuple):
 
 
 def chained(fields: SearchTables) -> bool:
-    """Whether chains are worth trying: each contour has one site, orders alone bind, and they decide little."""
+    """Whether chains are to be tried.
+
+    Each contour has one site, orders alone bind, they decide little, and costs are no distances.
+    """
     n = fields.legs.n
     decided = int(fields.orders.before.sum()) / max(1, n * (n - 1) // 2)
-    return fields.arcs.plain > 0 and FEWEST <= n <= MOST and decided < SPARSE
+    plain = fields.arcs.plain > 0 and FEWEST <= n <= MOST
+    return plain and decided < SPARSE and detour_share(fields) > DETOURS
+
+
+def detour_share(fields: SearchTables) -> float:
+    """How often it is cheaper to go by a third contour than straight on, of all that the orders allow.
+
+    In a plane never; where costs are drawn by chance, of one in six.
+    """
+    few = np.linspace(0, fields.legs.n - 1, min(SAMPLE, fields.legs.n)).astype(np.int64)
+    lawful = _lawful(fields)[np.ix_(few, few)]
+    cost = fields.arcs.cost[np.ix_(few, few)].astype(np.int64)
+    ways = lawful[:, :, None] & lawful[None, :, :] & lawful[:, None, :]
+    cheaper = cost[:, :, None] + cost[None, :, :] < cost[:, None, :]
+    return float((ways & cheaper).sum() / max(1, ways.sum()))
+
+
+def _lawful(fields: SearchTables) -> Bools:
+    return lawful_successors(fields.orders.before, np.arange(fields.legs.n, dtype=np.int64))
 
 
 def make_chain_tables(fields: SearchTables) -> ChainTables:
     """The arcs of a plain problem."""
-    lawful = lawful_successors(fields.orders.before, np.arange(fields.legs.n, dtype=np.int64))
+    lawful = _lawful(fields)
     given = fields.arcs.cost.astype(np.int64)
     cost = reduced_costs(given, lawful)
     if cost[lawful].max(initial=0) >= UNLAWFUL:  # sums of a few would be no small numbers
@@ -62,7 +86,7 @@ def make_chain_tables(fields: SearchTables) -> ChainTables:
 
 
 def _nearest(cost: Ints, given: Ints) -> Int32s:
-    """The ends of the cheapest lawful arcs of each row; of those whose reduced costs are the same, the cheaper first."""
+    """The ends of the cheapest lawful arcs of each row; where reduced costs are the same, the cheaper first."""
     by_cost = np.lexsort((given, cost), axis=1)[:, :NEAREST]
     near = np.where(np.take_along_axis(cost, by_cost, axis=1) < UNLAWFUL, by_cost, -1)
     return np.ascontiguousarray(near.astype(np.int32))

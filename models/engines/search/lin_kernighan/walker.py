@@ -16,8 +16,11 @@ from .state import FRONT, QUEUED, new_chain_state
 from .tables import make_chain_tables, typical_cost
 from .walk import walk_by_chains
 
-HOT, COLD = 0.5, 0.05
-"""Temperatures, in reduced costs of near arcs."""
+NEAR, BESIDE = 0.5, 8.0
+"""What the first temperature is, in reduced costs of near arcs, and of the arcs of the first good route: orders make
+those dear."""
+FALL = 30.0
+"""By what the temperature falls."""
 STILL = 1e-6
 """A temperature at which nothing goes uphill."""
 
@@ -39,8 +42,10 @@ class ChainedWalker(Walker):
         self.go(chunk, STILL, STILL)
 
     def measure(self, most: int) -> None:
-        typical = max(STILL, typical_cost(self.tables))
-        self._hot, self._cold = HOT * typical, COLD * typical
+        line = self.arrays.stood
+        taken = float(self.tables.cost[line[:-1], line[1:]].mean(dtype=np.float64))
+        self._hot = max(STILL, NEAR * typical_cost(self.tables) + BESIDE * taken)
+        self._cold = self._hot / FALL
 
     def stand_on(self, sites: NDArray[np.int64]) -> None:
         arrays = self.arrays

@@ -4,6 +4,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
+from kerfwise.models.engines.search.annealing_walker import AnnealingWalker
 from kerfwise.models.engines.search.merge_tours import merge_tours
 from kerfwise.models.engines.search.pool import Elite
 from kerfwise.models.engines.search.schedule import CoolingPart
@@ -11,7 +12,6 @@ from kerfwise.models.engines.search.structs import for_kernels
 from kerfwise.models.engines.search.tables import make_tables
 from kerfwise.models.engines.search.tour_merging import TourMerging
 from kerfwise.models.engines.search.walker import Walker
-from kerfwise.models.engines.search.annealing_walker import AnnealingWalker
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.tests.models.problems import scattered
 
