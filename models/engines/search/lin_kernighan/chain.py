@@ -42,8 +42,8 @@ def improve_all(tables: ChainTables, state: ChainState) -> None:
 @compiled
 def improve(tables: ChainTables, state: ChainState, contour: int) -> bool:
     """Make the trial cheaper by a chain that begins with the arc after a contour; False if none was found."""
-    p = np.int64(state.place[contour])
-    follows = np.int64(state.line[p + 1])
+    p = int(np.int64(state.place[contour]))
+    follows = int(np.int64(state.line[p + 1]))
     saved = arc(tables, contour, follows)
     if saved <= 0:
         return False

@@ -74,7 +74,7 @@ def find_steps(tables: ChainTables, state: ChainState, depth: int, most: int, p:
         for f in range(near_in.shape[1]):
             v = near_in[follows, f]
             if v >= 0:
-                found = _consider(tables, state, depth, found, most, p, q, np.int64(state.place[v]) + 1, after)
+                found = _consider(tables, state, depth, found, most, p, q, int(np.int64(state.place[v])) + 1, after)
         for size in range(1, SHORT + 1):
             found = _consider(tables, state, depth, found, most, p, q, q + size, after)
             found = _consider(tables, state, depth, found, most, p, q, p + 1 - size, after)

@@ -87,7 +87,7 @@ def _kick(tables: ChainTables, state: ChainState) -> None:
             - arc(tables, v, w)
         )
         for tail in (x, z, v):
-            enqueue(state, np.int64(tail))
+            enqueue(state, int(np.int64(tail)))
         swap(state, i, j, k)
         return
 
