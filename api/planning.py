@@ -22,6 +22,7 @@ from kerfwise.jobs.trade_off import trade_off as made_trade_off
 from kerfwise.models.engines.baselines import STRATEGIES, Strategy
 from kerfwise.models.engines.budget import Budget
 from kerfwise.models.engines.names import OLD_NAMES, Engine
+from kerfwise.models.engines.solution import MEMORY_GB
 from kerfwise.models.plan.conflict import Conflict, NotAnswered, find_conflict
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.options.suggest import unknown
@@ -40,6 +41,7 @@ def solve(
     seed: int = 1,
     gap: float | None = None,
     no_improvement_s: float | None = None,
+    memory_gb: float = MEMORY_GB,
     engine: Engine = "portfolio",
     solver: str = "gecode",
     strategy: Strategy = "ours",
@@ -74,6 +76,8 @@ def solve(
         Stop at a plan that is proven this close to the best; 0.01 is 1 %.
     no_improvement_s
         Stop when so many seconds have brought no better plan.
+    memory_gb
+        What the tables of the engines may fill, libraries counted; CP-SAT has its own.
     engine, solver
         Which engine plans (`kerfwise engines` lists them), and which solver the engine minizinc uses.
     strategy
@@ -119,6 +123,7 @@ def solve(
     limits = options_for(
         given.nest, given.profile,
         work=work, seed=seed, time_s=time_s, gap=gap, no_improvement_s=no_improvement_s, engine=engine,
+        memory_gb=memory_gb,
     )  # fmt: skip
     if strategy not in STRATEGIES:
         raise InputError(unknown("strategy", str(strategy), STRATEGIES))

@@ -33,6 +33,8 @@ from .numbers import AMOUNT_OVER_ZERO, Amount
               help="Stop at a plan proven this close to the best; 0.01 is 1 %.")  # fmt: skip
 @click.option("--no-improvement", type=AMOUNT_OVER_ZERO, metavar="S",
               help="Stop when S seconds have brought no better plan.")  # fmt: skip
+@click.option("--memory", type=AMOUNT_OVER_ZERO, default=2.0, show_default=True, metavar="GB",
+              help="What the tables of the engines may fill, libraries counted; CP-SAT has its own.")  # fmt: skip
 @click.option("--engine", type=EngineChoice(), default="portfolio", show_default=True,
               help="`kerfwise engines` says what each is.")  # fmt: skip
 @click.option("--solver", metavar="NAME", default="gecode", show_default=True, help="Solver of the engine minizinc.")
@@ -57,6 +59,7 @@ def command(
     seed: int,
     gap: float | None,
     no_improvement: float | None,
+    memory: float,
     engine: Any,
     solver: str,
     strategy: Any,
@@ -97,6 +100,7 @@ def command(
     limits = options_for(
         given.nest, given.profile,
         work=work, seed=seed, time_s=time_limit, gap=gap, no_improvement_s=no_improvement, engine=engine,
+        memory_gb=memory,
     )  # fmt: skip
     listener = ProgressLine()
     try:

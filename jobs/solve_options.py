@@ -7,7 +7,7 @@ import math
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.engines.names import ENGINES, Engine, member_of
-from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.engines.solution import MEMORY_GB, SolveOptions
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.profile.profile import Profile
@@ -26,6 +26,7 @@ def options_for(
     gap: float | None = None,
     no_improvement_s: float | None = None,
     engine: Engine = "portfolio",
+    memory_gb: float = MEMORY_GB,
 ) -> SolveOptions:
     """The limits given, with the machine's home on this nest and the feeds that plans are made with.
 
@@ -46,7 +47,12 @@ def options_for(
     >>> options.work, options.member, options.home_mm, round(options.feeds.cut_mm_s, 1)
     (2, 'beam', (0.0, 0.0), 41.7)
     """
-    for name, amount in (("work", work), ("time_s", time_s), ("no_improvement_s", no_improvement_s)):
+    for name, amount in (
+        ("work", work),
+        ("time_s", time_s),
+        ("no_improvement_s", no_improvement_s),
+        ("memory_gb", memory_gb),
+    ):
         if amount is not None:
             _expect(name, amount, "a number over 0", _is_number(amount) and amount > 0)
     if gap is not None:
@@ -55,7 +61,15 @@ def options_for(
     if engine not in ENGINES:
         raise InputError(unknown("engine", str(engine), ENGINES))
     return SolveOptions(
-        seed, work, time_s, profile.home_on(nest), feeds_of(profile), gap, no_improvement_s, member_of(engine)
+        seed,
+        work,
+        time_s,
+        profile.home_on(nest),
+        feeds_of(profile),
+        gap,
+        no_improvement_s,
+        member_of(engine),
+        memory_gb,
     )
 
 

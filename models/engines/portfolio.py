@@ -16,7 +16,7 @@ from . import beam, bounds, cpsat, ideals
 from .known import Known
 from .names import Member
 from .search import Searcher
-from .solution import Incumbent, Progress, SolveOptions
+from .solution import Incumbent, Progress, SolveOptions, table_bytes
 from .watch import Watch
 
 FIRST, FIRST_S, FIRST_MOST = 0.03, 0.9, 0.6
@@ -85,6 +85,7 @@ class _Run:
     def __init__(self, problem: Problem, options: SolveOptions, watch: Watch) -> None:
         self.problem, self.options, self.watch = problem, options, watch
         self.of_sets = replace(problem, general=())  # all but what a set and the last site cannot tell
+        self.most_bytes = table_bytes(options.memory_gb)
         self.known = Known()
         self.searcher: Searcher | None = None
         self.tried = False
@@ -181,7 +182,7 @@ class _Run:
 
     def _at_once(self) -> bool:
         count, most_s = self.count, min(AT_ONCE_S, AT_ONCE * self._left())
-        if count is None or not (self.options.member or (count.in_memory and count.seconds <= most_s)):
+        if count is None or not (self.options.member or (count.fits(self.most_bytes) and count.seconds <= most_s)):
             return False
         self.known.notes.append(f"ideals: {'swept at once' if self.options.member is None else 'asked for'}, {count}")
         self.tried = True
@@ -200,14 +201,14 @@ class _Run:
 
     def _sure(self) -> bool:
         """Whether a sweep over all sets fits well into what is left."""
-        return self.count is not None and self.count.in_memory and self.count.seconds <= SURE * self._left()
+        return self.count is not None and self.count.fits(self.most_bytes) and self.count.seconds <= SURE * self._left()
 
     def _ideals(self, share: float, stages: tuple[float, ...] = ideals.STAGES) -> None:
         before = self.known.work
         limit_s = None if self.options.time_s is None else share
         stages = stages[:1] if self._sure() else stages
         going = self._within(max(share, self._left()))
-        proof = ideals.prove(self.of_sets, self.known.incumbent, share, going, stages, limit_s)
+        proof = ideals.prove(self.of_sets, self.known.incumbent, share, going, stages, limit_s, self.most_bytes)
         self.known.work = before + (share if proof is None else proof.work)
         if proof is None:
             self.known.notes.append("ideals: too many sets for the limit, nothing is proven")
@@ -252,7 +253,7 @@ class _Run:
 
     def _beam(self, share: float) -> None:
         limit_s = None if self.options.time_s is None else share
-        outcome = beam.beam(self.problem, self.known.incumbent, share, limit_s, self.watch)
+        outcome = beam.beam(self.problem, self.known.incumbent, share, limit_s, self.watch, most_bytes=self.most_bytes)
         self.known.offer(outcome.incumbent, "beam")
         self.known.work += outcome.work
         if outcome.proven and outcome.incumbent is None:

@@ -11,6 +11,22 @@ from kerfwise.models.physics.timing.constant import Feeds
 from .names import Member
 
 Status = Literal["optimal", "feasible"]
+MEMORY_GB = 2.0
+"""What a solve may hold where nobody says more or less."""
+BYTES_PER_GB = 1e9
+BESIDE_GB, LEAST_SHARE = 0.4, 0.2
+"""What libraries, nest and problem take beside the tables of engines; and the share that is left for those anyway."""
+
+
+def table_bytes(memory_gb: float) -> float:
+    """How many bytes the tables of one engine may take, of so much memory in all.
+
+    Examples
+    --------
+    >>> table_bytes(2.0), table_bytes(0.4)
+    (1600000000.0, 80000000.0)
+    """
+    return round(max(memory_gb - BESIDE_GB, LEAST_SHARE * memory_gb) * BYTES_PER_GB, 0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +38,7 @@ class SolveOptions:
     and cuts the work short. `gap` is a share of the objective: a plan proven to be that close to the best is good
     enough. `no_improvement_s` is how long, s, a plan may stay the best known before it is taken. `member` names the
     one member of the portfolio that is to run, None lets it choose. `feeds` are needed where rules count seconds.
+    `memory_gb` is what the process may hold: it limits the tables of the members that keep sets, not CP-SAT.
     """
 
     seed: int = 1
@@ -32,6 +49,7 @@ class SolveOptions:
     gap: float | None = None
     no_improvement_s: float | None = None
     member: Member | None = None
+    memory_gb: float = MEMORY_GB
 
 
 @dataclass(frozen=True, slots=True)

@@ -41,6 +41,7 @@ def beam(
     progress: Progress | None = None,
     first_width: int = FIRST_WIDTH,
     last_width: int | None = None,
+    most_bytes: float = MOST_BYTES,
 ) -> BeamResult:
     """Run beams, each twice as wide as the last, until the best route is proven or a limit is reached.
 
@@ -57,7 +58,9 @@ def beam(
     progress
         Asked once a layer whether to go on.
     first_width, last_width
-        States a layer to begin with, and at the most; without the latter, as many as fit in `MOST_BYTES`.
+        States a layer to begin with, and at the most; without the latter, as many as fit in the bytes.
+    most_bytes
+        What the tables may take.
     """
     budget = Budget(work, time_s, OPERATIONS_PER_S)
     if problem.n == 0:
@@ -65,7 +68,7 @@ def beam(
     widening = Widening(problem, incumbent, budget, progress)
     interrupted = False
     try:
-        widening.run(first_width, most_states(problem) if last_width is None else last_width)
+        widening.run(first_width, most_states(problem, most_bytes) if last_width is None else last_width)
     except Empty:
         pass
     except KeyboardInterrupt:
@@ -73,7 +76,7 @@ def beam(
     return BeamResult(widening.incumbent, widening.bound, widening.proven, interrupted, budget.spent, widening.width)
 
 
-def most_states(problem: Problem) -> int:
-    """How wide a beam fits in `MOST_BYTES`: children in two rooms, and two layers of sets."""
+def most_states(problem: Problem, most_bytes: float = MOST_BYTES) -> int:
+    """How wide a beam fits in so many bytes, `MOST_BYTES` at the most: children in two rooms, and two layers of sets."""
     a_state = 2 * 2 * 28 + 3 * 28 + 2 * (16 * words(problem.n) + 60) + 16
-    return MOST_BYTES // a_state
+    return int(min(most_bytes, MOST_BYTES) // a_state)

@@ -9,6 +9,7 @@ Held and Karp 1971). Where a walk goes on from is where it came to, so sites are
 
 from __future__ import annotations
 
+import math
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -30,6 +31,8 @@ THREADS = cores()
 MOST_NEIGHBOURS = 7
 MOST_NUMBERS = 60_000_000
 """Of all tables together."""
+SHARE, BYTES_A_NUMBER = 0.3, 8
+"""Share of the bytes given that the tables may take; a sweep with its own follows."""
 GRAIN = 64.0
 """Prices are multiples of 1 / 64: sums of them and of whole costs are then exact in doubles, below 10¹⁴."""
 DEAREST = 1e12
@@ -66,6 +69,7 @@ def complete(
     work: float,
     progress: Progress | None = None,
     most_neighbours: int = MOST_NEIGHBOURS,
+    most_bytes: float = math.inf,
 ) -> Completion:
     """Look for prices that make the bound as high as can be.
 
@@ -79,10 +83,12 @@ def complete(
         Asked every round whether to go on.
     most_neighbours
         What a walk remembers at the most; fewer where the tables would be too large.
+    most_bytes
+        Of which the tables take no more than a share.
     """
     n = problem.n
     move = least_moves(problem)
-    near = ng_sets(problem, move, _affordable(problem, most_neighbours))
+    near = ng_sets(problem, move, _affordable(problem, most_neighbours, most_bytes))
     back = np.ascontiguousarray(move.T)
     back[: problem.m] += problem.site_cost[:, None]
     lawful, first = problem.successors(), problem.first
@@ -135,10 +141,11 @@ def _look_back(n: int, additions: float, tables: tuple[NDArray[Any], ...]) -> No
                 part.result()
 
 
-def _affordable(problem: Problem, most: int) -> int:
+def _affordable(problem: Problem, most: int, most_bytes: float) -> int:
     """How many neighbours a walk may remember so that the tables fit the memory."""
     one = 3 * (problem.n + 1) * problem.m + problem.n**2
-    return max(0, min(most, int(np.log2(max(1, MOST_NUMBERS / max(1, one))))))
+    numbers = min(MOST_NUMBERS, SHARE * most_bytes / BYTES_A_NUMBER)
+    return max(0, min(most, int(np.log2(max(1, numbers / max(1, one))))))
 
 
 def _additions(problem: Problem, near: NgSets, earliest: Ints, latest: Ints) -> float:

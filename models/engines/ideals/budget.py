@@ -6,14 +6,18 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from kerfwise.models.engines.budget import Budget
+from kerfwise.models.engines.solution import MEMORY_GB, table_bytes
 
-from .count import ADDITIONS_PER_S, BYTES_AN_ENTRY, MOST_BYTES, additions_of
+from .count import ADDITIONS_PER_S, BYTES_AN_ENTRY, additions_of
 from .sets import Growth
 
 BYTES_A_NEW_ENTRY, BYTES_A_NEW_SET = 38, 44
 """What an entry, and a set, take on top while their layer is being made; sets of one word, 16 more for each other."""
 NEW_SETS_PER_SET = 4
 """How many new sets a set leads to at the most, where there are many."""
+
+
+TABLE_BYTES = table_bytes(MEMORY_GB)
 
 
 class TooLarge(Exception):
@@ -29,9 +33,9 @@ class SweepBudget:
     go: Callable[[], bool]
 
     @staticmethod
-    def of(work: float, go: Callable[[], bool]) -> SweepBudget:
-        """So many deterministic seconds, as long as `go` says so."""
-        return SweepBudget(Budget(work, per_s=ADDITIONS_PER_S), MOST_BYTES, go)
+    def of(work: float, go: Callable[[], bool], most_bytes: float = TABLE_BYTES) -> SweepBudget:
+        """So many deterministic seconds, and bytes, as long as `go` says so."""
+        return SweepBudget(Budget(work, per_s=ADDITIONS_PER_S), most_bytes, go)
 
     def expect(self, ahead: Growth, sets: int, words: int, width: int) -> None:
         """Pay for the layer after one of so many sets before it is made; values are `width` bytes wide.

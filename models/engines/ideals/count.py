@@ -21,10 +21,8 @@ COUNTED_FASTER = 3
 """How many times faster an entry is counted."""
 BYTES_AN_ENTRY, BYTES_A_STATE = 10, 4
 """What is kept of every layer, for the way back."""
-MOST_BYTES = 3_000_000_000
-"""What the layers may take, that which is being made included."""
 SHARE_KEPT = 0.7
-"""Of it, what the layers that are made may take."""
+"""Of the bytes that a sweep may take, the share for layers that are made; the rest is for that which is being made."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,10 +45,9 @@ class Count:
         """What a sweep takes, in deterministic seconds."""
         return additions_of(self.additions, self.entries, self.states) / ADDITIONS_PER_S
 
-    @property
-    def in_memory(self) -> bool:
-        """Whether all is counted and can be kept."""
-        return self.whole and self.entries * BYTES_AN_ENTRY + self.states * BYTES_A_STATE <= SHARE_KEPT * MOST_BYTES
+    def fits(self, most_bytes: float) -> bool:
+        """Whether all is counted, and can be kept in so many bytes."""
+        return self.whole and self.entries * BYTES_AN_ENTRY + self.states * BYTES_A_STATE <= SHARE_KEPT * most_bytes
 
     @property
     def work(self) -> float:

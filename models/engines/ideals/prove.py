@@ -14,7 +14,7 @@ from kerfwise.models.engines.solution import Incumbent, Progress
 from kerfwise.models.kernels import running_s
 from kerfwise.models.problem.problem import Problem
 
-from .budget import SweepBudget, TooLarge
+from .budget import TABLE_BYTES, SweepBudget, TooLarge
 from .lattice import THREADS
 from .series import series
 from .sweep import sweep_through
@@ -64,6 +64,7 @@ def prove(
     progress: Progress | None = None,
     stages: tuple[float, ...] = STAGES,
     time_s: float | None = None,
+    most_bytes: float = TABLE_BYTES,
 ) -> Proof | None:
     """Solve exactly, or return None if the budget does not suffice.
 
@@ -81,6 +82,8 @@ def prove(
         Shares of the work for a bound by walks, which takes its time and drops far more states.
     time_s
         Wall-clock time, s, of which the bound takes no more than its share.
+    most_bytes
+        What the tables may take, those of the bound included.
     """
     if unfit(problem):
         return None
@@ -89,7 +92,7 @@ def prove(
     def go() -> bool:
         return progress is None or progress("ideals", known, None)
 
-    rounds = _Rounds(problem, known, work, go)
+    rounds = _Rounds(problem, known, work, go, most_bytes)
     if not stages or known is None or problem.m > MOST_SITES_BOUND:
         return rounds.sweep(None, work)
     for share in stages:
@@ -98,7 +101,7 @@ def prove(
         def pricing(engine: str, cost_um: int | None, bound_um: int | None, until_s: float = until_s) -> bool:
             return go() and running_s() < until_s
 
-        bound = bounds.complete(problem, float(known), share * work, pricing)
+        bound = bounds.complete(problem, float(known), share * work, pricing, most_bytes=most_bytes)
         rounds.left -= bound.work
         last = share == stages[-1] or bound.work <= AS_GOOD_AS_IT_GETS * share * work
         proof = rounds.sweep(bound, rounds.left if last else min(rounds.left, share * work))
@@ -115,6 +118,7 @@ class _Rounds:
     known: int | None
     work: float
     go: Callable[[], bool]
+    most_bytes: float
     left: float = field(init=False)
 
     def __post_init__(self) -> None:
@@ -122,7 +126,8 @@ class _Rounds:
 
     def sweep(self, bound: Completion | None, most: float) -> Proof | None:
         """What a sweep of no more than so many seconds proves."""
-        budget = SweepBudget.of(max(0.0, most), self.go)
+        held = 0 if bound is None else bound.to_go.nbytes
+        budget = SweepBudget.of(max(0.0, most), self.go, self.most_bytes - held)
         best: Incumbent | None = None
         with ThreadPoolExecutor(THREADS) as threads:
             try:

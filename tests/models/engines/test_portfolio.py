@@ -140,3 +140,15 @@ def test_no_member_sets_out_without_time(monkeypatch: pytest.MonkeyPatch) -> Non
     watch = Watch(replace(limits, time_s=1e9), clock=lambda: float(next(seconds)))
     assert run_portfolio(given, limits, watch).incumbent is not None
     assert set_out == []
+
+
+def test_with_little_memory_other_members_take_over() -> None:
+    given = scattered(1, contours=9, sites=2)
+    plenty, scarce = (SolveOptions(work=2.0, memory_gb=gb) for gb in (2.0, 1e-6))
+    proven = run_portfolio(given, plenty, Watch(plenty))
+    assert proven.proved_by == "ideals"
+    found = run_portfolio(given, scarce, Watch(scarce))
+    assert found.incumbent is not None
+    assert proven.incumbent is not None
+    assert found.incumbent.cost == proven.incumbent.cost
+    assert found.proved_by != "ideals"

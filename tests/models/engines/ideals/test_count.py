@@ -9,7 +9,7 @@ import pytest
 
 from kerfwise.models.engines.budget import Budget
 from kerfwise.models.engines.ideals import count_sets
-from kerfwise.models.engines.ideals.budget import SweepBudget, TooLarge
+from kerfwise.models.engines.ideals.budget import TABLE_BYTES, SweepBudget, TooLarge
 from kerfwise.models.engines.ideals.sets import Growth
 from kerfwise.tests.models.engines.ideals.chains import chains
 from kerfwise.tests.models.problems import problem, scattered
@@ -21,7 +21,8 @@ def test_any_of_ten_contours_may_be_out_where_nothing_is_ordered() -> None:
     # from each of the 2^10 sets k of which are out, 3k last sites to 3 (10 - k) next ones, and from home
     assert count.additions == 9 * 10 * 9 * 2**8 + 30
     assert count.whole
-    assert count.in_memory
+    assert count.fits(TABLE_BYTES)
+    assert not count.fits(100)
 
 
 def test_two_chains_of_more_contours_than_a_word_has_bits() -> None:
@@ -47,7 +48,7 @@ def test_zones_are_counted_one_after_the_other() -> None:
 def test_it_gives_up_early_where_sets_are_bound_to_be_too_many() -> None:
     count = count_sets(scattered(1, contours=60, sites=1), 1e5)
     assert not count.whole
-    assert not count.in_memory
+    assert not count.fits(TABLE_BYTES)
     assert count.sets < 1e5
     assert str(count).startswith("more than ")
 

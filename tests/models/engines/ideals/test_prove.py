@@ -180,3 +180,14 @@ def test_it_stops_when_it_is_told_to() -> None:
 
     assert prove(scattered(1, 16, 2), None, 10, stop) is None
     assert asked == ["ideals"] * 5
+
+
+def test_what_does_not_fit_into_the_memory_is_not_begun() -> None:
+    """Layers are paid for in bytes before they are made, and so are the tables of the bound."""
+    given = scattered(1, contours=9, sites=2)
+    found = prove(given, None, work=10)
+    assert found is not None
+    assert found.incumbent is not None
+    assert prove(given, None, work=10, most_bytes=2000) is None
+    assert prove(given, found.incumbent, work=10, most_bytes=2000) is None
+    assert prove(given, None, work=10, most_bytes=1e6) == found
