@@ -47,12 +47,8 @@ def options_for(
     >>> options.work, options.member, options.home_mm, round(options.feeds.cut_mm_s, 1)
     (2, 'beam', (0.0, 0.0), 41.7)
     """
-    for name, amount in (
-        ("work", work),
-        ("time_s", time_s),
-        ("no_improvement_s", no_improvement_s),
-        ("memory_gb", memory_gb),
-    ):
+    amounts = {"work": work, "time_s": time_s, "no_improvement_s": no_improvement_s, "memory_gb": memory_gb}
+    for name, amount in amounts.items():
         if amount is not None:
             _expect(name, amount, "a number over 0", _is_number(amount) and amount > 0)
     if gap is not None:
@@ -60,17 +56,8 @@ def options_for(
     _expect("seed", seed, "a whole number from 0", isinstance(seed, int) and seed >= 0)
     if engine not in ENGINES:
         raise InputError(unknown("engine", str(engine), ENGINES))
-    return SolveOptions(
-        seed,
-        work,
-        time_s,
-        profile.home_on(nest),
-        feeds_of(profile),
-        gap,
-        no_improvement_s,
-        member_of(engine),
-        memory_gb,
-    )
+    home_mm, feeds, member = profile.home_on(nest), feeds_of(profile), member_of(engine)
+    return SolveOptions(seed, work, time_s, home_mm, feeds, gap, no_improvement_s, member, memory_gb)
 
 
 def _is_number(given: object) -> bool:

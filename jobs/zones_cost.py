@@ -83,7 +83,8 @@ def zones_cost(
         return None
     before_mm = solution.objective
     if found.left_out != solution.left_out:  # without zones some of it is more than can be priced
-        problem = make_problem(facts, statements, limits.home_mm, limits.feeds)
+        timed = limits.time_s is not None  # the clock left out moves over parts: neither plan is asked for those
+        problem = make_problem(facts, statements, limits.home_mm, limits.feeds, going=lambda share: not timed)
         before_mm = route_cost(problem, problem.candidate_site[list(solution.route)].tolist()) / UM_PER_MM
     gained_mm = before_mm - found.objective
     excuses = round(gained_mm / EXEMPTION_MM)

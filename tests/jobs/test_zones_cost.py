@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
 
 from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.jobs import zones_cost as cost_of_zones
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import Produced, produce
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.jobs.summary import summary
+from kerfwise.models.engines import rounds
 from kerfwise.models.plan.reader import read_plan
 from kerfwise.models.plan.zones_cost import ZonesCost
+from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.statements import EXEMPTION_MM
 
@@ -58,6 +63,27 @@ def test_a_limit_in_seconds_has_a_share_for_it() -> None:
     cost = planned(zoned(2), time_s=2.0).plan.zones_cost
     assert cost is not None
     assert cost.mm >= 0
+
+
+@pytest.mark.parametrize("time_s", [None, 30.0])
+def test_moves_that_the_clock_left_out_are_not_looked_at_for_it(
+    time_s: float | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else a limit of 30 s took minutes, and a plan with those moves was held against one without."""
+    profile = zoned(2)
+    limits = options_for(SHEET, profile, work=5.0, time_s=time_s)
+    asked = ask(facts_of(SHEET, profile), profile)
+    solution = rounds.solve(asked.facts, asked.stated.statements, replace(limits, time_s=None))
+    goes_on: list[bool] = []
+
+    def posed(*given: object, going: Callable[[float], bool], **named: object) -> Problem:
+        goes_on.append(going(0.0))
+        return make_problem(*given, going=going, **named)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(rounds, "solve", lambda *given, **named: replace(solution, left_out=(("no-tip-travel", "-"),)))
+    monkeypatch.setattr(cost_of_zones, "make_problem", posed)
+    assert cost_of_zones.zones_cost(asked, (), profile, solution, limits) is not None
+    assert goes_on == [time_s is None]
 
 
 @pytest.mark.parametrize("profile", [zoned(None), zoned(2, "off")])

@@ -77,6 +77,6 @@ def beam(
 
 
 def most_states(problem: Problem, most_bytes: float = MOST_BYTES) -> int:
-    """How wide a beam fits in so many bytes, `MOST_BYTES` at the most: children in two rooms, and two layers of sets."""
+    """How wide a beam fits in so many bytes, or in `MOST_BYTES`: children in two rooms, and two layers of sets."""
     a_state = 2 * 2 * 28 + 3 * 28 + 2 * (16 * words(problem.n) + 60) + 16
     return int(min(most_bytes, MOST_BYTES) // a_state)
