@@ -74,7 +74,7 @@ def _load_kernels(options: SolveOptions) -> None:
 
 def _small() -> Instance:
     cost = np.arange(36, dtype=np.int64).reshape(6, 6) % 7
-    return Instance("small", cost, ((0,), (1, 2), (3,), (4,), (5,)), ((0, 1), (1, 2)), start=0, closed=True)
+    return Instance("small", cost, ((0,), (1, 2), (3,), (4,), (5,)), np.array([[0, 1], [1, 2]]), start=0, closed=True)
 
 
 def _nest(job: BenchJob) -> _Outcome:

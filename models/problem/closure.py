@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from kerfwise.arrays import Bools, Ints
@@ -11,7 +13,7 @@ from kerfwise.models.kernels import kept, suited
 from .bits import Masks
 
 
-def close(n: int, pairs: list[tuple[int, int]], block: Ints) -> Bools:
+def close(n: int, pairs: Sequence[tuple[int, int]] | Ints, block: Ints) -> Bools:
     """Matrix (n, n): i must be cut before j, given pairs (before, after) and contiguous blocks.
 
     A contour outside a block that precedes (follows) one member precedes (follows) all of them, since nothing else

@@ -18,14 +18,14 @@ class Instance:
     """A tour visits one vertex of every cluster, clusters in an order that keeps `orders`, and costs the arcs it takes.
 
     Vertices and clusters are numbered from 0 here and from 1 in files and tours. `cost` is (v, v); `clusters[k]` the
-    vertices of cluster k; `orders` pairs of clusters (before, after). `start` is the vertex that every tour begins at.
-    A `closed` tour returns there, an open one ends at the last vertex visited.
+    vertices of cluster k; `orders` (k, 2) pairs of clusters (before, after), sorted. `start` is the vertex that every
+    tour begins at. A `closed` tour returns there, an open one ends at the last vertex visited.
     """
 
     name: str
     cost: Ints
     clusters: tuple[tuple[int, ...], ...]
-    orders: tuple[tuple[int, int], ...]
+    orders: Ints
     start: int
     closed: bool
 
@@ -34,10 +34,10 @@ class Instance:
         """The instance with the start as home: cluster k that is not the start's is contour k, or k - 1 after it."""
         home = next(k for k, members in enumerate(self.clusters) if self.start in members)
         rest = [k for k in range(len(self.clusters)) if k != home]
-        number = {k: i for i, k in enumerate(rest)}
-        pairs = [(number[a], number[b]) for a, b in self.orders if a != home]
+        number = np.zeros(len(self.clusters), dtype=np.int64)
+        number[rest] = np.arange(len(rest))
         n = len(rest)
-        before = close(n, pairs, np.arange(n, dtype=np.int64))
+        before = close(n, number[self.orders[self.orders[:, 0] != home]], np.arange(n, dtype=np.int64))
         counts = [len(self.clusters[k]) for k in rest]
         m = sum(counts)
         nowhere = np.zeros((m, 2), dtype=np.int64)

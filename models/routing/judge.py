@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
+import numpy as np
+
 from .instance import Instance
 
 
@@ -19,11 +21,11 @@ def judge_tour(instance: Instance, tour: Sequence[int]) -> tuple[int, str]:
         return 0, f"the tour does not begin at vertex {instance.start + 1}"
     if sorted(visited) != list(range(len(instance.clusters))):
         return 0, "a cluster is not visited once"
-    place = {k: p for p, k in enumerate(visited)}
-    late = [(a, b) for a, b in instance.orders if place[a] > place[b]]
+    place = np.argsort(visited)
+    late = instance.orders[place[instance.orders[:, 0]] > place[instance.orders[:, 1]]]
     steps = [*pairwise(vertices), *([(vertices[-1], instance.start)] if instance.closed else [])]
     cost = sum(int(instance.cost[a, b]) for a, b in steps)
-    if late:
-        a, b = late[0]
+    if len(late):
+        a, b = late[0].tolist()
         return cost, f"cluster {a + 1} must come before cluster {b + 1}"
     return cost, ""

@@ -5,10 +5,11 @@ from __future__ import annotations
 import gzip
 import zlib
 from collections.abc import Iterator, Sequence
-from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
 
 from kerfwise.arrays import Ints
 from kerfwise.encoder.errors import InputError
@@ -23,6 +24,10 @@ MOST_BYTES = 64_000_000
 """A full matrix of some four thousand vertices; what is larger could not be planned in any case."""
 WORDS_AT_ONCE = 1 << 20
 """Characters of a section that are split into words in one go, which takes twenty times their memory."""
+
+
+LONGEST_ROW = 1_000_000
+"""Characters of a line that lists sets or vertices: there are a few thousand of either."""
 
 
 class _Fault(Exception):
@@ -80,14 +85,17 @@ def _sections(text: str) -> dict[str, list[str]]:
     return sections
 
 
-def _rows(sections: dict[str, list[str]], head: str) -> list[list[int]]:
+def _rows(sections: dict[str, list[str]], head: str) -> Iterator[list[int]]:
     """The whole numbers of a section, line by line; -1, which ends a line, is left out."""
     if head not in sections:
         raise _Fault(f"section {head} is missing")
-    try:
-        return [[int(word) for word in line.split() if word != "-1"] for line in sections[head]]
-    except ValueError as error:
-        raise _Fault(f"section {head}: whole numbers were expected: {error}") from None
+    for line in sections[head]:
+        if len(line) > LONGEST_ROW:
+            raise _Fault(f"section {head}: a line of {len(line)} characters: at most {LONGEST_ROW} are read")
+        try:
+            yield [int(word) for word in line.split() if word != "-1"]
+        except ValueError as error:
+            raise _Fault(f"section {head}: whole numbers were expected: {error}") from None
 
 
 def _matrix(sections: dict[str, list[str]]) -> Ints:
@@ -142,9 +150,10 @@ def _sequential(name: str, sections: dict[str, list[str]]) -> Instance:
     """TSPLIB's: an open path from the first to the last vertex; -1 in row i, column j says that j comes before i."""
     cost = _matrix(sections)
     size = len(cost)
-    later, sooner = np.nonzero((cost == -1) & ~np.eye(size, dtype=np.bool_))
-    orders = set(zip(sooner.tolist(), later.tolist(), strict=True))
-    orders |= {(0, k) for k in range(1, size)} | {(k, size - 1) for k in range(size - 1)}
+    before = (cost == -1).T
+    before[0, :] = before[:, -1] = True
+    np.fill_diagonal(before, False)
+    orders = np.argwhere(before)
     return _instance(name, cost, tuple((v,) for v in range(size)), orders, start=0, closed=False)
 
 
@@ -152,19 +161,20 @@ def _generalised(name: str, sections: dict[str, list[str]]) -> Instance:
     """PCGLNS's: a closed tour through one vertex of every set; an ordering `a b c` puts a before b and c."""
     cost = _matrix(sections)
     clusters = _clusters(sections, len(cost))
-    orders: set[tuple[int, int]] = set()
+    before = np.zeros((len(clusters), len(clusters)), dtype=np.bool_)
     for row in _rows(sections, "GTSP_SET_ORDERING"):
         if not all(1 <= k <= len(clusters) for k in row):
             raise _Fault(f"section GTSP_SET_ORDERING: {row} names a set that there is not")
-        orders |= {(row[0] - 1, later - 1) for later in row[1:]}
+        if len(row) > 1:
+            before[row[0] - 1, np.array(row[1:]) - 1] = True
     starts = [k for row in _rows(sections, "START_GROUP_SECTION") for k in row]
     if len(starts) != 1 or not 1 <= starts[0] <= len(clusters):
         raise _Fault("section START_GROUP_SECTION: the number of one set was expected")
     home = starts[0] - 1
     if len(clusters[home]) != 1:
         raise _Fault(f"the start group has {len(clusters[home])} vertices; only a start at one vertex can be solved")
-    orders |= {(home, k) for k in range(len(clusters)) if k != home}
-    return _instance(name, cost, clusters, orders, start=clusters[home][0], closed=True)
+    before[home, np.arange(len(clusters)) != home] = True
+    return _instance(name, cost, clusters, np.argwhere(before), start=clusters[home][0], closed=True)
 
 
 def _clusters(sections: dict[str, list[str]], size: int) -> tuple[tuple[int, ...], ...]:
@@ -180,15 +190,31 @@ def _instance(
     name: str,
     cost: Ints,
     clusters: tuple[tuple[int, ...], ...],
-    orders: set[tuple[int, int]],
+    orders: Ints,
     start: int,
     closed: bool,
 ) -> Instance:
-    sorter: TopologicalSorter[int] = TopologicalSorter()
-    for a, b in sorted(orders):
-        sorter.add(b, a)
-    try:
-        sorter.prepare()
-    except CycleError as error:
-        raise _Fault(f"the orders contradict each other: {', '.join(str(k + 1) for k in error.args[1])}") from None
-    return Instance(name, cost, clusters, tuple(sorted(orders)), start, closed)
+    if circle := _circle(orders, len(clusters)):
+        raise _Fault(f"the orders contradict each other: {', '.join(str(k + 1) for k in circle)}")
+    return Instance(name, cost, clusters, orders, start, closed)
+
+
+def _circle(orders: Ints, n: int) -> list[int]:
+    """Clusters that each must come before the next, the first again at the end; empty where there are none such.
+
+    Examples
+    --------
+    >>> _circle(np.array([[0, 1], [1, 2], [2, 1]]), 3), _circle(np.array([[0, 1], [1, 2]]), 3)
+    ([1, 2, 1], [])
+    """
+    before, after = orders.T
+    graph = csr_matrix((np.ones(len(orders), dtype=np.bool_), (before, after)), shape=(n, n))
+    _, component = connected_components(graph, directed=True, connection="strong")
+    among = orders[component[before] == component[after]]
+    if not len(among):
+        return []
+    follows = dict(zip(among[:, 0].tolist(), among[:, 1].tolist(), strict=True))
+    walked = [int(among[0, 0])]
+    while (then := follows[walked[-1]]) not in walked:
+        walked.append(then)
+    return [*walked[walked.index(then) :], then]

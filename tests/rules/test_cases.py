@@ -10,6 +10,7 @@ import pytest
 
 from kerfwise.rules import cases
 from kerfwise.rules.case import Case
+from kerfwise.rules.options.option import options_of
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import HEADINGS
 from kerfwise.rules.run_cases import cases_of
@@ -30,6 +31,32 @@ def test_rule_has_a_case_of_each_kind(rule: str) -> None:
     assert all(case.violations for case in its if case.kind == "fails")
     assert not any(case.violations for case in its if case.kind == "passes")
     assert len({case.name for case in its}) == len(its)
+
+
+BY_THEIR_DEFAULT = {
+    "cut-direction": {"mark"},
+    "heat-lag": {"heat_radius", "lag_cuts"},
+    "locks": {"entry_tolerance"},
+    "no-narrow-strips": {"strip", "strip_thicknesses"},
+    "part-rigidity": {"rigid_min", "tail_share", "head_share", "head_rigid_max", "head_weight", "web"},
+    "pierce": {"clearance", "splash"},
+    "start-side": {"edge_band", "long_ratio", "offcut_share"},
+    "t-max": {"dwells", "longest_dwell"},
+    "zone-order": {"zone_contours", "square_ratio"},
+}
+"""Options that cases show by their default alone: most are thresholds that a case stands on. Add none."""
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_each_option_is_shown_by_a_case(rule: str) -> None:
+    given = [case.options for case in cases_of(rule) if case.options is not None]
+    unseen = {
+        option.key
+        for option in options_of(RULES[rule].Options)
+        if all(getattr(options, option.name) == option.default for options in given)
+    }
+    file = f"rules/cases/{rule.replace('-', '_')}.py"
+    assert unseen == BY_THEIR_DEFAULT.get(rule, set()), f"{file}: no case gives these another value than their default"
 
 
 def test_every_file_of_cases_is_of_a_rule() -> None:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import gzip
-from itertools import permutations, product
+from graphlib import CycleError, TopologicalSorter
+from itertools import pairwise, permutations, product
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import kerfwise
+from kerfwise.arrays import Ints
 from kerfwise.encoder.errors import InputError
 from kerfwise.models.engines.names import Engine, member_of
 from kerfwise.models.engines.solution import SolveOptions
@@ -79,7 +81,7 @@ def every_tour(instance: Instance) -> list[int]:
 def test_generalised_instance(tmp_path: Path) -> None:
     tiny = read_instance(written(tmp_path, "tiny.pcglns", PCGLNS))
     assert tiny.clusters == ((0,), (1, 2), (3, 4))
-    assert tiny.orders == ((0, 1), (0, 2), (2, 1))
+    assert tiny.orders.tolist() == [[0, 1], [0, 2], [2, 1]]
     assert (tiny.start, tiny.closed, tiny.name) == (0, True, "tiny")
     assert judge_tour(tiny, (1, 4, 2)) == (4 + 1 + 5, "")
     assert judge_tour(tiny, (1, 2, 4))[1] == "cluster 3 must come before cluster 2"
@@ -90,7 +92,7 @@ def test_generalised_instance(tmp_path: Path) -> None:
 
 def test_sequential_instance(tmp_path: Path) -> None:
     four = read_instance(written(tmp_path, "four.sop", SOP))
-    assert set(four.orders) == {(0, 1), (0, 2), (0, 3), (2, 1), (1, 3), (2, 3)}
+    assert four.orders.tolist() == [[0, 1], [0, 2], [0, 3], [1, 3], [2, 1], [2, 3]]
     assert not four.closed
     assert judge_tour(four, (1, 3, 2, 4)) == (5 + 2 + 3, "")
     assert solve_instance(four, SolveOptions(work=0.1)).tour == (1, 3, 2, 4)
@@ -123,9 +125,33 @@ def test_every_engine_finds_the_best_of_all_tours(engine: Engine) -> None:
     assert answer.proven == (engine != "search")
 
 
-def _part(instance: Instance, count: int) -> tuple[tuple[tuple[int, ...], ...], tuple[tuple[int, int], ...]]:
+def _part(instance: Instance, count: int) -> tuple[tuple[tuple[int, ...], ...], Ints]:
     """The first clusters alone, with their orders."""
-    return instance.clusters[:count], tuple((a, b) for a, b in instance.orders if max(a, b) < count)
+    return instance.clusters[:count], instance.orders[instance.orders.max(axis=1) < count]
+
+
+def test_a_circle_of_orders_is_found_where_there_is_one() -> None:
+    rng = np.random.default_rng(1)
+    circles = 0
+    for _ in range(200):
+        orders = np.unique(rng.integers(0, 7, (rng.integers(1, 12), 2)), axis=0)
+        circle = read._circle(orders, 7)
+        sorter = TopologicalSorter({b: set(orders[orders[:, 1] == b, 0].tolist()) for b in range(7)})
+        try:
+            sorter.prepare()
+            assert circle == []
+        except CycleError:
+            circles += 1
+            assert len(circle) > 1
+            assert circle[0] == circle[-1]
+            assert {*pairwise(circle)} <= {(a, b) for a, b in orders.tolist()}
+    assert 20 < circles < 180
+
+
+def test_a_row_that_lists_too_much_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(read, "LONGEST_ROW", 30)
+    with pytest.raises(InputError, match="section GTSP_SET_ORDERING: a line of 31 characters: at most 30 are read"):
+        read_instance(written(tmp_path, "tiny.pcglns", PCGLNS.replace("3 2 -1\nSTART", f"3 2{' 2' * 14}\nSTART")))
 
 
 def test_orders_that_leave_no_tour_are_refused(tmp_path: Path) -> None:

@@ -56,7 +56,7 @@ def test_minizinc_is_told(rule: str, option: Option) -> None:
     file = f"rules/minizinc/rules/{rule.replace('-', '_')}.py (or .mzn)"
     assert not [told for told in seen if told is False], f"{rule}: {option.key} changes nothing in MiniZinc: {file}"
     assert seen or rule in STATE_NOTHING or (rule, option.key) in NOT_SHOWN, (
-        f"no nest shows what {rule}: {option.key} changes"
+        f"no nest shows what {rule}: {option.key} changes: does statements() in rules/catalogue read it?"
     )
 
 
