@@ -133,8 +133,16 @@ def test_a_slot_without_room_for_a_pierce_before_it_is_refused_with_why(tmp_path
     ) in done.err
 
 
-@pytest.mark.parametrize(("upto", "again"), [(1, False), (1, True), (2, False)])
-@pytest.mark.parametrize("old", ["nest.nc", "nest.plan.json"])
+STOPS = [
+    (old, upto, again) for old in ("nest.nc", "nest.plan.json") for upto, again in ((1, False), (1, True), (2, False))
+]
+QUICK = (("nest.nc", 1, True), ("nest.plan.json", 2, False))
+
+
+@pytest.mark.parametrize(
+    ("old", "upto", "again"),
+    [pytest.param(*stop, marks=pytest.mark.slow if stop not in QUICK else ()) for stop in STOPS],
+)
 def test_work_with_slits_goes_on_after_a_stop(tmp_path: Path, old: str, upto: int, again: bool) -> None:
     nest = nest_file(tmp_path, OPENED["two of them"][0])
     assert solve(nest).code == 0

@@ -78,11 +78,9 @@ STREAMS = (
 """`facts` prints what it makes, `engines` only tells."""
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="Linux")
-@pytest.mark.parametrize(
-    ("argv", "redirected", "code"),
-    [pytest.param(*row, marks=[pytest.mark.slow] if k else []) for k, row in enumerate(STREAMS)],
-)
+@pytest.mark.parametrize(("argv", "redirected", "code"), STREAMS)
 def test_real_streams_that_take_nothing(argv: str, redirected: str, code: int, tmp_path: Path) -> None:
     """Python's own last flush included."""
     line = f"set -o pipefail; {sys.executable} -m kerfwise.cli {argv} {redirected}"

@@ -40,7 +40,9 @@ def planned(profile: Profile, and_zones: bool = True, time_s: float | None = Non
     return produce(ask(facts_of(SHEET, profile), profile), profile, limits, and_zones=and_zones)
 
 
-@pytest.mark.parametrize("contours", [1, 2, 4])
+@pytest.mark.parametrize(
+    "contours", [pytest.param(1, marks=pytest.mark.slow), 2, pytest.param(4, marks=pytest.mark.slow)]
+)
 def test_they_cost_what_the_best_plan_without_them_costs_less(contours: int) -> None:
     with_zones, without = planned(zoned(contours)).plan, planned(zoned(None, "off")).plan
     assert with_zones.solve.status == without.solve.status == "optimal"
@@ -51,6 +53,7 @@ def test_they_cost_what_the_best_plan_without_them_costs_less(contours: int) -> 
     assert len(cost.avoided) >= cost.excuses
 
 
+@pytest.mark.slow
 def test_the_program_is_the_same_and_so_is_the_answer_the_second_time() -> None:
     profile = zoned(2)
     first, second, without = planned(profile), planned(profile), planned(profile, and_zones=False)

@@ -6,28 +6,36 @@ In each example the statement changes what the best plan costs, so that whoever 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 from typing import get_args
 
 import pytest
 
+from kerfwise.benchmarks.flattened import said
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.engines.minizinc import solve_minizinc
 from kerfwise.models.engines.names import Member
 from kerfwise.models.engines.rounds import solve
 from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.heat_prices.priced_statements import HEAT
 from kerfwise.models.plan.conflict.core import find_core
 from kerfwise.models.plan.conflict.group import Group, hard_groups, on_order
 from kerfwise.models.plan.conflict.relax import soften
 from kerfwise.models.plan.conflict.whole import Engines, find_whole_core
+from kerfwise.models.plan.excused import excused
 from kerfwise.models.plan.explain.entry import explain_entry
+from kerfwise.models.plan.explain.heat_prices import heat_prices
+from kerfwise.models.plan.explain.holding import others
 from kerfwise.models.plan.explain.lawful import try_order
 from kerfwise.models.plan.explain.setting import Setting, make_setting
 from kerfwise.models.plan.make import make_plan
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken, route_cost
-from kerfwise.rules.statements import About, Crossing, Forbid, Precede, Statement
+from kerfwise.rules.named import contours_named
+from kerfwise.rules.statements import EXEMPTION_MM, About, Crossing, Forbid, Precede, Statement
+from kerfwise.rules.stating.remainder import OUT, Remainder, of_what_is_left
 from kerfwise.rules.stating.state_rules import Stated
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.every_kind import (
@@ -37,6 +45,7 @@ from kerfwise.tests.models.every_kind import (
     NEAR_MM,
     PARTS,
     PROFILE,
+    TRAVEL,
     Example,
     Way,
     examples,
@@ -156,6 +165,26 @@ def test_explain_tries_orders_by_it(example: Example) -> None:
             chosen = way_of(FACTS, [int(setting.problem.site_candidate[s]) for s in tried.route])
             assert tried.cost / UM_PER_MM == pytest.approx(example.price_mm(chosen), abs=NEAR_MM), order
     assert False in seen
+
+
+@every_example
+def test_no_place_that_tells_kinds_apart_has_forgotten_it(example: Example) -> None:
+    """After a stop, as an excuse, where explain tells what holds a contour or heats it, and beside another text."""
+    statement, setting = example.statement, _setting(example)
+    for out in range(PARTS):
+        number = [OUT if k == out else k - (k > out) for k in range(PARTS)]
+        left = of_what_is_left([statement], Remainder(number, {out: 1}))
+        assert {k for s in left for k in contours_named(s)} <= set(range(PARTS - 1))
+    named = {FACTS.nest.contours[k].id for k in contours_named(statement)}
+    known = {s.about for s in example.statements}
+    assert all(known.issuperset(others(setting, k)) for k in range(PARTS))
+    if statement.weight is not None:
+        excusable = Stated((TRAVEL, replace(statement, weight=EXEMPTION_MM)), ())
+        assert set(excused(FACTS, excusable, [2 * k for k in range(PARTS)])) <= named | set(ABOUT.contours)
+        priced = replace(statement, about=replace(ABOUT, rule=HEAT))
+        for price in heat_prices(replace(setting, stated=Stated((priced,), ())), 0):
+            assert price.price_mm == priced.weight
+    assert said(statement) == said(statement)
 
 
 def test_explain_says_that_an_entry_is_forbidden() -> None:

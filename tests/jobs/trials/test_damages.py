@@ -100,7 +100,10 @@ DAMAGES = {
 }  # fmt: skip
 
 
-LONGER = ("an option that does nothing", "an option that only statements obey")
+LONGER = (
+    "an option that does nothing", "an option that only statements obey", "another text",
+    "statements that say nothing", "statements that say too much",
+)  # fmt: skip
 IN_PYTHON = [pytest.param(name, marks=pytest.mark.slow if name in LONGER else ()) for name in DAMAGES]
 
 
@@ -129,7 +132,9 @@ FILES = {
 
 
 @pytest.mark.minizinc
-@pytest.mark.parametrize("damage", FILES)
+@pytest.mark.parametrize(
+    "damage", [pytest.param(d, marks=pytest.mark.slow if d in ("weakened", "strengthened") else ()) for d in FILES]
+)
 def test_a_damage_in_minizinc(damage: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(asked, "rule_file", lambda rule, real=asked.rule_file: _copied(real(rule), damage, tmp_path))
     bench = Bench(load_profile().known_rules()["level-ahead"], load_profile(), cases_of("level-ahead"))
