@@ -23,7 +23,7 @@ from kerfwise.tests.fuzz.runs.smaller import smaller, what
 from kerfwise.tests.fuzz.runs.worker import Report, Worker, reported
 
 KEPT = sorted((Path(__file__).parent / "kept_cases").iterdir())
-CASES = {"profile": 150, "arguments": 150, "nest": 150, "svg": 80, "dxf": 60, "routing": 80}
+CASES = {"profile": 150, "arguments": 150, "nest": 150, "svg": 80, "dxf": 60, "routing": 80, "model": 40, "python": 60}
 """Of the other kinds a hundred: together half a minute."""
 PLAIN = Case("nest", {"nest.json": seeds.nest_bytes()}, ("facts", "nest.json"), ("nest.json",))
 
@@ -41,7 +41,7 @@ def test_damaged_inputs(kind: str, worker: Worker) -> None:
     done = [worker.ask(made(kind, 77, number), again=number % 15 == 0) for number in range(CASES.get(kind, 100))]
     assert [(report.case.words, report.findings) for report in done if report.findings] == []
     codes = Counter(report.code for report in done)
-    assert codes[2] >= 20
+    assert codes[2] >= 10
     assert codes[0] + codes[1] >= 5
 
 

@@ -127,6 +127,18 @@ def _number(data: bytes, rnd: Random) -> bytes:
     return data[: place.start()] + new + data[place.end() :]
 
 
+def _gentle_number(data: bytes, rnd: Random) -> bytes:
+    """A number a little larger or smaller, or that of another place."""
+    found = list(_NUMBER.finditer(data))
+    if not found:
+        return _odd(data, rnd)
+    place = rnd.choice(found)
+    value = float(place.group()) * rnd.choice((0.5, 0.9, 0.999, 1.001, 1.1, 2))
+    whole = place.group().lstrip(b"+-").isdigit()
+    new = rnd.choice((b"%d" % value if whole and abs(value) < 1e15 else b"%g" % value, rnd.choice(found).group()))
+    return data[: place.start()] + new + data[place.end() :]
+
+
 def _swap(data: bytes, rnd: Random) -> bytes:
     """Two words change places."""
     found = list(_WORD.finditer(data))
@@ -193,8 +205,8 @@ def _text(data: bytes) -> str:
 
 
 _DAMAGES: tuple[Damage, ...] = (
-    _flip, _cut, _without, _odd, _odd, _number, _number, _number, _number, _swap, _line, _line, _line, _repeat, _moved,
-    _moved, _deep,
+    _flip, _cut, _without, _odd, _odd, _number, _number, _number, _number, _gentle_number, _gentle_number, _swap, _line,
+    _line, _line, _repeat, _moved, _moved, _deep,
 )  # fmt: skip
 _WHOLE: tuple[Damage, ...] = (
     lambda data, rnd: b"",

@@ -219,6 +219,39 @@ def _routing(rnd: Random) -> Case:
     return Case("routing", {name: bad}, ("bench", name, *SHORT, *(("--json",) * (rnd.random() < 0.2))), (name,))
 
 
+def _model(rnd: Random) -> Case:
+    """A rule in MiniZinc. Each run of MiniZinc takes a tenth of a second and more: few of them."""
+    bad = damaged(seeds.rule_file(rnd.choice(("plant.mzn", "shipped.mzn"))), rnd, seeds.MODEL_WORDS)
+    words = _chosen(
+        rnd,
+        {
+            ("profile", "check", "plant.yaml"): 4,
+            ("solve", PLAIN, "-p", "plant.yaml", *SHORT): 4,
+            ("check", PLAIN, "made.nc", "-p", "plant.yaml"): 2,
+            ("rules", "test", "rule.mzn", "--cases"): 1,
+        },
+    )
+    files = {"rule.mzn": bad, "plant.yaml": b"name: plant\nmodels: [rule.mzn]\nrules: {rule: soft}\n"}
+    return Case("model", files | _nest(rnd), words, ("rule.mzn",))
+
+
+def _python(rnd: Random) -> Case:
+    """A rule in Python that is trusted: the text of one that works, with words of Python and of rules."""
+    bad = damaged(seeds.rule_file("plant.py"), rnd, seeds.PYTHON_WORDS)
+    words = _chosen(
+        rnd,
+        {
+            ("profile", "check", "plant.yaml", "--trust"): 2,
+            ("solve", PLAIN, "-p", "plant.yaml", "--trust", *SHORT): 5,
+            ("check", PLAIN, "made.nc", "-p", "plant.yaml", "--trust"): 2,
+            ("rules", "-p", "plant.yaml", "--trust"): 1,
+            ("rules", "test", "rule.py", "--cases"): 1,
+        },
+    )
+    files = {"rule.py": bad, "plant.yaml": b"name: plant\npython: [rule.py]\nrules: {rule: soft}\n"}
+    return Case("python", files | _nest(rnd), words, ("rule.py",))
+
+
 def _arguments(rnd: Random) -> Case:
     name = rnd.choice(("plain", "rich"))
     program, plan = seeds.made(name)
@@ -257,10 +290,12 @@ KINDS: Mapping[str, Make] = {
     "svg": _svg,
     "dxf": _dxf,
     "routing": _routing,
+    "model": _model,
+    "python": _python,
 }
 SHARES: Mapping[str, int] = {
-    "profile": 20, "dialect": 10, "program": 15, "plan": 12, "arguments": 13, "nest": 10, "svg": 8, "dxf": 6,
-    "routing": 6,
+    "profile": 19, "dialect": 9, "program": 14, "plan": 12, "arguments": 13, "nest": 10, "svg": 8, "dxf": 6,
+    "routing": 6, "model": 1, "python": 2,
 }  # fmt: skip
 """Of a hundred cases of all kinds, so many are of each."""
 

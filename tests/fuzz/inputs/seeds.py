@@ -15,6 +15,7 @@ import ezdxf
 import yaml
 
 import kerfwise as package
+from kerfwise.rules.pages.new_rule import new_outside_rule
 
 ROOT = Path(package.__file__).parent
 PLASMA = "linuxcnc-qtplasmac"
@@ -280,6 +281,28 @@ ROUTING_WORDS = tuple(
 def instance(name: str) -> bytes:
     """A routing instance of the examples."""
     return (ROOT / "examples/routing" / name).read_bytes()
+
+
+MODEL_WORDS = tuple(
+    b"before after position CONTOUR OUTER HOLE MARK parent kind long level_ahead zone part i j k where /\\ \\/ not -> "
+    b"forall exists sum var bool int set of array constraint true false 1..n 0 1 -1 1000000000 % cases: right: wrong: "
+    b'default include "x.mzn" let in if then else endif rule_holds predicate function solve satisfy output'.split()
+)
+PYTHON_WORDS = tuple(
+    b"self facts options nest cuts None True False 0 1 -1 1.5 [] () {} '' 'x' lambda: yield return raise not is in "
+    b"and or if else for pass int float str list id sentence source Options default statements pairs violations reason "
+    b"precede about nan Violation Precede NoGood Lag".split()
+)
+"""Nothing that goes on for ever or reaches a file: what a trusted rule does beside judging is its author's."""
+
+
+@cache
+def rule_file(name: str) -> bytes:
+    """A rule that works, as a plant writes it: in MiniZinc or Python; `shipped.mzn` is one of the catalogue."""
+    if name == "shipped.mzn":
+        return (ROOT / "rules/minizinc/rules/level_ahead.mzn").read_bytes().replace(b"level_ahead_holds", b"rule_holds")
+    with tempfile.TemporaryDirectory() as folder:
+        return new_outside_rule("rule", {"plant.mzn": "mzn", "plant.py": "python"}[name], Path(folder)).read_bytes()
 
 
 BEST_KNOWN = b"set,instance,best_upper\nrouting,nine,123\n,twelve,456.5\n"

@@ -23,11 +23,15 @@ VALUES: tuple[Any, ...] = (
 )  # fmt: skip
 """What takes the place of a value: other types, numbers at the ends, texts that mean something somewhere."""
 Path = tuple[str | int, ...]
+GENTLE = 0.2
+"""Share of damages after which a value is still of its kind: they go deeper than what is refused at once."""
 
 
 def damaged_tree(tree: Any, rnd: Random, words: Sequence[str] = ()) -> Any:
     """The tree with one to three small damages; `words` are keys and values of the format."""
     tree = copy.deepcopy(tree)
+    if rnd.random() < GENTLE:
+        return _gently(tree, rnd)
     for _ in range(rnd.choice((1, 1, 1, 1, 2, 3))):
         tree = _damaged(tree, rnd, words)
     return tree
@@ -61,6 +65,28 @@ def _damaged(tree: Any, rnd: Random, words: Sequence[str]) -> Any:
             parent[key] = _other_number(parent[key], rnd)
         case _:
             parent[key] = rnd.choice(VALUES)
+    return tree
+
+
+def _gently(tree: Any, rnd: Random) -> Any:
+    """A number a little larger or smaller, two values of a type swapped, or an entry of a list once more elsewhere."""
+    paths = list(_paths(tree))
+    numbers = [path for path in paths if type(_at(tree, path)) in (int, float)]
+    lists = [path for path in paths if isinstance(_at(tree, path), list) and _at(tree, path)]
+    match rnd.randrange(3):
+        case 0 if numbers:
+            path = rnd.choice(numbers)
+            value = _at(tree, path)
+            _at(tree, path[:-1])[path[-1]] = type(value)(value * rnd.choice((0.5, 0.9, 0.999, 1.001, 1.1, 2)))
+        case 1 if lists:
+            entries = _at(tree, rnd.choice(lists))
+            entries.insert(rnd.randrange(len(entries) + 1), copy.deepcopy(rnd.choice(entries)))
+        case _ if paths:
+            path = rnd.choice(paths)
+            like = [p for p in paths if type(_at(tree, p)) is type(_at(tree, path)) and p[: len(path)] != path]
+            other = rnd.choice([p for p in like if path[: len(p)] != p] or [path])
+            one, two = _at(tree, path), _at(tree, other)
+            _at(tree, path[:-1])[path[-1]], _at(tree, other[:-1])[other[-1]] = two, one
     return tree
 
 

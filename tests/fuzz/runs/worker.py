@@ -14,20 +14,13 @@ import tempfile
 import time
 import traceback
 from dataclasses import dataclass
-from functools import cache
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 import kerfwise
 from kerfwise.models.engines.warm_up import load_kernels
-from kerfwise.postproc.dialects import dialect
-from kerfwise.postproc.dialects.dialect import dialect_names
-from kerfwise.rules.profile import reader as profile_reader
 from kerfwise.tests.fuzz.inputs.case import Case
-from kerfwise.tests.fuzz.inputs.seeds import dialect_bytes, profiles
 
 from .judge import OWN_FAULT, differences, findings
 from .run import run, run_apart
@@ -124,7 +117,6 @@ def _serve(pipe: Connection, folder: str) -> None:
     os.fsync = lambda handle: None  # type: ignore[assignment]  # a hundred thousand cases would wait for the disk
     tempfile.tempdir = None
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _read_shipped_files_once()
     load_kernels()
     with open(Path(folder) / "where.txt", "w", encoding="utf-8") as notes:
         faulthandler.register(signal.SIGUSR1, notes, all_threads=False)
@@ -137,21 +129,6 @@ def _serve(pipe: Connection, folder: str) -> None:
             while True:
                 case, again, apart = pipe.recv()
                 pipe.send(reported(case, Path(folder) / "case", again, apart))
-
-
-def _read_shipped_files_once() -> None:
-    """The YAML of shipped profiles and dialects is the same in every case, and would take most of the time."""
-    shipped = {*map(bytes.decode, profiles().values()), *(dialect_bytes(name).decode() for name in dialect_names())}
-    compose = profile_reader.compose
-
-    @cache
-    def kept(text: str, file: str) -> yaml.Node | None:
-        return compose(text, file)
-
-    def once(text: str, file: str) -> yaml.Node | None:
-        return kept(text, file) if text in shipped else compose(text, file)
-
-    profile_reader.compose = dialect.compose = once
 
 
 def reported(case: Case, folder: Path, again: bool = False, apart: bool = False) -> Report:
