@@ -74,7 +74,9 @@ def test_command_lines_know_every_verb_and_write_no_rule_into_the_sources() -> N
     words = [made("arguments", 5, number).words for number in range(3000)]
     assert {line[0] for line in words if line} >= {verb[0] for verb in verbs()}
     for line in words:
-        if "new" in line:
+        if line[:2] == ("dialects", "new"):
+            assert line[2:4] == ("--output", "out.yaml")
+        elif "new" in line:
             assert line[:4] == ("rules", "new", "--into", "folder")
             assert all(there in ("folder", "nowhere", "nest.json", "/dev/null") for there in after("--into", line))
 

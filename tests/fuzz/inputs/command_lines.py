@@ -83,6 +83,7 @@ _LIMITS: dict[tuple[str, ...], tuple[str, ...]] = {
     ("bench",): ("--work", "0.01"),
     ("pareto",): ("--work", "0.01", "--price", "1"),
     ("rules", "new"): ("--into", "folder"),
+    ("dialects", "new"): ("--output", "out.yaml"),  # else NAME.yaml, wherever NAME leads
     ("rules", "test"): ("--cases",),  # all plans of small nests, for every rule there is, take minutes
 }
 
