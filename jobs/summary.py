@@ -41,21 +41,13 @@ def summary(plan: Plan, verdict: CheckResult) -> str:
     return "\n".join([*lines, report(verdict)])
 
 
-def _heavy_mm(plan: Plan) -> float:
-    """What excuses and relaxed statements weigh in the objective: each more than any plan travels."""
-    excused_mm = plan.solve.excuses * EXEMPTION_MM
-    if not any(dropped.relaxed for dropped in plan.dropped):
-        return excused_mm
-    return excused_mm + (plan.solve.objective - excused_mm) // RELAXED_MM * RELAXED_MM
-
-
 def proof_of(plan: Plan) -> str:
     """What is proven of the cost, and for what: plans within the same zones, by the same entries.
 
-    A bound beyond `heavy_mm` says that no plan has fewer excuses and relaxed statements; what is left of both is then a
-    bound on the rest.
+    A bound beyond `Plan.heavy_mm` says that no plan has fewer excuses and relaxed statements; what is left of both is
+    then a bound on the rest.
     """
-    solve, heavy_mm = plan.solve, _heavy_mm(plan)
+    solve, heavy_mm = plan.solve, plan.heavy_mm
     if solve.status == "optimal":
         return f"proven optimal within these zones and entries (by {solve.proved_by})"
     if solve.bound is None or solve.gap is None:
@@ -63,18 +55,17 @@ def proof_of(plan: Plan) -> str:
     said = f"at most {solve.gap:.2%} above the best possible"
     if not heavy_mm:
         return f"{said} within these zones and entries (bound {solve.bound / 1000:.3f} m)"
-    bound_mm, rest_mm = solve.bound - heavy_mm, solve.objective - heavy_mm
-    if bound_mm <= 0 or rest_mm <= 0:
+    if plan.light_gap is None:
         return f"{said} with the weight of excuses; plans with fewer excuses are not ruled out"
     return (
-        f"{said} with the weight of excuses, {(rest_mm - bound_mm) / rest_mm:.2%} without it "
-        f"(bound {bound_mm / 1000:.3f} m, no plan within these zones and entries has fewer excuses)"
+        f"{said} with the weight of excuses, {plan.light_gap:.2%} without it "
+        f"(bound {(solve.bound - heavy_mm) / 1000:.3f} m, no plan within these zones and entries has fewer excuses)"
     )
 
 
 def _objective(plan: Plan) -> str:
     """What the plan costs; excuses and relaxed statements, which weigh more than any travel, are counted apart."""
-    excuses, heavy_mm = plan.solve.excuses, _heavy_mm(plan)
+    excuses, heavy_mm = plan.solve.excuses, plan.heavy_mm
     rest_mm, relaxed = plan.solve.objective - heavy_mm, (heavy_mm - excuses * EXEMPTION_MM) / RELAXED_MM
     text = f"objective {rest_mm / 1000:.3f} m"
     if excuses:

@@ -13,6 +13,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.models.physics.timing.report import TimeReport
 from kerfwise.rules.profile.machine_section import Origin
+from kerfwise.rules.statements import EXEMPTION_MM, RELAXED_MM
 
 from .zones_cost import ZonesCost
 
@@ -165,6 +166,25 @@ class Plan:
         """How long it waits altogether, s."""
         return sum(planned.dwell_s for planned in self.cuts)
 
+    @property
+    def heavy_mm(self) -> float:
+        """What excuses and relaxed statements weigh in the objective, mm: each more than any plan travels."""
+        excused_mm = self.solve.excuses * EXEMPTION_MM
+        if not any(dropped.relaxed for dropped in self.dropped):
+            return excused_mm
+        return excused_mm + (self.solve.objective - excused_mm) // RELAXED_MM * RELAXED_MM
+
+    @property
+    def light_gap(self) -> float | None:
+        """The gap without the weight of excuses and relaxed statements.
+
+        None where they weigh nothing, where plans with fewer of them are not ruled out, or where there is no gap.
+        """
+        if not self.solve.gap:
+            return None
+        bound_mm, rest_mm = (self.solve.bound or 0.0) - self.heavy_mm, self.solve.objective - self.heavy_mm
+        return (rest_mm - bound_mm) / rest_mm if self.heavy_mm and bound_mm > 0 and rest_mm > 0 else None
+
     def sequence(self, home: tuple[float, float] = (0.0, 0.0)) -> CutSequence:
         """The bare cuts, those made before among them, as rules judge them."""
         cuts = tuple(p.cut for p in (*self.already_cut, *self.cuts))
@@ -185,7 +205,8 @@ class Plan:
         tail: dict[str, Any] = {
             "totals": {k: _round(getattr(self.totals, k)) for k in Totals.__slots__},
             **({} if self.time is None else {"time": self.time.as_json()}),
-            "solve": {k: _round(getattr(self.solve, k)) for k in SolveReport.__slots__},
+            "solve": {k: _round(getattr(self.solve, k)) for k in SolveReport.__slots__}
+            | ({} if self.light_gap is None else {"gap_without_excuses": _round(self.light_gap)}),
             "rules": [
                 {
                     "id": r.id,

@@ -106,6 +106,8 @@ def _totals(plan: Plan) -> list[str]:
         facts.append("no bound proven")
     else:
         facts.append(f"at most {100 * solve.gap:.1f} % above the best possible")
+        if plan.light_gap is not None:
+            facts.append(f"{100 * plan.light_gap:.1f} % without the weight of excuses")
     if plan.zones_cost is not None and plan.zones_cost.mm > 0:
         facts.append(f"zones cost {plan.zones_cost.mm / 1000:.1f} m")
     return [*facts, *_not_kept(plan)]

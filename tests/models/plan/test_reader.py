@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -94,3 +95,16 @@ def test_any_value_in_any_place(tmp_path_factory: pytest.TempPathFactory, data: 
     path.write_text(json.dumps(plan))
     with contextlib.suppress(InputError):
         read_plan(path).to_json()
+
+
+@pytest.mark.parametrize(
+    ("excuses", "objective", "bound", "gap"),
+    [(1, 1_010_000.0, 1_009_000.0, 0.1), (1, 1_010_000.0, 900.0, None), (0, 10_000.0, 9_000.0, None)],
+)
+def test_a_gap_without_the_weight_of_excuses_is_stated_where_it_says_more(
+    excuses: int, objective: float, bound: float, gap: float | None
+) -> None:
+    made = plan_of(PLATE, good_cuts(PLATE), profile())
+    solve = replace(made.solve, objective=objective, bound=bound, gap=(objective - bound) / objective, excuses=excuses)
+    stated = json.loads(replace(made, solve=solve).to_json())["solve"]
+    assert stated.get("gap_without_excuses") == gap
