@@ -5,8 +5,6 @@ from __future__ import annotations
 import io
 from collections.abc import Mapping
 
-from ezdxf.addons.r12writer import r12writer
-
 from kerfwise.encoder.nest import Kind, Nest
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.profile.profile import Profile
@@ -28,6 +26,8 @@ def write_dxf(plan: Plan, nest: Nest, profile: Profile) -> str:
     InputError
         If the plan was made from another nest.
     """
+    from ezdxf.addons.r12writer import r12writer  # loaded by those who ask for a drawing only
+
     profile = profile.at_origin(plan.origin)
     x, y = profile.frame_on(profile.as_cut(nest)).corner
     text = io.StringIO(newline="")

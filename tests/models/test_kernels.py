@@ -266,6 +266,7 @@ def test_else_a_thread_for_each_core(monkeypatch: pytest.MonkeyPatch) -> None:
     assert cores() == numba.config.NUMBA_DEFAULT_NUM_THREADS
 
 
+LIBRARIES = "numba ortools pandas scipy ezdxf matplotlib"
 SMALL = Path(kernels.__file__).parents[1] / "examples" / "nests" / "e1x_6.json"
 
 
@@ -275,9 +276,9 @@ def test_a_small_nest_is_planned_without_a_kernel_that_is_compiled(limit: tuple[
     """Not even numba is loaded: that would take longer than the planning."""
     script = (
         "import sys; from kerfwise.cli import main\n"
-        "try: main()\nfinally: print([m for m in ('numba', 'ortools', 'pandas', 'matplotlib') if m in sys.modules])"
+        "try: main(sys.argv[1:-1])\nfinally: print([m for m in sys.argv.pop().split() if m in sys.modules])"
     )
-    words = ("solve", str(SMALL), "-o", "made.nc", "--picture", "made.svg", *limit)
+    words = ("solve", str(SMALL), "-o", "made.nc", "--picture", "made.svg", *limit, LIBRARIES)
     run = subprocess.run(
         [sys.executable, "-c", script, *words], cwd=tmp_path, capture_output=True, encoding="utf-8", check=True
     )

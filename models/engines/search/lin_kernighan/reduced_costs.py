@@ -7,7 +7,6 @@ none of them is below zero, and most arcs of a good tour are at zero where costs
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from kerfwise.arrays import Bools, Ints
 
@@ -23,6 +22,8 @@ def reduced_costs(cost: Ints, lawful: Bools) -> Ints:
     >>> reduced_costs(np.array([[0, 2, 5], [4, 0, 3], [1, 6, 0]]), lawful).tolist()[0]
     [-2, 0, 0]
     """
+    from scipy.optimize import linear_sum_assignment  # it takes longer to load than a small nest to plan
+
     size = len(cost)
     far = (int(cost[lawful].max(initial=0)) + 1) * (size + 1)
     dear = np.where(lawful, cost, far).astype(np.int64)
