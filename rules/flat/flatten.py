@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -142,8 +143,8 @@ def _says(told: Compiled) -> list[str]:
 
 def _model(file: ModelFile, data: str, others: tuple[str, ...], judged: bool = False) -> str:
     """The model: the words, the file, its data, and what is to be left of it."""
-    text = whole_text(file)
-    kept = [name for name, words in _ARRAYS.items() if not judged and any(word in text for word in words)]
+    named = set(re.findall(r"[A-Za-z_]\w*", whole_text(file)))
+    kept = [name for name, words in _ARRAYS.items() if not judged and not named.isdisjoint(words)]
     lines = [include(JUDGED if judged else WORDS), include(file.path.resolve())]
     for name in (*kept, *([file.array] if file.array else []), *others):
         kind = "int" if name in SUMS else "bool"

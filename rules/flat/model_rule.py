@@ -23,7 +23,7 @@ from kerfwise.rules.options.plain_values import Flag, Number, Text
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Forced, Ids, Rule, Strength, Violation
 from kerfwise.rules.rule_file import RuleFile
-from kerfwise.rules.statements import Before, Statement
+from kerfwise.rules.statements import About, Before, Statement
 
 from .flatten import Flattened, JudgedOrder, flatten, judge_order, judge_orders
 from .further_words import further_words
@@ -255,6 +255,13 @@ class ModelRule(Rule[Any]):
 
     def excuse(self, nest: Nest, cuts: CutSequence, options: Any, violation: Violation, forced: Forced) -> str | None:
         return None if self.replaces is None else self.replaces.excuse(nest, cuts, options, violation, forced)
+
+    def exempt(self, facts: Facts, options: Any) -> Iterable[About]:
+        """Those of the rule whose place it takes: its data says nothing of them."""
+        return () if self.replaces is None else self.replaces.exempt(facts, options)
+
+    def allowances(self, options: Any) -> tuple[Any, ...]:
+        return () if self.replaces is None else self.replaces.allowances(options)
 
     def unjudged(self, nest: Nest, cuts: CutSequence, options: Any) -> str | None:
         return missing(cuts, whole_text(self.file))

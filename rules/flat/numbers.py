@@ -168,7 +168,8 @@ def _of_choices(one: Sum, fits: Callable[[int], bool]) -> Node | None:
     """Where the number is a choice: one of those nodes holds whose values fit."""
     if not isinstance(one, ChoiceSum):
         return None
-    return any_of([node for node, value in one.terms.items() if fits(one.const + value)])
+    fitting = [node for node, value in one.terms.items() if fits(one.const + value)]
+    return True if len(fitting) == len(one.terms) else any_of(fitting)
 
 
 def function_of(one: Sum, value_of: Callable[[int], int]) -> Sum:

@@ -18,8 +18,10 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.rules.flat.model_rule import read_model_rule
+from kerfwise.rules.flat.nodes import Lit
+from kerfwise.rules.flat.numbers import ChoiceSum, equal, within
 from kerfwise.rules.profile.profile import load_profile
-from kerfwise.rules.statements import AtLeast, Before, Contiguous, Enough, Forbid, Lag, Precede, Statement
+from kerfwise.rules.statements import AtLeast, Before, Contiguous, Enough, Forbid, Lag, Pick, Precede, Statement
 
 pytestmark = pytest.mark.minizinc
 
@@ -183,3 +185,11 @@ def test_what_has_no_meaning_is_refused_with_its_line(tmp_path: Path, text: str,
         list(rule.statements(facts(), rule.Options()))
     assert refused.value.line in (2, 3)
     assert str(refused.value.file) == str(path)
+
+
+def test_the_only_way_to_cut_a_contour_is_taken_for_granted() -> None:
+    """A number by which way a contour is cut, that comes to the same whatever the way, asks for nothing."""
+    only = ChoiceSum(0, {Lit(Pick(0)): 1}, n=1)
+    assert equal(only, 1) is True
+    assert equal(only, 2) is False
+    assert within(ChoiceSum(2, {Lit(Pick(0)): 1, Lit(Pick(1)): 2}, n=1), [3, 4]) is True
