@@ -99,8 +99,8 @@ class Sheet:
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
-        """xmin, ymin, xmax, ymax, mm."""
-        x0, y0, x1, y1 = self.polygon.bounds
+        """xmin, ymin, xmax, ymax, mm; those of its line where a broken sheet encloses nothing."""
+        x0, y0, x1, y1 = self.outline.line().bounds if self.polygon.is_empty else self.polygon.bounds
         return x0, y0, x1, y1
 
     @staticmethod
