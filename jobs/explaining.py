@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
+
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.plan.conflict import state_relaxed
 from kerfwise.models.plan.explain import Explanation, explain
@@ -34,7 +38,7 @@ class Explainer:
 
     def __init__(self, given: Given, plan: Plan, facts: Facts | None = None) -> None:
         profile = again_first(given.profile.at_origin(plan.origin), plan.already)
-        facts = facts or facts_of(given.nest, profile, plan.already)
+        facts = facts or _by_its_zones(facts_of(given.nest, profile, plan.already), plan)
         state = state_relaxed if any(dropped.relaxed for dropped in plan.dropped) else state_rules
         stated = state(facts, profile)
         if profile.objective.heat:
@@ -50,3 +54,10 @@ class Explainer:
             If the plan does not cut such a contour; the nearest id is named.
         """
         return explain(self._facts, self._profile, self._stated, self._plan, contour)
+
+
+def _by_its_zones(facts: Facts, plan: Plan) -> Facts:
+    """The facts with the zones of the plan, which need not be those that geometry alone has made."""
+    zones = {planned.cut.contour: planned.cut.zone for planned in plan.cuts if planned.cut.zone}
+    found = [zones.get(contour.id, int(zone)) for contour, zone in zip(facts.nest.contours, facts.zone, strict=True)]
+    return replace(facts, zone=np.array(found, dtype=np.int64))

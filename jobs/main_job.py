@@ -115,7 +115,7 @@ def plan_nest(
         tell(f"kernels were compiled, which is done once: {took_s:.0f} s, not counted by the limit")
     _not_counted("ending the planning", over_s, limit_s, tell)
     _not_counted("writing and checking the program", made.judging_s, limit_s, tell)
-    return Finished(Given(nest, profile), facts, made)
+    return Finished(Given(nest, profile), made.facts, made)
 
 
 def _not_counted(what: str, took_s: float, limit_s: float | None, tell: Tell) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.engines.baselines import Strategy
 from kerfwise.models.engines.names import Engine
 from kerfwise.models.engines.solution import Progress, Solution, SolveOptions
@@ -21,7 +22,7 @@ from kerfwise.rules.stating.lazy import afterthoughts, look_takes_s
 from kerfwise.rules.stating.state_rules import Stated
 
 from .ask import Asked
-from .zones_cost import AS_LONG, LEAST, SHARE, zoned_by, zones_cost
+from .zones_cost import SHARE, along, look_for, once_more, without_zones, zoned_by, zones_cost
 
 if TYPE_CHECKING:
     from kerfwise.models.heat_prices.cooler_orders import CoolerOrders
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 class Produced:
     """A plan with the rules' verdicts in it, its NC program, the whole verdict, and what the engines had to say.
 
+    `facts` are those it was made of: zones may have moved along a plan that was found without them.
     `judging_s` is how long the program and the judging of it took by the clock, which no limit counts.
     """
 
@@ -38,6 +40,7 @@ class Produced:
     program: str
     verdict: CheckResult
     notes: tuple[str, ...]
+    facts: Facts
     judging_s: float = 0.0
 
 
@@ -56,8 +59,8 @@ def produce(
     """Solve, write the program, and judge both; a plain strategy may take the place of the engine, to compare with.
 
     Where the profile puts a price on overheats, the nest is simulated many times over; `cooler` knows what was
-    simulated before of the same nest by the same rules. `and_zones` has the plan say what zones cost, which takes a
-    share of a limit in seconds, or work beside that of the plan.
+    simulated before of the same nest by the same rules. `and_zones` has zones move where that pays, and the
+    plan say what they cost, which takes a share of a limit in seconds, or work beside that of the plan.
 
     Raises
     ------
@@ -69,7 +72,7 @@ def produce(
     whole = limits
     and_zones = and_zones and engine == "portfolio" and strategy == "ours" and bool(zoned_by(asked, profile))
     if and_zones and limits.time_s is not None:
-        limits = replace(limits, time_s=limits.time_s * (1 - SHARE))
+        limits = replace(limits, time_s=limits.time_s * (1 - 2 * SHARE))
 
     def solved(share: float, stated: Stated, further: tuple[Statement, ...] = ()) -> Solution:
         part = replace(limits, work=limits.work * share, time_s=limits.time_s and limits.time_s * share)
@@ -107,21 +110,22 @@ def produce(
         solution = solved(1.0, asked.stated) if cool is None else cool
         plan = planned(solution)
     if and_zones:
-        looked = _looked(whole, running_s() - started_s, solution)
-        plan = replace(plan, zones_cost=zones_cost(asked, seen_of(solution), profile, solution, looked, progress))
+        ends_s = None if whole.time_s is None else started_s + whole.time_s
+        free = without_zones(asked, seen_of(solution), profile, solution, look_for(facts, whole, ends_s), progress)
+        if free is not None and limit is None and cool is None:
+            better = along(asked, profile, solution, free, once_more(whole, ends_s), progress)
+            if better is not None:
+                asked, solution = better
+                facts = asked.facts
+                plan = planned(solution)
+        if free is not None:
+            plan = replace(plan, zones_cost=zones_cost(asked, solution, free, limits))
     began_s = running_s()
     program = write_program(plan, facts.whole_nest, profile)
     verdict = judge(facts.whole_nest, plan, program, profile)
     judging_s = running_s() - began_s
-    return Produced(replace(plan, rules=report_of(verdict, profile)), program, verdict, solution.notes, judging_s)
-
-
-def _looked(limits: SolveOptions, spent_s: float, solution: Solution) -> SolveOptions:
-    """How long is looked for a plan without zones; what the plan took by the clock does not count at work."""
-    if limits.time_s is not None:
-        left_s = max(limits.time_s - spent_s, LEAST * SHARE)
-        return replace(limits, time_s=min(2 * SHARE * limits.time_s, left_s))
-    return replace(limits, work=min(SHARE * limits.work, max(LEAST, AS_LONG * solution.seconds)))
+    plan = replace(plan, rules=report_of(verdict, profile))
+    return Produced(plan, program, verdict, solution.notes, facts, judging_s)
 
 
 def _solved(

@@ -1,11 +1,13 @@
-"""What zones cost a plan: the search goes on from it without the orders of zones, for a short while."""
+"""What zones cost a plan, and zones that cost it less: the search goes on from it without the orders of zones."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.facts.zone_runs import movable, zones_along
 from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.engines.solution import Progress, Solution, SolveOptions
 from kerfwise.models.kernels import running_s
@@ -15,19 +17,56 @@ from kerfwise.models.plan.zones_cost import ZonesCost
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.statements import EXEMPTION_MM, Statement
+from kerfwise.rules.statements import EXEMPTION_MM, Crossing, Statement
 from kerfwise.rules.stating.lazy import afterthoughts
-from kerfwise.rules.stating.state_rules import Stated
+from kerfwise.rules.stating.state_rules import Stated, state_rules
 
 from .ask import Asked
 
-SHARE = 0.1
-"""Share of a limit in which a plan without zones is looked for: of one in seconds, of which it is left so much, or of
-the work, beside it."""
-LEAST, AS_LONG = 1.0, 4.0
-"""Work that it takes at the least, and how many times as long as the plan itself took it does not exceed."""
-MOST_CONTOURS = 2500
-"""With more, a plan without zones takes too long to get anywhere."""
+SHARE = 0.15
+"""Share of a limit in which a plan without zones is looked for, at the most: of one in seconds, of which it is left so
+much, or of the work, beside it. As much again is there for a plan by other zones."""
+LEAST, A_CONTOUR = 0.5, 0.02
+"""Work that it takes at the least, and for every contour."""
+MOST_CONTOURS, MOST_MOVES = 2500, 60
+"""With more, a plan without zones takes too long to get anywhere; and looking at every single move takes too long."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Free:
+    """The best plan known without zones: what was asked of it, its solution, and how long it was looked for, s.
+
+    `aside` are the rules that it was not asked to keep besides those of zones.
+    """
+
+    stated: Stated
+    solution: Solution
+    seconds: float
+    aside: tuple[str, ...] = ()
+
+    def cost_mm(self, asked: Asked, solution: Solution, limits: SolveOptions) -> float:
+        """What a plan by zones costs by the same account."""
+        if not self.aside and self.solution.left_out == solution.left_out:
+            return solution.objective
+        timed = limits.time_s is not None  # the clock left out moves over parts: neither plan is asked for those
+        statements = self.stated.statements
+        problem = make_problem(asked.facts, statements, limits.home_mm, limits.feeds, going=lambda share: not timed)
+        return route_cost(problem, problem.candidate_site[list(solution.route)].tolist()) / UM_PER_MM
+
+
+def look_for(facts: Facts, limits: SolveOptions, ends_s: float | None) -> SolveOptions:
+    """How long a plan without zones is looked for; `ends_s` is when a limit in seconds ends."""
+    if limits.time_s is None or ends_s is None:
+        return replace(limits, work=min(SHARE * limits.work, max(LEAST, A_CONTOUR * facts.n)))
+    left_s = (ends_s - running_s()) / 2
+    return replace(limits, time_s=max(min(SHARE * limits.time_s, left_s), SHARE * LEAST))
+
+
+def once_more(limits: SolveOptions, ends_s: float | None) -> SolveOptions:
+    """How long a plan by other zones may take."""
+    if limits.time_s is None or ends_s is None:
+        return replace(limits, work=SHARE * limits.work)
+    return replace(limits, time_s=max(ends_s - running_s(), SHARE * LEAST))
 
 
 def zoned_by(asked: Asked, profile: Profile) -> frozenset[str]:
@@ -39,15 +78,15 @@ def zoned_by(asked: Asked, profile: Profile) -> frozenset[str]:
     return frozenset(name for name, setting in settings if book[name].makes_zones and setting.weight is None)
 
 
-def zones_cost(
+def without_zones(
     asked: Asked,
     further: Sequence[Statement],
     profile: Profile,
     solution: Solution,
     limits: SolveOptions,
     progress: Progress | None = None,
-) -> ZonesCost | None:
-    """What the best plan costs less that is found without zones, from a planned one on.
+) -> Free | None:
+    """The best plan that is found without zones, from a planned one on.
 
     Parameters
     ----------
@@ -64,8 +103,8 @@ def zones_cost(
 
     Returns
     -------
-    ZonesCost or None
-        None where nothing can be said: no rule makes zones, hard statements were relaxed, or it was interrupted.
+    Free or None
+        None where there is none: no rule makes zones, hard statements were relaxed, or it was interrupted.
     """
     from kerfwise.models.engines.rounds import solve
 
@@ -73,25 +112,64 @@ def zones_cost(
     relaxed = any(dropped.why.startswith(RELAXED) for dropped in asked.stated.dropped)
     if not names or not solution.route or relaxed or (progress is not None and not progress("zones", None, None)):
         return None
-    free = tuple(s for s in asked.stated.statements if s.about.rule not in names)
-    statements = (*free, *further)
+    moves_too = facts.n <= MOST_MOVES
+    left = [s for s in (*asked.stated.statements, *further) if s.about.rule not in names]
+    stated = Stated(tuple(s for s in left if moves_too or not isinstance(s, Crossing)), (), asked.stated.exempt)
     began_s = running_s()
     limits = replace(limits, member="search", gap=None, no_improvement_s=None)
     try:
-        found = solve(facts, statements, limits, progress, afterthoughts(facts, profile), start=solution.route)
+        found = solve(facts, stated.statements, limits, progress, afterthoughts(facts, profile), start=solution.route)
     except RulesConflict:
         return None
-    before_mm = solution.objective
-    if found.left_out != solution.left_out:  # without zones some of it is more than can be priced
-        timed = limits.time_s is not None  # the clock left out moves over parts: neither plan is asked for those
-        problem = make_problem(facts, statements, limits.home_mm, limits.feeds, going=lambda share: not timed)
-        before_mm = route_cost(problem, problem.candidate_site[list(solution.route)].tolist()) / UM_PER_MM
-    gained_mm = before_mm - found.objective
+    aside = {s.about.rule for s in left if isinstance(s, Crossing) and not moves_too} | {r for r, _ in found.left_out}
+    spent_s = found.seconds if limits.time_s is None else running_s() - began_s
+    return Free(stated, found, spent_s, tuple(sorted(aside)))
+
+
+def along(
+    asked: Asked,
+    profile: Profile,
+    solution: Solution,
+    free: Free,
+    limits: SolveOptions,
+    progress: Progress | None = None,
+) -> tuple[Asked, Solution] | None:
+    """A better plan, by zones along the one without; None where the plant decides on zones, or none is found.
+
+    They are as large as a proof bears, so a proof alone is tried. A plan that is proven gives way to none that is not.
+    """
+    from kerfwise.models.engines.rounds import solve
+
+    facts = asked.facts
+    if not movable(facts) or free.cost_mm(asked, solution, limits) <= free.solution.objective:
+        return None
+    zone = zones_along(facts, [facts.candidates[c].contour for c in free.solution.route])
+    if zone is None:
+        return None
+    moved = replace(facts, zone=zone)
+    try:
+        stated = state_rules(moved, profile)
+        refine, limits = (
+            afterthoughts(moved, profile),
+            replace(limits, member="ideals", gap=None, no_improvement_s=None),
+        )
+        found = solve(moved, stated.statements, limits, progress, refine, start=free.solution.route)
+    except RulesConflict:
+        return None
+    if found.objective >= solution.objective or (solution.status == "optimal" != found.status):
+        return None
+    spent = solution.seconds + free.seconds + found.seconds
+    notes = (*solution.notes, "zones: moved along the best plan known without them", *found.notes)
+    return Asked(moved, stated), replace(found, seconds=spent, notes=notes)
+
+
+def zones_cost(asked: Asked, solution: Solution, free: Free, limits: SolveOptions) -> ZonesCost:
+    """What a plan by zones costs more than the best one known without."""
+    gained_mm = free.cost_mm(asked, solution, limits) - free.solution.objective
     excuses = round(gained_mm / EXEMPTION_MM)
-    seconds = found.seconds if limits.time_s is None else running_s() - began_s
     if excuses < 0 or gained_mm <= 0:
-        return ZonesCost(0.0, 0, (), seconds)
-    stated = Stated(statements, (), asked.stated.exempt)
-    had, has = (excused(facts, stated, route) for route in (solution.route, found.route))
+        return ZonesCost(0.0, 0, (), free.seconds, free.aside)
+    had, has = (excused(asked.facts, free.stated, route) for route in (solution.route, free.solution.route))
     avoided = [(name, rule) for name, rules in had.items() for rule in rules if rule not in has.get(name, ())]
-    return ZonesCost(gained_mm - excuses * EXEMPTION_MM, excuses, tuple(avoided if excuses else ()), seconds)
+    named = tuple(avoided if excuses else ())
+    return ZonesCost(gained_mm - excuses * EXEMPTION_MM, excuses, named, free.seconds, free.aside)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Floats
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs, older_kerfs
 from kerfwise.encoder.nest import Nest
@@ -23,7 +23,7 @@ from .outlines import outlines_of
 from .shadows import level_ahead
 from .start_side import start_side
 from .stretches import runs_of, stretch_of
-from .zones import zones_of
+from .zones import respected_orders, zones_of
 
 
 def compute_facts(
@@ -79,10 +79,7 @@ def compute_facts(
 
     ahead = level_ahead(outlines, parent, side)
     hull = in_hull(outlines, parent)
-    order_facts: dict[str, Ints] = {"contains": contains[:, ::-1], "level_ahead": ahead, "in_hull": hull}
-    respected = np.concatenate(
-        [np.empty((0, 2), dtype=np.int64), *(pairs for f, pairs in order_facts.items() if f in options.zone_respects)]
-    )
+    respected = respected_orders(contains, ahead, hull, options)
     zone = zones_of(nest, outlines, parent, side, respected, options, heat_kj)
 
     outlook = outlook_of(outlines, parent, nest.sheet, cells_of(outlines), options)

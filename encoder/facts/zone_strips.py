@@ -37,7 +37,7 @@ def strips_of(blocks: Blocks, start_side: Side, options: FactOptions, size: int,
     before, first = _predecessors(blocks.pairs, count)
     strips, left = list[Ints](), np.ones(count, dtype=np.bool_)
     while left.any():
-        square = bool(strips) and _side_ratio(blocks.bounds_mm[left]) <= options.square_ratio * (1 + SAME_SHARE)
+        square = bool(strips) and side_ratio(blocks.bounds_mm[left]) <= options.square_ratio * (1 + SAME_SHARE)
         choices = []
         for side in sides if square else sides[:1]:
             about = size * (_pieces_along(side, blocks, left, size) if in_pieces else 1)
@@ -48,7 +48,7 @@ def strips_of(blocks: Blocks, start_side: Side, options: FactOptions, size: int,
             ahead = before[laid_out(first[strip], first[strip + 1] - first[strip])]
             # A side is not admissible where something that would remain must go before a block of the strip.
             if side == start_side or not remains[ahead].any():
-                choices.append((_side_ratio(blocks.bounds_mm[remains]), strip, side))
+                choices.append((side_ratio(blocks.bounds_mm[remains]), strip, side))
         squarest = min(ratio for ratio, _, _ in choices)
         strip, side = next((strip, side) for ratio, strip, side in choices if ratio <= squarest * (1 + SAME_SHARE))
         left[strip] = False
@@ -119,7 +119,7 @@ def _strip(order: Ints, place: Floats, blocks: Blocks, budget_kj: float | None, 
     return order[: int(widest[missed[widest].argmin()]) + 1]
 
 
-def _side_ratio(bounds_mm: Floats) -> float:
+def side_ratio(bounds_mm: Floats) -> float:
     """Long side by short side of the rectangle around these bounds, 1 for none."""
     if not len(bounds_mm):
         return 1.0

@@ -20,7 +20,7 @@ from kerfwise.encoder.cut import Side
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 
-from .facts import FactOptions
+from .facts import FactOptions, OrderFact
 from .outlines import Outlines
 from .zone_blocks import Blocks, blocks_of, locked_pairs
 from .zone_heat import divided
@@ -35,6 +35,18 @@ PIECE = 8
 MOST_SETS, MOST_OF_ONE, USUAL = 1_500_000, 1_000_000, 30
 """Sets of contours that may be out, of all zones together if each has `USUAL` contours, and of one at the most: a proof
 takes under 1 GB, and some seconds."""
+
+
+def most_sets(contours: int) -> float:
+    """The most sets that a zone of a nest with so many contours has where no number is given."""
+    return min(MOST_OF_ONE, MOST_SETS * USUAL / max(1, contours))
+
+
+def respected_orders(contains: Ints, level_ahead: Ints, in_hull: Ints, options: FactOptions) -> Ints:
+    """The pairs of contours (before, after) that no zone may contradict, (k, 2), of these facts."""
+    pairs: dict[OrderFact, Ints] = {"contains": contains[:, ::-1], "level_ahead": level_ahead, "in_hull": in_hull}
+    chosen = (of for name, of in pairs.items() if name in options.zone_respects)
+    return np.concatenate([np.empty((0, 2), dtype=np.int64), *chosen])
 
 
 def zones_of(
@@ -80,9 +92,8 @@ def _as_large_as_a_proof_bears(
 ) -> tuple[Ints, Ints]:
     """As `_divided`, of pieces joined as long as a zone has few sets."""
     zone, pairs = _divided(blocks, start_side, options, PIECE, in_pieces=True)
-    most = min(MOST_OF_ONE, MOST_SETS * USUAL / max(1, len(blocks.of)))
     heat_kj = np.bincount(zone - 1, blocks.heat_kj).astype(np.float64)
-    zone[blocks.of] = joined(zone[blocks.of], units, most, heat_kj, options.zone_heat_kj)
+    zone[blocks.of] = joined(zone[blocks.of], units, most_sets(len(blocks.of)), heat_kj, options.zone_heat_kj)
     return zone, pairs
 
 

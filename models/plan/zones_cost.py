@@ -21,12 +21,15 @@ class ZonesCost:
         Ids of the contours that the plan excuses, each with its rule, where the plan without zones does not.
     seconds
         How long it was looked for, s; of work, as `SolveReport.seconds`.
+    aside
+        Rules that neither of the two is priced by, as the nest is too large for them without zones.
     """
 
     mm: float
     excuses: int
     avoided: tuple[tuple[str, str], ...]
     seconds: float
+    aside: tuple[str, ...] = ()
 
     @property
     def sentence(self) -> str:
@@ -41,7 +44,7 @@ class ZonesCost:
         >>> ZonesCost(-300.0, 1, (("A.outer", "no-islands"),), 3.0).sentence
         'zones cost 1 excuse that a plan without them avoids, 0.300 m longer, looked for in 3.0 s: A.outer (no-islands)'
         """
-        looked_for = f"looked for in {self.seconds:.1f} s"
+        looked_for = f"looked for in {self.seconds:.1f} s{''.join(f', {rule} aside' for rule in self.aside)}"
         if self.excuses > 0:
             way = f"{abs(self.mm) / 1000:.3f} m {'shorter' if self.mm >= 0 else 'longer'}"
             excuses = f"{self.excuses} excuse{'s' if self.excuses > 1 else ''}"
@@ -55,10 +58,11 @@ class ZonesCost:
     def as_json(self) -> dict[str, Any]:
         """As a plan lists it."""
         avoided = [{"contour": contour, "rule": rule} for contour, rule in self.avoided]
-        return {"mm": round(self.mm, 6), "excuses": self.excuses, "avoided": avoided, "seconds": round(self.seconds, 6)}
+        amounts = {"mm": round(self.mm, 6), "excuses": self.excuses, "avoided": avoided}
+        return amounts | {"seconds": round(self.seconds, 6), "aside": list(self.aside)}
 
     @staticmethod
     def of_json(data: dict[str, Any]) -> ZonesCost:
         """The same, read back."""
         avoided = tuple((row["contour"], row["rule"]) for row in data["avoided"])
-        return ZonesCost(data["mm"], data["excuses"], avoided, data["seconds"])
+        return ZonesCost(data["mm"], data["excuses"], avoided, data["seconds"], tuple(data["aside"]))

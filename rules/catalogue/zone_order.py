@@ -61,8 +61,13 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
     Small zones make long ways, and so do thin strips of a large sheet. With `zone_contours: auto` strips are wide, and
     divided along their length into pieces of about 8 contours. These are cut one after the other, from the end where
     the strip before ended. Pieces that follow each other are then joined to zones that are as large as a proof of the
-    best plan bears: as long as there are few sets of contours that may be out while a zone is cut. The nest and the
-    rules alone decide on that. Where locks put parts in zones, these are strips of about 12 contours.
+    best plan bears: as long as there are few sets of contours that may be out while a zone is cut. Where locks put
+    parts in zones, these are strips of about 12 contours.
+
+    After the first plan, a better one without zones is looked for. Runs of it take the place of the zones where the
+    plan is then shorter and proven, and they are zones still: what is left stays about as square, they reach into each
+    other about as little, and the first is at the start side. So a zone does not force an excuse, or a long way, that
+    another border avoids. Zones stay as they are where the plant gives a number, locks or a budget of heat.
 
     With `zone_heat`, a strip ends before the heat of its contours passes that budget: `heat.absorbed_power_w` for as
     long as the torch is on, piercing included, at the feeds that the section `time` names. What the order rules then

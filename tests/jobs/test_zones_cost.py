@@ -9,8 +9,15 @@ from dataclasses import replace
 import pytest
 
 from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder.facts import zones
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.readers import ReadOptions
+from kerfwise.encoder.readers.json_nest import read_json
+from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs import zones_cost as cost_of_zones
 from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.explaining import Explainer
+from kerfwise.jobs.given import Given
 from kerfwise.jobs.produce import Produced, produce
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.jobs.summary import summary
@@ -35,9 +42,9 @@ def zoned(contours: int | None, strength: str = "hard") -> Profile:
     return replace(profile, rules={**profile.rules, "zone-order": changed})
 
 
-def planned(profile: Profile, and_zones: bool = True, time_s: float | None = None) -> Produced:
-    limits = options_for(SHEET, profile, work=5.0, time_s=time_s)
-    return produce(ask(facts_of(SHEET, profile), profile), profile, limits, and_zones=and_zones)
+def planned(profile: Profile, and_zones: bool = True, time_s: float | None = None, sheet: Nest = SHEET) -> Produced:
+    limits = options_for(sheet, profile, work=5.0, time_s=time_s)
+    return produce(ask(facts_of(sheet, profile), profile), profile, limits, and_zones=and_zones)
 
 
 @pytest.mark.parametrize(
@@ -85,7 +92,10 @@ def test_moves_that_the_clock_left_out_are_not_looked_at_for_it(
 
     monkeypatch.setattr(rounds, "solve", lambda *given, **named: replace(solution, left_out=(("no-tip-travel", "-"),)))
     monkeypatch.setattr(cost_of_zones, "make_problem", posed)
-    assert cost_of_zones.zones_cost(asked, (), profile, solution, limits) is not None
+    free = cost_of_zones.without_zones(asked, (), profile, solution, limits)
+    assert free is not None
+    assert free.aside == ("no-tip-travel",)
+    assert cost_of_zones.zones_cost(asked, solution, free, limits) is not None
     assert goes_on == [time_s is None]
 
 
@@ -98,7 +108,24 @@ def test_it_is_printed_and_read_back(tmp_path: object) -> None:
     made = planned(zoned(1))
     assert made.plan.zones_cost is not None
     assert made.plan.zones_cost.sentence in summary(made.plan, made.verdict)
-    told = ZonesCost(-3.5, 2, (("A.outer", "part-rigidity"),), 1.0)
+    told = ZonesCost(-3.5, 2, (("A.outer", "part-rigidity"),), 1.0, ("no-tip-travel",))
     file = tmp_path / "plan.json"  # type: ignore[operator]
     file.write_text(replace(made.plan, zones_cost=told).to_json())
     assert read_plan(file).zones_cost == told
+
+
+@pytest.mark.slow
+def test_zones_without_a_number_move_where_that_pays(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(zones, "MOST_OF_ONE", 100)
+    sheet = read_json(json.dumps(make_sheet(2, 40)).encode(), ReadOptions())
+    profile = zoned(None)
+    stayed, moved = (planned(profile, also, sheet=sheet) for also in (False, True))
+    assert stayed.plan.solve.status == moved.plan.solve.status == "optimal"
+    assert stayed.facts.zone.max() > 2
+    assert moved.facts.zone.tolist() != stayed.facts.zone.tolist()
+    assert moved.plan.solve.objective < stayed.plan.solve.objective
+    assert moved.verdict.ok
+    assert moved.plan.to_json() == planned(profile, sheet=sheet).plan.to_json()
+    name = moved.plan.cuts[0].cut.contour
+    explained = Explainer(Given(sheet, profile), moved.plan).explain(name)
+    assert explained == Explainer(Given(sheet, profile), moved.plan, moved.facts).explain(name)

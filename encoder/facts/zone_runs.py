@@ -1,0 +1,95 @@
+"""Zones along an order that is known to be short: runs of it, where they do what zones are for.
+
+Borders that geometry draws cut across the ways that a torch would take. An order that was found without them goes over
+the sheet in much the same way, and runs of it make zones that cost next to nothing. They are zones in the sense of the
+rule as long as what is left of the sheet stays about as square as after the zones that geometry has made, each lies as
+much together as those do, and the first is at the start side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from kerfwise.arrays import Ints
+
+from .facts import Facts
+from .outlines import outlines_of
+from .sides import AWAY, AXIS
+from .zone_blocks import Blocks, blocks_of, locked_pairs
+from .zone_joined import joined
+from .zone_sets import units_of
+from .zone_strips import side_ratio
+from .zones import most_sets, respected_orders
+
+LESS_SQUARE, LESS_TOGETHER = 1.05, 1.5
+"""How many times as long and narrow what is left may be, on an average, and how many times as large the rectangles
+around all zones, as they are with zones made by geometry."""
+
+
+def movable(facts: Facts) -> bool:
+    """Whether geometry alone has made the zones: no number, lock or budget of the plant has, and nothing is cut yet."""
+    given = facts.options
+    decided = given.zone_contours is not None or given.zone_heat_kj is not None or given.zone_fixed or given.zone_places
+    return not decided and facts.past is None
+
+
+def zones_along(facts: Facts, order: Sequence[int]) -> Ints | None:
+    """Zones of all contours (n,) as runs of an order (n,) of them that keeps the hard orders, but for those of zones.
+
+    They are as large as a proof bears. None where such zones would not do what zones are for.
+    """
+    outlines, options = outlines_of(facts.nest), facts.options
+    respected = respected_orders(facts.contains, facts.level_ahead, facts.in_hull, options)
+    blocks = blocks_of(facts.nest, outlines, facts.parent, respected, options, np.zeros(facts.n))
+    place = np.empty(facts.n, dtype=np.int64)
+    place[list(order)] = np.arange(facts.n)
+    orders = np.concatenate([respected, locked_pairs(facts.nest, options)])
+    kept = orders[place[orders[:, 0]] < place[orders[:, 1]]]  # the others were dropped, as they go round in a circle
+    units = units_of(outlines.own_outer, outlines.is_mark, kept, options.parts_in_one_go)
+    small = _of_whole_blocks(blocks.of, np.array(order, dtype=np.int64))
+    zone = joined(small, units, most_sets(facts.n), np.zeros(int(small.max(initial=0))))
+    return zone if _do_what_zones_do(zone, facts, blocks) else None
+
+
+def _of_whole_blocks(block: Ints, order: Ints) -> Ints:
+    """The shortest runs of an order in which blocks are whole: the number of each contour's, from 1."""
+    last = np.zeros(int(block.max(initial=0)) + 1, dtype=np.int64)
+    at = np.arange(len(order))
+    np.maximum.at(last, block[order], at)
+    ends = np.maximum.accumulate(last[block[order]]) == at
+    number = np.empty(len(order), dtype=np.int64)
+    number[order] = np.append(0, np.cumsum(ends)[:-1]) + 1
+    return number
+
+
+def _do_what_zones_do(zone: Ints, facts: Facts, blocks: Blocks) -> bool:
+    found, given = (_by_block(numbers, blocks) for numbers in (zone, facts.zone))
+    axis, away = AXIS[facts.start_side], AWAY[facts.start_side]
+    depth_mm = away * blocks.centroid[:, axis]
+    near_mm = depth_mm.min() + (depth_mm.max() - depth_mm.min()) / 2
+    return bool(
+        _ratio(found, blocks) <= LESS_SQUARE * _ratio(given, blocks)
+        and _around_mm2(found, blocks) <= LESS_TOGETHER * _around_mm2(given, blocks)
+        and depth_mm[found == 1].mean() <= near_mm
+    )
+
+
+def _by_block(zone: Ints, blocks: Blocks) -> Ints:
+    of_block = np.zeros(len(blocks.contours), dtype=np.int64)
+    of_block[blocks.of] = zone
+    return of_block
+
+
+def _ratio(zone: Ints, blocks: Blocks) -> float:
+    """Long side by short side of the rectangle around what is left after each zone, on an average over the contours."""
+    sizes = np.bincount(zone, blocks.contours)[1:]
+    ratios = [side_ratio(blocks.bounds_mm[zone > k]) for k in range(1, len(sizes) + 1)]
+    return float(np.average(ratios, weights=np.maximum(sizes, 1e-9)))
+
+
+def _around_mm2(zone: Ints, blocks: Blocks) -> float:
+    """The area of the rectangles around all zones: more than that of the sheet, as far as zones reach into others."""
+    boxes = (blocks.bounds_mm[zone == k] for k in range(1, int(zone.max(initial=0)) + 1))
+    return sum(float((box[:, 2:].max(axis=0) - box[:, :2].min(axis=0)).prod()) for box in boxes)

@@ -1,0 +1,78 @@
+"""Zones along an order: whole blocks, no pair backwards, and none where the order does not do what zones do."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder.facts import FactOptions, Facts, compute_facts, zones
+from kerfwise.encoder.facts.zone_runs import movable, zones_along
+
+
+@pytest.fixture(autouse=True)
+def _small_zones(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(zones, "MOST_OF_ONE", 40)
+
+
+def grid(columns: int, rows: int, **options: object) -> Facts:
+    """Plates of 80 × 80 every 100 mm, the first with a hole."""
+    places = [(c, r) for c in range(columns) for r in range(rows)]
+    first, *others = (part(f"{c}{r}", rect(10 + 100 * c, 10 + 100 * r, 80, 80)) for c, r in places)
+    holed = part("00", rect(10, 10, 80, 80), [rect(40, 40, 20, 20)])
+    assert first.id == holed.id
+    return compute_facts(nest(100 * columns, 100 * rows, holed, *others), FactOptions(**options))  # type: ignore[arg-type]
+
+
+def to_and_fro(facts: Facts, rows: int) -> list[int]:
+    """Column after column, up one and down the next; a hole before its part."""
+    middle = [c.polygon.centroid for c in facts.nest.contours]
+    places = {k: (round(m.x - 50) // 100, round(m.y - 50) // 100) for k, m in enumerate(middle)}
+
+    def turn(k: int) -> tuple[int, int, int]:
+        column, row = places[k]
+        return column, row if column % 2 == 0 else rows - row, int(facts.nest.contours[k].kind == "outer")
+
+    return sorted(places, key=turn)
+
+
+def test_runs_of_an_order_are_zones() -> None:
+    facts = grid(12, 3)
+    order = to_and_fro(facts, 3)
+    found = zones_along(facts, order)
+    assert found is not None
+    assert found.max() > 2
+    assert (np.diff(found[order]) >= 0).all()
+    for before, after in facts.level_ahead.tolist():
+        assert found[before] <= found[after]
+    hole = next(k for k, c in enumerate(facts.nest.contours) if c.kind == "hole")
+    assert found[hole] == found[facts.nest.index["00.outer"]]
+
+
+def test_an_order_that_leaves_the_start_side_to_the_end_makes_none() -> None:
+    facts = grid(12, 3, zone_respects=frozenset({"contains"}))
+    order = to_and_fro(facts, 3)
+    far_first = [k for k in reversed(order) if facts.nest.contours[k].part != "00"]
+    hosts = [k for k in order if facts.nest.contours[k].part == "00"]
+    assert zones_along(facts, [*far_first, *hosts]) is None
+
+
+def test_an_order_that_goes_from_end_to_end_makes_none() -> None:
+    facts = grid(12, 3, zone_respects=frozenset({"contains"}))
+    order = to_and_fro(facts, 3)
+    half = len(order) // 2
+    mixed = [k for pair in zip(order[:half], reversed(order[half:]), strict=False) for k in pair]
+    left = [k for k in order if k not in mixed]
+    assert zones_along(facts, [*mixed, *left]) is None
+
+
+@pytest.mark.parametrize(
+    "decided",
+    [{"zone_contours": 4}, {"zone_fixed": (("00", 1),)}, {"zone_places": (("00", 1),)}, {"zone_heat_kj": 1e9}],
+)
+def test_zones_that_the_plant_decides_on_do_not_move(decided: dict[str, object]) -> None:
+    facts = grid(4, 2)
+    assert movable(facts)
+    assert not movable(replace(facts, options=replace(facts.options, **decided)))  # type: ignore[arg-type]
