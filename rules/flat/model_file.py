@@ -36,6 +36,7 @@ class ModelFile:
     """A rule's model file. `stem` is its name in MiniZinc, `name` that in profiles; `line` is where its array begins.
 
     `array` is "" for a file that states constraints alone, `says` whether an array of sentences stands beside it.
+    `sha256` is that of the content, and of what it includes.
     """
 
     path: Path
@@ -49,6 +50,7 @@ class ModelFile:
     says: bool
     bare: int
     parameters: tuple[Parameter, ...]
+    sha256: str
 
     @property
     def place(self) -> str:
@@ -106,6 +108,7 @@ def read_model_file(path: Path) -> ModelFile:
         says=re.search(rf"\b{stem}_says\b[^;=]*=", code) is not None,
         bare=0 if bare is None else _line(code, bare.end()),
         parameters=tuple(_parameters(path, text, stem)),
+        sha256=_content_digest(path, text),
     )
 
 
@@ -173,11 +176,18 @@ def whole_text(file: ModelFile) -> str:
 
 
 def files_read(file: ModelFile) -> dict[Path, str]:
-    """The text of the file, and of the files beside it that it includes."""
+    """The text of the file, and of the files beside it that it includes, as they are now."""
+    return _with_includes(file.path)
+
+
+def _with_includes(file: Path) -> dict[Path, str]:
     found: dict[Path, str] = {}
-    waiting = [file.path.resolve()]
+    waiting = [file.resolve()]
     for path in waiting:
-        found[path] = path.read_text(encoding="utf-8-sig", errors="replace")
+        try:
+            found[path] = path.read_text(encoding="utf-8-sig", errors="replace")
+        except OSError:  # MiniZinc says what is wrong with it
+            continue
         for name in re.findall(r'\binclude\s*"([^"]+)"', without_comments(found[path])):
             beside = (path.parent / name).resolve()
             if beside.is_file() and beside not in waiting:
@@ -185,7 +195,7 @@ def files_read(file: ModelFile) -> dict[Path, str]:
     return found
 
 
-def content_digest(file: ModelFile) -> str:
-    """The sha256 of the file's text, and of what it includes, if anything."""
-    others = [text for path, text in files_read(file).items() if path != file.path.resolve()]
-    return hashlib.sha256("\0".join([file.text, *others]).encode()).hexdigest()
+def _content_digest(path: Path, text: str) -> str:
+    """The sha256 of a file's text, and of what it includes beside it, if anything."""
+    others = [beside for other, beside in _with_includes(path).items() if other != path.resolve()]
+    return hashlib.sha256("\0".join([text, *others]).encode()).hexdigest()

@@ -28,7 +28,7 @@ from kerfwise.rules.statements import About, Before, Statement
 from .flatten import Flattened, JudgedOrder, flatten, judge_order, judge_orders
 from .further_words import further_words
 from .measured_facts import Limits, measured_data, missing, order_data, orders_data
-from .model_file import ModelFile, Parameter, content_digest, read_model_file, states, whole_text
+from .model_file import ModelFile, Parameter, read_model_file, states, whole_text
 from .nodes import Lit, Node, contours_of, parts
 from .to_statements import NotHeld, Way, Writer
 
@@ -70,7 +70,7 @@ class ModelRule(Rule[Any]):
         self.replaces: Rule[Any] | None = RULES.get(self.id)
         self.sentence, self.source = file.sentence, file.source
         self.brought = f"file {file.path}"
-        self.stands_in = RuleFile(file.path, content_digest(file), self.replaces is not None)
+        self.stands_in = RuleFile(file.path, file.sha256, self.replaces is not None)
         setattr(self, "Options", options_class(file.parameters))  # noqa: B010
         for mark in _MARKS if self.replaces is not None else ():
             setattr(self, mark, getattr(self.replaces, mark))

@@ -144,3 +144,13 @@ def test_what_can_hold_in_no_order_says_which_element_it_is(tmp_path: Path) -> N
     rule = profile.rulebook()["small-first"]
     texts = [s.about.sentence for s in rule.statements(facts_of(ROW, profile), rule.Options())]
     assert texts[1] == "element 2 of the file's array can hold in no order: Small first (small_first.mzn:4)"
+
+
+@pytest.mark.minizinc
+def test_a_file_that_has_gone_meanwhile(tmp_path: Path) -> None:
+    (tmp_path / "small_first.mzn").write_text(GOOD.replace("{}", "before(1, 2)"))
+    (tmp_path / "plant.yaml").write_text(MODELS)
+    profile = load_profile(tmp_path / "plant.yaml")
+    (tmp_path / "small_first.mzn").unlink()
+    with pytest.raises(InputError, match=r"small_first\.mzn: MiniZinc: .*small_first\.mzn"):
+        ask(facts_of(ROW, profile), profile)
