@@ -82,6 +82,8 @@ class CutSequence(Sequence[Cut]):
     `hot_spots` is what a simulation of these very cuts has measured, in order of time; None if nobody has made one.
     The first `made` cuts are facts: a program that was stopped after them has made them, and the torch is at home when
     the others begin. Times of these count from the start of the old program.
+
+    `begun` are burns that cut a stretch of a contour and finish none, each with the position of the next cut.
     """
 
     cuts: tuple[Cut, ...]
@@ -89,6 +91,7 @@ class CutSequence(Sequence[Cut]):
     home: Point = (0.0, 0.0)
     hot_spots: tuple[HotSpot, ...] | None = None
     made: int = 0
+    begun: tuple[tuple[int, Cut], ...] = ()
 
     @overload
     def __getitem__(self, key: int) -> Cut: ...
@@ -107,6 +110,16 @@ class CutSequence(Sequence[Cut]):
     def new(self) -> tuple[Cut, ...]:
         """The cuts that are still to be made."""
         return self.cuts[self.made :]
+
+    @property
+    def burns(self) -> Iterator[tuple[int, Cut]]:
+        """All cuts with their positions, from 1 on, and before each the burns that were begun since the one before."""
+        begun = list(self.begun)
+        for position, cut in enumerate(self.cuts, 1):
+            while begun and begun[0][0] <= position:
+                yield begun.pop(0)
+            yield position, cut
+        yield from begun
 
     def positions(self) -> dict[str, int]:
         """Contour id → position, counted from 1."""

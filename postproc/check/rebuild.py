@@ -77,14 +77,17 @@ def rebuild(
     if planned is not None and not cuts:
         cuts += planned.cuts[: planned.cuts.made]
     made = len(cuts)
+    begun: list[tuple[int, Cut]] = []
     runs: list[TorchRun] = []
     violations: list[Violation] = list(before.violations)
     warnings: list[str] = []
     for k, (burn, path, words, name, match) in enumerate(zip(burns, paths, told, named, matches, strict=True)):
         if k in several:
+            if not any(piece.out for piece in several[k]):
+                begun.append((len(cuts) + 1, several[k][0].cut))
             for piece in several[k]:
                 position = 0
-                if piece.cut is not None:
+                if piece.out:
                     name_of = piece.contour.id
                     cuts.append(replace(piece.cut, excused=excused[name_of], zone=zones.get(name_of, 0)))
                     position = len(cuts)
@@ -103,7 +106,7 @@ def rebuild(
         runs.append(run)
         violations += wrong
     side = next((_SIDES[found[1].upper()] for found in map(_SIDE.search, program.comments) if found), None)
-    sequence = CutSequence(tuple(cuts), side, home, made=made)
+    sequence = CutSequence(tuple(cuts), side, home, made=made, begun=tuple(begun))
     sequence = sequence if planned is None else planned.completed(sequence)
     return Rebuilt(sequence, tuple(runs), tuple(violations), tuple(warnings), before.broken_off)
 

@@ -31,10 +31,11 @@ Tabs = Mapping[str, Sequence[Tab]]
 
 @dataclass(frozen=True, eq=False, slots=True)
 class CutOut:
-    """One contour that is out, or a stretch of one: its cut (None where it is not out yet), and the torch's path."""
+    """One contour that is out, or a stretch of one that is not: how it is cut, and the torch's path."""
 
     contour: Contour
-    cut: Cut | None
+    cut: Cut
+    out: bool
     run: TorchRun
 
 
@@ -133,12 +134,9 @@ def _cut_out(nest: Nest, burn: Burn, row: Sequence[Piece], whole: Sequence[bool]
             line_of(loop) or _dot(path.point_at(piece.join_mm)), line_of(piece_of(piece.leave_mm, piece.end_mm)),
             linked=number > 0, partial=not alone,
         )  # fmt: skip
-        if not piece.out:
-            yield CutOut(contour, None, run)
-            continue
         cut = _cut(contour, burn, piece, begin_mm, alone, rings, piece_of)
-        begin_mm = piece.end_mm
-        yield CutOut(contour, cut, run)
+        yield CutOut(contour, cut, piece.out, run)
+        begin_mm = piece.end_mm if piece.out else begin_mm
 
 
 def _cut(

@@ -47,10 +47,11 @@ def over_older_kerfs(nest: Nest, cuts: CutSequence, kerf_mm: float, splash_mm: f
     The kerf of a contour reaches from it one kerf into its waste, that of a lead or a slit half a kerf to both sides. A
     part's own metal lies between its contours, so that they are not looked at against each other, but for slits.
     """
-    through = [(k, c, nest.contour(c.contour)) for k, c in enumerate(cuts, 1) if _burns(nest, c)]
-    if not through:
+    finished = [(k, c, nest.contour(c.contour)) for k, c in enumerate(cuts, 1) if _burns(nest, c)]
+    through = [(k, c, nest.contour(c.contour)) for k, c in cuts.burns if _burns(nest, c)]
+    if not finished:
         return
-    burns = list(_burns_of(through, kerf_mm))
+    burns = list(_burns_of(finished, kerf_mm))
     tree = shapely.STRtree([burn.line for burn in burns])
     pierced = [row for row in through if not row[1].linked and _pierces(nest, row[1])]
     points = shapely.points(np.array([cut.pierce for _, cut, _ in pierced]).reshape(-1, 2))

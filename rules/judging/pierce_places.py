@@ -30,7 +30,7 @@ class PiercePlaces:
         self.nest = nest
         self.at = cuts.positions()
         self.cuts: list[tuple[int, Cut, Contour]] = [
-            (k, cut, contour) for k, cut in enumerate(cuts, 1) if (contour := nest.contour(cut.contour)).kind != "mark"
+            (k, cut, contour) for k, cut in cuts.burns if (contour := nest.contour(cut.contour)).kind != "mark"
         ]
         self.through = [c for c in nest.contours if c.kind != "mark"]
         self.rings = [c for c in nest.contours if c.encloses]

@@ -115,6 +115,16 @@ def test_a_tab_too_many_and_a_tab_that_is_cut() -> None:
     assert "3.00 of 3 mm of the tab of A.outer at (90.0, 100.0) are cut" in report(lacking)
 
 
+def test_a_pierce_that_finishes_no_contour_is_judged_too() -> None:
+    given = replace(PROFILE, rules={**PROFILE.rules, "pierce": profile().rules["pierce"]})
+    out: list[Line] = [[(x, y), *burn] for (x, y), burn in zip([(95, LOW - 5), (84, HIGH[1] + 5)], HALVES, strict=True)]
+    assert check_program(ONE, program_of(out, given), given, tabs=TABS).ok
+    on_part: list[Line] = [[(95, LOW + 5), *HALVES[0]], out[1]]
+    result = check_program(ONE, program_of(on_part, given), given, tabs=TABS)
+    assert {"pierce", "no-gouging"} == set(result.broken())
+    assert "A.outer (cut 1) is pierced inside itself, at (95.00, 44.25)" in report(result)
+
+
 @pytest.mark.parametrize(
     ("burns", "kinds"),
     [
