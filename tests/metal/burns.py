@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -14,13 +15,17 @@ from kerfwise.tests.metal.drawing import Drawing, Meant
 from kerfwise.tests.metal.program import Path
 from kerfwise.tests.metal.tolerances import RING_MM
 
+_ROUND = 0.9
+"""A path that is on so much of a contour's own path goes round it."""
+
 
 @dataclass(frozen=True, eq=False)
 class Burn:
     """One torch-on path: `line` of its centre, the contour it follows (if any), and its leads.
 
     `on_ring_mm` of it run on the contour's own path, which is `ring_mm` long. `lead_in` ends and `lead_out`
-    begins where it joins that; `strays` are stretches off it in between.
+    begins where it joins that; `strays` are stretches off it in between. Of a path that goes round several contours
+    each is a burn of its own; a `linked` one is not pierced: its lead-in is the link from the one before.
     """
 
     path: Path
@@ -31,6 +36,7 @@ class Burn:
     strays: tuple[shapely.LineString, ...]
     on_ring_mm: float
     ring_mm: float
+    linked: bool = False
 
     @property
     def cut(self) -> int:
@@ -67,8 +73,26 @@ class Followed:
         shapely.prepare(self.lines)
         self.tree = shapely.STRtree(self.lines)
 
+    def burns(self, path: Path) -> list[Burn]:
+        """The burns that a path makes: one for each contour that it goes round, in order, or one in all."""
+        ends = sorted(self._ends(path)) if len(path.points) > 1 else []
+        if len(ends) < 2:
+            return [self.burn(path)]
+        cuts = [0, *ends[:-1], len(path.points) - 1]
+        rows = [self.burn(replace(path, points=path.points[a : b + 1])) for a, b in pairwise(cuts)]
+        return [rows[0], *(replace(burn, linked=True) for burn in rows[1:])]
+
+    def _ends(self, path: Path) -> Iterator[int]:
+        """The last vertices of a path on each contour that it goes nearly all round."""
+        lengths = np.hypot(*np.diff(path.points, axis=0).T)
+        line = shapely.LineString(path.points)
+        for k in self.tree.query(line, predicate="dwithin", distance=RING_MM).tolist():
+            on_vertex, on_segment = _on(self.lines[k], path.points)
+            if lengths[on_segment].sum() > _ROUND * self.lines[k].length:
+                yield len(path.points) - 1 - int(np.argmax(on_vertex[::-1]))
+
     def burn(self, path: Path) -> Burn:
-        """The burn that a path makes."""
+        """The burn of a path that follows one contour."""
         points = path.points
         if len(points) == 1:
             return Burn(path, shapely.Point(points[0]), None, None, None, (), 0.0, 0.0)
@@ -115,4 +139,4 @@ def _line(points: Floats) -> shapely.LineString:
 def burns_of(paths: Sequence[Path], drawing: Drawing, kerf_mm: float) -> list[Burn]:
     """The burns of the paths with the torch on, in order; marks burn nothing."""
     followed = Followed(drawing, kerf_mm)
-    return [followed.burn(path) for path in paths if path.burns]
+    return [burn for path in paths if path.burns for burn in followed.burns(path)]

@@ -47,7 +47,7 @@ class PartMetal:
         text = f"{lost.area:.1f} mm² of the part are burnt away, to a depth of"
         names = (burn.name, self._nearest(self.ids[k], x, y))
         yield Finding("part-eroded", burn.cut, names, (x, y), float(depths[deepest]), "mm", text)
-        if part.contains(pierce):
+        if not burn.linked and part.contains(pierce):
             depth = float(pierce.distance(part.boundary))
             yield Finding("pierce-in-part", burn.cut, names, burn.pierce, depth, "mm", "the torch pierces the part by")
 

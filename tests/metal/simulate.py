@@ -85,7 +85,7 @@ def simulate(
         raise ValueError("the program takes up the work of another: give that one as `before`")
     paths = [*history, *_on_drawing(now, drawing)]
     burns = burns_of(paths, drawing, kerf_mm)
-    first = sum(path.burns for path in history)
+    first = len(burns_of(history, drawing, kerf_mm))
     slots = Slots(drawing, kerf_mm, slits)
     pieces, metal = Pieces(drawing.sheet), PartMetal(drawing, kerf_mm, touching, slots)
     kerfs = OlderKerfs(burns, drawing.sheet, kerf_mm, splash_mm)

@@ -34,7 +34,9 @@ class OlderKerfs:
 
     def _pierce(self, k: int) -> Iterator[Finding]:
         burn, point = self.burns[k], shapely.Point(self.burns[k].pierce)
-        if not self.sheet.intersects(point):  # no metal to pierce: that is another finding, or an edge start
+        if burn.linked or not self.sheet.intersects(
+            point
+        ):  # no metal to pierce: that is another finding, or an edge start
             return
         older = self._older(k, point, self.kerf_mm + self.splash_mm - NUMERIC_MM)
         if not older:
@@ -49,7 +51,10 @@ class OlderKerfs:
     def _lead(self, k: int, lead: shapely.LineString) -> Iterator[Finding]:
         burn, half = self.burns[k], self.kerf_mm / 2 - NUMERIC_MM
         for j in self._older(k, lead, half):
-            over = lead.intersection(self.lines[j].buffer(half, quad_segs=16))
+            older = self.lines[j]
+            if burn.linked and j == k - 1 and not self.burns[j].linked:
+                older = older.difference(self.burns[j].off_ring)  # a link may leave beside the lead, as a lead-out may
+            over = lead.intersection(older.buffer(half, quad_segs=16))
             if over.length <= NUMERIC_MM:
                 continue
             text = f"a lead crosses the kerf of cut {self.burns[j].cut} for"
@@ -58,9 +63,13 @@ class OlderKerfs:
 
 
 def _leads(burn: Burn, end_mm: float) -> Iterator[shapely.LineString]:
-    """The leads and strays of a burn, each without its last half kerf at the burn's own ring."""
-    if burn.lead_in is not None and burn.lead_in.length > end_mm:
-        yield substring(burn.lead_in, 0, burn.lead_in.length - end_mm)
+    """The leads and strays of a burn, each without its last half kerf at the burn's own ring.
+
+    A link is without its first half kerf too, at the ring that it comes from.
+    """
+    begin_mm = end_mm if burn.linked else 0.0
+    if burn.lead_in is not None and burn.lead_in.length > begin_mm + end_mm:
+        yield substring(burn.lead_in, begin_mm, burn.lead_in.length - end_mm)
     if burn.lead_out is not None and burn.lead_out.length > end_mm:
         yield substring(burn.lead_out, end_mm, burn.lead_out.length)
     for stray in burn.strays:

@@ -62,7 +62,7 @@ def programs(nest: Nest) -> tuple[str, str, int]:
     """A program of single contours, one with chains, and how many links that has."""
     profile = load_profile()
     kerf_mm = profile.material.kerf_mm
-    plain = write_program(plan_of(nest, cuts_in_rows(nest, kerf_mm), profile), nest, profile)
+    plain = write_program(plan_of(nest, cuts_in_rows(nest, kerf_mm, ways=6), profile), nest, profile)
     chains = chained(plain, nest, kerf_mm, 5)
     return plain, chains.text, len(nest.contours) - len(chains.burns)
 

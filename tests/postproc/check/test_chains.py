@@ -155,3 +155,12 @@ def test_a_contour_of_a_chain_cut_again() -> None:
     turned = judged([[(112, 52), *once_round(120, 60)], CHAIN, REST])
     assert "burnt-twice" in turned.broken()
     assert "of B.outer are burnt again, at (" in report(turned)
+
+
+def test_the_second_judge_sees_each_contour_of_a_chain() -> None:
+    def kinds(*burns: Line) -> dict[str, int]:
+        return by_kind(simulate(ROW, program_of(burns, allowed(30)), KERF_MM))
+
+    assert kinds(CHAIN, REST) == {}
+    assert kinds(CHAIN, REST, [(112, 52), *once_round(120, 60)])["cut-twice"] == 1
+    assert kinds([*CHAIN[:-1], (120 - HALF, 35)], REST) == {"left-uncut": 1, "part-not-free": 1}
