@@ -1,6 +1,6 @@
 """How long the check takes to read programs back, in seconds of the processor.
 
-Usage: python -m kerfwise.tests.postproc.check_speed [--contours 115 1000 10000] [--beside FOLDER] [--whole]
+Usage: python -m kerfwise.tests.postproc.check_speed [--contours 115 1000] [--beside FOLDER] [--whole]
 
 Plates of examples/gen_sheet.py (seed 1) are cut row by row, each contour once. A second program of each has up to five
 outlines in a burn, with straight links where these lead through waste. Measured is the time from what the program burns
@@ -84,7 +84,7 @@ def rows(contours: int, beside: str | None, whole: bool) -> list[str]:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--contours", type=int, nargs="+", default=[115, 1000, 10000])
+    parser.add_argument("--contours", type=int, nargs="+", default=[115, 1000])
     parser.add_argument("--beside", help="a folder that holds another version of the package")
     parser.add_argument("--whole", action="store_true", help="measure the whole check")
     given = parser.parse_args(arguments)
