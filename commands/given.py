@@ -11,6 +11,7 @@ import click
 
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.faults import RuleFault
+from kerfwise.encoder.shown import shown
 from kerfwise.jobs.given import Given, drawn_nest, plant_of
 from kerfwise.rules.profile.machine_section import ORIGINS, Origin
 from kerfwise.rules.profile.profile import DEFAULT, files_of
@@ -68,6 +69,9 @@ def _naming_the_nest(verb: Verb) -> Verb:
         try:
             return verb(*args, **options)
         except InputError as error:
+            if error.file == shown(Path(options["nest"]).name) != options["nest"]:  # as the user wrote it
+                place = {"line": error.line, "column": error.column}
+                raise InputError(error.message, file=options["nest"], details=error.details, **place) from error
             # What an option says stands in no file, and what is wrong with an installed package in none of the nest's.
             if error.file is not None or error.message.startswith("-") or isinstance(error, RuleFault):
                 raise

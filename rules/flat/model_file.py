@@ -13,10 +13,15 @@ from kerfwise.encoder.shown import shown
 from kerfwise.rules.registry import RULES
 
 TYPES = ("int", "bool", "string")
-_PARAMETER = re.compile(r"^\s*(?:(?P<type>[^:;%\n]+?))\s*:\s*(?P<name>[A-Za-z]\w*)\s*;[ \t]*(?:%(?P<help>.*))?$", re.M)
-_DEFAULT = re.compile(r"^\s*default\s+(?P<value>[^:,;]+?)\s*(?:[:,;]\s*(?P<help>.*))?$")
+_PARAMETER = re.compile(
+    r"^[ \t]*(?P<type>[^\s:;%][^:;%\n]*):\s*(?P<name>[A-Za-z]\w*)\s*;[ \t]*(?:%(?P<help>.*))?$", re.M
+)
+"""No part of a pattern may take the blanks that another begins with: on thousands of them it would never end."""
+_DEFAULT = re.compile(r"^\s*default\s+(?P<value>[^\s:,;][^:,;]*)(?:[:,;]\s*(?P<help>.*))?$")
 _TEXT = re.compile(r'"(?:[^"\\\n]|\\[^(\n])*"')
-_BARE = re.compile(r"^\s*constraint\b(?!\s*(?:assert|trace|redundant_constraint|symmetry_breaking_constraint)\b)", re.M)
+_BARE = re.compile(
+    r"^[ \t]*constraint\b(?!\s*(?:assert|trace|redundant_constraint|symmetry_breaking_constraint)\b)", re.M
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+
 from kerfwise.encoder.errors import InputError, KerfwiseError
 from kerfwise.encoder.faults import line_in, said
 from kerfwise.rules.options.yaml_positions import Place
@@ -67,7 +69,8 @@ def run_file(path: Path, text: bytes) -> ModuleType:
     module.__file__ = str(path)
     sys.modules[name] = module  # dataclasses look their module up
     try:
-        exec(compile(text, str(path), "exec"), vars(module))
+        with np.errstate(all="ignore"):  # numbers of its cases may be any
+            exec(compile(text, str(path), "exec"), vars(module))
     except KerfwiseError:
         del sys.modules[name]
         raise

@@ -129,6 +129,24 @@ def test_messages_without_a_file_name_the_nest(here: Path, monkeypatch: pytest.M
     assert ended.err == f"kerfwise: {NEST}: A.outer cannot be cut\n"
 
 
+def test_a_nest_is_named_as_it_was_given(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    nest = here / "beside" / "plain.json"
+    nest.parent.mkdir()
+    nest.write_text(json.dumps(PLAIN))
+    for typed in (str(nest), "beside/plain.json"):
+        for verb in (("facts", typed), ("solve", typed, "--work", "0.1")):
+            ended = kerfwise(*verb, "-p", wide(here))
+            assert ended.code == 2
+            assert ended.err.startswith(f"kerfwise: {typed}: "), ended.err
+
+
+def wide(folder: Path) -> Path:
+    """A profile whose leads have no room on so small a sheet."""
+    path = folder / "wide.yaml"
+    path.write_text("name: wide\nleads: {lead: line, lead_in: 300 mm, lead_in_min: 300 mm}\n")
+    return path
+
+
 def test_a_program_that_cannot_be_read_back_is_no_place(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     nest = here / "plain.json"
     nest.write_text(json.dumps(PLAIN))

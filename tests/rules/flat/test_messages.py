@@ -10,6 +10,7 @@ import pytest
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.rules.flat import model_file
 from kerfwise.rules.profile.profile import load_profile
 
 ROW = nest(300, 120, *(part(name, rect(10 + 90 * k, 20, 60, 60)) for k, name in enumerate("ABC")))
@@ -154,3 +155,13 @@ def test_a_file_that_has_gone_meanwhile(tmp_path: Path) -> None:
     (tmp_path / "small_first.mzn").unlink()
     with pytest.raises(InputError, match=r"small_first\.mzn: MiniZinc: .*small_first\.mzn"):
         ask(facts_of(ROW, profile), profile)
+
+
+@pytest.mark.parametrize("blanks", [" " * 30_000, "\n" * 30_000, "\t \n" * 10_000], ids=["spaces", "lines", "both"])
+def test_thousands_of_blanks_are_read_at_once(blanks: str) -> None:
+    text = (
+        f"{blanks}int: rule_least;  % default 3: least{blanks}\n% default{blanks}\nint{blanks}\n{blanks}constraint x;"
+    )
+    (found,) = model_file._parameters(Path("rule.mzn"), text, "rule")
+    assert (found.name, found.default) == ("rule_least", "3")
+    assert model_file._BARE.search(text)
