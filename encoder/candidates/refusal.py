@@ -21,7 +21,7 @@ _NAMED = 3
 
 
 @dataclass(frozen=True, slots=True)
-class _Group:
+class _Alike:
     """Contours with the same cause that the same options free."""
 
     contours: tuple[int, ...]
@@ -64,13 +64,13 @@ def _hardest(key: Key, remedies: Sequence[Remedy]) -> Remedy | None:
     return min(remedies, key=lambda remedy: remedy.value, default=None)
 
 
-def _groups(why: Mapping[int, Reason], of_each: Mapping[int, tuple[Remedy, ...]], remedies: Remedies) -> list[_Group]:
+def _groups(why: Mapping[int, Reason], of_each: Mapping[int, tuple[Remedy, ...]], remedies: Remedies) -> list[_Alike]:
     """Contours with the same cause and remedies, the largest group first."""
     exact: dict[tuple[str, tuple[Remedy, ...]], list[int]] = {}
     for k in sorted(why):
         alone = why[k].text if why[k].cause in ALONE else why[k].cause
         exact.setdefault((alone, of_each[k]), []).append(k)
-    groups = [_Group(tuple(contours), of) for (_, of), contours in exact.items()]
+    groups = [_Alike(tuple(contours), of) for (_, of), contours in exact.items()]
     if len(groups) > MOST_GROUPS:
         alike: dict[tuple[str, tuple[Key, ...]], list[int]] = {}
         for (text, of), contours in exact.items():
@@ -80,11 +80,11 @@ def _groups(why: Mapping[int, Reason], of_each: Mapping[int, tuple[Remedy, ...]]
         for (_, keys), contours in alike.items():
             listed = [_hardest(key, [r for k in contours for r in of_each[k] if r.key == key]) for key in keys]
             holds = (r for r in listed if r is not None and len(remedies.freed(r, contours)) == len(contours))
-            groups.append(_Group(tuple(sorted(contours)), tuple(holds)))
+            groups.append(_Alike(tuple(sorted(contours)), tuple(holds)))
     return sorted(groups, key=lambda group: (-len(group.contours), group.contours))
 
 
-def _line(nest: Nest, group: _Group, why: Mapping[int, Reason]) -> str:
+def _line(nest: Nest, group: _Alike, why: Mapping[int, Reason]) -> str:
     """One group: how many and which, what frees them, and why not as it is."""
     first = why[group.contours[0]]
     one = len(group.contours) == 1

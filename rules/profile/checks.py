@@ -10,7 +10,7 @@ from kerfwise.rules.options.by_thickness import length_at
 from kerfwise.rules.options.yaml_positions import Problems, deepest
 from kerfwise.rules.registry import RULES
 
-from .filling import filled_in, plant_of
+from .filling import filled_in, known_plant
 from .heat_section import Heat
 from .sections import LeadsSection, Machine, Material, RuleSetting
 from .small_holes_section import SmallHoles
@@ -78,7 +78,7 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
             f"heat.logical_conduction: {heat.logical_conduction:g} for each of 8 neighbours is more than a point has; "
             "the scheme is stable up to 0.125",
         )
-    plant = plant_of(material, heat, given["locks"])
+    plant = known_plant(material, heat, given["locks"])
     known = RULES | given["further_rules"]
     for name, setting in rules.items():
         if setting.strength != "off":

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 T = TypeVar("T", bound="DataclassInstance")
 
 
-def plant_of(material: Material, heat: Heat, locks: tuple[Lock, ...]) -> Plant:
+def known_plant(material: Material, heat: Heat, locks: tuple[Lock, ...]) -> Plant:
     """What rules may know of these sections."""
     return Plant(
         thickness_mm=material.thickness_mm,

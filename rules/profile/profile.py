@@ -37,7 +37,7 @@ from kerfwise.rules.rule import Rule, Strength
 from kerfwise.rules.rule_file import RuleFile
 from kerfwise.rules.temperature_limit import TemperatureLimit
 
-from .filling import T, filled_in, plant_of
+from .filling import T, filled_in, known_plant
 from .frame import Frame, frame_of, reach_of
 from .heat_section import Heat
 from .machine_section import Origin
@@ -147,7 +147,7 @@ class Profile:
     @property
     def plant(self) -> Plant:
         """What rules may know of the profile beside their own options."""
-        return plant_of(self.material, self.heat, self.locks)
+        return known_plant(self.material, self.heat, self.locks)
 
     def _filled_in(self, options: T) -> T:
         return filled_in(options, self.plant, self.rules, self.known_rules())

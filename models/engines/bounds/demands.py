@@ -57,7 +57,7 @@ class _Demand:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Group:
+class _Together:
     """Demands of one contour that cost the same where they are not met; `paid` is their column, -1 if they are hard."""
 
     demands: tuple[_Demand, ...]
@@ -89,7 +89,7 @@ class DemandColumns:
         cost = [0.0] * len(self._column)
         self._groups = []
         for (_, price), demands in found.items():
-            self._groups.append(_Group(tuple(demands), -1 if price is None else len(cost)))
+            self._groups.append(_Together(tuple(demands), -1 if price is None else len(cost)))
             cost += [] if price is None else [float(price)]
         self.cost: Floats = np.array(cost)
 

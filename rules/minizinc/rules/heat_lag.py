@@ -24,7 +24,7 @@ class HeatLagTwin(Twin[HeatLagOptions]):
         return self._fields(nest, options)
 
     def _fields(self, nest: Nest, options: HeatLagOptions) -> Fields:
-        near = near_pairs(nest, options.heat_radius_mm)
+        near = heating_pairs(nest, options.heat_radius_mm)
         lag: Fields = [("heat_lag_ms", str(round(options.lag_s * 1000)))] if options.lag_s > 0 else []
         return [
             ("heat_lag_cuts", str(options.lag_cuts)),
@@ -39,7 +39,7 @@ class HeatLagTwin(Twin[HeatLagOptions]):
             yield Further(rule_file("heat-lag-seconds"), "heat_lag_missing_ms", weight_mm, round(options.lag_s * 1000))
 
 
-def near_pairs(nest: Nest, radius_mm: float) -> list[tuple[int, int]]:
+def heating_pairs(nest: Nest, radius_mm: float) -> list[tuple[int, int]]:
     """Contours of different parts, cut through, that are nearer than the radius, in order."""
     cut = [(k, c) for k, c in enumerate(nest.contours) if c.kind != "mark"]
     lines = np.array([c.line for _, c in cut], dtype=object)
