@@ -152,8 +152,8 @@ def test_a_program_that_cannot_be_read_back_is_no_place(here: Path, monkeypatch:
     nest.write_text(json.dumps(PLAIN))
     check = checking.check_nc
 
-    def refused(nest: Any, text: str, *rest: Any) -> Any:
-        return check(nest, text.replace("M5", "STOP"), *rest)
+    def refused(nest: Any, text: str, *rest: Any, **more: Any) -> Any:
+        return check(nest, text.replace("M5", "STOP"), *rest, **more)
 
     monkeypatch.setattr(checking, "check_nc", refused)
     ended = kerfwise("solve", nest, "-o", "out.nc", "--work", "0.1")
