@@ -1,11 +1,12 @@
 """How kerfwise fares on the field's own routing benchmarks.
 
 Usage: python benchmarks/routing.py FOLDER --best-known CSV [--time-limit S] [--seed N] [--also SET=S …]
-           [--remarks TEXT.md] > docs/routing.md
+           [--remarks TEXT.md …] > docs/routing.md
 
 FOLDER holds a folder for every set, with `.pcglns` and `.sop` files in it, gzipped or not; the CSV has columns set,
 instance and best_upper. Prints the page: every instance run once by the default engine, judged, beside the best cost
-known; what is worse than that comes first, then remarks that people wrote. `--also cnc=1` runs a set once more, with
+known; what is worse than that comes first, then remarks that people wrote, and what
+`sparse_orders.py` printed. `--also cnc=1` runs a set once more, with
 another limit.
 """
 
@@ -94,7 +95,7 @@ def run_set(name: str, folder: Path, best: BestKnown, limit_s: float, seed: int)
     return runs
 
 
-def page(runs: Sequence[Run], limits: Limits, remarks: Path | None = None) -> str:
+def page(runs: Sequence[Run], limits: Limits, remarks: Sequence[Path] = ()) -> str:
     """The whole page."""
     names = list(dict.fromkeys(run.set for run in runs))
     of = {name: [run for run in runs if run.set == name] for name in names}
@@ -106,8 +107,8 @@ def page(runs: Sequence[Run], limits: Limits, remarks: Path | None = None) -> st
         limit=limits.limit_s,
         seed=limits.seed,
         also="".join(f" --also {name}={seconds:g}" for name, seconds in limits.also)
-        + (f" --remarks {remarks.name}" if remarks else ""),
-        remarks=f"\n{remarks.read_text(encoding='utf-8')}" if remarks else "",
+        + (f" --remarks {' '.join(text.name for text in remarks)}" if remarks else ""),
+        remarks="".join(f"\n{text.read_text(encoding='utf-8')}" for text in remarks),
         date=datetime.date.today().isoformat(),
         kerfwise=kerfwise.__version__,
         commit=_commit(),
@@ -140,7 +141,7 @@ def main() -> None:
     parser.add_argument("--time-limit", type=float, default=30.0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--also", type=_set_and_seconds, action="append", default=[], metavar="SET=S")
-    parser.add_argument("--remarks", type=Path, metavar="TEXT.md")
+    parser.add_argument("--remarks", type=Path, nargs="+", default=[], metavar="TEXT.md")
     given = parser.parse_args()
     best = read_best_known(given.best_known)
     limits = Limits(given.time_limit, given.seed, tuple(given.also))

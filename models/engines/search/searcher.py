@@ -36,12 +36,14 @@ class Searcher:
         What to search.
     seed
         Equal seeds and equal work give equal routes.
+    chains
+        Whether chains of exchanges are tried where they suit the problem.
     """
 
-    def __init__(self, problem: Problem, seed: int = 1) -> None:
+    def __init__(self, problem: Problem, seed: int = 1, chains: bool = True) -> None:
         self._problem = problem
         fields = make_tables(problem)
-        self._walkers = make_walkers(fields, seed, WALKERS)
+        self._walkers = make_walkers(fields, seed, WALKERS, chains)
         self._merging = TourMerging(problem, self._walkers, seed) if mergeable(problem) else None
 
     @property

@@ -9,9 +9,9 @@ from .tables import SearchTables
 from .walker import Walker
 
 
-def make_walkers(fields: SearchTables, seed: int, count: int) -> list[Walker]:
-    """So many walkers over a problem, each with random numbers of its own."""
-    if chained(fields):
+def make_walkers(fields: SearchTables, seed: int, count: int, chains: bool = True) -> list[Walker]:
+    """So many walkers over a problem, each with random numbers of its own; they go by chains if asked and suited."""
+    if chains and chained(fields):
         return [ChainedWalker(fields, (seed, k)) for k in range(count)]
     tables = for_kernels(fields)
     return [AnnealingWalker(tables, fields, (seed, k)) for k in range(count)]
