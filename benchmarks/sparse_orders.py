@@ -71,23 +71,26 @@ def made(family: Family, seed: int) -> Instance:
     else:
         kept = random.random(len(sooner)) < family.share
         sooner, later = sooner[kept], later[kept]
-    orders = {(int(a), int(b)) for a, b in zip(hidden[sooner], hidden[later], strict=True)}
-    orders |= {(0, k) for k in range(1, n + 2)} | {(k, n + 1) for k in range(n + 1)}
-    return Instance(str(family), cost, tuple((v,) for v in range(n + 2)), tuple(sorted(orders)), start=0, closed=False)
+    inner, everyone = np.stack([hidden[sooner], hidden[later]], axis=1), np.arange(n + 2)
+    first = np.stack([np.zeros(n + 1, dtype=np.int64), everyone[1:]], axis=1)
+    last = np.stack([everyone[:-1], np.full(n + 1, n + 1)], axis=1)
+    orders = np.unique(np.concatenate([inner, first, last]), axis=0)
+    return Instance(str(family), cost, tuple((v,) for v in range(n + 2)), orders, start=0, closed=False)
 
 
 def varied(instance: Instance, seed: int) -> Iterator[Instance]:
     """The same nest with no orders, with half of them, and with all of them the other way; the start stays first."""
     home = next(k for k, members in enumerate(instance.clusters) if instance.start in members)
-    orders = [(a, b) for a, b in instance.orders if a != home]
-    first = tuple((home, k) for k in range(len(instance.clusters)) if k != home)
-    half = np.random.default_rng(seed).random(len(orders)) < 0.5
-    kept = tuple(order for order, keep in zip(orders, half, strict=True) if keep)
-    yield replace(instance, name=f"{instance.name}, no orders", orders=first)
-    yield replace(instance, name=f"{instance.name}, half of its orders", orders=first + kept)
-    yield replace(
-        instance, name=f"{instance.name}, orders turned round", orders=first + tuple((b, a) for a, b in orders)
-    )
+    own = instance.orders[:, 0] != home
+    first, orders = instance.orders[~own], instance.orders[own]
+    half = orders[np.random.default_rng(seed).random(len(orders)) < 0.5]
+    for name, kept in (
+        ("no orders", orders[:0]),
+        ("half of its orders", half),
+        ("orders turned round", orders[:, ::-1]),
+    ):
+        all_of_it = np.unique(np.concatenate([first, kept]), axis=0)
+        yield replace(instance, name=f"{instance.name}, {name}", orders=all_of_it)
 
 
 def by_search(instance: Instance, work: float, chains: bool) -> int:
