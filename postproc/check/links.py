@@ -19,7 +19,7 @@ def bad_links(runs: Sequence[TorchRun], kerf_mm: float, longest_mm: float) -> It
 
     At both ends a link is in the kerf of the contour that it leaves, and of the one that it leads to.
     """
-    linked = [k for k, run in enumerate(runs) if run.linked]
+    linked = [k for k, run in enumerate(runs) if run.linked and k]
     if not linked:
         return
     lines = [(k, line) for k, run in enumerate(runs) if not run.marks for line in (run.loop, *run.leads)]

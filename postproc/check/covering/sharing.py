@@ -68,7 +68,7 @@ def shared(
     while waiting:
         for ring in rings_of[waiting.pop()] - cut:
             cut.add(ring)
-            more = set() if ring in whole else (burns_of[ring] & odd) - burns
+            more = set() if ring in whole else (burns_of.get(ring, set()) & odd) - burns
             burns |= more
             waiting += sorted(more)
     return Shared(frozenset(burns), frozenset(cut), along)

@@ -164,3 +164,11 @@ def test_the_second_judge_sees_each_contour_of_a_chain() -> None:
     assert kinds(CHAIN, REST) == {}
     assert kinds(CHAIN, REST, [(112, 52), *once_round(120, 60)])["cut-twice"] == 1
     assert kinds([*CHAIN[:-1], (120 - HALF, 35)], REST) == {"left-uncut": 1, "part-not-free": 1}
+
+
+def test_a_chain_whose_first_round_is_on_the_wrong_side() -> None:
+    low, high, left, right = 30 + HALF, 80 - HALF, 20 + HALF, 100 - HALF
+    inside: Line = [(right, 40), (right, low), (left, low), (left, high), (right, high), (right, 40)]
+    result = judged([[(106, 45), *inside, *once_round(120, 40)], REST])
+    assert {"every-contour-once", "no-gouging"} <= set(result.broken())
+    assert "A.outer is not cut" in report(result)
