@@ -54,6 +54,9 @@ class Pierce(Rule[PierceOptions]):
     leads keep to their own half of a street. Where a street is too narrow for that, an entry may only be used while
     the neighbour whose kerf it meets is still in.
 
+    A link from one contour to the next is judged as a lead, and is not pierced. It may be in the kerf of the contour
+    that it leaves, and of that contour's own lead.
+
     ## Why
 
     Petunin 2009 (section 2): a pierce leaves a scar, blows slag and heats the metal around it, so it lies further
