@@ -36,9 +36,10 @@ class Family:
     pairs: int = 0
 
     def __str__(self) -> str:
-        return f"{self.contours} contours, " + (
-            f"{self.pairs} pairs" if self.pairs else f"{self.share:.1%} of the pairs"
+        orders = (
+            f"{self.pairs} pairs" if self.pairs else f"{self.share:.1%} of the pairs" if self.share else "no orders"
         )
+        return f"{self.contours} contours, {orders}"
 
 
 INTRODUCTION = """\
