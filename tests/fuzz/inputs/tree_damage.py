@@ -40,7 +40,7 @@ def damaged_tree(tree: Any, rnd: Random, words: Sequence[str] = ()) -> Any:
 def _damaged(tree: Any, rnd: Random, words: Sequence[str]) -> Any:
     paths = list(_paths(tree))
     if not paths:
-        return rnd.choice(VALUES)
+        return copy.deepcopy(rnd.choice(VALUES))
     path = rnd.choice(paths)
     parent, key = _at(tree, path[:-1]), path[-1]
     match rnd.randrange(10):
@@ -58,13 +58,13 @@ def _damaged(tree: Any, rnd: Random, words: Sequence[str]) -> Any:
         case 5 if isinstance(parent, list):
             parent[key:key] = [copy.deepcopy(parent[key])] * rnd.choice((1, 2, 30))
         case 5 if words:
-            parent[rnd.choice(words)] = rnd.choice(VALUES)
+            parent[rnd.choice(words)] = copy.deepcopy(rnd.choice(VALUES))
         case 6 if words:
             parent[key] = rnd.choice(words)
         case 7 if isinstance(parent[key], int | float):
             parent[key] = _other_number(parent[key], rnd)
         case _:
-            parent[key] = rnd.choice(VALUES)
+            parent[key] = copy.deepcopy(rnd.choice(VALUES))
     return tree
 
 
