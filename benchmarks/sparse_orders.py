@@ -131,9 +131,8 @@ def main() -> None:
     given = parser.parse_args()
     load_kernels()
     print("## Made instances: chains against annealing\n")
-    print(
-        f"The search alone, {given.work:g} deterministic seconds for each, by `python benchmarks/sparse_orders.py`.\n"
-    )
+    also = "" if given.varied is None else f" --varied {given.varied.name}"
+    print(INTRODUCTION.format(work=given.work, also=also))
     _print_table(
         "| instance | seed | annealing | chains | change |\n|---|---|---:|---:|---:|", rows_of_made(given.work)
     )
