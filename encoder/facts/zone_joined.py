@@ -14,8 +14,8 @@ from .zone_sets import Units, sets_within
 def joined(zone: Ints, units: Units, most_sets: float, heat_kj: Floats, budget_kj: float | None = None) -> Ints:
     """The zones 1…m of contours (n,) after as many of those that follow each other are made one as have so few sets.
 
-    No more than a budget of heat is joined; `heat_kj` (m,) is that of every zone. Zones that have too much of either
-    stay as they are.
+    No more than a budget of heat, or of whatever else adds up, is joined; `heat_kj` (m,) is that of every zone. Zones
+    that have too much of either stay as they are.
 
     Examples
     --------

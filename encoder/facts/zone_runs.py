@@ -23,6 +23,8 @@ from .zone_sets import units_of
 from .zone_strips import side_ratio
 from .zones import most_sets, respected_orders
 
+MOST_CONTOURS = 45
+"""Contours in a zone, about: with more of them some order that was dropped, and does not hold, makes many sets."""
 LESS_SQUARE, LESS_TOGETHER = 1.05, 1.5
 """How many times as long and narrow what is left may be, on an average, and how many times as large the rectangles
 around all zones, as they are with zones made by geometry."""
@@ -49,7 +51,8 @@ def zones_along(facts: Facts, order: Sequence[int]) -> Ints | None:
     kept = orders[place[orders[:, 0]] < place[orders[:, 1]]]  # the others were dropped, as they go round in a circle
     units = units_of(outlines.own_outer, outlines.is_mark, kept, options.parts_in_one_go)
     small = _of_whole_blocks(blocks.of, np.array(order, dtype=np.int64))
-    zone = joined(small, units, most_sets(facts.n), np.zeros(int(small.max(initial=0))))
+    sizes = np.bincount(small - 1).astype(np.float64)  # here the number of contours is what joined zones must not pass
+    zone = joined(small, units, most_sets(facts.n), sizes, MOST_CONTOURS)
     return zone if _do_what_zones_do(zone, facts, blocks) else None
 
 
