@@ -1,0 +1,66 @@
+"""The table of phases: every phase is there, a phase within another counts once, and the page is one it prints."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+
+import pytest
+
+from kerfwise.benchmarks import phases
+from kerfwise.benchmarks.phases import ALL, BUT_PLANNING, MEMORY, PHASES, REST, Clock, Start, phase_table, start_table
+
+PAGE = (Path(__file__).parents[2] / "docs" / "phases.md").read_text(encoding="utf-8")
+
+
+def test_every_phase_is_made_by_functions_that_there_are() -> None:
+    for steps in PHASES.values():
+        for module, step in steps:
+            assert callable(getattr(importlib.import_module(module), step))
+
+
+def test_a_phase_within_a_phase_counts_for_itself_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    ticks = iter([0.0, 1.0, 3.0, 6.0, 10.0])
+    monkeypatch.setattr(phases.time, "process_time", lambda: next(ticks))
+    clock = Clock()
+    inner = clock.around("problem", lambda: None)
+    clock.around("planning", inner)()
+    assert (clock.seconds["planning"], clock.seconds["problem"]) == (2.0 + 4.0, 3.0)
+
+
+def test_sizes_stand_side_by_side_before_and_after_with_exponents() -> None:
+    names = (*PHASES, REST, ALL, BUT_PLANNING, MEMORY)
+    runs = [[{name: s * k for name in names} | {"contours": n} for k in (2, 1)] for n, s in ((100, 1.0), (1000, 10.0))]
+    lines = phase_table(runs).splitlines()
+    assert lines[0] == "| phase | 100, before | after | ^ | 1000, before | after | ^ |"
+    assert "| check | 2.00 | 1.00 |  | 20.00 | 10.00 | 1.0 |" in lines
+    assert lines[-1] == f"| {MEMORY} | 2 | 1 |  | 20 | 10 |  |"
+    assert phase_table([[run[1]] for run in runs]).splitlines()[0] == "| phase | 100 | ^ | 1000 | ^ |"
+
+
+def test_starts_tell_seconds_and_kernels() -> None:
+    cold, warm = Start(15.0, 24), Start(1.0, 0)
+    told = start_table([("few", [(cold, warm), (warm, warm)])]).splitlines()
+    assert told[0] == (
+        "| nest | cold, before, s | kernels, before | warm, before, s | cold, after, s | kernels, after | warm, after, s |"
+    )
+    assert told[-1] == "| few | 15.0 | 24 | 1.0 | 1.0 | 0 | 1.0 |"
+
+
+@pytest.mark.slow
+def test_a_plate_is_measured() -> None:
+    """In a process of its own, as functions of the package are wrapped."""
+    import subprocess
+    import sys
+
+    words = [sys.executable, phases.__file__, "--one", "20", "--work", "0.1"]
+    done = subprocess.run(words, capture_output=True, encoding="utf-8", check=True)
+    spent = phases.json.loads(done.stdout.splitlines()[-1])
+    assert spent["contours"] >= 20
+    assert all(spent[name] > 0 for name in PHASES)
+
+
+def test_the_page_has_every_phase_and_start() -> None:
+    for name in (*PHASES, REST, ALL, BUT_PLANNING, MEMORY):
+        assert f"| {name} | " in PAGE
+    assert "kernels, after" in PAGE
