@@ -10,6 +10,7 @@ import pytest
 from kerfwise.benchmarks import phases
 from kerfwise.benchmarks.phases import ALL, BUT_PLANNING, MEMORY, PHASES, REST, Clock, Start, phase_table, start_table
 
+HEADS = (("cold", ", s"), ("kernels", ""), ("warm", ", s"))
 PAGE = (Path(__file__).parents[2] / "docs" / "phases.md").read_text(encoding="utf-8")
 
 
@@ -30,7 +31,7 @@ def test_a_phase_within_a_phase_counts_for_itself_alone(monkeypatch: pytest.Monk
 
 def test_sizes_stand_side_by_side_before_and_after_with_exponents() -> None:
     names = (*PHASES, REST, ALL, BUT_PLANNING, MEMORY)
-    runs = [[{name: s * k for name in names} | {"contours": n} for k in (2, 1)] for n, s in ((100, 1.0), (1000, 10.0))]
+    runs = [[dict.fromkeys(names, s * k) | {"contours": n} for k in (2, 1)] for n, s in ((100, 1.0), (1000, 10.0))]
     lines = phase_table(runs).splitlines()
     assert lines[0] == "| phase | 100, before | after | ^ | 1000, before | after | ^ |"
     assert "| check | 2.00 | 1.00 |  | 20.00 | 10.00 | 1.0 |" in lines
@@ -41,9 +42,8 @@ def test_sizes_stand_side_by_side_before_and_after_with_exponents() -> None:
 def test_starts_tell_seconds_and_kernels() -> None:
     cold, warm = Start(15.0, 24), Start(1.0, 0)
     told = start_table([("few", [(cold, warm), (warm, warm)])]).splitlines()
-    assert told[0] == (
-        "| nest | cold, before, s | kernels, before | warm, before, s | cold, after, s | kernels, after | warm, after, s |"
-    )
+    heads = [f"{head}, {when}{unit}" for when in ("before", "after") for head, unit in HEADS]
+    assert told[0] == f"| nest | {' | '.join(heads)} |"
     assert told[-1] == "| few | 15.0 | 24 | 1.0 | 1.0 | 0 | 1.0 |"
 
 
