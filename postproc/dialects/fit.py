@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.options.yaml_positions import place_in, wrong_at
+from kerfwise.rules.options.yaml_positions import Place, place_in, wrong_at
 from kerfwise.rules.profile.checks import MACHINE_WAITS
 from kerfwise.rules.profile.profile import Profile
 
@@ -25,13 +25,13 @@ def fitting_dialect(profile: Profile) -> Dialect:
     if machine.process not in dialect.processes and not machine.accept_dialect:
         others = [name for name in dialect_names() if machine.process in load_dialect(name).processes]
         raise wrong_at(
-            place_in(profile.file, ("machine", "dialect"), ("machine", "process")),
+            _said_at(profile, ("machine", "dialect"), ("machine", "process")),
             f"machine.dialect: '{machine.dialect}' is for {' and '.join(dialect.processes)}, the machine's process is "
             f"{machine.process}: its programs would not run, or would run wrong. Say dialect: {' or '.join(others)}, "
             "correct machine.process, or say accept_dialect: true to have it all the same",
         )
     if profile.leads.edge_start and pierce_dwell_of(profile, dialect) == "machine":
-        raise wrong_at(place_in(profile.file, ("leads", "edge_start")), f"leads.edge_start: {MACHINE_WAITS}")
+        raise wrong_at(_said_at(profile, ("leads", "edge_start")), f"leads.edge_start: {MACHINE_WAITS}")
     return dialect
 
 
@@ -44,7 +44,7 @@ def expect_words(nest: Nest, profile: Profile, dialect: Dialect, resumes: bool =
         For marks where it cannot mark, and for a program that must tell what is cut where it knows no comments.
     """
     marks = [contour.id for contour in profile.as_cut(nest).contours if contour.kind == "mark"]
-    place = place_in(profile.file, ("machine", "dialect"))
+    place = _said_at(profile, ("machine", "dialect"))
     if marks and not dialect.marks:
         shown = ", ".join(marks[:3]) + (", …" if len(marks) > 3 else "")
         raise wrong_at(
@@ -58,3 +58,9 @@ def expect_words(nest: Nest, profile: Profile, dialect: Dialect, resumes: bool =
             f"machine.dialect: '{dialect.name}' knows no comments, in which a program that goes on after a stop tells "
             "what is cut: take another dialect",
         )
+
+
+def _said_at(profile: Profile, *paths: tuple[str, ...]) -> Place | None:
+    """Where the profile's file has the first of these keys that it has, else where one that it is based on has."""
+    files = (profile.file, *reversed(profile.read_from))
+    return next((place for file in files if file and (place := place_in(file, *paths)) is not None), None)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import sys
+import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
@@ -69,7 +70,8 @@ def run_file(path: Path, text: bytes) -> ModuleType:
     module.__file__ = str(path)
     sys.modules[name] = module  # dataclasses look their module up
     try:
-        with np.errstate(all="ignore"):  # numbers of its cases may be any
+        with np.errstate(all="ignore"), warnings.catch_warnings():  # numbers of its cases may be any
+            warnings.simplefilter("ignore", SyntaxWarning)  # what is wrong fails when it is run, with its line
             exec(compile(text, str(path), "exec"), vars(module))
     except KerfwiseError:
         del sys.modules[name]

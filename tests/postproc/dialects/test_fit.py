@@ -57,3 +57,10 @@ def test_a_control_that_waits_at_every_start_has_no_edge_starts(tmp_path: Path) 
         fitting_dialect(load_profile(shop))
     shop.write_text("leads: {edge_start: true}\nmachine: {pierce_dwell: program}\n")
     assert fitting_dialect(load_profile(shop)).name == "linuxcnc-qtplasmac"
+
+
+def test_a_mismatch_that_a_base_brings_is_placed_there(tmp_path: Path) -> None:
+    (tmp_path / "plant.yaml").write_text("machine:\n  process: laser\n")
+    (tmp_path / "near.yaml").write_text("based_on: plant.yaml\nname: near\n")
+    with pytest.raises(InputError, match=r"plant\.yaml:2:12: machine\.dialect: 'linuxcnc-qtplasmac' is for plasma"):
+        fitting_dialect(load_profile(tmp_path / "near.yaml"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from pathlib import Path
 
 import jsonschema
@@ -39,6 +40,15 @@ def test_the_rule_is_on_with_its_own_strength(tmp_path: Path) -> None:
     assert profile.rulebook()["bars-last"].brought == f"file {tmp_path / 'bars.py'}"
     assert "bars-last" not in RULES
     assert "bars-last" not in load_profile().rulebook()
+
+
+def test_what_python_warns_of_is_not_printed(tmp_path: Path) -> None:
+    rule_file(tmp_path)
+    file = tmp_path / "bars.py"
+    file.write_text(f"{file.read_text()}\n\ndef never():\n    return 1[0]\n")  # a SyntaxWarning
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        load_profile(profile_file(tmp_path, "python: bars.py"), trust=True)
 
 
 @pytest.mark.parametrize(
