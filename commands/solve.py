@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.shown import shown
 from kerfwise.models.engines.baselines import STRATEGIES
 
@@ -90,6 +91,8 @@ def command(
         output, plan_path, picture = f"{file.stem}.nc", f"{file.stem}.plan.json", beside
     conflict_picture = conflict_picture or f"{file.stem}.conflict.svg"
     outputs = (output, plan_path, dxf, picture, conflict_picture)
+    if dxf and Path(dxf).suffix.lower() != ".dxf":
+        raise InputError("the torch's paths are written as DXF: give a name ending in .dxf", file=dxf)
     _expect(outputs, (picture, conflict_picture), (file, lock_from))
     if named_after:
         expect_own(file, Path(str(output)), Path(str(plan_path)), Path(str(picture)))

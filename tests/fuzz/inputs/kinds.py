@@ -277,7 +277,7 @@ def _arguments(rnd: Random) -> Case:
     return Case("arguments", files, words, (), tuple(words[k] for k in outputs if words[k] not in read))
 
 
-_OUTPUTS = ("-o", "--output", "--plan", "--picture", "--conflict-picture")
+_OUTPUTS = ("-o", "--output", "--plan", "--dxf", "--picture", "--conflict-picture")
 
 
 KINDS: Mapping[str, Make] = {

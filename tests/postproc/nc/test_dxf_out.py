@@ -73,3 +73,5 @@ def test_solve_writes_it_beside_the_others_and_protects_what_is_read(
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.dxf", "a.json", "a.plan.json"]
     assert read(Path("a.dxf"))[0] == ["CUT_OUTER"]
     assert kerfwise("solve", "a.dxf", "--sheet", "200x120", "--dxf", "a.dxf").code == 2
+    refused = kerfwise("solve", "a.json", "--dxf", "a.svg")
+    assert (refused.code, "give a name ending in .dxf" in refused.err) == (2, True)
