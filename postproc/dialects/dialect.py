@@ -17,7 +17,7 @@ ControlName = Literal["linuxcnc-qtplasmac", "linuxcnc", "grbl", "eia", "burny"]
 ArcCentre = Literal["relative", "absolute", "radius", "none"]
 Positions = Literal["absolute", "incremental"]
 _TEXT, _BLOCK = Text(), Block()
-_TOOL = Blocks(Block(holes=(DWELL, "mm_min")))
+_TOOL = Blocks(Block(holes=(DWELL, "mm_min")), some=True)
 _LINE, _ARC = Block(holes=("x", "y"), empty=True), Block(holes=("x", "y", "i", "j", "r"))
 
 
@@ -48,13 +48,13 @@ class Dialect:
             Blocks(Block(holes=("program",))), "blocks before the first cut, with {program} for the program's number"
         )
     )
-    footer: tuple[str, ...] = field(metadata=option(Blocks(), "blocks after the last cut; they end the program"))
+    footer: tuple[str, ...] = field(metadata=option(Blocks(some=True), "blocks after the last cut: the program's end"))
     torch_on: tuple[str, ...] = field(
         metadata=option(
             _TOOL, "what starts the torch; {dwell} alone is where it waits for the pierce, else it waits behind all"
         )
     )
-    torch_off: tuple[str, ...] = field(metadata=option(Blocks(), "what stops the torch"))
+    torch_off: tuple[str, ...] = field(metadata=option(Blocks(some=True), "what stops the torch"))
     mark_on: tuple[str, ...] = field(
         metadata=option(Blocks(_TOOL.each, none=True), "what starts the tool that marks; null for none")
     )

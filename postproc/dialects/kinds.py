@@ -81,14 +81,20 @@ class Block(OptionKind):
 
 @dataclass(frozen=True, slots=True)
 class Blocks(OptionKind):
-    """Blocks in the order in which they are written; a single one may stand without a list."""
+    """Blocks in the order in which they are written; a single one may stand without a list.
+
+    With `some` there must be one, with `none` the key may be null.
+    """
 
     each: Block = Block()
     none: bool = False
+    some: bool = False
 
     def read(self, node: yaml.Node) -> tuple[str, ...]:
         if self.none and is_empty(node):
             return ()
+        if self.some and isinstance(node, yaml.SequenceNode) and not node.value:
+            raise self.refuse(node)
         if isinstance(node, yaml.SequenceNode):
             return tuple(str(self.each.read(one)) for one in node.value)
         if isinstance(node, yaml.ScalarNode) and not is_empty(node):
@@ -100,10 +106,12 @@ class Blocks(OptionKind):
 
     def schema(self) -> dict[str, Any]:
         one = self.each.schema()
-        return {"anyOf": [one, {"type": "array", "items": one}, *([{"type": "null"}] if self.none else [])]}
+        many = {"type": "array", "items": one} | ({"minItems": 1} if self.some else {})
+        return {"anyOf": [one, many, *([{"type": "null"}] if self.none else [])]}
 
     def expected(self) -> str:
-        return f"a block or a list of blocks, each {self.each.expected()}{', or null' if self.none else ''}"
+        many = "one or more blocks" if self.some else "blocks"
+        return f"a block or a list of {many}, each {self.each.expected()}{', or null' if self.none else ''}"
 
 
 @dataclass(frozen=True, slots=True)
