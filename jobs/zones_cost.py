@@ -16,8 +16,9 @@ from kerfwise.models.plan.plan import RELAXED
 from kerfwise.models.plan.zones_cost import ZonesCost
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import route_cost
+from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.statements import EXEMPTION_MM, Crossing, Statement
+from kerfwise.rules.statements import EXEMPTION_MM, Statement
 from kerfwise.rules.stating.lazy import afterthoughts
 from kerfwise.rules.stating.state_rules import Stated, state_rules
 
@@ -114,14 +115,15 @@ def without_zones(
         return None
     moves_too = facts.n <= MOST_MOVES
     left = [s for s in (*asked.stated.statements, *further) if s.about.rule not in names]
-    stated = Stated(tuple(s for s in left if moves_too or not isinstance(s, Crossing)), (), asked.stated.exempt)
+    kept, unasked = (left, frozenset[str]()) if moves_too else without_moves(left)
+    stated = Stated(tuple(kept), (), asked.stated.exempt)
     began_s = running_s()
     limits = replace(limits, member="search", gap=None, no_improvement_s=None)
     try:
         found = solve(facts, stated.statements, limits, progress, afterthoughts(facts, profile), start=solution.route)
     except RulesConflict:
         return None
-    aside = {s.about.rule for s in left if isinstance(s, Crossing) and not moves_too} | {r for r, _ in found.left_out}
+    aside = unasked | {r for r, _ in found.left_out}
     spent_s = found.seconds if limits.time_s is None else running_s() - began_s
     return Free(stated, found, spent_s, tuple(sorted(aside)))
 
@@ -173,3 +175,10 @@ def zones_cost(asked: Asked, solution: Solution, free: Free, limits: SolveOption
     avoided = [(name, rule) for name, rules in had.items() for rule in rules if rule not in has.get(name, ())]
     named = tuple(avoided if excuses else ())
     return ZonesCost(gained_mm - excuses * EXEMPTION_MM, excuses, named, free.seconds, free.aside)
+
+
+def without_moves(statements: Sequence[Statement]) -> tuple[list[Statement], frozenset[str]]:
+    """The statements but for those on moves over areas, and the rules that these come from."""
+    moves = by_kind(statements).crossing
+    unasked = {id(s) for s in moves}
+    return [s for s in statements if id(s) not in unasked], frozenset(s.about.rule for s in moves)

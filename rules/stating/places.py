@@ -145,16 +145,18 @@ def in_the_way(
     for k in range(len(sizes) - 1):
         for c in range(n):
             program.row([(program.inside(k + 1, c), 1), (program.inside(k, c), -1)], 0, ANY)
+    for k, between in enumerate(np.diff(sizes).tolist()):  # a run that both sets tear: nothing else comes between them
+        for g in several:
+            low, high, low_, high_ = (*program.run(k, g), *program.run(k + 1, g))
+            members = np.flatnonzero(group == g).tolist()
+            inside = [(program.inside(m, c), sign) for m, sign in ((k + 1, 1), (k, -1)) for c in members]
+            torn = [(high, -between), (low, between), (high_, -between), (low_, between)]
+            program.row([*inside, *torn], -between, ANY)
     for contour, place in at.items():
         if place - 1 in sizes:
             program.fixed[program.inside(sizes.index(place - 1), contour)] = 0
         if place in sizes:
             program.fixed[program.inside(sizes.index(place), contour)] = 1
-        if place - 1 in sizes and place in sizes:
-            for g in several:
-                if g != group[contour]:  # nothing comes between contours that are cut in one go
-                    (low, high), (low_, high_) = (program.run(sizes.index(s), g) for s in (place - 1, place))
-                    program.row([(high, 1), (low, -1), (high_, 1), (low_, -1)], -ANY, 1)
     for cycle in cycles:
         program.row([(number, 1) for number in sorted(cycle) if weights[number] is not None], 1, ANY)
     return program.least([w or 0 for w in weights])

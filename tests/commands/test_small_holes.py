@@ -66,7 +66,7 @@ def test_a_plate_of_112_holes_is_refused_in_one_line_and_freed_by_what_it_says(t
     ended = kerfwise("solve", nest, "-p", profile, "-o", tmp_path / "out.nc")
     assert ended.code == 2
     assert ended.err == (
-        "kerfwise: nest.json: 112 contours of the nest cannot be cut as the options ask; "
+        f"kerfwise: {nest}: 112 contours of the nest cannot be cut as the options ask; "
         "`rules.pierce.clearance: 1.48 mm`, or `small_holes.under: spot` frees all of them\n"
         "  - 112 holes (P1.hole1, P1.hole2, P1.hole3 and 109 more): `rules.pierce.clearance: 1.48 mm`, or "
         "`small_holes.under: spot` frees them; such as P1.hole1 at (38.5, 40.0): the best spot for a pierce near it is "

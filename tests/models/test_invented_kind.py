@@ -15,6 +15,7 @@ import pytest
 import kerfwise
 from kerfwise.benchmarks.flattened import said
 from kerfwise.jobs.strategies import solve_by
+from kerfwise.jobs.zones_cost import without_moves
 from kerfwise.models.engines.minizinc.asked import asked
 from kerfwise.models.engines.minizinc.data import data_text
 from kerfwise.models.engines.minizinc.statement_text import conditions
@@ -132,6 +133,7 @@ REFUSES: dict[str, list[Refuses]] = {
     "models/engines/minizinc/data.py": [lambda _: data_text(FACTS, PROFILE, STATED, OPTIONS, clock=False)],
     "models/engines/minizinc/statement_text.py": [lambda _: conditions(INVENTED)],
     "benchmarks/flattened.py": [lambda _: said(INVENTED)],
+    "jobs/zones_cost.py": [lambda _: without_moves([INVENTED])],
     "jobs/strategies.py": [lambda _: solve_by("random", FACTS, PROFILE, (INVENTED,), OPTIONS)],
 }
 """File → what is called there with the invented statement."""

@@ -84,6 +84,14 @@ def test_what_is_out_of_place_may_break_a_cycle_too() -> None:
     assert dropped(TWO_STEPS) == TWO_STEPS.least() == (2, 0)
 
 
+TORN_TWICE = Asked((("level-ahead", 0, 1), ("level-ahead", 0, 2), ("level-ahead", 3, 0)), ((0, 2), (2, 4)), (2, 3, 0))
+
+
+def test_nothing_comes_between_two_positions_that_one_run_has() -> None:
+    """0 and 2 are second and fourth, 3 is cut in one go with them: so 3 is third, behind 0."""
+    assert dropped(TORN_TWICE) == TORN_TWICE.least() == (1, 0)
+
+
 @pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(asked())

@@ -20,7 +20,7 @@ def reduced_costs(cost: Ints, lawful: Bools) -> Ints:
     --------
     >>> lawful = ~np.eye(3, dtype=bool)
     >>> reduced_costs(np.array([[0, 2, 5], [4, 0, 3], [1, 6, 0]]), lawful).tolist()[0]
-    [-2, 0, 0]
+    [-2, 0, 3]
     """
     from scipy.optimize import linear_sum_assignment  # it takes longer to load than a small nest to plan
 
