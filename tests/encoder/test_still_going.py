@@ -83,9 +83,8 @@ from kerfwise.encoder import still_going
 still_going.AFTER_S = 0.2
 plain = read._nest
 def slow(*given):
-    nest = plain(*given)
-    time.sleep({seconds})
-    return nest
+    time.sleep({seconds})  # before anything is imported: an import may swallow what Ctrl-C raises
+    return plain(*given)
 read._nest = slow
 from kerfwise.cli import main
 main(["facts", {nest!r}])
