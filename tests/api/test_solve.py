@@ -46,6 +46,7 @@ def test_what_is_known_of_it(result: kerfwise.Result) -> None:
     assert kerfwise.check(NEST, result).ok
 
 
+@pytest.mark.slow
 def test_the_same_twice_whatever_the_form(tmp_path: Path) -> None:
     profile = tmp_path / "shop.yaml"
     profile.write_text("name: shop\nbased_on: plasma-carbon-steel\nlocks:\n  - {contour: P2.outer, position: first}\n")
@@ -91,6 +92,7 @@ def test_without_pandas_the_table_says_what_to_install(
         result.to_frame()
 
 
+@pytest.mark.slow
 def test_pictures(result: kerfwise.Result, tmp_path: Path) -> None:
     assert result.picture().content.startswith(b"<svg")
     assert result.picture("png").content.startswith(b"\x89PNG")
@@ -106,6 +108,7 @@ def test_pictures(result: kerfwise.Result, tmp_path: Path) -> None:
     assert b"look here" in near.content
 
 
+@pytest.mark.slow
 def test_explain(result: kerfwise.Result, tmp_path: Path) -> None:
     told = result.explain("part#1.outer")
     assert str(told).startswith("part#1.outer is cut ")
@@ -156,6 +159,7 @@ def test_rules_that_clash_give_way_where_that_is_asked_for() -> None:
     assert made.plan.dropped[0].relaxed
 
 
+@pytest.mark.slow
 def test_after_a_stop_only_the_rest_is_planned(tmp_path: Path) -> None:
     result = kerfwise.solve(PAIR, work=WORK)
     program, plan, _ = result.save(tmp_path, "pair")
@@ -179,6 +183,7 @@ def test_another_thread_may_plan() -> None:
     assert made[0].plan.to_json() == made[1].plan.to_json() == kerfwise.solve(PAIR, work=WORK).plan.to_json()
 
 
+@pytest.mark.slow
 def test_times_heat_and_facts(result: kerfwise.Result, tmp_path: Path) -> None:
     program, plan, _ = result.save(tmp_path)
     took = kerfwise.times(NEST, plan)
@@ -195,6 +200,7 @@ def test_times_heat_and_facts(result: kerfwise.Result, tmp_path: Path) -> None:
     assert repr(result) == "<Result: 16 contours, idle 1.873 m, optimal>"
 
 
+@pytest.mark.slow
 def test_a_trade_off_takes_locks_and_goes_on_after_a_stop() -> None:
     first, *_, last = (c for c in order(kerfwise.solve(NEST, work=1)) if "hole" in c)
     locked = kerfwise.trade_off(NEST, prices_mm=[0], locks=f"{last} position first", work=1)
@@ -207,6 +213,7 @@ def test_a_trade_off_takes_locks_and_goes_on_after_a_stop() -> None:
     assert (trade.plan.resumed_after, trade.plan.already_cut[0].cut.contour) == (9, last)
 
 
+@pytest.mark.slow
 def test_a_trade_off_relaxes() -> None:
     clash = ["part#1.outer position first", "part#3.outer before part#1.outer"]
     with pytest.raises(kerfwise.RulesConflict):

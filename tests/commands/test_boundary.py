@@ -129,6 +129,7 @@ def test_messages_without_a_file_name_the_nest(here: Path, monkeypatch: pytest.M
     assert ended.err == f"kerfwise: {NEST}: A.outer cannot be cut\n"
 
 
+@pytest.mark.slow
 def test_a_nest_is_named_as_it_was_given(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     nest = here / "beside" / "plain.json"
     nest.parent.mkdir()

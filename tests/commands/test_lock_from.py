@@ -96,6 +96,7 @@ def test_a_program_that_was_resumed_may_be_stopped_again(old: Path, tmp_path: Pa
     assert (early.code, "goes on after cut 4 itself" in early.err) == (2, True)
 
 
+@pytest.mark.slow
 def test_another_start_side_and_other_zones_do_not_refuse_what_is_cut(old: Path, tmp_path: Path) -> None:
     (tmp_path / "turned.yaml").write_text(TURNED)
     profile, new = ("-p", tmp_path / "turned.yaml"), tmp_path / "new.json"

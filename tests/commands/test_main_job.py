@@ -42,6 +42,7 @@ def test_every_example_is_solved_checked_and_read_by_linuxcnc(nest: Path, tmp_pa
     assert read.idle_mm == pytest.approx(written["totals"]["idle_mm"], abs=0.05)
 
 
+@pytest.mark.slow
 def test_the_same_input_gives_the_same_bytes(tmp_path: Path) -> None:
     nest = EXAMPLES / "nests" / "e1x_6.dxf"
     for name in ("a", "b"):

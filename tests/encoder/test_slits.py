@@ -106,6 +106,7 @@ def test_a_bend_relief_is_slit() -> None:
     assert slit.line.vertices[-1, :2].tolist() == pytest.approx((29.5, 24 + HALF), abs=0.01)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(st.floats(-50, 50), st.floats(0.2, 1.45), st.floats(1.5, 25), st.sampled_from(["outer", "hole"]))
 def test_a_slit_opens_all_of_its_slot_and_takes_no_more_than_it_says(

@@ -104,6 +104,7 @@ def test_nothing_is_said_where_there_are_no_zones(profile: Profile) -> None:
     assert planned(profile).plan.zones_cost is None
 
 
+@pytest.mark.slow
 def test_it_is_printed_and_read_back(tmp_path: object) -> None:
     made = planned(zoned(1))
     assert made.plan.zones_cost is not None

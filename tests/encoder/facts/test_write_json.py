@@ -103,6 +103,7 @@ def test_the_schema_is_sound_and_says_what_every_field_is() -> None:
             assert what.keys() & {"description", "$ref", "enum"} or field == "part"
 
 
+@pytest.mark.slow
 @given(nests())
 @settings(max_examples=15, deadline=None)
 def test_every_text_follows_the_schema(given_nest: Nest) -> None:

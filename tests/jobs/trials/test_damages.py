@@ -107,6 +107,7 @@ LONGER = (
 IN_PYTHON = [pytest.param(name, marks=pytest.mark.slow if name in LONGER else ()) for name in DAMAGES]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damage", IN_PYTHON)
 def test_a_damage_in_python(damage: str, tmp_path: Path) -> None:
     instead, where, message = DAMAGES[damage]

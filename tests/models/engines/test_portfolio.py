@@ -131,6 +131,7 @@ def test_an_earlier_plan_and_bound_are_gone_on_from() -> None:
     assert again.notes == []
 
 
+@pytest.mark.slow
 def test_no_member_sets_out_without_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each step takes a second by the clock; what is left is too little for the others' tables."""
     given, seconds, set_out = scattered(1, contours=45, sites=1), count(), list[str]()
@@ -142,6 +143,7 @@ def test_no_member_sets_out_without_time(monkeypatch: pytest.MonkeyPatch) -> Non
     assert set_out == []
 
 
+@pytest.mark.slow
 def test_with_little_memory_other_members_take_over() -> None:
     given = scattered(1, contours=9, sites=2)
     plenty, scarce = (SolveOptions(work=2.0, memory_gb=gb) for gb in (2.0, 1e-6))

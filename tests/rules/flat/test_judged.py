@@ -203,6 +203,7 @@ MANY = """[before(1, 2) \\/ before(3, 2), position[3] <= 2, directly_before(2, 3
 constraint position[2] != 3"""
 
 
+@pytest.mark.slow
 def test_many_orders_are_judged_as_each_is(tmp_path: Path) -> None:
     """One run of MiniZinc's solver says of every order what the check says of it alone."""
     rule = plant(tmp_path, MANY).rulebook()["in-turn"]

@@ -15,6 +15,7 @@ def test_the_installed_scipy_goes_on_from_its_last_basis() -> None:
     assert isinstance(restricted_master(np.ones(2)), GoesOn)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_going_on_and_starting_anew_find_the_same_cost(seed: int) -> None:

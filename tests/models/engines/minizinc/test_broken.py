@@ -49,6 +49,7 @@ BROKEN = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("script", "message"), BROKEN.values(), ids=BROKEN)
 def test_solve_says_what_was_found_and_how_to_install(
     script: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -59,6 +59,7 @@ def test_two_positions_at_odds_are_named_and_one_is_let_go() -> None:
     assert [about.rule for about in conflict.relax] == ["locks"]
 
 
+@pytest.mark.slow
 def test_it_takes_next_to_nothing_to_see_that_a_position_can_be_kept() -> None:
     """Of three contours that come one after another the first is locked where it fits, and where it does not."""
     for position, kept in ((118, True), (119, False)):
