@@ -67,6 +67,7 @@ def test_the_same_twice_whatever_the_form(tmp_path: Path) -> None:
     assert {other.plan.solve.objective for other in others} == {one.objective}
 
 
+@pytest.mark.slow
 def test_limits_reach_the_engines() -> None:
     heard: list[kerfwise.Reached] = []
     made = kerfwise.solve(PAIR, work=WORK, seed=7, engine="search", on_progress=heard.append)

@@ -35,6 +35,7 @@ def test_ctrl_c_keeps_the_best_plan(free: kerfwise.Profile) -> None:
     assert signal.getsignal(signal.SIGINT) is before
 
 
+@pytest.mark.slow
 def test_a_callback_that_answers_false_stops(free: kerfwise.Profile) -> None:
     heard: list[kerfwise.Reached] = []
 
@@ -48,6 +49,7 @@ def test_a_callback_that_answers_false_stops(free: kerfwise.Profile) -> None:
     assert sum(reached.objective_mm is not None for reached in heard) == 1  # nobody asks again
 
 
+@pytest.mark.slow
 def test_what_a_callback_raises_comes_out(free: kerfwise.Profile) -> None:
     def fail(reached: kerfwise.Reached) -> None:
         raise ZeroDivisionError("of the caller")

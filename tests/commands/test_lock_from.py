@@ -67,6 +67,7 @@ def test_only_the_rest_is_planned_and_written(old: Path, tmp_path: Path) -> None
         assert f"resumed after cut {N}" in checked.out
 
 
+@pytest.mark.slow
 def test_the_old_program_tells_as_much_as_its_plan(old: Path, tmp_path: Path) -> None:
     asked = ("--upto", N, "--work", "2", "--plan")
     assert kerfwise("solve", NEST, "--lock-from", old, *asked, tmp_path / "a.json").code == 0
@@ -109,6 +110,7 @@ def test_another_start_side_and_other_zones_do_not_refuse_what_is_cut(old: Path,
         assert checked.code == 0, checked.out
 
 
+@pytest.mark.slow
 def test_a_cut_that_broke_off_is_made_again_first_and_pierced_elsewhere(old: Path, tmp_path: Path) -> None:
     new, nc = tmp_path / "new.json", tmp_path / "new.nc"
     files = ("--plan", new, "-o", nc)
@@ -136,6 +138,7 @@ def outer_before_hole(old: Path, folder: Path) -> tuple[Path, str]:
     return path, str(hole["contour"])
 
 
+@pytest.mark.slow
 @pytest.mark.scrap("the hole is left out")
 def test_a_hole_left_in_a_part_that_is_out_is_refused_or_left_out(old: Path, tmp_path: Path) -> None:
     turned, hole = outer_before_hole(old, tmp_path)
@@ -154,6 +157,7 @@ def test_a_hole_left_in_a_part_that_is_out_is_refused_or_left_out(old: Path, tmp
         assert f"relaxed: inner-before-outer about {hole}" in checked.out
 
 
+@pytest.mark.slow
 def test_what_a_program_says_is_out_is_held_against_the_nest(old: Path, tmp_path: Path) -> None:
     nc = tmp_path / "new.nc"
     assert kerfwise("solve", NEST, "--lock-from", old, "--upto", N, "-o", nc, "--work", "2").code == 0

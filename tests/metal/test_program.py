@@ -85,6 +85,7 @@ def moves(draw: st.DrawFn) -> list[str]:
     return blocks
 
 
+@pytest.mark.slow
 @pytest.mark.linuxcnc
 @given(moves())
 @settings(max_examples=25, deadline=None)

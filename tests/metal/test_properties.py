@@ -38,6 +38,7 @@ def judged(made: list[tuple[str, Blocks]], **more: float) -> list[Finding]:
     return simulate(sheet(), program(made), KERF_MM, **more)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 @given(cuts(), st.integers(1, 3))
 @settings(max_examples=30, deadline=None)
 def test_what_comes_later_changes_nothing_of_what_was_burnt(made: list[tuple[str, Blocks]], count: int) -> None:
@@ -45,6 +46,7 @@ def test_what_comes_later_changes_nothing_of_what_was_burnt(made: list[tuple[str
     assert [f for f in judged(made[:count]) if f.kind in BY_CUT] == whole
 
 
+@pytest.mark.slow
 @given(cuts())
 @settings(max_examples=30, deadline=None)
 def test_more_cuts_leave_no_more_uncut(made: list[tuple[str, Blocks]]) -> None:
@@ -62,6 +64,7 @@ def test_a_wider_splash_finds_no_less(made: list[tuple[str, Blocks]], one: float
     assert found(min(one, other)) <= found(max(one, other))
 
 
+@pytest.mark.slow
 @given(cuts(), st.integers(-5000, 5000), st.integers(-5000, 5000))
 @settings(max_examples=20, deadline=None)
 def test_the_place_of_a_sheet_does_not_matter(made: list[tuple[str, Blocks]], dx: int, dy: int) -> None:

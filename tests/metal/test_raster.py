@@ -45,6 +45,7 @@ def burnt(nest: Nest, text: str) -> tuple[NDArray[np.bool_], NDArray[np.float64]
     return burns, middles
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_pixels_burn_the_same_metal(name: str) -> None:
     nest, text = sheet(), CASES[name]

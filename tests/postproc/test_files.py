@@ -192,6 +192,7 @@ def test_a_file_that_another_program_holds_open(held: str, tmp_path: Path, monke
     assert sorted(p.name for p in folder.iterdir()) == sorted(NAMES)
 
 
+@pytest.mark.slow
 def test_two_commands_at_once_leave_the_files_of_one(tmp_path: Path) -> None:
     folder = folder_with_old(tmp_path / "two")
 

@@ -53,6 +53,7 @@ def test_lines_stay_lines_and_arcs_concentric_arcs(drawn: Curve, distance_mm: fl
         assert any(abs(ux * vy - uy * vx) < 0.02 for vx, vy in found)
 
 
+@pytest.mark.slow
 def test_thousands_of_tiny_chords_take_little_time() -> None:
     a = np.arange(5000) * 2 * np.pi / 5000
     radius = 200 + 20 * np.cos(9 * a) + 3 * np.cos(40 * a)

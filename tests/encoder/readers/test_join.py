@@ -121,6 +121,7 @@ def test_nothing_joins_to_nothing() -> None:
     assert join([], 0.1).rings == ()
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(st.randoms(use_true_random=False), st.integers(1, 12))
 def test_separate_polygons_survive_any_order_direction_and_jitter(rnd: random.Random, count: int) -> None:

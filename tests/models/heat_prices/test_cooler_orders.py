@@ -44,6 +44,7 @@ def overheats(route: Sequence[int]) -> int:
     return simulate(PLATE, paths().of(route), plant().heat, plant().material.thickness_mm).overheats
 
 
+@pytest.mark.slow
 def test_the_best_is_lawful_told_right_and_no_worse_than_the_plan_without_prices() -> None:
     price_mm, first = 20.0, planned(0, ())
     found = cooler().find(price_mm, planned)

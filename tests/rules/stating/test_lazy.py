@@ -13,6 +13,7 @@ from kerfwise.rules.profile.profile import load_profile
 from kerfwise.rules.stating.lazy import look_takes_s
 
 
+@pytest.mark.slow
 def test_a_look_takes_about_as_long_as_its_beginning_tells(monkeypatch: pytest.MonkeyPatch) -> None:
     """A second a cut: what is told lies between once and twice what a whole look takes."""
     parts = 100

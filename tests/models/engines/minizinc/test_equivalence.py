@@ -42,6 +42,7 @@ def test_the_engines_agree(seed: int) -> None:
     assert differ == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", slow_ones(DRAWN))
 def test_the_engines_agree_whatever_the_options(seed: int) -> None:
     drawn = drawn_case(seed)

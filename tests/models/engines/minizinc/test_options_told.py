@@ -50,6 +50,7 @@ NOT_SHOWN = {
 """Options that these nests do not show."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rule", "option"), EACH, ids=[f"{rule}-{option.key}" for rule, option in EACH])
 def test_minizinc_is_told(rule: str, option: Option) -> None:
     seen = untold(rule, option)

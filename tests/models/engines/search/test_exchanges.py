@@ -54,6 +54,7 @@ def test_what_a_site_costs_is_paid() -> None:
     assert searcher.best.cost == expected.cost
 
 
+@pytest.mark.slow
 def test_a_way_round_a_circle_is_found() -> None:
     around = np.full((81, 81), 1000)
     around[np.arange(81), (np.arange(81) * 1 + 1) % 81] = 1

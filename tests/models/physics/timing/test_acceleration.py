@@ -120,6 +120,7 @@ POINTS = st.lists(
 )
 
 
+@pytest.mark.slow
 @given(POINTS)
 def test_agrees_with_integration_by_small_steps(points: list[tuple[float, ...]]) -> None:
     path = line(*points)
