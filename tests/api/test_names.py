@@ -20,6 +20,7 @@ def run(script: str) -> str:
     return done.stdout.strip()
 
 
+@pytest.mark.slow
 def test_import_loads_next_to_nothing() -> None:
     script = (
         "import sys, typing, __future__\nbefore = set(sys.modules)\n"

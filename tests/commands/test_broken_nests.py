@@ -27,6 +27,7 @@ def crossing(one: Curve, other: Curve) -> bool:
     return min(a.intersection(b).area, a.difference(b).area, b.difference(a).area) > 1
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(tens, tens, tens, tens), min_size=2, max_size=6, unique=True))
 @example(THREE)
 @settings(max_examples=150, deadline=None)

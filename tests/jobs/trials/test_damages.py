@@ -54,6 +54,7 @@ def damaged(folder: Path, *instead: tuple[str, str]) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_a_new_rule_is_fine(tmp_path: Path) -> None:
     found = tried(damaged(tmp_path))
     assert [name for name, outcome in found.items() if outcome.wrong] == []
