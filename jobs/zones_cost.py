@@ -151,12 +151,13 @@ def along(
     moved = replace(facts, zone=zone)
     try:
         stated = state_rules(moved, profile)
-        refine, limits = (
-            afterthoughts(moved, profile),
-            replace(limits, member="ideals", gap=None, no_improvement_s=None),
+        limits = replace(limits, member="ideals", gap=None, no_improvement_s=None)
+        found = solve(
+            moved, stated.statements, limits, progress, afterthoughts(moved, profile), start=free.solution.route
         )
-        found = solve(moved, stated.statements, limits, progress, refine, start=free.solution.route)
     except RulesConflict:
+        return None
+    if found.left_out != solution.left_out:  # the one is not asked for what the other pays for
         return None
     if found.objective >= solution.objective or (solution.status == "optimal" != found.status):
         return None

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.facts import zones
+from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
@@ -22,12 +24,13 @@ from kerfwise.jobs.produce import Produced, produce
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.jobs.summary import summary
 from kerfwise.models.engines import rounds
+from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.plan.reader import read_plan
 from kerfwise.models.plan.zones_cost import ZonesCost
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.profile import Profile, load_profile
-from kerfwise.rules.statements import EXEMPTION_MM
+from kerfwise.rules.statements import EXEMPTION_MM, Statement
 
 SHEET = nest(
     580, 320, *(part(f"{x}{y}", rect(20 + 170 * x, 20 + 100 * y, 120 + 20 * y, 70)) for x in range(3) for y in range(3))
@@ -130,3 +133,24 @@ def test_zones_without_a_number_move_where_that_pays(monkeypatch: pytest.MonkeyP
     name = moved.plan.cuts[0].cut.contour
     explained = Explainer(Given(sheet, profile), moved.plan).explain(name)
     assert explained == Explainer(Given(sheet, profile), moved.plan, moved.facts).explain(name)
+
+
+@pytest.mark.slow
+def test_zones_do_not_move_for_a_plan_that_is_not_asked_for_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A clock may leave moves over parts unpriced in the one and not in the other: then that one only looks cheaper."""
+    monkeypatch.setattr(zones, "MOST_OF_ONE", 100)
+    sheet = read_json(json.dumps(make_sheet(2, 40)).encode(), ReadOptions())
+    solve, asked_less = rounds.solve, list[bool]()
+
+    def unpriced(facts: Facts, statements: Sequence[Statement], options: SolveOptions, *more: Any, **named: Any) -> Any:
+        found = solve(facts, statements, options, *more, **named)
+        if options.member != "ideals":
+            return found
+        asked_less.append(True)
+        return replace(found, left_out=(("no-tip-travel", "the clock"),))
+
+    monkeypatch.setattr(rounds, "solve", unpriced)
+    stayed, tried = (planned(zoned(None), also, sheet=sheet) for also in (False, True))
+    assert asked_less == [True]
+    assert tried.facts.zone.tolist() == stayed.facts.zone.tolist()
+    assert tried.program == stayed.program
