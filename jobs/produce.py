@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.facts.facts import Facts
@@ -85,11 +86,12 @@ def produce(
         cool, stated = solve_priced(asked, profile, limits, solved, progress, cooler)
         asked = Asked(facts, stated)
 
-    def seen_of(solution: Solution) -> tuple[Statement, ...]:
-        return afterthoughts(facts, profile)([facts.candidates[c].contour for c in solution.route])
+    @cache  # looking for what an order leaves takes long
+    def seen_in(route: tuple[int, ...]) -> tuple[Statement, ...]:
+        return afterthoughts(facts, profile)([facts.candidates[c].contour for c in route])
 
     def planned(solution: Solution) -> Plan:
-        stated = replace(asked.stated, statements=(*asked.stated.statements, *seen_of(solution)))
+        stated = replace(asked.stated, statements=(*asked.stated.statements, *seen_in(solution.route)))
         plan = make_plan(facts, profile, stated, solution, engine_named, limits.seed)
         return with_times(plan, facts.whole_nest, profile)
 
@@ -111,7 +113,9 @@ def produce(
         plan = planned(solution)
     if and_zones:
         ends_s = None if whole.time_s is None else started_s + whole.time_s
-        free = without_zones(asked, seen_of(solution), profile, solution, look_for(facts, whole, ends_s), progress)
+        free = without_zones(
+            asked, seen_in(solution.route), profile, solution, look_for(facts, whole, ends_s), progress
+        )
         if free is not None and limit is None and cool is None:
             better = along(asked, profile, solution, free, once_more(whole, ends_s), progress)
             if better is not None:

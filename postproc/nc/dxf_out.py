@@ -5,13 +5,13 @@ from __future__ import annotations
 import io
 from collections.abc import Mapping
 
-from kerfwise.encoder.nest import Kind, Nest
+from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.profile.profile import Profile
 
 from .plan_paths import toolpaths
 
-LAYERS: Mapping[Kind, str] = {"outer": "CUT_OUTER", "hole": "CUT_HOLE", "slit": "CUT_SLIT", "mark": "MARK"}
+LAYERS: Mapping[str, str] = {"outer": "CUT_OUTER", "hole": "CUT_HOLE", "slit": "CUT_SLIT", "mark": "MARK"}
 """The layer of each kind of contour."""
 
 
@@ -33,7 +33,6 @@ def write_dxf(plan: Plan, nest: Nest, profile: Profile) -> str:
     text = io.StringIO(newline="")
     with r12writer(text) as drawing:
         for made in toolpaths(plan, nest, profile):
-            layer = LAYERS[profile.as_cut(nest).contour(made.planned.cut.contour).kind]
             rows = made.path.moved(-x, -y).vertices.tolist()
-            drawing.add_polyline_2d(rows, format="xyb", closed=False, layer=layer)
+            drawing.add_polyline_2d(rows, format="xyb", closed=False, layer=LAYERS[made.planned.kind])
     return text.getvalue()

@@ -26,6 +26,14 @@ def chords(start: Point, centre: Point, sweep_rad: float, end: Point) -> Floats:
     return points
 
 
+def sweep_rad(start: Point, centre: Point, end: Point, ccw: bool) -> float:
+    """The angle an arc turns through; the same start and end are a full turn."""
+    turn = math.atan2(end[1] - centre[1], end[0] - centre[0]) - math.atan2(start[1] - centre[1], start[0] - centre[0])
+    if math.dist(start, end) < 1e-4:
+        return math.tau if ccw else -math.tau
+    return turn % math.tau if ccw else -(-turn % math.tau)
+
+
 def bulged(vertices: Floats, closed: bool) -> Floats:
     """Array (n, 2) along lines and arcs given as rows of x, y, bulge (tangent of a quarter of the sweep)."""
     rows = [tuple(map(float, row)) for row in vertices]

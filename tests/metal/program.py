@@ -6,13 +6,12 @@ test holds it against LinuxCNC's own interpreter.
 
 from __future__ import annotations
 
-import math
 import re
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from kerfwise.tests.metal.arcs import Floats, Point, chords
+from kerfwise.tests.metal.arcs import Floats, Point, chords, sweep_rad
 
 _COMMENT = re.compile(r"\(([^()]*)\)")
 _WORD = re.compile(r"([A-Z$])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
@@ -143,7 +142,7 @@ class _Reader:
         else:
             base = (0.0, 0.0) if self.centres_absolute else start
             centre = (base[0] + values.get("I", 0.0), base[1] + values.get("J", 0.0))
-            way = chords(start, centre, _sweep_rad(start, centre, end, ccw=code == 3), end)
+            way = chords(start, centre, sweep_rad(start, centre, end, ccw=code == 3), end)
         if self.on is not None:
             self.points.append(way)
         elif start != end:
@@ -167,11 +166,3 @@ class _Reader:
 def _plain(value: str) -> str:
     """Digits without leading zeros or an empty fraction: 01 and 1.0 are 1."""
     return f"{float(value):g}"
-
-
-def _sweep_rad(start: Point, centre: Point, end: Point, ccw: bool) -> float:
-    """The angle an arc turns through; the same start and end are a full turn."""
-    turn = math.atan2(end[1] - centre[1], end[0] - centre[0]) - math.atan2(start[1] - centre[1], start[0] - centre[0])
-    if math.dist(start, end) < 1e-4:
-        return math.tau if ccw else -math.tau
-    return turn % math.tau if ccw else -(-turn % math.tau)

@@ -128,8 +128,8 @@ def _unused(letter: str, control: Control) -> str:
         "E": "M67 or M68",
     }
     expected |= dict.fromkeys("XY", "a motion word (G0, G1, G2 or G3)")
-    if control.dwell == "X":
-        expected["P"] = "none; the time of a wait is given by X here, such as G04 X0.5"
+    if control.dwell != "P":
+        expected["P"] = f"none; the time of a wait is given by {control.dwell} here, such as G04 {control.dwell}0.5"
     expected |= dict.fromkeys("IJR", "an arc (G2 or G3)")
     expected |= dict.fromkeys("DHLT", "none, what it chooses is not supported here")
     return f"{letter} without a word that uses it: expected {expected[letter]}"

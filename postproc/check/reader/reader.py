@@ -81,11 +81,14 @@ class _Machine:
             self.comments.append(text)
         if self._names_program(block):
             return
-        refuse_conflicts(block, self.moves.of(block), self.control)
+        motion = self.moves.of(block)
+        refuse_conflicts(block, motion, self.control)
         self.moves.feed(block)
-        self.tools.switch(block, self.moves.of(block), self.moves.modal(block))
+        self.tools.switch(block, motion, self.moves.modal(block))
         self.moves.wait(block)
-        self.moves.move(block, self.moves.of(block))
+        if self.control.bare:  # there the torch, which this very block may have switched, tells a line from travel
+            motion = self.moves.of(block)
+        self.moves.move(block, motion)
         self.tools.halt(block)
 
     def _names_program(self, block: Block) -> bool:

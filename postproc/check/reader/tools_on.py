@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 
 from .controls import Control
@@ -14,7 +15,7 @@ ENDS = frozenset({2.0, 30.0})
 
 
 @dataclass(slots=True)
-class ToolsOn:
+class ToolsOn(ABC):
     """The tools that are on; the control holds the torch for `held_s` where it starts to cut, and to mark."""
 
     track: Track
@@ -23,12 +24,12 @@ class ToolsOn:
     on: list[int] = field(default_factory=list)
     ended: bool = False
 
+    @abstractmethod
     def switch(self, block: Block, motion: float | None, modal: float | None) -> None:
         """Do what comes before a block's wait and motion.
 
         `motion` is the motion that it makes, None for none, and `modal` the one in force from this block on.
         """
-        raise NotImplementedError
 
     def halt(self, block: Block) -> None:
         """Do what comes after its motion: halts and the program's end."""

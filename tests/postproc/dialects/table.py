@@ -34,7 +34,7 @@ PAGE = """\
 
 Made by `python -m kerfwise.tests.postproc.dialects.table > docs/dialects.md`. Each nest is planned once, under the
 default profile, and its plan written in each dialect. Of each reader's burns the table has how many there are, how far
-their paths lie from the plan's at most (arcs are compared as chords within 0.002 mm), and how much longer the torch is
+their paths lie from the plan's at most (arcs are compared as chords within 0.003 mm), and how much longer the torch is
 on, and travels, than the plan says. "The check" is the reader of kerfwise itself, which shares nothing with the writer.
 
 - *rs274* is LinuxCNC's interpreter. Programs of other controls are spelt in its words first, block for block (M07

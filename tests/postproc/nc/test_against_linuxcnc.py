@@ -4,9 +4,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
-import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -23,6 +21,7 @@ from kerfwise.postproc.nc.pen import Pen
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.nc.toolpath import torch_path
 from kerfwise.rules.profile.profile import Profile, load_profile, shipped_profiles
+from kerfwise.tests.postproc.dialects.reading import apart_mm
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 from kerfwise.tests.tools import canon
 
@@ -31,14 +30,6 @@ pytestmark = pytest.mark.linuxcnc
 TOLERANCE_MM = 0.01
 PLATE, PROFILE = plate(), profile()
 PLAN = plan_of(PLATE, good_cuts(PLATE), PROFILE)
-
-
-def apart_mm(path: Curve, points: list[canon.Point]) -> float:
-    """How far a path and a chain of points are from each other at most."""
-    ours, theirs = shapely.LineString(path.flatten(0.001)), shapely.LineString(np.array(points))
-    one = shapely.distance(theirs, shapely.points(shapely.get_coordinates(ours))).max()
-    other = shapely.distance(ours, shapely.points(shapely.get_coordinates(theirs))).max()
-    return float(max(one, other, math.dist(path.point_at(0), points[0]), math.dist(path.vertices[-1, :2], points[-1])))
 
 
 def differences(plan: Plan, nest: Nest, profile: Profile, run: canon.Run) -> list[str]:

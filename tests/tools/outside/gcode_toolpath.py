@@ -13,7 +13,9 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from .heard import Heard, arc_points, sweep_rad
+from kerfwise.tests.metal.arcs import chords, sweep_rad
+
+from .heard import Heard
 
 ROOT = Path(__file__).resolve().parents[3]
 SCRIPT = Path(__file__).with_suffix(".js")
@@ -52,8 +54,9 @@ def read(text: str) -> Heard:
             burning = True
         points, length_mm = [(end[0], end[1])], math.dist(start, end)
         if centre:
-            arc = (start, end, centre[0], motion == "G3")
-            points, length_mm = arc_points(*arc), math.dist(start, centre[0]) * abs(sweep_rad(*arc))
+            turned = sweep_rad(start, centre[0], end, ccw=motion == "G3")
+            points = chords(start, centre[0], turned, end).tolist()
+            length_mm = math.dist(start, centre[0]) * abs(turned)
         heard.lengths_mm[-1] += length_mm
-        heard.burns[-1] += points
+        heard.burns[-1] += [(x, y) for x, y in points]
     return heard
