@@ -7,10 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.components import weak_components
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 
@@ -98,8 +97,7 @@ def _in_order(pieces: Iterable[DrawnCurve]) -> tuple[DrawnCurve, ...]:
 def _groups(nodes: Ints) -> list[list[int]]:
     """The pieces that hang together, group by group in the order of the file."""
     size = int(nodes.max()) + 1
-    graph = coo_matrix((np.ones(len(nodes)), (nodes[:, 0], nodes[:, 1])), shape=(size, size))
-    label = connected_components(graph, directed=False)[1][nodes[:, 0]]
+    label = weak_components(size, nodes)[nodes[:, 0]]
     order = np.argsort(label, kind="stable")
     split = np.split(order, np.flatnonzero(np.diff(label[order])) + 1)
     return sorted((group.tolist() for group in split), key=lambda g: g[0])

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.components import weak_components
 
 from .limits import SNAP_MM
 
@@ -53,6 +52,4 @@ def meeting_points(ends: Floats, lengths_mm: Floats, tolerance_mm: float) -> Int
 def _clusters(ends: Floats, within_mm: float) -> Ints:
     distinct, index = np.unique(ends, axis=0, return_inverse=True)
     pairs = cKDTree(distinct).query_pairs(within_mm, output_type="ndarray").reshape(-1, 2)
-    graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(distinct),) * 2)
-    labels: Ints = connected_components(graph, directed=False)[1][index.ravel()].astype(np.int64)
-    return labels
+    return weak_components(len(distinct), pairs)[index.ravel()]

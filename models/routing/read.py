@@ -8,10 +8,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import connected_components
 
 from kerfwise.arrays import Ints
+from kerfwise.encoder.components import strong_components
 from kerfwise.encoder.errors import InputError
 
 from .instance import Instance
@@ -208,8 +207,7 @@ def _circle(orders: Ints, n: int) -> list[int]:
     ([1, 2, 1], [])
     """
     before, after = orders.T
-    graph = csr_matrix((np.ones(len(orders), dtype=np.bool_), (before, after)), shape=(n, n))
-    _, component = connected_components(graph, directed=True, connection="strong")
+    component = strong_components(n, orders)
     among = orders[component[before] == component[after]]
     if not len(among):
         return []

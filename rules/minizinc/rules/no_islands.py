@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from kerfwise.arrays import Bools, Ints
+from kerfwise.encoder.components import weak_components
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
@@ -44,8 +43,7 @@ def clusters(facts: Facts) -> Ints:
     """A number for every contour: outer contours in one place that face each other, however far along, share theirs."""
     faced = facts.neighbours
     same = facts.parent[faced.row] == facts.parent[faced.neighbour]
-    joined = coo_array((np.ones(same.sum()), (faced.row[same], faced.neighbour[same])), shape=(facts.n, facts.n))
-    return np.asarray(connected_components(joined, directed=False)[1], dtype=np.int64)
+    return weak_components(facts.n, np.column_stack([faced.row[same], faced.neighbour[same]]))
 
 
 def on_the_frame(facts: Facts, frame_share: float) -> Bools:
