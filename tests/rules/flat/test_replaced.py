@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -28,6 +29,9 @@ HOLED = part("A", rect(20, 20, 100, 100), [rect(40, 40, 20, 20), rect(80, 80, 20
 ROW = nest(460, 140, HOLED, part("B", rect(180, 20, 100, 100)), part("C", rect(340, 20, 100, 100)))
 HOOK = [(20, 20), (220, 20), (220, 60), (60, 60), (60, 140), (220, 140), (220, 180), (20, 180), (20, 20)]
 MOUTH = nest(420, 200, part("U", HOOK), part("V", rect(120, 85, 60, 30)), part("W", rect(300, 40, 100, 100)))
+MARKED_ONE = part("A", rect(20, 20, 100, 100), [rect(40, 40, 20, 20)], [[(90, 80), (110, 80)]])
+MARKED = nest(300, 140, MARKED_ONE, part("B", rect(160, 20, 100, 100)))
+HOST = nest(200, 200, part("H", rect(20, 20, 150, 150), [rect(40, 40, 100, 100)]), part("G", rect(70, 70, 40, 40)))
 OFF = (
     "heat-lag, no-islands, no-narrow-strips, no-tip-travel, part-rigidity, zone-order, level-ahead, hull-before, "
     "part-contiguous"
@@ -46,6 +50,11 @@ class Change:
     setting: str = "hard"
 
 
+def falling(change: Change) -> Any:
+    """A change after which metal falls before it is cut."""
+    return pytest.param(change, marks=pytest.mark.scrap("what lies inside falls out before it is cut"))
+
+
 CHANGES = [
     Change("level-ahead", "before(j, i)", "before(i, j)", "reversed"),
     Change("level-ahead", "level_ahead[j, i]]", "level_ahead[j, i] /\\ part[j] = 2]", "weakened"),
@@ -61,6 +70,28 @@ CHANGES = [
     Change("zone-order", "[before(i, j)", "[picked(1) \\/ before(i, j)", "weakened", ROW, "{zone_contours: 1}"),
     Change("part-contiguous", "before(i, outer) |", "true |", "weakened"),
     Change("part-contiguous", "[before(i, outer) |", "[before(i, outer) /\\ position[outer] >= 5 |", "strengthened"),
+    Change(
+        "marks-first",
+        "[before(m, i) | m, i in CONTOUR where",
+        "[before(i, m) | m, i in CONTOUR where part[m] != part[i] /\\",
+        "reversed",
+        MARKED,
+    ),
+    Change("marks-first", "kind[i] != MARK /\\", "kind[i] = HOLE /\\", "weakened", MARKED),
+    Change(
+        "cut-direction",
+        "where not if",
+        "where k = OUTER /\\ not if",
+        "weakened",
+        ROW,
+        "{strength: hard, outer: cw, hole: ccw}",
+    ),
+    Change("heat-lag", ">= k |", ">= k - 1 |", "weakened", ROW, "{strength: hard, heat_radius: 80 mm}"),
+    Change("heat-lag", ">= k |", ">= k + 1 |", "strengthened", ROW, "{strength: hard, heat_radius: 80 mm}"),
+    Change("no-islands", "> 1];", "> 99];", "weakened"),
+    Change("part-rigidity", ">= part_rigidity_needed[c]\n", ">= part_rigidity_needed[c] div 2\n", "weakened"),
+    Change("nested-before-host-holes", "kind[guest] = OUTER", "kind[guest] = MARK", "weakened", HOST),
+    falling(Change("inner-before-outer", "before(i, parent[i])", "before(parent[i], i)", "reversed")),
 ]
 
 
@@ -117,7 +148,7 @@ def test_the_plants_file_is_obeyed_and_judged_by(tmp_path: Path, change: Change)
 
 @cache
 def names() -> frozenset[str]:
-    return frozenset(change.how for change in CHANGES)
+    return frozenset(change.how for change in CHANGES if isinstance(change, Change))
 
 
 def test_every_kind_of_change_is_tried() -> None:
@@ -157,3 +188,8 @@ def test_a_copy_of_a_shipped_file_changes_nothing(tmp_path: Path, rule: str, str
 
 def planned_in(of: Nest, profile: Profile) -> Produced:
     return produce(ask(facts_of(of, profile), profile), profile, SolveOptions(work=3.0))
+
+
+def test_every_file_that_may_be_replaced_is_changed() -> None:
+    changed = {change.rule for entry in CHANGES for change in getattr(entry, "values", (entry,))}
+    assert changed == set(REPLACED)
