@@ -77,14 +77,17 @@ def test_what_is_quick_says_nothing(recwarn: pytest.WarningsRecorder) -> None:
 
 
 SLOW = """
+import signal
 import time
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background begins with Ctrl-C ignored
 from kerfwise.encoder.readers import read
 from kerfwise.encoder import still_going
 still_going.AFTER_S = 0.2
 plain = read._nest
 def slow(*given):
-    time.sleep({seconds})  # before anything is imported: an import may swallow what Ctrl-C raises
-    return plain(*given)
+    nest = plain(*given)
+    time.sleep({seconds})
+    return nest
 read._nest = slow
 from kerfwise.cli import main
 main(["facts", {nest!r}])
