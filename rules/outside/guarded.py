@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from functools import wraps
 from typing import TYPE_CHECKING, Any, get_args
+
+import numpy as np
 
 from kerfwise.encoder.faults import RuleFault, at_work, by, file_of
 from kerfwise.encoder.nest import Nest
@@ -35,23 +37,17 @@ def guard(rule: Rule[Any]) -> Rule[Any]:
 
 
 def _guarded(rule: Rule[Any], name: str, hook: Callable[..., Any], look: Callable[..., Any]) -> Callable[..., Any]:
+    """A hook whose numbers must be numbers: what is too large, or divided by 0, would decide without a word."""
+
     @wraps(hook)
     def guarded(*given: Any) -> Any:
-        with at_work(rule, name):
+        with at_work(rule, name), np.errstate(over="raise", divide="raise", invalid="raise"):
             try:
                 return look(rule, hook(*given), *given)
             except _Unfit as unfit:
                 raise _fault(rule, name, unfit) from None
 
-    @wraps(hook)
-    def each(*given: Any) -> Iterator[Any]:
-        with at_work(rule, name):
-            try:
-                yield from look(rule, hook(*given), *given)
-            except _Unfit as unfit:
-                raise _fault(rule, name, unfit) from None
-
-    return each if name == "statements" else guarded
+    return guarded
 
 
 def _fault(rule: Rule[Any], name: str, unfit: _Unfit) -> RuleFault:
@@ -62,10 +58,11 @@ def _fault(rule: Rule[Any], name: str, unfit: _Unfit) -> RuleFault:
     return RuleFault(f"rule {rule.id}{by(rule.brought)}: {name}() {unfit}", file=file or None, line=line)
 
 
-def _statements(rule: Rule[Any], given: Any, facts: Facts, options: Any) -> Iterator[Statement]:
+def _statements(rule: Rule[Any], given: Any, facts: Facts, options: Any) -> list[Statement]:
     if not isinstance(given, Iterable):
         raise _Unfit(f"gives {given!r}, expected statements")
-    for s in given:
+    statements = list(given)
+    for s in statements:
         if not isinstance(s, KINDS):
             raise _Unfit(f"gives {s!r}, expected a statement such as Precede")
         if not isinstance(s.about, About) or s.about.rule != rule.id:
@@ -76,7 +73,7 @@ def _statements(rule: Rule[Any], given: Any, facts: Facts, options: Any) -> Iter
         for number in candidates_named(s):
             if not 0 <= number < len(facts.candidates):
                 raise _Unfit(f"names candidate number {number}; this nest has 0 to {len(facts.candidates) - 1}")
-        yield s
+    return statements
 
 
 def _violations(rule: Rule[Any], given: Any, nest: Nest, cuts: Any, options: Any) -> list[Violation]:

@@ -127,6 +127,7 @@ def test_two_runs_are_compared() -> None:
     assert differences(PLAIN, GOOD, replace(GOOD, seconds=3.0)) == []
     for other in (replace(GOOD, code=1), replace(GOOD, out="else\n"), replace(GOOD, err="x"), replace(GOOD, files={})):
         assert len(differences(PLAIN, GOOD, other)) == 1
+        assert differences(replace(PLAIN, words=(*PLAIN.words, "--time-limit", "2")), GOOD, other) == []
 
 
 def test_an_own_fault_is_found_with_its_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -69,6 +69,16 @@ def test_an_exception_is_a_message(hook: str, tmp_path: Path) -> None:
     assert not (tmp_path / "out.nc").exists()
 
 
+@pytest.mark.parametrize("wrong", ["np.float64(1e200) * 1e200", "np.float64(1) / 0", "np.float64(np.inf) - np.inf"])
+@pytest.mark.parametrize("hook", ["statements", "pairs"])
+def test_a_number_that_is_none_decides_nothing(wrong: str, hook: str, tmp_path: Path) -> None:
+    old, new, verb = HOOKS[hook]
+    path = rule_file(tmp_path, (old, new.replace(WRONG, f"import numpy as np; {wrong}  # wrong")))
+    ended = run(verb, profile_file(tmp_path), tmp_path)
+    assert ended.code == 2, ended.err
+    assert f"{path}:{line_of(path, '# wrong')}: rule bars-last fails in {hook}: FloatingPointError: " in ended.err
+
+
 RUBBISH = {
     "no statements": (("yield self.precede(facts, i, j)", "return 7"), "statements() gives 7, expected statements"),
     "odd statements": (("yield self.precede(facts, i, j)", "yield (i, j)"), r"statements() gives (3, 6), expected"),
