@@ -9,7 +9,7 @@ import pytest
 
 @pytest.fixture(autouse=True)
 def in_an_empty_folder(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Whoever has tried the README's first command in the checkout has outputs there, which `solve` would not replace."""
+    """Outputs of the README's first command, tried in the checkout, are in nobody's way."""
     folder = tmp_path_factory.mktemp("run-here")
     monkeypatch.chdir(folder)
     return folder
