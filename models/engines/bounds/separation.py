@@ -118,7 +118,7 @@ class _Graph:
         self._first = np.searchsorted(np.sort(ends), np.arange(len(self._sites) + 1))
         self._arcs = np.concatenate([arcs, ~arcs])[np.argsort(ends, kind="stable")]
         self._contour = self._owner[self._sites]
-        self._n = problem.n
+        self._n, self._before, self._first_site = problem.n, problem.before, problem.first[:-1]
         self.size = int(taken.sum())
         self.used: Floats = np.bincount(flow.reach, flow.amount, problem.m + 1).astype(np.float64)
 
@@ -139,10 +139,35 @@ class _Graph:
         amount = need - over / UNIT
         if amount <= LITTLE:
             return None
-        return amount, OrderCut(*self._sides(side, way, kept[self._owner]), through, way.order)
+        tail, head = self._sides(side, way)
+        kept &= ~self._lifted(tail, head, way)
+        return amount, OrderCut(tail & kept[self._owner], head & kept[self._owner], through, way.order)
 
-    def _sides(self, side: Bools, way: _Way, kept: Bools) -> tuple[Bools, Bools]:
-        """All sites that are not barred on either side; those not in use go with the contour's own, or to the end."""
+    def _lifted(self, tail: Bools, head: Bools, way: _Way) -> Bools:
+        """Contours (n + 1,) that the move across meets as little as what the way bars, given all that is on its sides.
+
+        Of the contours that lie whole on the side of the tail, the last is no earlier than any of them; the move out of
+        it meets nothing that comes before one of them. On the way to home that is all of them, on the way to a contour
+        those that come before it. The same from the other end (Balas, Fischetti and Pulleyblank 1995).
+        """
+        before, i, j, n = self._before, way.start, way.end, self._n
+        first = self._first_site
+        left = np.logical_and.reduceat(tail[:-1], first)
+        right = np.logical_and.reduceat(head[:-1], first)
+        barred = np.zeros(n + 1, dtype=np.bool_)
+        if j == n:
+            barred[:n] = before[:, left].any(axis=1)
+        elif i == n:
+            barred[:n] = before[right].any(axis=0)
+        else:
+            left &= before[:, j]
+            left[i] = True
+            right &= before[left].all(axis=0)
+            barred[:n] = before[:, left].any(axis=1) | before[right].any(axis=0)
+        return barred
+
+    def _sides(self, side: Bools, way: _Way) -> tuple[Bools, Bools]:
+        """All sites on either side; those not in use go with the contour's own, or to the end."""
         before, after = (np.bincount(self._contour[which], minlength=self._n + 1) for which in (side, ~side))
         tail = ((before > 0) & (after == 0))[self._owner]
         tail[self._sites] = side
@@ -154,4 +179,4 @@ class _Graph:
             tail &= self._owner != way.end
         else:
             tail[way.end_site] = False
-        return tail & kept, ~tail & kept
+        return tail, ~tail
