@@ -21,7 +21,7 @@ from kerfwise.models.problem.problem import Problem
 from .demands import DemandColumns
 from .inequalities import Inequalities, block_inequalities
 from .merged import merged
-from .moves import least_moves
+from .network import Network, network_of
 from .restricted_master import restricted_master
 from .separation import Flow, Separation
 
@@ -71,10 +71,12 @@ def flow_bound(problem: Problem, plan: Incumbent, work: float, progress: Progres
     if problem.m > MOST_SITES:
         plan = Incumbent(tuple(int(problem.site_contour[s]) for s in plan.route), plan.cost)
         problem = merged(problem)
+    network = network_of(problem, plan.route, plan.cost, MOST_SITES)
+    problem = network.problem
     demands = DemandColumns(problem)
-    separation = Separation(problem, demands)
+    separation = Separation(network, demands)
     blocks = block_inequalities(problem, len(demands.cost))
-    flow, best, seen = _Flow(problem, plan, blocks, demands.cost), 0.0, [0.0] * PATIENCE
+    flow, best, seen = _Flow(network, blocks, demands.cost), 0.0, [0.0] * PATIENCE
     dropped_at = 0.0
     while flow.cheapest(work):
         best = max(best, flow.bound)
@@ -105,12 +107,12 @@ class _Flow:
     then the inequalities.
     """
 
-    def __init__(self, problem: Problem, plan: Incumbent, inequalities: Inequalities, beside: Floats) -> None:
+    def __init__(self, network: Network, inequalities: Inequalities, beside: Floats) -> None:
+        problem = network.problem
         n, m = problem.n, problem.m
         self._n, self._m = n, m
         self._owner = np.append(problem.site_contour, n)
-        self._cost = least_moves(problem)
-        self._cost[:, :m] += problem.site_cost
+        self._cost = network.cost
         self._open = np.isfinite(self._cost)
         self._used = np.zeros_like(self._open)
         self._leave, self._reach = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
@@ -119,7 +121,7 @@ class _Flow:
         wanted[everywhere[:, None], np.argsort(self._cost, axis=1, kind="stable")[:, :most]] = True
         wanted[np.argsort(self._cost, axis=0, kind="stable")[:most], everywhere[None, :]] = True
         wanted &= self._open
-        wanted[[m, *plan.route], [*plan.route, m]] = True
+        wanted[[m, *network.plan], [*network.plan, m]] = True
         once = np.repeat([1.0, 0.0], [n + 1, m + 1])
         self._program = restricted_master(once)
         self._beside_cost = beside

@@ -58,12 +58,12 @@ class Inequalities:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class OrderCut:
-    """Something goes from `tail` to `head`, each (m + 1,): once at least, or as often as site `through` is used, or
-    where `order` holds."""
+    """Something goes from `tail` to `head`, each (m + 1,): once at least, or as often as the sites `through`, of one
+    contour, are used, or where `order` holds."""
 
     tail: Bools
     head: Bools
-    through: int | None = None
+    through: Bools | None = None
     order: Order | None = None
 
 
@@ -75,7 +75,7 @@ def of_cuts(cuts: Sequence[OrderCut], sites: int, columns: int) -> Inequalities:
     entries = []
     for k, cut in enumerate(cuts):
         if cut.through is not None:
-            into[k, cut.through], least[k] = True, 0.0
+            into[k], least[k] = cut.through, 0.0
         elif cut.order is not None:
             least[k], times = cut.order.weights
             entries.append((k, cut.order.column, -times))

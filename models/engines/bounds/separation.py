@@ -16,11 +16,11 @@ import numpy as np
 
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.models.problem.closure import immediate
-from kerfwise.models.problem.problem import Problem
 
 from .demands import DemandColumns, Order
 from .flow_kernels import flow_up_to
 from .inequalities import Inequalities, OrderCut, of_covers, of_cuts
+from .network import Network
 
 UNIT = 1_000_000
 """Flows are whole millionths."""
@@ -42,22 +42,26 @@ class Flow:
 
 
 class _Way(NamedTuple):
-    """From contour to contour, or home, meeting nothing that is `barred`; by a site of either where one is given, or
-    as far as an order holds."""
+    """From contour to contour, or home, meeting no site that is `barred` (m + 1,); by some sites of either where those
+    are given, or as far as an order holds."""
 
     start: int
     end: int
     barred: Bools
-    start_site: int | None = None
-    end_site: int | None = None
+    start_sites: Bools | None = None
+    end_sites: Bools | None = None
     order: Order | None = None
 
 
 class Separation:
     """Looks for inequalities of a problem that a flow breaks, and counts the deterministic seconds spent."""
 
-    def __init__(self, problem: Problem, demands: DemandColumns) -> None:
-        self._problem, self._demands = problem, demands
+    def __init__(self, network: Network, demands: DemandColumns) -> None:
+        self._network, self._problem, self._demands = network, network.problem, demands
+        self._wants_out = np.ascontiguousarray(network.sooner.T)
+        self._wants_in = np.ascontiguousarray(network.later.T)
+        self._owner = np.append(self._problem.site_contour, self._problem.n)
+        self._ordered = self._sites_by_order()
         self.work = 0.0
 
     def broken(self, flow: Flow, beside: Floats, go: Callable[[], bool] = lambda: True) -> Inequalities:
@@ -65,7 +69,7 @@ class Separation:
 
         No more are looked for if `go` says no.
         """
-        graph = _Graph(self._problem, flow)
+        graph = _Graph(self._network, flow)
         found: dict[tuple[object, ...], tuple[float, OrderCut]] = {}
         for way in self._ways(graph.used, beside):
             if not go():
@@ -74,7 +78,8 @@ class Separation:
             missing = graph.least_cut(way, beside)
             if missing is not None:
                 cut = missing[1]
-                found.setdefault((cut.tail.tobytes(), cut.head.tobytes(), cut.through, cut.order), missing)
+                through = None if cut.through is None else cut.through.tobytes()
+                found.setdefault((cut.tail.tobytes(), cut.head.tobytes(), through, cut.order), missing)
         by_much = [cut for cut in found.values() if cut[0] > MUCH]
         chosen = sorted(by_much or found.values(), key=lambda cut: -cut[0])[:MOST]
         m, columns = self._problem.m, len(beside)
@@ -82,31 +87,64 @@ class Separation:
         return of_cuts([cut for _, cut in chosen], m, columns).joined(of_covers(covers, m, columns))
 
     def _ways(self, used: Floats, beside: Floats) -> Iterator[_Way]:
-        problem = self._problem
+        problem, wants_out, wants_in = self._problem, self._wants_out, self._wants_in
         n, before = problem.n, problem.before
         for j in range(n):
-            yield _Way(n, j, before[j])
-            yield _Way(j, n, before[:, j])
+            yield _Way(n, j, wants_out[j])
+            yield _Way(j, n, wants_in[j])
         for i, j in np.argwhere(immediate(before)).tolist():
-            yield _Way(i, j, before[:, i] | before[j])
+            yield _Way(i, j, wants_in[i] | wants_out[j])
         for site in np.flatnonzero((used[:-1] > LITTLE) & (used[:-1] < 1 - LITTLE)).tolist():
-            j = int(problem.site_contour[site])
-            yield _Way(n, j, before[j], end_site=site)
-            yield _Way(j, n, before[:, j], start_site=site)
+            yield from self._by_sites(int(problem.site_contour[site]), [site])
+        for j, sites in self._ordered:
+            if used[sites].sum() > LITTLE:
+                yield from self._by_sites(j, sites)
         for pair in self._demands.pairs:
             for order in (pair, pair.other_way_round):
                 if order.value(beside) > LITTLE:
                     i, j = order.first, order.then
-                    sooner, later = problem.block == problem.block[i], problem.block == problem.block[j]
-                    yield _Way(n, i, before[i] | before[j] | later, order=order)
-                    yield _Way(i, j, before[:, i] | before[j], order=order)
-                    yield _Way(j, n, before[:, j] | before[:, i] | sooner, order=order)
+                    block = np.append(problem.block, -1)[self._owner]
+                    sooner, later = block == problem.block[i], block == problem.block[j]
+                    yield _Way(n, i, wants_out[i] | wants_out[j] | later, order=order)
+                    yield _Way(i, j, wants_in[i] | wants_out[j], order=order)
+                    yield _Way(j, n, wants_in[j] | wants_in[i] | sooner, order=order)
+
+    def _by_sites(self, j: int, sites: list[int]) -> Iterator[_Way]:
+        """Ways to and from some sites of contour j, with what holds where one of them is used."""
+        n, network, owner = self._problem.n, self._network, self._owner
+        through = np.zeros(len(owner), dtype=np.bool_)
+        through[sites] = True
+        later, sooner = network.later[sites].all(axis=0), network.sooner[sites].all(axis=0)
+        after, before = np.append(later, False)[owner], np.append(sooner, False)[owner]
+        after |= network.sooner[:, later].any(axis=1) | self._wants_out[j]
+        before |= network.later[:, sooner].any(axis=1) | self._wants_in[j]
+        others = (owner == j) & ~through
+        yield _Way(n, j, after | others, end_sites=through)
+        yield _Way(j, n, before | others, start_sites=through)
+        for k in np.flatnonzero(later & ~self._problem.before[j]).tolist():
+            yield _Way(j, k, before | others | self._wants_out[k], start_sites=through)
+        for k in np.flatnonzero(sooner & ~self._problem.before[:, j]).tolist():
+            yield _Way(k, j, after | others | self._wants_in[k], end_sites=through)
+
+    def _sites_by_order(self) -> list[tuple[int, list[int]]]:
+        """Contours with those of their sites that want one other contour out, or in, where those are several."""
+        found: dict[tuple[int, tuple[int, ...]], None] = {}
+        for side in (self._network.sooner, self._network.later):
+            for j in range(self._problem.n):
+                sites = self._problem.sites(j)
+                of_contour = side[sites.start : sites.stop]
+                for k in np.flatnonzero(of_contour.any(axis=0) & ~of_contour.all(axis=0)).tolist():
+                    chosen = tuple((sites.start + np.flatnonzero(of_contour[:, k])).tolist())
+                    if len(chosen) > 1:
+                        found[j, chosen] = None
+        return [(j, list(sites)) for j, sites in found]
 
 
 class _Graph:
     """The moves of a flow, between the sites that it uses."""
 
-    def __init__(self, problem: Problem, flow: Flow) -> None:
+    def __init__(self, network: Network, flow: Flow) -> None:
+        problem = network.problem
         room = np.rint(flow.amount * UNIT).astype(np.int64)
         taken = room > 0
         self._owner = np.append(problem.site_contour, problem.n)
@@ -119,32 +157,34 @@ class _Graph:
         self._arcs = np.concatenate([arcs, ~arcs])[np.argsort(ends, kind="stable")]
         self._contour = self._owner[self._sites]
         self._n, self._before, self._first_site = problem.n, problem.before, problem.first[:-1]
+        self._wants_out, self._wants_in = network.sooner, network.later
         self.size = int(taken.sum())
         self.used: Floats = np.bincount(flow.reach, flow.amount, problem.m + 1).astype(np.float64)
 
     def least_cut(self, way: _Way, beside: Floats) -> tuple[float, OrderCut] | None:
         """The least cut on a way, if more than a little is missing of what should go across, and how much."""
-        through = way.end_site if way.start_site is None else way.start_site
-        need = 1.0 if through is None else float(self.used[through])
+        through = way.end_sites if way.start_sites is None else way.start_sites
+        need = 1.0 if through is None else float(self.used[through].sum())
         if way.order is not None:
             need = way.order.value(beside)
-        kept = np.append(~way.barred, self._n in (way.start, way.end))
-        start = self._sites == way.start_site if way.start_site is not None else self._contour == way.start
-        end = self._sites == way.end_site if way.end_site is not None else self._contour == way.end
+        kept = ~way.barred
+        kept[-1] = self._n in (way.start, way.end)
+        start = (way.start_sites if way.start_sites is not None else self._owner == way.start)[self._sites]
+        end = (way.end_sites if way.end_sites is not None else self._owner == way.end)[self._sites]
         side = np.empty(len(self._sites), dtype=np.bool_)
         enough = round((need - LITTLE) * UNIT)
         over = flow_up_to(
-            enough, start, end, kept[self._contour], self._leave, self._reach, self._room, self._first, self._arcs, side
+            enough, start, end, kept[self._sites], self._leave, self._reach, self._room, self._first, self._arcs, side
         )
         amount = need - over / UNIT
         if amount <= LITTLE:
             return None
         tail, head = self._sides(side, way)
         kept &= ~self._lifted(tail, head, way)
-        return amount, OrderCut(tail & kept[self._owner], head & kept[self._owner], through, way.order)
+        return amount, OrderCut(tail & kept, head & kept, through, way.order)
 
     def _lifted(self, tail: Bools, head: Bools, way: _Way) -> Bools:
-        """Contours (n + 1,) that the move across meets as little as what the way bars, given all that is on its sides.
+        """Sites (m + 1,) that the move across meets as little as what the way bars, given all that is on its sides.
 
         Of the contours that lie whole on the side of the tail, the last is no earlier than any of them; the move out of
         it meets nothing that comes before one of them. On the way to home that is all of them, on the way to a contour
@@ -154,29 +194,26 @@ class _Graph:
         first = self._first_site
         left = np.logical_and.reduceat(tail[:-1], first)
         right = np.logical_and.reduceat(head[:-1], first)
-        barred = np.zeros(n + 1, dtype=np.bool_)
         if j == n:
-            barred[:n] = before[:, left].any(axis=1)
-        elif i == n:
-            barred[:n] = before[right].any(axis=0)
-        else:
-            left &= before[:, j]
             left[i] = True
-            right &= before[left].all(axis=0)
-            barred[:n] = before[:, left].any(axis=1) | before[right].any(axis=0)
-        return barred
+            return np.asarray(self._wants_in[:, left].any(axis=1))
+        if i == n:
+            right[j] = True
+            return np.asarray(self._wants_out[:, right].any(axis=1))
+        left &= before[:, j]
+        left[i] = True
+        right &= before[left].all(axis=0)
+        right[j] = True
+        return np.asarray(self._wants_in[:, left].any(axis=1) | self._wants_out[:, right].any(axis=1))
 
     def _sides(self, side: Bools, way: _Way) -> tuple[Bools, Bools]:
         """All sites on either side; those not in use go with the contour's own, or to the end."""
         before, after = (np.bincount(self._contour[which], minlength=self._n + 1) for which in (side, ~side))
         tail = ((before > 0) & (after == 0))[self._owner]
         tail[self._sites] = side
-        if way.start_site is not None:
-            tail[way.start_site] = True
+        if way.start_sites is not None:
+            tail |= way.start_sites
         elif way.start < self._n:
             tail |= self._owner == way.start
-        if way.end_site is None:
-            tail &= self._owner != way.end
-        else:
-            tail[way.end_site] = False
+        tail &= ~way.end_sites if way.end_sites is not None else self._owner != way.end
         return tail, ~tail

@@ -1,0 +1,181 @@
+"""What a flow goes over: sites, split by what their conditions ask, each with what must be out before and after it.
+
+Many conditions ask of a site one thing: that some neighbour is still in, or already out. Then whatever leads to that
+site must keep clear of what comes after the neighbour, and the site follows nothing that another site forbids. Where a
+condition can be paid for, its site is there twice: once as it asks, once paid.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.models.problem.conditions import Condition
+from kerfwise.models.problem.crossings import Crossings
+from kerfwise.models.problem.problem import Problem
+
+from .moves import least_moves
+
+MOST_SPLIT = 2
+"""Conditions of a site that are paid for by a site of their own, at the most."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Network:
+    """A problem of m sites that no plan undercuts, and what holds wherever a site of it is used.
+
+    `cost` (m + 1, m + 1) is that of every move with the site it leads to, home last, infinite where no plan has it.
+    `sooner[s, c]` says that contour c is out before site s is cut, `later[s, c]` that it is not; both (m + 1, n), all
+    false for home. `plan` is the known plan on these sites.
+    """
+
+    problem: Problem
+    cost: Floats
+    sooner: Bools
+    later: Bools
+    plan: tuple[int, ...]
+
+
+@dataclass(slots=True)
+class _Split:
+    """A site with some of its conditions met and others paid for."""
+
+    site: int
+    paid: tuple[Condition, ...]
+    sooner: Bools
+    later: Bools
+    left: tuple[Condition, ...]
+    """Conditions that its orders do not decide."""
+
+
+def network_of(problem: Problem, route: Sequence[int], most: int, most_sites: int) -> Network:
+    """The network of a problem; no plan of it that costs more than `most`, µm, is wanted.
+
+    `route` is a lawful route. No site is split where there would be more than `most_sites`.
+    """
+    asked: list[list[Condition]] = [[] for _ in range(problem.m)]
+    for condition in problem.conditions:
+        if condition.when is not None:
+            hard = condition.cost is not None and condition.cost > most
+            asked[condition.when].append(replace(condition, cost=None) if hard else condition)
+    splits = _splits(problem, asked, MOST_SPLIT)
+    if len(splits) > most_sites:
+        splits = _splits(problem, asked, 0)
+    sites = np.array([split.site for split in splits], dtype=np.int64)
+    contours = problem.site_contour[sites]
+    paid = np.array([sum(c.cost or 0 for c in split.paid) for split in splits], dtype=np.int64)
+    wide = [condition for condition in problem.conditions if condition.when is None]
+    split_problem = replace(
+        problem,
+        first=np.searchsorted(contours, np.arange(problem.n + 1)).astype(np.int64),
+        site_contour=contours,
+        site_candidate=problem.site_candidate[sites],
+        pierce_um=problem.pierce_um[sites],
+        end_um=problem.end_um[sites],
+        site_cost=problem.site_cost[sites] + paid,
+        conditions=(*wide, *(replace(c, when=k) for k, split in enumerate(splits) for c in split.left)),
+        crossings=Crossings(),
+        matrix=None,
+    )
+    none = np.zeros((1, problem.n), dtype=np.bool_)
+    sooner = np.vstack([*(split.sooner[None] for split in splits), none])
+    later = np.vstack([*(split.later[None] for split in splits), none])
+    cost = least_moves(problem)[np.ix_(np.append(sites, problem.m), np.append(sites, problem.m))]
+    cost[:, :-1] += split_problem.site_cost
+    cost[~_lawful(contours, sooner, later)] = np.inf
+    return Network(split_problem, cost, sooner, later, tuple(_on(splits, route, problem)))
+
+
+def _splits(problem: Problem, asked: list[list[Condition]], most: int) -> list[_Split]:
+    """All sites, as often as so many of their conditions can be met or paid for."""
+    splits: list[_Split] = []
+    for i in range(problem.n):
+        of_contour = [split for s in problem.sites(i) for split in _splits_of(problem, s, asked[s], most)]
+        if not of_contour:  # no lawful plan: not for this to find out
+            plain = (_Split(s, (), problem.before[:, i], problem.before[i], ()) for s in problem.sites(i))
+            of_contour.extend(plain)
+        splits += of_contour
+    return splits
+
+
+def _splits_of(problem: Problem, site: int, asked: list[Condition], most: int) -> Iterator[_Split]:
+    i = int(problem.site_contour[site])
+    hard = [c for c in asked if c.cost is None]
+    soft = sorted((c for c in asked if c.cost is not None), key=lambda c: -(c.cost or 0))
+    chosen = [c for c in soft if _decides(problem, i, c)][:most]
+    beside = [c for c in soft if c not in chosen]
+    for met in product((True, False), repeat=len(chosen)):
+        bound = [c for c, is_met in zip(chosen, met, strict=True) if is_met]
+        paid = tuple(c for c, is_met in zip(chosen, met, strict=True) if not is_met)
+        found = _ordered(problem, i, hard + [replace(c, cost=None) for c in bound])
+        if found is not None:
+            sooner, later, left = found
+            yield _Split(site, paid, sooner, later, (*left, *beside))
+
+
+def _decides(problem: Problem, i: int, condition: Condition) -> bool:
+    """Whether a condition that is met says of some contour whether it is out, or cannot be met at all."""
+    found = _ordered(problem, i, [condition])
+    return found is None or bool((found[0] > problem.before[:, i]).any() or (found[1] > problem.before[i]).any())
+
+
+def _ordered(problem: Problem, i: int, met: list[Condition]) -> tuple[Bools, Bools, list[Condition]] | None:
+    """What is out, and what is not, wherever all these conditions of contour i are met, and those not decided by that.
+
+    None where they cannot all be met.
+    """
+    sooner, later = problem.before[:, i].copy(), problem.before[i].copy()
+    while True:
+        known = int(sooner.sum() + later.sum())
+        left = []
+        for condition in met:
+            pairs = [(k, w) for k, w in zip(condition.members, condition.weights, strict=True) if k != i]
+            at_least = condition.bound - sum(w for k, w in pairs if sooner[k])
+            open_ = [(k, w) for k, w in pairs if not sooner[k] and not later[k]]
+            most = sum(max(w, 0) for _, w in open_)
+            if most < at_least:
+                return None
+            for k, weight in open_:
+                if most - abs(weight) < at_least:
+                    side, closed = (sooner, problem.before[:, k]) if weight > 0 else (later, problem.before[k])
+                    side |= closed
+                    side[problem.block == problem.block[k] if problem.block[k] != problem.block[i] else k] = True
+            if sum(min(w, 0) for _, w in open_) < at_least:
+                left.append(condition)
+        if (sooner & later).any() or sooner[i] or later[i]:
+            return None
+        if known == int(sooner.sum() + later.sum()):
+            return sooner, later, left
+
+
+def _lawful(contours: Ints, sooner: Bools, later: Bools) -> Bools:
+    """Which site may follow which: none that is to be out before, or after something that is to be between them."""
+    between = later.astype(np.float32) @ sooner.astype(np.float32).T > 0.5
+    between[-1] = sooner.any(axis=1)
+    between[:, -1] = later.any(axis=1)
+    between[:, :-1] |= sooner[:, contours]
+    between[:-1] |= later[:, contours].T
+    return np.asarray(~between)
+
+
+def _on(splits: list[_Split], route: Sequence[int], problem: Problem) -> Iterator[int]:
+    """The splits that a lawful route uses: those with nothing paid for that is met."""
+    of_site: dict[int, list[int]] = {}
+    for k, split in enumerate(splits):
+        of_site.setdefault(split.site, []).append(k)
+    out: set[int] = set()
+    here = np.zeros(problem.n, dtype=np.bool_)
+    for site in route:
+        for k in of_site.get(int(site), ()):
+            split = splits[k]
+            unmet = (split.sooner & ~here).any() or (split.later & here).any()
+            unmet |= any(c.cost is None and not c.met(out) for c in split.left)
+            if not unmet and not any(c.met(out) for c in split.paid):
+                yield k
+                break
+        out.add(int(problem.site_contour[site]))
+        here[problem.site_contour[site]] = True
