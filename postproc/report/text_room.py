@@ -78,10 +78,10 @@ def find_room(
 
 
 def _polygons(area: shapely.Geometry) -> shapely.Geometry:
-    """The area without the stray lines and points that cutting one area from another can leave."""
-    if area.geom_type != "GeometryCollection":
-        return area
-    return shapely.union_all([piece for piece in shapely.get_parts(area) if piece.area > 0])
+    """The area without what has none: stray lines and points of a cut, or a whole part drawn flat."""
+    pieces = shapely.get_parts(area)
+    wide = shapely.area(pieces) > 0
+    return area if wide.all() else shapely.union_all(pieces[wide])
 
 
 def _room_one_way(

@@ -40,6 +40,15 @@ def test_in_an_upright_strip_it_is_turned() -> None:
     assert y1 - y0 > x1 - x0
 
 
+@pytest.mark.parametrize("flat", ["POINT (0 1)", "LINESTRING (0 0, 0 2)", "MULTILINESTRING ((0 0, 0 2), (1 0, 1 2))"])
+def test_what_is_drawn_flat_has_no_place(flat: str) -> None:
+    line = shapely.from_wkt(flat)
+    assert find_room(line, "12", 5.0) is None
+    place = find_room(shapely.GeometryCollection([line, shapely.box(9, 9, 12, 12)]), "12", 1.0)
+    assert place is not None
+    assert place.x > 9
+
+
 def test_no_area_no_place() -> None:
     assert find_room(shapely.Polygon(), "1", 5.0) is None
     assert find_room(shapely.GeometryCollection([shapely.Point(1, 1)]), "1", 5.0) is None
