@@ -117,11 +117,13 @@ def protect(given: Given, nest: str, outputs: Iterable[str | Path | None], *othe
 
 
 def note_placing(given: Given) -> None:
-    """Say on standard error what a planner would want to know of where the sheet lies on the machine."""
+    """Say on standard error what a planner would want to know of where the sheet lies, and of the material chart."""
     from kerfwise.rules.profile.placing import placing_notes
 
     for text in placing_notes(given.nest, given.profile):
         click.echo(f"warning: {text}", err=True)
+    for text in given.profile.chart_notes():
+        click.echo(f"note: {text}", err=True)
 
 
 def _size(text: str) -> tuple[float, float]:

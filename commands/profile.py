@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from kerfwise.rules.profile.profile import DEFAULT, load_profile
+from kerfwise.rules.profile.said_at import Sources
 from kerfwise.rules.profile.text import profile_yaml
 
 from .given import TRUST
@@ -28,14 +29,19 @@ def check(profile: str, trust: bool) -> None:
     strengths = [setting.strength for setting in loaded.settings().values()]
     hard, soft = strengths.count("hard"), strengths.count("soft")
     click.echo(f"{loaded.name}: fine, {hard} hard and {soft} soft rules")
+    for text in Sources(loaded).charted():
+        click.echo(f"  {text}")
+    for text in loaded.chart_notes():
+        click.echo(f"note: {text}", err=True)
 
 
 @command.command()
 @click.argument("profile", metavar="PROFILE")
+@click.option("--sources", is_flag=True, help="Say of each value where it is from: file and line.")
 @TRUST
-def show(profile: str, trust: bool) -> None:
+def show(profile: str, sources: bool, trust: bool) -> None:
     """Print PROFILE as YAML with every default filled in."""
-    click.echo(profile_yaml(load_profile(profile, trust=trust)), nl=False)
+    click.echo(profile_yaml(load_profile(profile, trust=trust), sources), nl=False)
     expect_printed()
 
 

@@ -21,7 +21,8 @@ Severity = Literal["warning", "repaired"]
 class Contour:
     """One curve that the torch follows once; `id` is `<part>.outer`, `<part>.hole1`…, `<part>.mark1`…, `<part>.slit1`…
 
-    It is cut at `feed_share` of the machine's cut feed, which is less than 1 in small holes. Outer contours and holes
+    It is cut at `feed_share` of the machine's cut feed, which is less than 1 in small holes; slower corners take as
+    long as `corner_mm` more of it would. Outer contours and holes
     enclose an area; a mark may be open and is not cut through; a slit is an open line that the torch's centre follows
     as it is drawn, from its start, along the middle of a slot of the contour `slot_of`.
     """
@@ -32,6 +33,7 @@ class Contour:
     curve: Curve
     feed_share: float = 1.0
     slot_of: str = ""
+    corner_mm: float = 0.0
 
     @property
     def encloses(self) -> bool:

@@ -68,7 +68,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
         gap = (solution.objective - solution.bound) / solution.objective if solution.objective > 0 else 0.0
     return Plan(
         nest={"file": nest.file, "sha256": nest.sha256},
-        profile={"name": profile.name, "sha256": profile.sha256},
+        profile={"name": profile.name, "sha256": profile.sha256, **_charted(profile)},
         start_side=facts.start_side,
         start_side_because=facts.start_side_because,
         origin=machine.origin,
@@ -101,6 +101,18 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
         already_cut=tuple(_made(facts, cut, profile.material.kerf_mm) for cut in facts.already_cut),
         broken_off=None if (again := _broken_off(facts)) is None else _made(facts, again, profile.material.kerf_mm),
     )
+
+
+def _charted(profile: Profile) -> dict[str, str]:
+    """What a plan says of the material chart: its file, the row, and what lies between two of them."""
+    use = profile.chart
+    if use is None:
+        return {}
+    between = ", ".join(f"{one.column} {one.text}" for one in use.interpolated)
+    beaten = ", ".join(f"{column} {own}" for column, _, own in use.beaten)
+    told = {"chart": use.name, "chart_sha256": use.sha256, "chart_row": use.row}
+    told |= {"chart_interpolated": between} if between else {}
+    return told | ({"not_of_chart": beaten} if beaten else {})
 
 
 def _broken_off(facts: Facts) -> Cut | None:

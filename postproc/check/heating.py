@@ -16,11 +16,13 @@ import shapely
 from numpy.typing import NDArray
 from shapely import ops
 
+from kerfwise.encoder.corner_feed import chords
 from kerfwise.encoder.cut import Cut, CutSequence, HotSpot
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.rules.profile.profile import Profile
 
+from .corners import slowness_of
 from .torch_run import TorchRun
 
 _CHORD_MM = 0.05
@@ -30,7 +32,8 @@ _CHORD_MM = 0.05
 class Heating:
     """One stretch with the torch on: it stands at the first of `points` (k, 2), mm, for `pierce_s`, then moves evenly.
 
-    `cut_s` is when the cut that it belongs to begins by the plan's, or the program's, own clock.
+    Where `slowness` (k - 1,) is given, each step takes so many times longer. `cut_s` is when the cut that it belongs to
+    begins by the plan's, or the program's, own clock.
     """
 
     name: str
@@ -39,6 +42,7 @@ class Heating:
     end_s: float
     pierce_s: float
     cut_s: float
+    slowness: NDArray[np.float64] | None = None
 
 
 Thermometer = Callable[[Sequence[Heating]], tuple[HotSpot, ...] | None]
@@ -67,16 +71,17 @@ def heatings_of_cuts(nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], pr
         points = np.concatenate([shapely.get_coordinates(line) for line in _in_order(run, cut)])
         pierce_s = machine.pierce_time_s if _pierced(nest, cut.pierce) else machine.edge_preheat_s
         pierce_s = 0.0 if cut.linked else pierce_s
-        yield Heating(run.name, points, cut.start_s, max(cut.start_s, cut.end_s), pierce_s, cut.start_s)
+        end_s = max(cut.start_s, cut.end_s)
+        yield Heating(run.name, points, cut.start_s, end_s, pierce_s, cut.start_s, slowness_of(points, profile))
 
 
 def heatings_of_program(program: NcProgram) -> Iterator[Heating]:
     """The stretches of a program at its own feeds, with the waits that it makes or leaves to the machine."""
     for burn in program.burns:
         if burn.tool == 0:
-            points = burn.path.flatten(_CHORD_MM)
+            points, slowness = chords(burn.path, burn.paced, _CHORD_MM)
             stood_s = burn.held_s + burn.pierce_s
-            yield Heating(f"line {burn.line}", points, burn.start_s, burn.end_s, stood_s, burn.start_s)
+            yield Heating(f"line {burn.line}", points, burn.start_s, burn.end_s, stood_s, burn.start_s, slowness)
 
 
 def _pierced(nest: Nest, point: tuple[float, float]) -> bool:

@@ -11,17 +11,19 @@ import shapely
 
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
+from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
-from kerfwise.postproc.dialects import pierce_dwell_of
+from kerfwise.postproc.dialects import load_dialect, pierce_dwell_of
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
+from .corners import slow_at_corners, wrong_at_corners
 from .program_rules import TOLERANCE_MM, judgement
 from .result import Judgement
 from .small_holes import Shares
 from .torch_run import TorchRun
 
-_FEED_SHARE, _WAIT_S = 1e-3, 2e-3
+_FEED_SHARE, _WAIT_S, _POWER = 1e-3, 2e-3, 0.51
 
 
 def judge_running(
@@ -49,6 +51,7 @@ def judge_running(
         said, is_at = (f"({x:g}, {y:g})" for x, y in (program.zero, corner))
         text = f"it says that its zero is at {said} of the drawing, by its origin it is at {is_at}"
         found["program-state"].append((0, text))
+    found["program-state"] += _powers(program.burns, profile)
     for fault in program.faults:
         found[fault.rule].append((fault.line, fault.text))
     return [
@@ -70,6 +73,10 @@ def _feeds(
         asked = machine.cut_feed_mm_s if cuts else machine.mark_feed_mm_s
         allowed = [shares.get(one, (1.0, 1.0)) if cuts else (1.0, 1.0) for one in cut]
         low, high = asked * min(least for least, _ in allowed), asked * max(most for _, most in allowed)
+        if cuts and slow_at_corners(profile):
+            for text in wrong_at_corners(burn, (low, high), profile):
+                yield burn.line, text
+            continue
         for feed in burn.feeds_mm_s:
             if not low * (1 - _FEED_SHARE) <= feed <= high * (1 + _FEED_SHARE):
                 where = f" in {name}" if high < asked else ""
@@ -77,6 +84,25 @@ def _feeds(
                 yield burn.line, f"it {'cuts' if cuts else 'marks'} at {feed * 60:.0f} mm/min, {says}"
     for slow in program.slow_travel:
         yield slow.line, f"it travels {slow.length_mm:.1f} mm at cutting feed with the torch off"
+
+
+def _powers(burns: Sequence[Burn], profile: Profile) -> Iterator[tuple[int, str]]:
+    """Powers of a laser that are not the profile's, where that says one."""
+    material, full = profile.material, CONTROLS[load_dialect(profile.machine.dialect).control].full_power
+    if not full:
+        return
+    pierces = material.power if material.pierce_power is None else material.pierce_power
+    for burn in burns:
+        cuts = burn.tool == 0
+        asked = (
+            ("cuts" if cuts else "marks", burn.powers, material.power if cuts else material.mark_power),
+            ("pierces" if cuts else "starts to mark", burn.pierce_powers, pierces if cuts else material.mark_power),
+        )
+        for does, powers, share in asked:
+            for power in powers if share is not None else ():
+                if abs(power - full * (share or 0.0) / 100) > _POWER:
+                    says = f"the profile says {share:g} %, S{full * (share or 0.0) / 100:g}"
+                    yield burn.line, f"it {does} with S{power:g}, {says}"
 
 
 def _waits(nest: Nest, burns: Sequence[Burn], profile: Profile) -> Iterator[tuple[int, str]]:

@@ -38,6 +38,11 @@ def contour_heat_kj(nest: Nest, candidates: Sequence[Candidate], profile: Profil
     """
     motion, machine = _slowest(nest, candidates, profile), profile.machine
     # On an axis that takes time to stop, a path that begins elsewhere stops there instead of where it was timed from.
+    law, feed_mm_s = profile.corner_feed(), machine_feeds(profile).cut_mm_s
+    if isinstance(motion, ConstantFeed):
+        feed_mm_s = motion.feeds.cut_mm_s
+    # The corner at which a ring is opened here, and the one that a lead makes with it, which no part of it shows.
+    corner_mm = 0.0 if law is None else 4 * law.reach_mm * (1 / law.share - 1)
     stop_s = motion.feeds.cut_mm_s / motion.acceleration_mm_s2 if isinstance(motion, Accelerated) else 0.0
     rounds_s: dict[int, float] = {}
     longest_s = np.zeros(len(nest.contours))
@@ -47,7 +52,8 @@ def contour_heat_kj(nest: Nest, candidates: Sequence[Candidate], profile: Profil
             continue
         if number not in rounds_s:
             ring = compensated(contour, profile.material.kerf_mm)
-            rounds_s[number] = motion.run_s(ring.opened_at(0.0), False, contour.feed_share) + stop_s
+            corner_s = corner_mm / (feed_mm_s * contour.feed_share)
+            rounds_s[number] = motion.run_s(ring.opened_at(0.0), False, contour.feed_share) + stop_s + corner_s
         leads = (lead for lead in (candidate.lead_in, candidate.lead_out) if lead is not None)
         leads_s = sum(motion.run_s(lead, False, contour.feed_share) for lead in leads)
         on_s = rounds_s[number] + leads_s + (machine.edge_preheat_s if candidate.edge_start else machine.pierce_time_s)

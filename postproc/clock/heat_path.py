@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from kerfwise.encoder.corner_feed import chords, paced
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.physics.heat import TimedPath
@@ -29,17 +30,15 @@ def path_of_plan(plan: Plan, nest: Nest, profile: Profile) -> TimedPath:
     """
     if plan.cuts and not any(planned.cut.end_s for planned in plan.cuts):
         raise InputError("the plan does not say when its contours are cut: start_s and end_s are needed for heat")
-    burns = [
-        torch_on(
-            made.planned.cut.contour,
-            made.path.flatten(_CHORD_MM),
-            made.planned.cut.start_s,
-            made.planned.cut.end_s,
-            profile.machine.edge_preheat_s if made.edge_start else profile.machine.pierce_time_s,
-        )
-        for made in toolpaths(plan, nest, profile)
-        if not made.marks
-    ]
+    law = profile.corner_feed()
+    burns = []
+    for made in toolpaths(plan, nest, profile):
+        if made.marks:
+            continue
+        cut, machine = made.planned.cut, profile.machine
+        points, slowness = chords(made.path, paced(made.path, law), _CHORD_MM)
+        stands_s = machine.edge_preheat_s if made.edge_start else machine.pierce_time_s
+        burns.append(torch_on(cut.contour, points, cut.start_s, cut.end_s, stands_s, slowness))
     return in_order(burns, plan.totals.time_s)
 
 
@@ -67,9 +66,8 @@ def path_of_program(program: NcProgram, file: str | Path | None = None) -> Timed
             continue
         named = _CUT.search(burn.comment)
         name = named["contour"] if named else f"line {burn.line}"
-        burns.append(
-            torch_on(name, burn.path.flatten(_CHORD_MM), burn.start_s, burn.end_s, burn.held_s + burn.pierce_s)
-        )
+        points, slowness = chords(burn.path, burn.paced, _CHORD_MM)
+        burns.append(torch_on(name, points, burn.start_s, burn.end_s, burn.held_s + burn.pierce_s, slowness))
     path = in_order(burns, burns[-1].at_s[-1] if burns else 0.0)
     expect_short(path, file)
     return path

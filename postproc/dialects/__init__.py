@@ -4,6 +4,7 @@ from .dialect import ControlName, Dialect
 from .fit import expect_words, fitting_dialect
 from .kinds import LineNumbers
 from .load import dialect_names, dialect_text, load_dialect, pierce_dwell_of
+from .power import powers_of
 
 __all__ = [
     "ControlName",
@@ -15,4 +16,5 @@ __all__ = [
     "fitting_dialect",
     "load_dialect",
     "pierce_dwell_of",
+    "powers_of",
 ]

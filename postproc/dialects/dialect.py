@@ -11,13 +11,13 @@ from kerfwise.rules.options.plain_values import Choice, Flag, Number, Text
 from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.profile.machine_section import PROCESSES, PierceDwell, Process
 
-from .kinds import DWELL, Assumptions, Block, Blocks, Counted, LineNumbers, ProgramNumber, Words
+from .kinds import DWELL, POWERS, Assumptions, Block, Blocks, Counted, LineNumbers, Powers, ProgramNumber, Words
 
 ControlName = Literal["linuxcnc-qtplasmac", "linuxcnc", "grbl", "eia", "burny"]
 ArcCentre = Literal["relative", "absolute", "radius", "none"]
 Positions = Literal["absolute", "incremental"]
 _TEXT, _BLOCK = Text(), Block()
-_TOOL = Blocks(Block(holes=(DWELL, "mm_min")), some=True)
+_TOOL = Blocks(Block(holes=(DWELL, "mm_min", *POWERS)), some=True)
 _LINE, _ARC = Block(holes=("x", "y"), empty=True), Block(holes=("x", "y", "i", "j", "r"))
 
 
@@ -112,6 +112,19 @@ class Dialect:
             Counted(ProgramNumber, "{number: 1, digits: 8}", (3600, 8)), "the program's number on the control, or null"
         ),
     )
+
+    powers: Powers | None = field(
+        default=None,
+        metadata=option(
+            Counted(Powers, "{cut: 1000, pierce: 1000, mark: 200, full: 1000}", (100_000,) * 4),
+            "S words for {power}, {pierce_power}, {mark_power} where a profile says none, and that of 100 %; or null",
+        ),
+    )
+
+    @property
+    def says_power(self) -> bool:
+        """Whether its programs say with which power they cut."""
+        return any("{power}" in block for block in self.torch_on)
 
     @property
     def marks(self) -> bool:

@@ -9,6 +9,7 @@ from kerfwise.rules.profile.profile import Profile
 
 from .dialect import Dialect
 from .load import dialect_names, load_dialect, pierce_dwell_of
+from .power import powers_of
 
 
 def fitting_dialect(profile: Profile) -> Dialect:
@@ -32,6 +33,12 @@ def fitting_dialect(profile: Profile) -> Dialect:
         )
     if profile.leads.edge_start and pierce_dwell_of(profile, dialect) == "machine":
         raise wrong_at(_said_at(profile, ("leads", "edge_start")), f"leads.edge_start: {MACHINE_WAITS}")
+    if profile.material.power is not None and dialect.powers is None and dialect.control == "grbl":
+        raise wrong_at(
+            _said_at(profile, ("material", "power"), ("material", "chart"), ("machine", "dialect")),
+            f"material.power: the dialect '{dialect.name}' has S words of its own: write {{power}}, {{pierce_power}} "
+            "and {mark_power} in their place and give it the key powers, as the dialect grbl has them",
+        )
     return dialect
 
 
@@ -51,6 +58,18 @@ def expect_words(nest: Nest, profile: Profile, dialect: Dialect, resumes: bool =
             place,
             f"machine.dialect: '{dialect.name}' has no words for marking, and the nest has {len(marks)} ({shown}): "
             "take another dialect, or a nest without them",
+        )
+    powers = powers_of(dialect, profile)
+    if (
+        marks
+        and dialect.says_power
+        and profile.material.power is not None
+        and powers["mark_power"] * 2 > powers["power"]
+    ):
+        raise wrong_at(
+            _said_at(profile, ("material", "mark_power"), ("material", "power"), ("material", "chart")),
+            f"material.mark_power: S{powers['mark_power']} is more than half of S{powers['power']}, which cuts, and "
+            "might cut too: give material.mark_power, a smaller share of full power",
         )
     if resumes and dialect.comment is None:
         raise wrong_at(

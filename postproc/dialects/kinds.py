@@ -14,6 +14,8 @@ from kerfwise.rules.options.yaml_positions import Problems, entries, is_empty
 
 DWELL = "dwell"
 """The name of the place in a list of blocks where the torch waits for the pierce."""
+POWERS = ("power", "pierce_power", "mark_power")
+"""The names of the S words of a laser in a block."""
 MOST_COUNT = 1000
 
 
@@ -29,6 +31,15 @@ class ProgramNumber(NamedTuple):
 
     number: int
     digits: int
+
+
+class Powers(NamedTuple):
+    """S words of a laser: while it cuts, pierces and marks, where a profile does not say, and that of full power."""
+
+    cut: int
+    pierce: int
+    mark: int
+    full: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,13 +127,13 @@ class Blocks(OptionKind):
 
 @dataclass(frozen=True, slots=True)
 class Counted(OptionKind):
-    """Two whole numbers under their names, such as `{start: 10, step: 10}`, or null."""
+    """Whole numbers under their names, such as `{start: 10, step: 10}`, or null."""
 
-    made: type[LineNumbers] | type[ProgramNumber]
+    made: type[LineNumbers] | type[ProgramNumber] | type[Powers]
     shown: str
-    most: tuple[int, int] = (MOST_COUNT, MOST_COUNT)
+    most: tuple[int, ...] = (MOST_COUNT, MOST_COUNT)
 
-    def read(self, node: yaml.Node) -> LineNumbers | ProgramNumber | None:
+    def read(self, node: yaml.Node) -> LineNumbers | ProgramNumber | Powers | None:
         if is_empty(node):
             return None
         if not isinstance(node, yaml.MappingNode):
@@ -134,7 +145,7 @@ class Counted(OptionKind):
         limits = zip(self.made._fields, self.most, strict=True)
         return self.made(*(int(Number(1, most, whole=True).read(values[name])) for name, most in limits))
 
-    def write(self, value: LineNumbers | ProgramNumber | None) -> str:
+    def write(self, value: LineNumbers | ProgramNumber | Powers | None) -> str:
         if value is None:
             return "null"
         return f"{{{', '.join(f'{key}: {number}' for key, number in value._asdict().items())}}}"
@@ -161,7 +172,7 @@ class Assumptions(OptionKind):
     def read(self, node: yaml.Node) -> dict[str, tuple[str, ...]]:
         if not isinstance(node, yaml.MappingNode):
             raise self.refuse(node)
-        inner, told = Problems(""), Blocks(Block())
+        inner, told = Problems(""), Blocks(Block(holes=POWERS))
         values = {key: value for key, _, value in entries(node, inner, "it")}
         if inner.found or not set(values) <= set(self.words):
             raise self.refuse(node)
@@ -171,7 +182,7 @@ class Assumptions(OptionKind):
         return yaml.safe_dump({k: list(v) for k, v in value.items()}, default_flow_style=True, width=1e9).strip()
 
     def schema(self) -> dict[str, Any]:
-        told = Blocks(Block()).schema()
+        told = Blocks(Block(holes=POWERS)).schema()
         return {
             "type": "object",
             "properties": dict.fromkeys(self.words, told),

@@ -12,11 +12,12 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.rules.options.kind import Unfit
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.suggest import unknown
-from kerfwise.rules.options.yaml_positions import Problems, compose, entries
+from kerfwise.rules.options.yaml_positions import Problems, compose, deepest, entries, wrong_at
 from kerfwise.rules.profile.machine_section import PierceDwell
 from kerfwise.rules.profile.profile import Profile
 
 from .dialect import Dialect
+from .kinds import POWERS
 
 
 def pierce_dwell_of(profile: Profile, dialect: Dialect | None = None) -> PierceDwell:
@@ -98,4 +99,10 @@ def parse_dialect(text: str, file: str) -> Dialect:
     dialect = Dialect(**values)  # type: ignore[arg-type]
     if bool(dialect.mark_on) != bool(dialect.mark_off):
         raise InputError("mark_on and mark_off: expected blocks for both, or null for both", file=file)
+    for key in ("torch_on", "mark_on"):
+        hole = next((h for h in POWERS for block in getattr(dialect, key) if f"{{{h}}}" in block), None)
+        if hole is not None and dialect.powers is None:
+            raise wrong_at(
+                problems.place(deepest(root, key)), f"{key}: {{{hole}}} needs the key powers, with the S words"
+            )
     return dialect

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
+from kerfwise.encoder.corner_feed import CornerFeed, paced
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point, Segment
-from kerfwise.postproc.dialects import Dialect
+from kerfwise.postproc.dialects import Dialect, powers_of
 from kerfwise.postproc.dialects.kinds import DWELL
 
 from .blocks import number
@@ -23,6 +24,8 @@ digit."""
 class Pen:
     """Writes blocks in a dialect; `at` is where the torch stands, in the program's coordinates, mm.
 
+    `powers` are S words, by the names that stand for them; without them those of the dialect hold.
+
     Points are rounded first and centres computed from the rounded points, so that the radius at an arc's end equals
     the radius at its start to about one unit of the last decimal: controls compare the two (LinuxCNC to 0.0283 mm,
     GRBL to 0.005 mm). Positions that count from the last one are differences of rounded ones, so that nothing adds up.
@@ -35,8 +38,9 @@ class Pen:
     ('G0 X10 Y5', ['G3 X20 Y5 I5 J0 F600'])
     """
 
-    def __init__(self, dialect: Dialect, at: Point) -> None:
+    def __init__(self, dialect: Dialect, at: Point, powers: Mapping[str, int] | None = None) -> None:
         self.dialect = dialect
+        self.powers = powers_of(dialect) if powers is None else powers
         self.at = self._rounded(at)
 
     def rapid(self, point: Point) -> str:
@@ -53,7 +57,7 @@ class Pen:
         made: list[str] = []
         for block in blocks if wait in blocks else (*blocks, wait):
             if block != wait:
-                made.append(block.format(mm_min=_feed(feed_mm_s), dwell=""))
+                made.append(block.format(mm_min=_feed(feed_mm_s), dwell="", **self.powers))
             elif dwell_s > 0:
                 made.append(self.wait(dwell_s))
         return made
@@ -66,25 +70,30 @@ class Pen:
         """The block that waits."""
         return self.dialect.dwell.format(seconds=number(seconds, 3), milliseconds=number(seconds * 1000, 0))
 
-    def path(self, path: Curve, feed_mm_s: float) -> list[str]:
+    def path(self, path: Curve, feed_mm_s: float, corners: CornerFeed | None = None) -> list[str]:
         """The blocks that run an open path from its first point, at which the torch already stands.
+
+        With `corners` the feed changes where they say.
 
         Arcs beyond a half turn are split in two, because near a full turn the last decimal decides between all and
         nothing. Arcs that turn less than 0.001 rad become chords within 0.001 mm, those that rise less than 0.0025 mm
         one line: LinuxCNC refuses a radius under 0.00127 mm.
         """
         dialect = self.dialect
-        word = dialect.feed.format(mm_min=_feed(feed_mm_s))
-        blocks = [word] if dialect.feed_alone else []
-        feed = "" if dialect.feed_alone else f" {word}"
+        blocks: list[str] = []
+        in_force = ""
         self.at = self._rounded(path.segments[0].start) if path.segments else self.at
-        for piece in (p for segment in path.segments for p in self._pieces(segment)):
+        for piece, share in ((p, share) for segment, share in paced(path, corners) for p in self._pieces(segment)):
             end = self._rounded(piece.end)
             if end == self.at:
                 continue
+            word = dialect.feed.format(mm_min=_feed(feed_mm_s * share))
             motion = self._arc(piece, end) if piece.is_arc else _spelt(dialect.line, self._words(end))
-            blocks.append(f"{motion}{feed}")
-            feed, self.at = "", end
+            if word == in_force:
+                blocks.append(motion)
+            else:
+                blocks += [word, motion] if dialect.feed_alone else [f"{motion} {word}"]
+            in_force, self.at = word, end
         return blocks
 
     def _arc(self, piece: Segment, end: Point) -> str:

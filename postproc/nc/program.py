@@ -8,7 +8,7 @@ from pathlib import PurePath
 
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
-from kerfwise.postproc.dialects import Dialect, expect_words, fitting_dialect, load_dialect, pierce_dwell_of
+from kerfwise.postproc.dialects import Dialect, expect_words, fitting_dialect, load_dialect, pierce_dwell_of, powers_of
 from kerfwise.rules.profile.profile import Profile
 
 from .blocks import comment, is_comment, number, numbered, plain, room_for, seconds_text
@@ -16,6 +16,7 @@ from .names import name_comments, program_names
 from .pen import Pen
 from .plan_paths import SHA_DIGITS, Toolpath, toolpaths
 from .resume_comments import out_comments, resume_comment
+from .setting_comments import setting_comments
 
 
 def write_program(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect | None = None) -> str:
@@ -54,6 +55,7 @@ def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, 
     yield from resume_comment(plan, dialect)
     thickness, kerf = number(material.thickness_mm, 3), number(material.kerf_mm, 3)
     yield comment(dialect, "MATERIAL", material.name, f"{thickness} MM, KERF {kerf} MM")
+    yield from setting_comments(profile, dialect)
     yield _origin(nest, profile, dialect)
     yield comment(dialect, f"CONTOURS {len(plan.cuts)}, PIERCES {totals.pierces}")
     yield comment(dialect, f"CUT {number(totals.cut_mm, 1)} MM, IDLE {number(totals.idle_mm, 1)} MM")
@@ -95,7 +97,7 @@ def _assumed(plan: Plan, profile: Profile, dialect: Dialect) -> Iterator[str]:
     yield comment(dialect, f"PIERCE DELAY {number(machine.pierce_time_s, 3)} S, HELD BY THE {waits.upper()}")
     of = [machine.process, *(["marks"] if any(planned.kind == "mark" for planned in plan.cuts) else [])]
     for told in (text for key in of for text in dialect.assumes.get(key, ())):
-        yield comment(dialect, "ASSUMES", told)
+        yield comment(dialect, "ASSUMES", told.format(**powers_of(dialect, profile)))
 
 
 def _relaxed(plan: Plan, names: Mapping[str, str], dialect: Dialect) -> Iterator[str]:
@@ -123,7 +125,7 @@ def _body(
     """All but the comments at the top, which make no blocks; `first` is the number of the first cut."""
     yield from (block.format(program=program_number(dialect)) for block in dialect.header)
     x, y = profile.frame_on(nest).corner
-    pen = Pen(dialect, profile.machine.home)
+    pen = Pen(dialect, profile.machine.home, powers_of(dialect, profile))
     for order, made in enumerate(paths, first):
         name = names.get(made.planned.cut.contour, "")
         yield from _cut(order, name, replace(made, path=made.path.moved(-x, -y)), profile, pen)
@@ -149,6 +151,6 @@ def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: Pen) -> I
     yield from pen.start(mark, (machine.mark_time_s if mark else start_s) if waits else 0.0, feed_mm_s)
     slowed = made.feed_share < 1.0
     yield from dialect.height_off if slowed else ()
-    yield from pen.path(made.path, feed_mm_s)
+    yield from pen.path(made.path, feed_mm_s, None if mark else profile.corner_feed())
     yield from dialect.height_on if slowed else ()
     yield from pen.stop(mark)

@@ -84,7 +84,8 @@ def thermometer_of(nest: Nest, profile: Profile) -> Thermometer | None:
         from kerfwise.models.physics.heat.watch import hot_spots
 
         try:
-            path = in_order([torch_on(s.name, s.points, s.begin_s, s.end_s, s.pierce_s) for s in stretches], 0.0)
+            burns = [torch_on(s.name, s.points, s.begin_s, s.end_s, s.pierce_s, s.slowness) for s in stretches]
+            path = in_order(burns, 0.0)
         except InputError:  # times that contradict each other are judged as such
             return None
         heat = replace(profile.heat, model="physical")

@@ -131,3 +131,23 @@ class Text(OptionKind):
 
     def expected(self) -> str:
         return "a regular expression such as 'mark|scribe'" if self.pattern else "a text"
+
+
+@dataclass(frozen=True, slots=True)
+class TextOrWord(OptionKind):
+    """A text, or the word that stands for None."""
+
+    none: str
+
+    def read(self, node: yaml.Node) -> str | None:
+        text = Text().read(node)
+        return None if text == self.none else text
+
+    def write(self, value: str | None) -> str:
+        return self.none if value is None else Text().write(value)
+
+    def schema(self) -> dict[str, Any]:
+        return Text().schema()
+
+    def expected(self) -> str:
+        return f"a text, or {self.none!r}"

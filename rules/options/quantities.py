@@ -32,7 +32,7 @@ class Quantity(OptionKind):
     example: str = "1.5"
 
     def read(self, node: yaml.Node) -> float:
-        found = re.fullmatch(rf"\s*({NUMBER})\s*((?:[a-z/%°][A-Za-z0-9/%]*)?)\s*", digits(node, self))
+        found = re.fullmatch(rf"\s*({NUMBER})\s*((?:[A-Za-z/%°][A-Za-z0-9/%]*)?)\s*", digits(node, self))
         if found is None:
             raise self.refuse(node)
         number, unit = found[1], found[2] or self.bare
@@ -105,6 +105,17 @@ TEMPERATURE = Quantity("a temperature", {"°C": Fraction(1)}, "°C", at_most=1e5
 DURATION = Quantity(
     "a time", {"s": Fraction(1), "ms": Fraction(1, 1000), "min": Fraction(60)}, "s", at_most=1e5, example="0.5"
 )
+SHARE_OF_POWER = Quantity(
+    "a share of full power",
+    {"%": Fraction(1)},
+    "%",
+    at_most=100.0,
+    at_least=None,
+    above=0.0,
+    example="80",
+)
+AMPS = Quantity("a current", {"A": Fraction(1)}, "A", at_most=2000.0, at_least=None, above=0.0, example="45")
+VOLTS = Quantity("a voltage", {"V": Fraction(1)}, "V", at_most=1000.0, at_least=None, above=0.0, example="120")
 ENERGY = Quantity("an energy", {"kJ": Fraction(1)}, "kJ", at_most=1e9, example="300")
 
 

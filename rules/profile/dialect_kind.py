@@ -12,6 +12,11 @@ from kerfwise.rules.options.plain_values import Choice
 ENDINGS = (".yaml", ".yml")
 
 
+def is_own_dialect(name: str) -> bool:
+    """Whether a profile names a dialect file of its own."""
+    return name.endswith(ENDINGS)
+
+
 @dataclass(frozen=True, slots=True)
 class DialectName(Choice):
     """A dialect that comes with kerfwise, or a path that ends in .yaml, as seen from where kerfwise is run."""

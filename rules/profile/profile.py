@@ -13,7 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from kerfwise.encoder.candidates.candidate import LEAST_WASTE_MM, LeadOptions
-from kerfwise.encoder.contents import MOST_BYTES_OF_YAML, contents, is_there
+from kerfwise.encoder.contents import MOST_BYTES_OF_YAML, contents, is_file, is_there
+from kerfwise.encoder.corner_feed import CornerFeed
+from kerfwise.encoder.cornered import with_corners
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import FactOptions
 from kerfwise.encoder.geometry.segment import Box, Point
@@ -37,6 +39,9 @@ from kerfwise.rules.rule import Rule, Strength
 from kerfwise.rules.rule_file import RuleFile
 from kerfwise.rules.temperature_limit import TemperatureLimit
 
+from .chart_use import ChartUse
+from .corners_section import Corners
+from .dialect_kind import is_own_dialect
 from .filling import T, filled_in, known_plant
 from .frame import Frame, frame_of, reach_of
 from .heat_section import Heat
@@ -58,8 +63,10 @@ class Profile:
     `further_rules` are those beside the catalogue that `rules` has settings of: of installed packages, which are off
     unless a profile says otherwise, and of the files that it names.
 
-    `sha256` is that of the profile's file and of the files of its rules, `read_from` are the places of that file and of
-    those it is based on; these and `file` do not make two profiles differ.
+    `sha256` is that of the profile's file and of all files that it is made of: those it is based on, its chart, its
+    dialect's, and those of its rules; `read_from` are the places of that file and of those it is based on. `chart` says
+    what of it is from a material chart, and `said_at` where each key stands, by such as `machine.home` and
+    `rules.pierce`. These and `file` do not make two profiles differ.
 
     Examples
     --------
@@ -84,7 +91,10 @@ class Profile:
     prices: Prices = field(default_factory=Prices)
     heat: Heat = field(default_factory=Heat)
     small_holes: SmallHoles = field(default_factory=SmallHoles)
+    corners: Corners = field(default_factory=Corners)
     cuts: Cuts = field(default_factory=Cuts)
+    chart: ChartUse | None = field(default=None, compare=False)
+    said_at: Mapping[str, str] = field(default_factory=dict, compare=False)
     sha256: str = field(default="", compare=False)
     file: str = field(default="", compare=False)
     read_from: tuple[str, ...] = field(default=(), compare=False)
@@ -160,6 +170,10 @@ class Profile:
             for name, rule in self.known_rules().items()
             if name in RULES or self.rules[name].strength != "off"
         ]
+
+    def chart_notes(self) -> tuple[str, ...]:
+        """What a planner would want to know of the material chart: what is interpolated, and what it is not asked."""
+        return () if self.chart is None else tuple(self.chart.notes())
 
     def at_origin(self, origin: Origin) -> Profile:
         """The profile with the machine's zero where a plan or program says that it has it."""
@@ -237,7 +251,13 @@ class Profile:
     def as_cut(self, nest: Nest) -> Nest:
         """The nest as this plant cuts it: small holes are marks or gone, others know their feed, slots have slits."""
         made = as_cut(nest, self.hole_limits())
-        return with_slits(made, self.material.kerf_mm) if self.cuts.narrow == "slit" else made
+        made = with_slits(made, self.material.kerf_mm) if self.cuts.narrow == "slit" else made
+        law = self.corner_feed()
+        return made if law is None else with_corners(made, law, self.material.kerf_mm)
+
+    def corner_feed(self) -> CornerFeed | None:
+        """The feeds at corners on this sheet; None where corners are cut like the rest."""
+        return self.corners.law(self.material.thickness_mm)
 
     def fact_options(self, nest: Nest | None = None) -> FactOptions:
         """The thresholds of the facts, as the rules and the locks say.
@@ -329,19 +349,32 @@ def _load(name: str, folder: Path, chain: tuple[str, ...], trust: bool) -> Profi
     except UnicodeDecodeError as error:
         raise InputError(f"not a profile: the file is not UTF-8 text ({error.reason})", file=file) from None
 
+    bases: list[str] = []
+
     def base(of: str) -> GivenValues:
-        return _fields(_load(of, Path(file).parent, (*chain, file), trust))
+        made = _load(of, Path(file).parent, (*chain, file), trust)
+        bases.append(made.sha256)
+        return _fields(made)
 
     given = read_given(text, file, _fields(_silent(shown(Path(file).stem))), base, trust)
     read_from = (*given.get("read_from", ()), place)
     made = Profile(**given | {"file": file, "read_from": read_from})
-    return dataclasses.replace(made, sha256=_digest(content, made))
+    return dataclasses.replace(made, sha256=_digest(content, made, bases))
 
 
-def _digest(content: bytes, profile: Profile) -> str:
-    """The sha256 of a profile's text; where rules of its own stand in files, of these too, on or off."""
+def _digest(content: bytes, profile: Profile, bases: Sequence[str]) -> str:
+    """The sha256 of a profile's text and of all files that it is made of.
+
+    These are the profiles that it is based on, its chart, its dialect, and rules of its own that stand in files, on or
+    off. A profile that names none of them has that of its text.
+    """
     rules = [*profile.known_rules().values(), *(_of_own(own) for own in profile.own_rules if isinstance(own, OwnFile))]
     of_files = [rule.stands_in.sha256 for rule in rules if rule.stands_in is not None]
+    of_files += [f"based on {sha256}" for sha256 in bases]
+    if profile.chart is not None:
+        of_files.append(f"chart {profile.chart.sha256}")
+    if is_own_dialect(profile.machine.dialect) and is_file(profile.machine.dialect):
+        of_files.append(f"dialect {hashlib.sha256(contents(profile.machine.dialect)).hexdigest()}")
     text = hashlib.sha256(content).hexdigest()
     return hashlib.sha256("\n".join([text, *of_files]).encode()).hexdigest() if of_files else text
 
@@ -354,12 +387,13 @@ def _silent(name: str) -> Profile:
 
 
 def files_of(profile: Profile) -> tuple[Path, ...]:
-    """Every file that a profile is made of: its own and those it is based on, its dialect's, and those of its rules."""
-    dialect = (profile.machine.dialect,) if profile.machine.dialect.endswith((".yaml", ".yml")) else ()
+    """Every file that a profile is made of: its own and those it is based on, its dialect's, its chart, its rules'."""
+    dialect = (profile.machine.dialect,) if is_own_dialect(profile.machine.dialect) else ()
+    chart = (profile.chart.file,) if profile.chart is not None else ()
     rules = (rule.path for rule in profile.own_rules if isinstance(rule, OwnFile))
     python = (file.path for file in profile.python)
     models = (source.path for source in profile.models)
-    return (*map(Path, profile.read_from), *map(Path, dialect), *rules, *python, *models)
+    return (*map(Path, profile.read_from), *map(Path, (*dialect, *chart)), *rules, *python, *models)
 
 
 def _of_own(own: Own) -> Rule[Any]:

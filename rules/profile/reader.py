@@ -23,6 +23,7 @@ from kerfwise.rules.own import read_own_rules
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
 
+from .chart_use import with_chart
 from .checks import check_together
 from .models_section import with_model_files
 from .older_keys import with_new_names
@@ -61,6 +62,8 @@ def read_given(
         if section in found:
             members = with_new_names(section, list(entries(found[section], problems, section)), problems)
             given[section] = read_fields(members, given[section], problems, section)
+    if not problems.found:
+        given = with_chart({section: found[section] for section in SECTIONS if section in found}, given, problems)
     if "python" in found:
         given |= with_python_files(found["python"], given, problems, trust)
     if "models" in found:
@@ -71,6 +74,7 @@ def read_given(
         given["locks"] = read_locks(found["locks"], problems)
     if "own_rules" in found:
         given["own_rules"] = read_own_rules(found["own_rules"], problems)
+    given["said_at"] = {**given["said_at"], **_places(found, file)}
     if root is not None:
         check_together(given, root, problems)
     problems.raise_any()
@@ -85,6 +89,16 @@ def _top_level(root: yaml.Node | None, problems: Problems) -> dict[str, yaml.Nod
         else:
             problems.add(key_node, unknown("key", key, KEYS))
     return found
+
+
+def _places(found: Mapping[str, yaml.Node], file: str) -> dict[str, str]:
+    """Where each key of a section stands, and each rule, by such as `machine.home` and `rules.pierce`."""
+    return {
+        f"{section}.{key.value}": f"{file}:{key.start_mark.line + 1}"
+        for section, node in found.items()
+        if section in (*SECTIONS, "rules") and isinstance(node, yaml.MappingNode)
+        for key, _ in node.value
+    }
 
 
 def _base(node: yaml.Node, problems: Problems, load_base: Callable[[str], GivenValues]) -> GivenValues:

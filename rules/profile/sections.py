@@ -19,21 +19,14 @@ from kerfwise.rules.profile.cuts_section import Cuts
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import RuleSetting
 
+from .corners_section import Corners
 from .heat_section import Heat
 from .machine_section import Machine
+from .material_section import Material
 from .small_holes_section import SmallHoles
 from .time_section import Prices, Time
 
 _LEADS = Choice(("line", "arc", "none"))
-
-
-@dataclass(frozen=True, slots=True)
-class Material:
-    """What is cut."""
-
-    name: str = field(default="S235", metadata=option(Text(), "grade of the sheet"))
-    thickness_mm: float = field(default=6.0, metadata=option(over_zero(LENGTH), "thickness of the sheet"))
-    kerf_mm: float = field(default=1.5, metadata=option(LENGTH, "width that the cut burns away"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,6 +128,7 @@ SECTIONS: Mapping[str, type] = {
     "material": Material,
     "leads": LeadsSection,
     "small_holes": SmallHoles,
+    "corners": Corners,
     "cuts": Cuts,
     "drawing": DrawingSection,
     "objective": Objective,

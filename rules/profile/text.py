@@ -15,21 +15,23 @@ from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.rule import Rule
 
 from .profile import Profile
+from .said_at import Sources
 from .sections import SECTIONS, RuleSetting
 
 COMMENT_COLUMN = 44
 
 
-def profile_yaml(profile: Profile) -> str:
-    """The whole profile; loading this text gives the same profile."""
+def profile_yaml(profile: Profile, sources: bool = False) -> str:
+    """The whole profile; loading this text gives the same profile. With `sources` each value says where it is from."""
+    told = Sources(profile) if sources else None
     lines = [_line(0, f"name: {Text().write(profile.name)}", "what plans and programs call this profile")]
     for section in SECTIONS:
-        lines += ["", f"{section}:", *_options(getattr(profile, section), 2)]
+        lines += ["", f"{section}:", *_options(getattr(profile, section), 2, told, section)]
     lines += ["", *_python(profile), "", *_models(profile)]
     known = profile.known_rules()
     lines += ["", "rules:"]
     for name in sorted(profile.rules):
-        lines += _rule(known[name], profile.rules[name])
+        lines += _rule(known[name], profile.rules[name], told)
     lines += ["", *_locks(profile.locks)]
     own = [rule.plain() for rule in profile.own_rules]
     lines += ["", yaml.safe_dump({"own_rules": own}, allow_unicode=True, sort_keys=False).rstrip()]
@@ -46,8 +48,9 @@ def _models(profile: Profile) -> Iterator[str]:
     yield _line(0, f"models: [{written}]", "files of rules in MiniZinc")
 
 
-def _rule(rule: Rule[Any], setting: RuleSetting) -> Iterator[str]:
-    yield f"  # {rule.sentence}" + (f" From {rule.brought}." if rule.brought else "")
+def _rule(rule: Rule[Any], setting: RuleSetting, told: Sources | None = None) -> Iterator[str]:
+    said = f" ({told.of(f'rules.{rule.id}')})" if told is not None else ""
+    yield f"  # {rule.sentence}" + (f" From {rule.brought}." if rule.brought else "") + said
     yield f"  {rule.id}:"
     yield _line(4, f"strength: {setting.strength}", " | ".join(rule.strengths))
     if setting.weight is not None:
@@ -55,14 +58,15 @@ def _rule(rule: Rule[Any], setting: RuleSetting) -> Iterator[str]:
     yield from _options(setting.options, 4)
 
 
-def _options(owner: Any, indent: int) -> Iterator[str]:
+def _options(owner: Any, indent: int, told: Sources | None = None, path: str = "") -> Iterator[str]:
     for option in options_of(owner):
         if isinstance(option.kind, Members):
             yield _line(indent, f"{option.key}:", option.help)
             yield from _options(getattr(owner, option.name), indent + 2)
             continue
         value = option.kind.write(getattr(owner, option.name))
-        yield _line(indent, f"{option.key}: {value}", option.help)
+        said = f"; {told.of(f'{path}.{option.key}')}" if told is not None and path else ""
+        yield _line(indent, f"{option.key}: {value}", f"{option.help}{said}")
 
 
 def _locks(locks: tuple[Lock, ...]) -> Iterator[str]:

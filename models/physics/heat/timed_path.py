@@ -44,8 +44,17 @@ class TimedPath:
         return sum(burn.seconds for burn in self.burns)
 
 
-def torch_on(contour: str, points: Floats, begin_s: float, end_s: float, pierce_s: float = 0.0) -> TorchOn:
-    """A stretch that stands at its first point for `pierce_s` and then runs evenly along `points` (k, 2) to its end.
+def torch_on(
+    contour: str,
+    points: Floats,
+    begin_s: float,
+    end_s: float,
+    pierce_s: float = 0.0,
+    slowness: Floats | None = None,
+) -> TorchOn:
+    """A stretch that stands at its first point for `pierce_s` and then runs along `points` (k, 2) to its end.
+
+    It runs evenly, or where `slowness` (k - 1,) is given takes so many times longer for each of its steps.
 
     Raises
     ------
@@ -62,6 +71,8 @@ def torch_on(contour: str, points: Floats, begin_s: float, end_s: float, pierce_
         raise InputError(f"{contour} is said to end at {end_s:g} s, before it begins at {begin_s:g} s")
     moves_s = begin_s + min(pierce_s, end_s - begin_s)
     steps = np.hypot(*np.diff(points, axis=0).T) if len(points) > 1 else np.zeros(0)
+    if slowness is not None and len(slowness) == len(steps):
+        steps = steps * slowness
     along = np.concatenate([[0.0], np.cumsum(steps)])
     share = along / along[-1] if along[-1] > 0 else np.zeros(len(along))
     at_s = moves_s + share * (end_s - moves_s)

@@ -6,14 +6,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from kerfwise.encoder.corner_feed import SPECK_MM, paced
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Segment
 
 from .constant import Feeds
 from .corners import corner_mm_s
-
-_SPECK_MM = 0.02
-"""Segments shorter than this, which rounding leaves, have no direction that means anything, and make no corners."""
 
 
 def trapezoid_s(length_mm: float, start_mm_s: float, end_mm_s: float, top_mm_s: float, acceleration: float) -> float:
@@ -64,11 +62,13 @@ class Accelerated:
         1.1
         """
         feed = feed_share * (self.feeds.mark_mm_s if marks else self.feeds.cut_mm_s)
-        segments = [s for s in path.segments if s.length_mm > _SPECK_MM]
+        pieces = paced(path, None if marks else self.feeds.corners)
+        sound = [(s, feed * share) for s, share in pieces if s.length_mm > SPECK_MM]
+        segments = [s for s, _ in sound]
         specks_mm = path.length_mm - sum(s.length_mm for s in segments)
         if not segments:
             return self.travel_s(path.length_mm, feed)
-        tops = [min(feed, math.sqrt(self.acceleration_mm_s2 * s.radius_mm)) for s in segments]
+        tops = [min(top, math.sqrt(self.acceleration_mm_s2 * s.radius_mm)) for s, top in sound]
         speeds = self._speeds(segments, tops)
         times = (
             trapezoid_s(s.length_mm, speeds[k], speeds[k + 1], tops[k], self.acceleration_mm_s2)

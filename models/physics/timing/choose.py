@@ -21,6 +21,7 @@ def machine_feeds(profile: Profile) -> Feeds:
         machine.pierce_time_s,
         machine.mark_time_s,
         machine.edge_preheat_s,
+        profile.corner_feed(),
     )
 
 

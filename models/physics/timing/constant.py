@@ -6,13 +6,17 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from kerfwise.encoder.corner_feed import CornerFeed
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 
 
 @dataclass(frozen=True, slots=True)
 class Feeds:
-    """Speeds in mm/s and the time to pierce, to start marking, and to preheat for an edge start, s."""
+    """Speeds in mm/s and the time to pierce, to start marking, and to preheat for an edge start, s.
+
+    `corners` says how much slower corners are cut, None for not at all.
+    """
 
     cut_mm_s: float
     mark_mm_s: float
@@ -20,6 +24,12 @@ class Feeds:
     pierce_s: float
     mark_start_s: float = 0.0
     edge_s: float = 0.0
+    corners: CornerFeed | None = None
+
+    def at_full_mm(self, path: Curve, marks: bool) -> float:
+        """The length that takes as long at the full feed as a path does with its corners, mm."""
+        more_mm = 0.0 if marks or self.corners is None else self.corners.more_mm(path)
+        return path.length_mm + more_mm
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +47,9 @@ class ConstantFeed:
 
     def run_s(self, path: Curve, marks: bool, feed_share: float = 1.0) -> float:
         """Time along an open torch-on path, s, at a share of its feed."""
-        return path.length_mm / (feed_share * (self.feeds.mark_mm_s if marks else self.feeds.cut_mm_s))
+        return self.feeds.at_full_mm(path, marks) / (
+            feed_share * (self.feeds.mark_mm_s if marks else self.feeds.cut_mm_s)
+        )
 
     def travel_s(self, length_mm: float) -> float:
         """Time of an idle move, s."""

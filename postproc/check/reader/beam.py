@@ -48,3 +48,5 @@ class Beam(ToolsOn):
             self.track.close()
         if lit and self.track.open is None:
             self.track.begin(tool, block.line, self.held_s[0] if tool == 0 else self.held_s[1])
+        if self.track.open is not None and (moves or block.has_g(DWELL)):
+            (self.track.open.powers if moves else self.track.open.pierce_powers).add(self.power)

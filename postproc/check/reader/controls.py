@@ -24,11 +24,11 @@ class Control:
     rewrites a program before it is run.
 
     `beam` says that it is a laser of GRBL, lit by M3 and M4 with a power S in moves at a feed only; up to the power
-    `marks_up_to` it marks. `dwell` is the letter of the seconds of G4. `bare` says that X and Y without a motion word
-    are a line with the torch on, and travel with it off. `fixed` are G words in force always, which nobody has to say.
-    `program` is the letter of the number that a program begins
-    with. `longest` is the greatest number of bytes of a line, `longest_code` that without blanks and comments.
-    `obeyed` are characters that it obeys wherever they stand, and with which none beyond ASCII may stand either.
+    `marks_up_to` it marks, `full_power` is 100 %. `dwell` is the letter of the seconds of G4. `bare` says that X and Y
+    without a motion word are a line with the torch on, and travel with it off. `fixed` are G words in force always,
+    which nobody has to say. `program` is the letter of the number that a program begins with. `longest` is the greatest
+    number of bytes of a line, `longest_code` that without blanks and comments. `obeyed` are characters that it obeys
+    wherever they stand, and with which none beyond ASCII may stand either.
     """
 
     title: str
@@ -43,6 +43,7 @@ class Control:
     filtered: bool = False
     beam: bool = False
     marks_up_to: float = 0.0
+    full_power: float = 0.0
     dwell: str = "P"
     bare: bool = False
     centre_absolute: bool = False
@@ -82,6 +83,7 @@ CONTROLS: Mapping[str, Control] = {
         fixed=frozenset({61.0, 91.1}),
         beam=True,
         marks_up_to=400.0,
+        full_power=1000.0,
         longest=127,
         longest_code=79,
         obeyed="!?~",

@@ -11,9 +11,10 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.dialects import fitting_dialect, pierce_dwell_of
 from kerfwise.rules.profile.frame import Frame
 from kerfwise.rules.profile.machine_section import Origin
+from kerfwise.rules.profile.material_section import Material
 from kerfwise.rules.profile.profile import Profile
 
-from .controls import CONTROLS
+from .controls import CONTROLS, Control
 from .program import NcProgram
 from .reader import read_nc
 
@@ -40,11 +41,21 @@ def read_on_machine(text: str, nest: Nest, profile: Profile, file: str = "") -> 
     held_s = (0.0, 0.0)
     if pierce_dwell_of(profile, dialect) == "machine":
         held_s = (machine.pierce_time_s, machine.mark_time_s)
-    program = read_nc(text, machine.travel_mm_s, file, machine.home, CONTROLS[dialect.control], held_s)
+    control = _with_powers(CONTROLS[dialect.control], profile.material)
+    program = read_nc(text, machine.travel_mm_s, file, machine.home, control, held_s)
     origin, zero = _said(program.comments)
     if zero is None:
         zero = profile.at_origin(origin or machine.origin).frame_on(nest).corner
     return replace(_moved(program, Frame(zero)), origin=origin, zero=zero if origin else None)
+
+
+def _with_powers(control: Control, material: Material) -> Control:
+    """The control of a laser, which tells marks from cuts by the profile's power, where it says one."""
+    if not control.beam or material.power is None:
+        return control
+    cuts = material.power
+    marks = 0.0 if material.mark_power is None else material.mark_power
+    return replace(control, marks_up_to=min(control.marks_up_to, (cuts + marks) / 200 * control.full_power))
 
 
 def on_its_origin(program: NcProgram, profile: Profile) -> Profile:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.geometry.segment import Point, Segment
 from kerfwise.rules.profile.machine_section import Origin
 
 
@@ -16,7 +16,8 @@ class Burn:
     `line` is where it begins, `comment` the last comment before it. Times in s from the program's start. `travels_mm`
     are the moves with no tool on since the burn before, `wait_s` is how long it has stood still since, off. The tool
     stands for `pierce_s` before it moves, by the program's own words, after the control has held it for `held_s` by
-    itself, and for `paused_s` later on; `feeds_mm_s` are the speeds it moves at.
+    itself, and for `paused_s` later on; `step_feeds_mm_s` are the speeds of the lines and arcs of its
+    path, one each. `powers` are the S words of a laser that it moves with, `pierce_powers` those that it stands with.
     """
 
     tool: int
@@ -28,9 +29,22 @@ class Burn:
     travels_mm: tuple[float, ...] = ()
     pierce_s: float = 0.0
     paused_s: float = 0.0
-    feeds_mm_s: tuple[float, ...] = ()
+    step_feeds_mm_s: tuple[float, ...] = ()
     wait_s: float = 0.0
     held_s: float = 0.0
+    powers: tuple[float, ...] = ()
+    pierce_powers: tuple[float, ...] = ()
+
+    @property
+    def feeds_mm_s(self) -> tuple[float, ...]:
+        """The speeds it moves at, each once, the least first."""
+        return tuple(sorted(set(self.step_feeds_mm_s)))
+
+    @property
+    def paced(self) -> tuple[tuple[Segment, float], ...]:
+        """The lines and arcs of its path, and the share of its greatest speed that each is run at."""
+        most = max(self.step_feeds_mm_s, default=1.0)
+        return tuple((s, feed / most) for s, feed in zip(self.path.segments, self.step_feeds_mm_s, strict=False))
 
     @property
     def moving_s(self) -> float:

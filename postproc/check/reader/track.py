@@ -12,6 +12,9 @@ from kerfwise.encoder.geometry.segment import Point, Segment
 
 from .program import Burn, Fault, MoveStretch
 
+_NOTHING_MM = 1e-9
+"""A curve leaves out segments no longer than this."""
+
 
 @dataclass(slots=True)
 class _Open:
@@ -27,7 +30,9 @@ class _Open:
     held_s: float = 0.0
     pierce_s: float = 0.0
     paused_s: float = 0.0
-    feeds_mm_s: set[float] = field(default_factory=set)
+    step_feeds_mm_s: list[float] = field(default_factory=list)
+    powers: set[float] = field(default_factory=set)
+    pierce_powers: set[float] = field(default_factory=set)
 
 
 @dataclass(slots=True)
@@ -73,11 +78,11 @@ class Track:
                 "supported here; put the torch out where a cut ends",
                 line=o.line,
             )
-        feeds_mm_s = tuple(sorted(o.feeds_mm_s))
         self.burns.append(
             Burn(
                 o.tool, o.line, path, o.start_s, self.clock_s, o.comment, o.travels_mm, o.pierce_s, o.paused_s,
-                feeds_mm_s, o.wait_s, o.held_s,
+                tuple(o.step_feeds_mm_s), o.wait_s, o.held_s,
+                tuple(sorted(o.powers)), tuple(sorted(o.pierce_powers)),
             )
         )  # fmt: skip
         self.open = None
@@ -116,7 +121,8 @@ class Track:
             self.slow_travel.append(MoveStretch(line, segment.length_mm))
         else:
             self.moving_s += seconds
-            self.open.feeds_mm_s.add(feed_mm_s)
+            if segment.length_mm > _NOTHING_MM:
+                self.open.step_feeds_mm_s.append(feed_mm_s)
             self.open.rows.append((*segment.start, segment.bulge))
 
     def _idle(self, length_mm: float, line: int) -> None:

@@ -19,8 +19,12 @@ def error_of(tmp_path: Path, text: str) -> list[str]:
 
 
 KEYS = (
-    "based_on, cuts, drawing, heat, leads, locks, machine, material, models, name, objective, own_rules, prices, "
-    "python, rules, small_holes, time"
+    "based_on, corners, cuts, drawing, heat, leads, locks, machine, material, models, name, objective, own_rules, "
+    "prices, python, rules, small_holes, time"
+)
+OF_MATERIAL = (
+    "amps, chart, chart_units, cut_height, gas, interpolate, kerf, mark_power, name, pierce_height, pierce_power, "
+    "power, row, thickness, volts"
 )
 LENGTH = "a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in)"
 SHIPPED = "laser-amg3m-1mm, laser-st10kp-2mm, laser-wood, oxyfuel-thick-plate, plasma-carbon-steel, water-jet"
@@ -55,7 +59,7 @@ MISTAKES = {
         "1:21: leads.edge_start: a flame has to heat the sheet's edge before it cuts: give machine.edge_preheat, such "
         "as 7 s"
     ),
-    "material:\n  kerv: 1": "2:3: material: unknown key 'kerv': did you mean 'kerf'? (valid: kerf, name, thickness)",
+    "material:\n  kerv: 1": f"2:3: material: unknown key 'kerv': did you mean 'kerf'? (valid: {OF_MATERIAL})",
     "material:\n  kerf: wide": f"2:9: material.kerf: expected {LENGTH}, got 'wide'",
     "time: {acceleration: 2 m/s}": (
         "1:22: time.acceleration: unknown unit 'm/s' in '2 m/s': expected an acceleration over 0 such as 1.5 or "
@@ -70,7 +74,7 @@ MISTAKES = {
     ),
     "prices: {gas_hour: -1}": "1:20: prices.gas_hour: expected a number of at least 0, got '-1'",
     "material: {kerf: 1,5}": (
-        "1:20: material: unknown key '5' (valid: kerf, name, thickness); decimals are written with a point"
+        f"1:20: material: unknown key '5' (valid: {OF_MATERIAL}); decimals are written with a point"
     ),
     "material:\n  kerf: 1,5 mm": (
         f"2:9: material.kerf: expected {LENGTH}, got '1,5 mm': write decimals with a point, 1.5 mm"

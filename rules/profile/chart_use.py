@@ -1,0 +1,216 @@
+"""What a profile takes from a material chart: looked up where a profile chooses a row, beaten by what that says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path, PurePath
+from typing import Any
+
+import yaml
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.rules.charts import Found, LookedUp, NoRow, look_up, read_chart
+from kerfwise.rules.charts.chart import written
+from kerfwise.rules.charts.columns import COLUMNS
+from kerfwise.rules.options.option import options_of
+from kerfwise.rules.options.yaml_positions import Problems, deepest
+
+from .material_section import Material
+
+SELECTS = ("chart", "row", "name", "thickness", "interpolate", "chart_units")
+"""Keys of `material` that choose a row: a profile that says one has the chart looked up again."""
+_TOLD = ("kerf", "feed", "pierce_delay")
+_SAME = 1e-6
+Key = tuple[str, str]
+"""A section of a profile, and a key in it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Taken:
+    """A value of the chart that stands in the profile: its column, as it is written, and the lines it comes from.
+
+    `between` are the thicknesses of the two rows that it lies between, as they are written.
+    """
+
+    column: str
+    text: str
+    lines: tuple[int, ...]
+    between: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class ChartUse:
+    """A chart, the row that was chosen, what was taken of it, and what the profile says otherwise.
+
+    `beaten` are, by column, what the chart says and what the profile says itself; `silent` are columns of which
+    neither says anything, so that what the profile is based on, or the default, holds: with that value.
+    """
+
+    file: str
+    sha256: str
+    row: str
+    line: int
+    taken: tuple[Taken, ...] = ()
+    beaten: tuple[tuple[str, str, str], ...] = ()
+    silent: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def name(self) -> str:
+        """The file's name."""
+        return PurePath(self.file).name
+
+    @property
+    def interpolated(self) -> tuple[Taken, ...]:
+        """What lies between two rows."""
+        return tuple(one for one in self.taken if one.between)
+
+    def notes(self) -> Iterable[str]:
+        """What a planner would want to know: what is interpolated, what the profile says otherwise, what nobody says.
+
+        Examples
+        --------
+        >>> use = ChartUse("shop.csv", "", "S235, 8 mm", 0, (Taken("kerf", "1.7 mm", (2, 3), ("6 mm", "10 mm")),))
+        >>> list(use.notes())
+        ['material chart shop.csv: kerf 1.7 mm is interpolated between 6 mm (line 2) and 10 mm (line 3)']
+        """
+        for ends in dict.fromkeys((one.lines, one.between) for one in self.interpolated):
+            alike = [one for one in self.interpolated if (one.lines, one.between) == ends]
+            told = ", ".join(f"{one.column} {one.text}" for one in alike)
+            sides = " and ".join(f"{mm} (line {line})" for line, mm in zip(*ends, strict=True))
+            verb = "is" if len(alike) == 1 else "are"
+            yield f"material chart {self.name}: {told} {verb} interpolated between {sides}"
+        for column, chart_says, profile_says in self.beaten:
+            yield (
+                f"material chart {self.name}: the profile says {column} {profile_says} itself, the chart says "
+                f"{chart_says} for {self.row}"
+            )
+        for column, value in self.silent:
+            yield f"material chart {self.name} says nothing of {column} for {self.row}: {value} holds"
+
+
+def with_chart(found: Mapping[str, yaml.Node], given: dict[str, Any], problems: Problems) -> dict[str, Any]:
+    """The sections of a profile with what its chart has for them; `found` are the nodes that this file gives.
+
+    Raises
+    ------
+    InputError
+        If the chart cannot be read, or is wrong anywhere: with its own lines.
+    """
+    material: Material = given["material"]
+    own = _said(found)
+    chooses = any(("material", key) in own for key in SELECTS)
+    if ("material", "chart") in own and material.chart is not None:
+        given = _put(given, "material", "chart", str(Path(problems.file).parent / material.chart))
+        material = given["material"]
+    if material.chart is None:
+        for key in ("row", "interpolate", "chart_units"):
+            if ("material", key) in own and ("material", "chart") not in own:
+                problems.add(own["material", key], f"material.{key}: there is no chart: give material.chart, its file")
+        return given | {"chart": None}
+    if not chooses:
+        return given | {"chart": _beaten_too(given["chart"], own, given)}
+    looked_up = _looked_up(material, own, found, problems)
+    return given if looked_up is None else _filled(given, looked_up, own, problems)
+
+
+def _said(found: Mapping[str, yaml.Node]) -> dict[Key, yaml.Node]:
+    """Every section and key that this file gives a value, with the value."""
+    return {
+        (section, key.value): value
+        for section, node in found.items()
+        if isinstance(node, yaml.MappingNode)
+        for key, value in node.value
+    }
+
+
+def _looked_up(
+    material: Material, own: Mapping[Key, yaml.Node], found: Mapping[str, yaml.Node], problems: Problems
+) -> tuple[str, str, LookedUp] | None:
+    node = next(
+        (own["material", key] for key in ("row", "thickness", "name", "chart") if ("material", key) in own), None
+    )
+    try:
+        chart = read_chart(str(material.chart), material.chart_units)
+    except InputError as error:
+        if error.line is not None or ("material", "chart") not in own:
+            raise
+        problems.add(own["material", "chart"], f"material.chart: {error}")
+        return None
+    try:
+        looked_up = look_up(chart, material.row, material.name, material.thickness_mm, material.interpolate)
+    except NoRow as error:
+        problems.add(node or deepest(found["material"]), f"material.row: {error}")
+        return None
+    return chart.file, chart.sha256, looked_up
+
+
+def _filled(
+    given: dict[str, Any], chosen: tuple[str, str, LookedUp], own: Mapping[Key, yaml.Node], problems: Problems
+) -> dict[str, Any]:
+    file, sha256, looked_up = chosen
+    taken, beaten = [], []
+    for name, value in looked_up.values.items():
+        column = COLUMNS[name]
+        key = (column.section, column.option)
+        text = written(name, value.value)
+        if key not in own:
+            given = _put(given, *key, value.value)
+            if value.lines:
+                taken.append(_taken(name, text, value))
+            continue
+        said = _value(given, *key)
+        if _alike(said, value.value):
+            continue
+        if name == "thickness":
+            place = f"{Path(file).name}:{value.lines[0]}"
+            problems.add(
+                own[key],
+                f"material.thickness: {written(name, said)}, but the row {looked_up.label!r} of the chart ({place}) is "
+                f"for {text}: name a row for this thickness, or leave the thickness out",
+            )
+            continue
+        beaten.append((name, text, written(name, said)))
+    silent = [
+        (name, written(name, _value(given, COLUMNS[name].section, COLUMNS[name].option)))
+        for name in _TOLD
+        if name not in looked_up.values and (COLUMNS[name].section, COLUMNS[name].option) not in own
+    ]
+    line = 0 if looked_up.row is None else looked_up.row.line
+    return given | {"chart": ChartUse(file, sha256, looked_up.label, line, tuple(taken), tuple(beaten), tuple(silent))}
+
+
+def _beaten_too(use: ChartUse, own: Mapping[Key, yaml.Node], given: Mapping[str, Any]) -> ChartUse:
+    """The use of a chart by the profile that this one is based on, with what this one says otherwise."""
+    kept, beaten = [], list(use.beaten)
+    for one in use.taken:
+        column = COLUMNS[one.column]
+        if (column.section, column.option) in own:
+            beaten.append((one.column, one.text, written(one.column, _value(given, column.section, column.option))))
+        else:
+            kept.append(one)
+    silent = [(name, value) for name, value in use.silent if (COLUMNS[name].section, COLUMNS[name].option) not in own]
+    return replace(use, taken=tuple(kept), beaten=tuple(beaten), silent=tuple(silent))
+
+
+def _taken(column: str, text: str, value: Found) -> Taken:
+    return Taken(column, text, value.lines, tuple(written("thickness", mm) for mm in value.between_mm))
+
+
+def _field(owner: Any, key: str) -> str:
+    return next(option.name for option in options_of(owner) if option.key == key)
+
+
+def _put(given: dict[str, Any], section: str, key: str, value: Any) -> dict[str, Any]:
+    owner = given[section]
+    return given | {section: replace(owner, **{_field(owner, key): value})}
+
+
+def _value(given: Mapping[str, Any], section: str, key: str) -> Any:
+    return getattr(given[section], _field(given[section], key))
+
+
+def _alike(one: Any, other: Any) -> bool:
+    if isinstance(one, str) or isinstance(other, str):
+        return str(one).casefold() == str(other).casefold()
+    return one is not None and abs(float(one) - float(other)) <= _SAME * max(abs(one), abs(other))

@@ -1,0 +1,114 @@
+"""A profile and its chart: what the chart gives, what the profile says itself, what is said aloud, and its sha256."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.rules.profile.profile import Profile, files_of, load_profile
+from kerfwise.rules.profile.said_at import Sources
+from kerfwise.rules.profile.text import profile_yaml
+
+CHART = """\
+material, thickness [mm], kerf [mm], feed [mm/min], pierce_delay [s], cut_height [mm], amps, gas
+S235, 6, 1.5, 2500, 0.5, 1.5, 85, O2/air
+S235, 10, 1.9, 1500, , 1.7, 85, O2/air
+S355, 6, 1.6, 2300, 0.6, 1.5, 85, O2/air
+"""
+
+
+@pytest.fixture(autouse=True)
+def chart(tmp_path: Path) -> Path:
+    (tmp_path / "charts").mkdir()
+    (tmp_path / "charts" / "shop.csv").write_text(CHART)
+    return tmp_path / "charts" / "shop.csv"
+
+
+def loaded(tmp_path: Path, text: str, name: str = "plant.yaml") -> Profile:
+    (tmp_path / name).write_text(text)
+    return load_profile(tmp_path / name)
+
+
+def test_the_chart_gives_what_the_profile_does_not_say(tmp_path: Path) -> None:
+    plant = loaded(tmp_path, "material: {chart: charts/shop.csv, thickness: 10 mm, kerf: 2 mm}\n")
+    assert (plant.material.kerf_mm, plant.material.cut_height_mm, plant.material.amps) == (2.0, 1.7, 85.0)
+    assert (plant.machine.cut_feed_mm_s, plant.machine.pierce_time_s, plant.material.gas) == (25.0, 0.5, "O2/air")
+    assert list(plant.chart_notes()) == [
+        "material chart shop.csv: the profile says kerf 2 mm itself, the chart says 1.9 mm for S235, 10 mm",
+        "material chart shop.csv says nothing of pierce_delay for S235, 10 mm: 0.5 s holds",
+    ]
+
+
+def test_what_lies_between_two_rows_is_said_aloud(tmp_path: Path) -> None:
+    text = "material: {chart: charts/shop.csv, thickness: 8 mm, interpolate: true}\n"
+    plant = loaded(tmp_path, text)
+    assert (plant.material.kerf_mm, plant.machine.cut_feed_mm_s * 60) == (1.7, pytest.approx(2000))
+    assert list(plant.chart_notes()) == [
+        "material chart shop.csv: kerf 1.7 mm, feed 2000 mm/min, cut_height 1.6 mm are interpolated between 6 mm "
+        "(line 2) and 10 mm (line 3)",
+        "material chart shop.csv says nothing of pierce_delay for S235, 8 mm: 0.5 s holds",
+    ]
+    with pytest.raises(InputError, match=r"plant\.yaml:1:\d+: material\.row: .*shop\.csv has no row of S235 at 8 mm"):
+        loaded(tmp_path, text.replace("true", "false"))
+
+
+def test_a_chart_beats_what_the_profile_is_based_on_and_is_beaten_by_what_is_based_on_it(tmp_path: Path) -> None:
+    loaded(tmp_path, "material: {kerf: 1.2 mm}\nmachine: {cut_feed: 1 m/min}\n", "base.yaml")
+    loaded(tmp_path, "based_on: base.yaml\nmaterial: {chart: charts/shop.csv}\n", "charted.yaml")
+    plant = loaded(tmp_path, "based_on: charted.yaml\nmachine: {cut_feed: 3 m/min}\n")
+    assert (plant.material.kerf_mm, plant.machine.cut_feed_mm_s) == (1.5, 50.0)
+    (note,) = plant.chart_notes()
+    assert note.endswith("the profile says feed 3000 mm/min itself, the chart says 2500 mm/min for S235, 6 mm")
+    other = loaded(tmp_path, "based_on: charted.yaml\nmaterial: {name: S355}\n")
+    assert (other.material.kerf_mm, other.machine.cut_feed_mm_s * 60) == (1.6, pytest.approx(2300))
+
+
+def test_a_row_for_another_thickness_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"material\.thickness: 6 mm, but the row 'S235, 10 mm' of the chart"):
+        loaded(tmp_path, "material: {chart: charts/shop.csv, row: {thickness: 10 mm}, thickness: 6 mm}\n")
+
+
+def test_row_without_a_chart(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r":1:17: material\.row: there is no chart: give material\.chart"):
+        loaded(tmp_path, "material: {row: S235}\n")
+
+
+def test_each_value_says_where_it_is_from(tmp_path: Path, chart: Path) -> None:
+    plant = loaded(tmp_path, "material:\n  chart: charts/shop.csv\n  cut_height: 2 mm\n")
+    told = Sources(plant)
+    assert told.of("machine.cut_feed") == f"{chart}:2"
+    assert told.of("material.cut_height") == f"{tmp_path / 'plant.yaml'}:3"
+    assert told.of("machine.home") == "default"
+    assert f"machine.cut_feed: 2500 mm/min, {chart}:2" in list(told.charted())
+    assert f"; {chart}:2" in profile_yaml(plant, sources=True)
+    assert str(chart) + ":2" not in profile_yaml(plant)
+
+
+def test_what_show_prints_is_the_same_profile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("plant.yaml").write_text(
+        "material: {chart: charts/shop.csv, row: {gas: O2/air}, thickness: 8 mm, interpolate: true}\n"
+        "corners: {corner_feed: 0.5}\n"
+    )
+    plant = load_profile("plant.yaml")
+    Path("plant.yaml").write_text(profile_yaml(plant))
+    assert load_profile("plant.yaml") == plant
+    assert not load_profile("plant.yaml").chart_notes()
+
+
+def test_the_sha256_covers_every_file(tmp_path: Path, chart: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    from kerfwise.postproc.dialects import dialect_text
+
+    Path("shop.yaml").write_text(dialect_text("linuxcnc"))
+    loaded(tmp_path, "machine: {travel: 10 m/min}\n", "base.yaml")
+    text = "based_on: base.yaml\nmaterial: {chart: charts/shop.csv}\nmachine: {dialect: shop.yaml}\n"
+    seen = [loaded(tmp_path, text).sha256]
+    assert loaded(tmp_path, text).sha256 == seen[0]
+    for file in (chart, Path("shop.yaml"), Path("base.yaml")):
+        file.write_text(file.read_text() + "# seen\n")
+        seen.append(loaded(tmp_path, text).sha256)
+    assert len(set(seen)) == 4
+    assert {chart, Path("shop.yaml")} <= set(files_of(loaded(tmp_path, text)))
