@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
@@ -101,7 +102,7 @@ def with_chart(found: Mapping[str, yaml.Node], given: dict[str, Any], problems: 
     own = _said(found)
     chooses = any(("material", key) in own for key in SELECTS)
     if ("material", "chart") in own and material.chart is not None:
-        given = _put(given, "material", "chart", str(Path(problems.file).parent / material.chart))
+        given = _put(given, "material", "chart", _beside(problems.file, material.chart))
         material = given["material"]
     if material.chart is None:
         for key in ("row", "interpolate", "chart_units"):
@@ -112,6 +113,13 @@ def with_chart(found: Mapping[str, yaml.Node], given: dict[str, Any], problems: 
         return given | {"chart": _beaten_too(given["chart"], own, given)}
     looked_up = _looked_up(material, own, found, problems)
     return given if looked_up is None else _filled(given, looked_up, own, problems)
+
+
+def _beside(profile: str, chart: str) -> str:
+    """The path of a chart as seen from the profile's file, without `..` where that leads to the same file."""
+    path = str(Path(profile).parent / chart)
+    shorter = os.path.normpath(path)
+    return shorter if os.path.realpath(shorter) == os.path.realpath(path) else path
 
 
 def _said(found: Mapping[str, yaml.Node]) -> dict[Key, yaml.Node]:

@@ -80,9 +80,7 @@ def test_a_dialect_with_s_words_of_its_own_is_not_given_a_power(tmp_path: Path) 
     (tmp_path / "old.yaml").write_text(text)
     shop = tmp_path / "shop.yaml"
     shop.write_text(f"based_on: laser-wood\nmachine: {{dialect: {tmp_path}/old.yaml}}\nmaterial:\n  power: 60 %\n")
-    with pytest.raises(
-        InputError, match=r"shop\.yaml:4:10: material\.power: the dialect 'grbl' has S words"
-    ):
+    with pytest.raises(InputError, match=r"shop\.yaml:4:10: material\.power: the dialect 'grbl' has S words"):
         fitting_dialect(load_profile(shop))
     shop.write_text(f"based_on: laser-wood\nmachine: {{dialect: {tmp_path}/old.yaml}}\n")
     assert fitting_dialect(load_profile(shop)).powers is None
