@@ -6,10 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Segment
 
 _LEAST, _MOST = 0.5, 1.5
+COMPARED = 1 << 18
+"""Pairs of vertices that are compared each, at once; where there are more, the near ones are looked up by place."""
+_NEAR_MM, _NEARER = 0.01, 10.0
+_ROUNDED_MM = 0.0011
+"""Gaps to a thousandth that are the same differ by less."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -43,20 +49,61 @@ def split(path: Curve, round_mm: float) -> Pieces | None:
     at_mm = np.concatenate([[0.0], np.cumsum(lengths)])
     first = np.searchsorted(at_mm, at_mm + _LEAST * round_mm)
     last = np.searchsorted(at_mm, at_mm + _MOST * round_mm, side="right")
-    best: tuple[float, float, int, int] | None = None
-    for k, (low, high) in enumerate(zip(first.tolist(), last.tolist(), strict=True)):
-        if low == high:
-            continue
-        gaps = np.hypot(*(v[low:high, :2] - v[k, :2]).T).round(3)
-        off = np.abs(at_mm[low:high] - at_mm[k] - round_mm).round(3)
-        m = int(np.lexsort((off, gaps))[0])
-        found = (float(gaps[m]), float(off[m]), k, low + m)
-        best = found if best is None else min(best, found)
-    if best is None:
+    pairs = int((last - first).sum())
+    if pairs == 0:
         return None
-    gap_mm, _, k, m = best
+    best = _looked_up(v, at_mm, first, last, round_mm) if pairs > COMPARED else None
+    gap_mm, k, m = _compared(v, at_mm, first, last, round_mm) if best is None else best
     return Pieces(_open(v[: k + 1]), _open(v[k : m + 1]), _open(v[m:]), gap_mm)
 
 
-def _open(vertices: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> Curve:
+def _compared(v: Floats, at_mm: Floats, first: Ints, last: Ints, round_mm: float) -> tuple[float, int, int]:
+    """The best pair of all, as its gap and its two vertices; as many rows at once as `COMPARED` allows."""
+    counts = last - first
+    until = np.cumsum(counts)
+    best: tuple[float, float, int, int] | None = None
+    begin = 0
+    while begin < len(counts):
+        done = int(until[begin - 1]) if begin else 0
+        end = max(int(np.searchsorted(until, done + COMPARED, side="right")), begin + 1)
+        of = counts[begin:end]
+        one = np.repeat(np.arange(begin, end), of)
+        other = np.arange(len(one)) - np.repeat(np.cumsum(of) - of, of) + np.repeat(first[begin:end], of)
+        if len(one):
+            found = _best(v, at_mm, one, other, round_mm)
+            best = found if best is None else min(best, found)
+        begin = end
+    assert best is not None
+    return best[0], best[2], best[3]
+
+
+def _looked_up(v: Floats, at_mm: Floats, first: Ints, last: Ints, round_mm: float) -> tuple[float, int, int] | None:
+    """The same by place, for paths of many vertices: pairs that are near; None where there is no near one."""
+    from scipy.spatial import cKDTree
+
+    tree, within_mm = cKDTree(v[:, :2]), _NEAR_MM
+    reach_mm = float(np.ptp(v[:, :2], axis=0).max())
+    while within_mm < reach_mm and tree.count_neighbors(tree, within_mm) <= COMPARED:
+        near = tree.query_pairs(within_mm, output_type="ndarray").reshape(-1, 2).astype(np.int64)
+        one, other = near.min(axis=1), near.max(axis=1)
+        apart = (first[one] <= other) & (other < last[one])
+        if apart.any():
+            gap_mm, _, k, m = _best(v, at_mm, one[apart], other[apart], round_mm)
+            if gap_mm + _ROUNDED_MM < within_mm:
+                return gap_mm, k, m
+        within_mm *= _NEARER
+    return None
+
+
+def _best(v: Floats, at_mm: Floats, one: Ints, other: Ints, round_mm: float) -> tuple[float, float, int, int]:
+    """Gap, distance from once round, and vertices of the best of some pairs."""
+    gaps = np.hypot(*(v[other, :2] - v[one, :2]).T).round(3)
+    least = np.flatnonzero(gaps == gaps.min())
+    one, other = one[least], other[least]
+    off = np.abs(at_mm[other] - at_mm[one] - round_mm).round(3)
+    at = int(np.lexsort((other, one, off))[0])
+    return float(gaps[least[0]]), float(off[at]), int(one[at]), int(other[at])
+
+
+def _open(vertices: Floats) -> Curve:
     return Curve(vertices, closed=False)

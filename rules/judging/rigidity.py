@@ -8,7 +8,9 @@ from collections.abc import Iterator
 import numpy as np
 import shapely
 
+from kerfwise.arrays import Ints
 from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
 
 from .facing import EDGE, Spots, facing, spots_along
@@ -23,7 +25,7 @@ def rigid_at_the_end(
     nest: Nest, cuts: CutSequence, tail_share: float, web_mm: float, edge_band_mm: float
 ) -> Iterator[tuple[int, float]]:
     """Position of the cut of each outer contour, and the share of its end that faces solid metal or parts still in."""
-    number = {part.id: k for k, part in enumerate(nest.parts)}
+    number = part_numbers(nest)
     cut_at = np.full(len(nest.parts), len(cuts) + 1)
     judged: list[tuple[int, int]] = []
     tails: list[Spots] = []
@@ -49,14 +51,28 @@ def rigid_at_the_end(
         yield k, float(np.where(met >= 0, still_in, met != EDGE).mean())
 
 
+@kept_with_nest(most=2)
+def _rounds(nest: Nest, web_mm: float, edge_band_mm: float) -> dict[int, Ints]:
+    """Part number → what it faces in `ROUND` spots all the way round, for the parts that were asked about."""
+    return {}
+
+
+@kept_with_nest(most=1)
+def part_numbers(nest: Nest) -> dict[str, int]:
+    """Part id → its number."""
+    return {part.id: k for k, part in enumerate(nest.parts)}
+
+
 def rigid_at_best(
     nest: Nest, contour: str, out: frozenset[str], tail_share: float, web_mm: float, edge_band_mm: float
 ) -> float:
     """The greatest share of rigid metal at the end of any way round from any entry, once the contours `out` are cut."""
-    found = nest.contour(contour)
-    part = next(k for k, p in enumerate(nest.parts) if p.id == found.part)
-    faced = facing(nest, web_mm, edge_band_mm).faced(spots_along(part, found.line, 0.0, found.line.length, ROUND))
-    free = [EDGE, *(k for k, p in enumerate(nest.parts) if p.outer.id in out)]
+    part, rounds = part_numbers(nest)[nest.contour(contour).part], _rounds(nest, web_mm, edge_band_mm)
+    if part not in rounds:
+        line = nest.parts[part].outer.line
+        rounds[part] = facing(nest, web_mm, edge_band_mm).faced(spots_along(part, line, 0.0, line.length, ROUND))
+    faced = rounds[part]
+    free = [EDGE, *(k for k in np.unique(faced[faced >= 0]).tolist() if nest.parts[k].outer.id in out)]
     rigid = np.concatenate([[0], np.cumsum(np.tile(~np.isin(faced, free), 2))])
     tail = max(1, round(tail_share * ROUND))
     return float((rigid[tail:] - rigid[:-tail]).max() / tail)

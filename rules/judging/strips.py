@@ -6,14 +6,18 @@ strip is wide, and an island is a piece of metal that is closed within a few str
 
 from __future__ import annotations
 
+import math
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import shapely
 
 from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.encoder.geometry.segment import Box
 from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
 
@@ -26,6 +30,12 @@ QUADRANT = 4
 IN_STRIP = 0.5
 """A part lies in vanished metal if this share of its area does."""
 SPECK_MM2 = 1.0
+FIELD_STRIPS = 5.0
+"""The side of a field, in strips."""
+CLOSE_STRIPS = (2.0, 5.0)
+"""How far around a part close looks for islands go, in strips, before all is looked at that an island may be on."""
+SIGHT_STRIPS = 1.0
+"""Parts see each other over no more strips than this."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +67,10 @@ class Around:
 
 
 class Metal:
-    """The uncut metal of one place: the sheet, or the hole of a host, with the parts that lie straight in it."""
+    """The metal of one place: the sheet, or the hole of a host, with the parts that lie straight in it.
+
+    It is the same for every order; `Uncut` is what is left of it while one is cut.
+    """
 
     def __init__(self, ground: Any, parts: Sequence[int], areas: Sequence[Any], strip_mm: float, web_mm: float) -> None:
         self.ground, self.parts, self.strip_mm = ground, list(parts), strip_mm
@@ -66,13 +79,46 @@ class Metal:
         self.swept: Any = shapely.buffer(self.areas, (web_mm + strip_mm) / 2, quad_segs=QUADRANT)
         self.stiff = shapely.buffer(ground, -strip_mm / 2, quad_segs=QUADRANT)
         self.inner: Any = shapely.point_on_surface(self.areas)
+        self.middle: Any = shapely.centroid(self.areas)
         self.tree = shapely.STRtree(self.areas)
         self.size: Any = shapely.area(self.areas)
-        self.around: dict[int, Around] = {}
-        self.core: dict[int, Any] = {}
-        self.out = np.zeros(len(self.parts), dtype=bool)
-        self.told = np.zeros(len(self.parts), dtype=bool)
+        self.fields = fields_of(self.grown, FIELD_STRIPS * strip_mm)
+        self._around: dict[int, Around] = {}
         shapely.prepare(self.swept)
+        shapely.prepare(self.grown)
+
+    @cached_property
+    def sights(self) -> Sights:
+        """Which parts see each other over metal, as long as certain others are in."""
+        return sights_of(self.areas, self.inner, self.grown, self.ground, SIGHT_STRIPS * self.strip_mm)
+
+    def around(self, q: int) -> Around:
+        """What may take metal from around part `q`: looked up once."""
+        if q not in self._around:
+            x0, y0, x1, y1 = shapely.bounds(self.areas[q]).tolist()
+            r = self.strip_mm / 2
+            window = (x0 - r, y0 - r, x1 + r, y1 + r)  # farther metal holds none of half a strip around the part
+            reach = shapely.box(x0 - 3 * r, y0 - 3 * r, x1 + 3 * r, y1 + 3 * r)
+            near = self.tree.query(reach)
+            near = near[(near != q) & shapely.intersects(self.swept[near], shapely.box(*window))]
+            near = near[np.lexsort((near, shapely.distance(self.areas[near], self.areas[q])))]
+            lines = shapely.shortest_line(self.middle[q], self.areas[near])
+            ends = shapely.get_coordinates(lines).reshape(-1, 2, 2)
+            takes = shapely.intersects(self.swept[near], self.areas[q])
+            self._around[q] = Around(near, takes, ends[:, 1] - ends[:, 0], shapely.clip_by_rect(self.stiff, *window))
+        return self._around[q]
+
+
+class Uncut:
+    """What is left of the metal of one place while its parts are cut."""
+
+    def __init__(self, metal: Metal) -> None:
+        self.metal = metal
+        self.out = np.zeros(len(metal.parts), dtype=bool)
+        self.told = np.zeros(len(metal.parts), dtype=bool)
+        self.core: dict[int, Any] = {}
+        self.barred = np.zeros(metal.sights.count, dtype=bool)
+        self.gone: Any = np.full(len(metal.fields.boxes), shapely.Polygon(), dtype=object)
 
     def cut(self, p: int) -> Iterator[tuple[str, list[int], list[int]]]:
         """Take part `p` out; what lies badly then, as (kind, out, left) in numbers of this place.
@@ -80,6 +126,9 @@ class Metal:
         The first of `left` lies badly. A part that was told is not told again, and not looked at for strips again.
         """
         self.out[p] = True
+        self.barred[self.metal.sights.barred_by[p]] = True
+        field = self.metal.fields.of[p]
+        self.gone[field] = shapely.union(self.gone[field], self.metal.grown[p])
         for look in (self._strips, self._islands):
             for kind, out, left in look(p):
                 if not self.told[left[0]]:
@@ -88,32 +137,20 @@ class Metal:
 
     def _strips(self, p: int) -> Iterator[tuple[str, list[int], list[int]]]:
         """Looks at every part whose metal, as far as it matters, part `p` takes some of."""
-        x0, y0, x1, y1 = self.swept[p].bounds
-        r = self.strip_mm / 2
-        near = self.tree.query(shapely.box(x0 - r, y0 - r, x1 + r, y1 + r))
-        for q in sorted(near[~self.out[near] & ~self.told[near]].tolist()):
-            around = self._around(q)
-            if p in around.parts:
-                self.core[q] = shapely.difference(self.core.get(q, around.stiff), self.swept[p])
-                out = np.flatnonzero(self.out[around.parts])
-                if self._on_both_sides(around, out) and self._vanished(q, self.core[q]):
-                    yield "strip", self._fewest(q, around, out), [q]
-
-    def _around(self, q: int) -> Around:
-        """What may take metal from around part `q`: the same for every order, so that it is looked up once."""
-        if q not in self.around:
-            x0, y0, x1, y1 = self.areas[q].bounds
-            r = self.strip_mm / 2
-            window = (x0 - r, y0 - r, x1 + r, y1 + r)  # farther metal holds none of half a strip around the part
-            reach = shapely.box(*shapely.bounds(shapely.buffer(shapely.box(x0, y0, x1, y1), 3 * r)))
-            near = self.tree.query(reach)
-            near = near[(near != q) & shapely.intersects(self.swept[near], shapely.box(*window))]
-            near = near[np.lexsort((near, shapely.distance(self.areas[near], self.areas[q])))]
-            lines = shapely.shortest_line(shapely.centroid(self.areas[q]), self.areas[near])
-            ends = shapely.get_coordinates(lines).reshape(-1, 2, 2)
-            takes = shapely.intersects(self.swept[near], self.areas[q])
-            self.around[q] = Around(near, takes, ends[:, 1] - ends[:, 0], shapely.clip_by_rect(self.stiff, *window))
-        return self.around[q]
+        metal = self.metal
+        x0, y0, x1, y1 = shapely.bounds(metal.swept[p]).tolist()
+        r = metal.strip_mm / 2
+        near = metal.tree.query(shapely.box(x0 - r, y0 - r, x1 + r, y1 + r))
+        near = np.sort(near[~self.out[near] & ~self.told[near]])
+        around = {q: of for q in near.tolist() if p in (of := metal.around(q)).parts}
+        cores = np.array([self.core.get(q, of.stiff) for q, of in around.items()], dtype=object)
+        self.core.update(zip(around, shapely.difference(cores, metal.swept[p]), strict=True))
+        out = {q: np.flatnonzero(self.out[of.parts]) for q, of in around.items()}
+        asked = [q for q, of in around.items() if self._on_both_sides(of, out[q])]
+        if asked:
+            cores = np.array([self.core[q] for q in asked], dtype=object)
+            for q in np.array(asked)[self._vanished(np.array(asked), cores)].tolist():
+                yield "strip", self._fewest(q, around[q], out[q]), [q]
 
     @staticmethod
     def _on_both_sides(around: Around, out: Ints) -> bool:
@@ -121,21 +158,23 @@ class Metal:
         towards = around.towards[out[around.takes[out]]]
         return bool((towards @ towards.T < 0).any())
 
-    def _vanished(self, q: int, core: Any) -> bool:
-        """Whether most of part `q` lies in metal that opening by half a strip leaves nothing of; `core` is that metal
-        less what parts that are out take of it, each grown by half a strip and half a web.
+    def _vanished(self, parts: Ints, cores: Any) -> Bools:
+        """Whether most of each part lies in metal that opening by half a strip leaves nothing of.
+
+        `cores` is that metal less what parts that are out take of it, each grown by half a strip and half a web.
         """
-        opened = shapely.buffer(core, self.strip_mm / 2, quad_segs=QUADRANT)
-        return bool(shapely.area(shapely.difference(self.areas[q], opened)) > IN_STRIP * self.size[q])
+        areas = self.metal.areas[parts]
+        opened = shapely.buffer(cores, self.metal.strip_mm / 2, quad_segs=QUADRANT)
+        return np.asarray(shapely.area(shapely.difference(areas, opened)) > IN_STRIP * self.metal.size[parts])
 
     def _would_vanish(self, q: int, around: Around, out: Ints) -> bool:
-        """Whether it would, were only these parts out."""
+        """Whether part `q` would lie in vanished metal, were only these parts out."""
         core = around.stiff
         for k in around.parts[out]:  # the nearest take most, often all there is
             if core.is_empty:
                 return True
-            core = shapely.difference(core, self.swept[k])
-        return self._vanished(q, core)
+            core = shapely.difference(core, self.metal.swept[k])
+        return bool(self._vanished(np.array([q]), np.array([core], dtype=object))[0])
 
     def _fewest(self, q: int, around: Around, out: Ints) -> list[int]:
         """The parts without any of which part `q` would not be in a strip, tried from the farthest.
@@ -161,34 +200,142 @@ class Metal:
 
         The first of the two is on the side with fewer parts: that is the one left behind.
         """
-        x0, y0, x1, y1 = self.grown[p].bounds
-        reach = ISLAND_STRIPS * self.strip_mm
-        window = (x0 - reach, y0 - reach, x1 + reach, y1 + reach)
-        near = self.tree.query(shapely.box(*window))
+        metal = self.metal
+        reach = ISLAND_STRIPS * metal.strip_mm
+        window = _wider(metal.grown[p], reach)
+        near = metal.tree.query(shapely.box(*window))
         gone, left = near[self.out[near]], near[~self.out[near]]
-        touching = gone[shapely.intersects(self.grown[gone], self.grown[p])]
+        touching = gone[shapely.intersects(metal.grown[gone], metal.grown[p])]
         if len(left) == 0 or not self._divides(p, [int(k) for k in touching if k != p]):
             return
-        metal = shapely.difference(shapely.clip_by_rect(self.ground, *window), shapely.union_all(self.grown[gone]))
-        pieces = [piece for piece in shapely.get_parts(metal) if piece.area > SPECK_MM2]
-        for piece in pieces:
-            px0, py0, px1, py1 = piece.bounds
-            if max(px1 - px0, py1 - py0) > reach or not shapely.dwithin(piece, self.grown[p], 1e-6):
+        pieces = self._closed_off(p, window, left)
+        px0, py0, px1, py1 = shapely.bounds(pieces).reshape(-1, 4).T
+        close = np.maximum(px1 - px0, py1 - py0) <= reach
+        for piece in pieces[close]:
+            if shapely.area(piece) <= SPECK_MM2 or not shapely.dwithin(metal.grown[p], piece, 1e-6):
                 continue
-            on_it = left[shapely.intersects(piece, self.inner[left])]
+            on_it = left[shapely.intersects(piece, metal.inner[left])]
             if len(on_it) and (elsewhere := np.setdiff1d(np.flatnonzero(~self.out), on_it)).size:
-                border = gone[shapely.dwithin(self.grown[gone], piece, 1e-6)]
+                border = gone[shapely.dwithin(metal.grown[gone], piece, 1e-6)]
                 fewer, more = sorted((on_it, elsewhere), key=len)
-                other = min(more.tolist(), key=lambda k: (self.areas[k].distance(self.areas[p]), k))
+                away_mm = shapely.distance(metal.areas[more], metal.areas[p])
+                other = int(more[np.lexsort((more, away_mm))[0]])
                 yield "island", sorted(border.tolist()), [int(fewer.min()), other]
+
+    def _closed_off(self, p: int, window: Box, left: Ints) -> Any:
+        """Pieces of the metal in a window: all that may be islands beside part `p`.
+
+        A close look does where each piece by the part ends within it, or is seen to be too large for an island.
+        """
+        grown, inner = self.metal.grown[p], self.metal.inner[left]
+        for strips in CLOSE_STRIPS:
+            near = _wider(grown, strips * self.metal.strip_mm)
+            pieces = self._pieces(near)
+            pieces = pieces[shapely.dwithin(grown, pieces, 1e-6)]
+            px0, py0, px1, py1 = shapely.bounds(pieces).reshape(-1, 4).T
+            ends = (px0 > near[0]) & (py0 > near[1]) & (px1 < near[2]) & (py1 < near[3])
+            islands = [piece for piece in pieces[ends] if shapely.intersects(piece, inner).any()]
+            if len(islands) < 2 and all(self._large(piece, window, left) for piece in pieces[~ends]):
+                return np.array(islands, dtype=object)
+        return self._pieces(window)
+
+    def _large(self, piece: Any, window: Box, left: Ints) -> bool:
+        """Whether parts that are still in show that a piece of metal goes on, in a window, farther than islands do."""
+        reached = left[shapely.intersects(piece, self.metal.inner[left])].tolist()
+        seen, sights, inner = set(reached), self.metal.sights, self.metal.sights.inner
+        low_x = low_y = math.inf
+        high_x = high_y = -math.inf
+        for q in reached:
+            x, y = inner[q]
+            low_x, low_y, high_x, high_y = min(low_x, x), min(low_y, y), max(high_x, x), max(high_y, y)
+            if max(high_x - low_x, high_y - low_y) > ISLAND_STRIPS * self.metal.strip_mm + 1e-6:
+                return True
+            for sight, other in sights.of[q]:
+                if other not in seen and not self.barred[sight]:
+                    x, y = inner[other]
+                    if window[0] < x < window[2] and window[1] < y < window[3]:
+                        seen.add(other)
+                        reached.append(other)
+        return False
+
+    def _pieces(self, window: Box) -> Any:
+        """The pieces of metal that is left in a window."""
+        gone = self.gone[self.metal.fields.tree.query(shapely.box(*window))]
+        gone = shapely.union_all(shapely.clip_by_rect(gone, *window))
+        return shapely.get_parts(shapely.difference(shapely.clip_by_rect(self.metal.ground, *window), gone))
 
     def _divides(self, p: int, touching: Sequence[int]) -> bool:
         """Whether the metal around part `p` is in more than one piece, so that taking it out may divide the rest."""
-        rim = shapely.intersection(self.grown[p].exterior, self.ground)
-        free = shapely.line_merge(shapely.difference(rim, shapely.union_all(self.grown[list(touching)])))
+        grown = self.metal.grown
+        rim = shapely.intersection(grown[p].exterior, self.metal.ground)
+        free = shapely.line_merge(shapely.difference(rim, shapely.union_all(grown[list(touching)])))
         arcs = [arc for arc in shapely.get_parts(free) if arc.length > 0]
         ends = sum(not arc.is_closed for arc in arcs)
         return ends > 1
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Fields:
+    """The parts of a place in squares: what is gone of neighbours is put together once, not for each look.
+
+    `of` (parts,) is the field of each part, by its middle; `boxes` (fields,) has all of their parts, in a `tree`.
+    """
+
+    of: Ints
+    boxes: Any
+    tree: shapely.STRtree
+
+
+def fields_of(grown: Any, side_mm: float) -> Fields:
+    """The fields of parts that are grown already."""
+    bounds = shapely.bounds(grown).reshape(-1, 4)
+    squares = np.floor((bounds[:, :2] + bounds[:, 2:]) / 2 / side_mm).astype(np.int64)
+    names, of = np.unique(squares, axis=0, return_inverse=True)
+    of = of.reshape(-1)
+    low = np.full((len(names), 2), np.inf)
+    high = np.full((len(names), 2), -np.inf)
+    np.minimum.at(low, of, bounds[:, :2])
+    np.maximum.at(high, of, bounds[:, 2:])
+    boxes = shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1])
+    return Fields(of, boxes, shapely.STRtree(boxes))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Sights:
+    """Straight lines from part to part that are metal all along until some other part is out.
+
+    `of[q]` are pairs (number of a line, part that it leads to); the lines `barred_by[q]` cross what part q takes with
+    it, those to the part itself included. `inner` is where the lines of each part begin.
+    """
+
+    count: int
+    of: list[list[tuple[int, int]]]
+    barred_by: list[Ints]
+    inner: list[tuple[float, float]]
+
+
+def sights_of(areas: Any, inner: Any, grown: Any, ground: Any, far_mm: float) -> Sights:
+    """Lines between parts that are no farther than `far_mm` from each other."""
+    one, other = shapely.STRtree(areas).query(areas, predicate="dwithin", distance=far_mm)
+    one, other = one[one < other], other[one < other]
+    xy = shapely.get_coordinates(inner)
+    lines = shapely.linestrings(np.stack([xy[one], xy[other]], axis=1))
+    shapely.prepare(ground)
+    held = shapely.contains_properly(ground, lines)
+    one, other, lines = one[held], other[held], lines[held]
+    of: list[list[tuple[int, int]]] = [[] for _ in areas]
+    for k, (a, b) in enumerate(zip(one.tolist(), other.tolist(), strict=True)):
+        of[a].append((k, b))
+        of[b].append((k, a))
+    line, by = shapely.STRtree(grown).query(lines, predicate="intersects")
+    order = np.argsort(by, kind="stable")
+    barred_by = np.split(line[order], np.searchsorted(by[order], np.arange(1, len(areas))))
+    return Sights(len(lines), of, barred_by, [(x, y) for x, y in xy.tolist()])
+
+
+def _wider(area: Any, by_mm: float) -> Box:
+    x0, y0, x1, y1 = shapely.bounds(area).tolist()
+    return x0 - by_mm, y0 - by_mm, x1 + by_mm, y1 + by_mm
 
 
 @kept_with_nest(most=4)
@@ -204,14 +351,17 @@ def _badly(nest: Nest, order: Sequence[str], strip_mm: float, web_mm: float) -> 
     number = {part.outer.id: k for k, part in enumerate(nest.parts)}
     grounds, where = _grounds(nest, strip_mm, web_mm)
     in_place = {part: p for ground in grounds.values() for p, part in enumerate(ground.parts)}
+    uncut = {place: Uncut(ground) for place, ground in grounds.items()}
     for k, contour in enumerate(order, 1):
         if contour not in number:
             continue
-        ground = grounds[where[number[contour]]]
+        ground = uncut[where[number[contour]]]
+        parts = ground.metal.parts
         for kind, out, left in ground.cut(in_place[number[contour]]):
-            yield Cutting(k, kind, tuple(ground.parts[m] for m in out), tuple(ground.parts[m] for m in left))
+            yield Cutting(k, kind, tuple(parts[m] for m in out), tuple(parts[m] for m in left))
 
 
+@kept_with_nest(most=2)
 def _grounds(nest: Nest, strip_mm: float, web_mm: float) -> tuple[dict[str, Metal], list[str]]:
     """The metal of each place by the id of its hole ("" for the sheet), and the place of each part."""
     hosts = host_holes(nest)
@@ -219,9 +369,11 @@ def _grounds(nest: Nest, strip_mm: float, web_mm: float) -> tuple[dict[str, Meta
     where = [at[part.id] for part in nest.parts]
     holes = {hole.id: hole.polygon for hole in hosts.values()}
     grounds = {}
-    for place in sorted(set(where)):
-        own = [k for k, of in enumerate(where) if of == place]
+    lying: dict[str, list[int]] = defaultdict(list)
+    for k, of in enumerate(where):
+        lying[of].append(k)
+    for place, own in sorted(lying.items()):
         ground = shapely.make_valid(holes[place] if place else nest.sheet.polygon)
-        areas = [shapely.make_valid(nest.parts[k].outer.polygon) for k in own]
+        areas = shapely.make_valid(np.array([nest.parts[k].outer.polygon for k in own], dtype=object))
         grounds[place] = Metal(ground, own, areas, strip_mm, web_mm)
     return grounds, where

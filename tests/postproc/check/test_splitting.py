@@ -2,10 +2,14 @@
 
 import math
 
+import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.postproc.check.splitting import split
+from kerfwise.postproc.check import splitting
+from kerfwise.postproc.check.splitting import Pieces, split
 
 
 def lengths(points: list[tuple[float, ...]], round_mm: float) -> tuple[float, float, float, float]:
@@ -46,3 +50,51 @@ def test_the_round_is_the_pair_that_closes_not_the_one_of_the_right_length() -> 
     side = [(k / 2, 0.0) for k in range(20)]
     path = [(-3.0, 0.0), *side, (10, 0), (10, 10), (0, 10), (0, 0), *side[1:5]]
     assert lengths(path, 40.5) == (3, 40, 2, 0)
+
+
+def split_plainly(path: Curve, round_mm: float) -> Pieces | None:
+    """Every pair, one by one."""
+    v = path.vertices
+    at_mm = np.concatenate([[0.0], np.cumsum([math.dist(a, b) for a, b in zip(v[:, :2], v[1:, :2], strict=False)])])
+    found = [
+        (round(math.dist(v[k, :2], v[m, :2]), 3), round(abs(at_mm[m] - at_mm[k] - round_mm), 3), k, m)
+        for k in range(len(v))
+        for m in range(k, len(v))
+        if 0.5 * round_mm <= at_mm[m] - at_mm[k] <= 1.5 * round_mm
+    ]
+    if not found:
+        return None
+    gap_mm, _, k, m = min(found)
+    return Pieces(*(Curve(rows, closed=False) for rows in (v[: k + 1], v[k : m + 1], v[m:])), gap_mm)
+
+
+places = st.tuples(st.integers(-8, 8), st.integers(-8, 8)).map(lambda xy: (xy[0] / 4, xy[1] / 4))
+
+
+@settings(deadline=None)
+@given(st.lists(places, min_size=2, max_size=30), st.integers(1, 160), st.sampled_from([0, 7, 1 << 18]))
+def test_near_pairs_looked_up_by_place_give_what_all_pairs_give(
+    points: list[tuple[float, float]], length: int, compared: int
+) -> None:
+    # lengths that no sum of these steps is half or three halves of
+    path, round_mm = Curve.of(points, closed=False), length / 4 + 0.0137
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(splitting, "COMPARED", compared)
+        found = split(path, round_mm)
+    plain = split_plainly(path, round_mm)
+    assert (found is None) == (plain is None)
+    if found is not None and plain is not None:
+        assert found.gap_mm == plain.gap_mm
+        assert [len(c.vertices) for c in (found.lead_in, found.loop, found.lead_out)] == [
+            len(c.vertices) for c in (plain.lead_in, plain.loop, plain.lead_out)
+        ]
+
+
+def test_a_path_of_many_vertices() -> None:
+    """With every pair compared it would take minutes."""
+    angle = np.linspace(0.0, 2 * np.pi, 20_000, endpoint=False)
+    round_ = np.column_stack([100 * np.cos(angle), 100 * np.sin(angle)]) + np.sin(37 * angle)[:, None] / 100
+    path = Curve.of([(130.0, 0.0), *round_.tolist(), round_[0].tolist(), round_[1].tolist()], closed=False)
+    pieces = split(path, 628.3)
+    assert pieces is not None
+    assert (len(pieces.lead_in.vertices), len(pieces.lead_out.vertices), pieces.gap_mm) == (2, 2, 0.0)

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+import json
+from functools import cache
 from itertools import permutations
+from random import Random
 from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder.geometry.segment import Box
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.readers import ReadOptions
+from kerfwise.encoder.readers.json_nest import read_json
+from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStrips, NoNarrowStripsOptions
 from kerfwise.rules.judging import strips
 from kerfwise.tests.rules.test_statements_agree import sheets
@@ -69,14 +78,14 @@ def test_a_part_that_was_told_is_not_looked_at_again(monkeypatch: pytest.MonkeyP
     """In a row of twelve every other part goes first: those between lie in strips, and each is told once."""
     row = nest(800, 100, *(part(f"P{k}", rect(10 + 60 * k, 10, 50, 80)) for k in range(12)))
     looked: list[tuple[int, bool]] = []
-    vanishes = strips.Metal._vanished
+    vanishes = strips.Uncut._vanished
 
-    def noted(metal: strips.Metal, q: int, core: Any) -> bool:
-        found = vanishes(metal, q, core)
-        looked.append((q, bool(metal.told[q])))
+    def noted(metal: strips.Uncut, parts: Ints, cores: Any) -> Bools:
+        found = vanishes(metal, parts, cores)
+        looked.extend((int(q), bool(metal.told[q])) for q in parts)
         return found
 
-    monkeypatch.setattr(strips.Metal, "_vanished", noted)
+    monkeypatch.setattr(strips.Uncut, "_vanished", noted)
     order = [f"P{k}.outer" for k in (*range(0, 12, 2), *range(1, 12, 2))]
     assert RULE.no_goods(row, order, NoNarrowStripsOptions())
     assert looked
@@ -91,22 +100,69 @@ def test_few_looks_tell_which_of_many_parts_make_a_strip(monkeypatch: pytest.Mon
         *(part(f"P{k}", rect(10 + step * (k % 9), 10 + step * (k // 9), side, side)) for k in range(81)),
     )  # fmt: skip
     middle, looks = 40, list[int]()
-    vanishes = strips.Metal._vanished
+    vanishes = strips.Uncut._vanished
 
-    def noted(metal: strips.Metal, q: int, core: Any) -> bool:
-        looks.append(q)
-        return vanishes(metal, q, core)
+    def noted(metal: strips.Uncut, parts: Ints, cores: Any) -> Bools:
+        looks.extend(parts.tolist())
+        return vanishes(metal, parts, cores)
 
-    metal = next(iter(strips._grounds(field, 60.0, 25.0)[0].values()))
+    metal = strips.Uncut(next(iter(strips._grounds(field, 60.0, 25.0)[0].values())))
     metal.out[:] = True
     metal.out[middle] = False
-    around = metal._around(middle)
+    around = metal.metal.around(middle)
     out = np.arange(len(around.parts))
     assert len(out) > 20
-    monkeypatch.setattr(strips.Metal, "_vanished", noted)
+    monkeypatch.setattr(strips.Uncut, "_vanished", noted)
     needed = np.flatnonzero(np.isin(around.parts, metal._fewest(middle, around, out)))
     assert len(looks) < len(out) / 2
     assert metal._would_vanish(middle, around, needed)
     for k in needed:
         without = needed[needed != k]
         assert not (metal._on_both_sides(around, without) and metal._would_vanish(middle, around, without))
+
+
+@cache
+def plate(seed: int) -> Nest:
+    return read_json(json.dumps(make_sheet(seed, 40, (2000.0, 900.0))).encode(), ReadOptions())
+
+
+@settings(deadline=None, max_examples=12)
+@given(st.integers(1, 3), st.randoms(use_true_random=False), st.booleans())
+def test_close_looks_find_the_islands_that_a_look_at_all_finds(seed: int, chance: Random, rows: bool) -> None:
+    found = plate(seed)
+    order = [p.outer.id for p in found.parts]
+    if rows:  # as plates are cut: one side first, with a few parts out of turn
+        for _ in range(4):
+            k = chance.randrange(len(order))
+            order.insert(chance.randrange(len(order)), order.pop(k))
+    else:
+        chance.shuffle(order)
+    closely = list(strips._badly(found, order, 60.0, 25.0))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(strips.Uncut, "_closed_off", plainly_closed_off)
+        assert list(strips._badly(found, order, 60.0, 25.0)) == closely
+
+
+def plainly_closed_off(uncut: strips.Uncut, p: int, window: Box, left: Ints) -> Any:
+    """All pieces in the window, of what every single part leaves of the ground."""
+    metal = uncut.metal
+    gone = shapely.union_all(metal.grown[uncut.out])
+    return shapely.get_parts(shapely.difference(shapely.clip_by_rect(metal.ground, *window), gone))
+
+
+def test_an_island_is_found_by_a_close_look() -> None:
+    """The comparison above can fail: there are islands on these plates, and close looks find them."""
+    closely: list[bool] = []
+    looked = strips.Uncut._pieces
+
+    def noted(uncut: strips.Uncut, window: Box) -> Any:
+        closely.append(window[2] - window[0] < 2 * strips.ISLAND_STRIPS * uncut.metal.strip_mm)
+        return looked(uncut, window)
+
+    order = [p.outer.id for p in plate(1).parts]
+    Random(2).shuffle(order)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(strips.Uncut, "_pieces", noted)
+        kinds = {cutting.kind for cutting in strips._badly(plate(1), order, 60.0, 25.0)}
+    assert any(closely)
+    assert "island" in kinds
