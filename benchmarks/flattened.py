@@ -42,6 +42,7 @@ from kerfwise.rules.statements import (
     Forbid,
     IdleTravel,
     Lag,
+    Link,
     NoGood,
     Pick,
     Precede,
@@ -75,7 +76,7 @@ def said(statement: Statement) -> object:
             return ("run", frozenset(contours), statement.weight)
         case Lag(first, second):
             return ("lag", min(first, second), max(first, second), statement.cuts, statement.seconds, statement.weight)
-        case NoGood() | Crossing() | IdleTravel():
+        case NoGood() | Crossing() | IdleTravel() | Link():
             return statement
         case _:
             assert_never(statement)

@@ -6,9 +6,11 @@ from dataclasses import dataclass, replace
 
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
 from kerfwise.encoder.candidates import build_with_older_kerfs
+from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import MOST_DETAILS, InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.facts.links import with_links
 from kerfwise.encoder.facts.remaining import loose_in, remaining
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.still_going import long_job, so_much
@@ -78,7 +80,12 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) ->
             raise RulesConflict(HOPELESS, (*(f"{about.rule}: {about.sentence}" for about in alone), *besides)) from None
         raise
     heat_kj = contour_heat_kj(nest, candidates, profile)
-    return _left(compute_facts(nest, profile.fact_options(nest), candidates, heat_kj, met), already)
+    facts = compute_facts(nest, profile.fact_options(nest), candidates, heat_kj, met)
+    return _left(with_links(facts, profile.link_options(), _burnt(already)), already)
+
+
+def _burnt(already: AlreadyCut) -> tuple[Cut, ...]:
+    return already.cuts if already.broken_off is None else (*already.cuts, already.broken_off)
 
 
 def _left(facts: Facts, already: AlreadyCut) -> Facts:

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import assert_never
 
-from .statements import AtLeast, Contiguous, Crossing, Forbid, IdleTravel, Lag, NoGood, Precede, Statement
+from .statements import AtLeast, Contiguous, Crossing, Forbid, IdleTravel, Lag, Link, NoGood, Precede, Statement
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +25,7 @@ class Kinds:
     no_good: tuple[NoGood, ...]
     crossing: tuple[Crossing, ...]
     idle_travel: tuple[IdleTravel, ...]
+    link: tuple[Link, ...]
 
 
 def by_kind(statements: Iterable[Statement]) -> Kinds:
@@ -51,6 +52,7 @@ def by_kind(statements: Iterable[Statement]) -> Kinds:
     no_good: list[NoGood] = []
     crossing: list[Crossing] = []
     idle_travel: list[IdleTravel] = []
+    link: list[Link] = []
     for s in statements:
         match s:
             case Precede():
@@ -69,6 +71,8 @@ def by_kind(statements: Iterable[Statement]) -> Kinds:
                 crossing.append(s)
             case IdleTravel():
                 idle_travel.append(s)
+            case Link():
+                link.append(s)
             case _:
                 assert_never(s)
     return Kinds(
@@ -80,4 +84,5 @@ def by_kind(statements: Iterable[Statement]) -> Kinds:
         no_good=tuple(no_good),
         crossing=tuple(crossing),
         idle_travel=tuple(idle_travel),
+        link=tuple(link),
     )

@@ -13,7 +13,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.options.kind import OptionKind
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Choice, Number, Text
+from kerfwise.rules.options.plain_values import Choice, Flag, Number, Text
 from kerfwise.rules.options.quantities import PointXY
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.yaml_positions import Place, wrong_at
@@ -61,19 +61,24 @@ class Lock:
     direction: Direction | None = field(
         default=None, metadata=option(Choice(("cw", "ccw")), "which way round it is cut")
     )
+    linked: bool | None = field(
+        default=None, metadata=option(Flag(), "false: the torch goes off before it, whatever links the profile allows")
+    )
     zone: int | None = field(default=None, metadata=option(Number(1, whole=True), "zone of the part"))
     place: Place | None = field(default=None, compare=False)
     reason: str = field(default="", compare=False)
 
     def wrong(self) -> str | None:
         """What is wrong with the lock by itself, None for a good one."""
-        of_contour = [o is not None for o in (self.before, self.position, self.entry, self.direction)]
+        of_contour = [o is not None for o in (self.before, self.position, self.entry, self.direction, self.linked)]
         if (self.contour is None) == (self.part is None):
             return "a lock is about one contour or one part: give either contour or part, with an id"
         if self.part is not None and (self.zone is None or any(of_contour)):
             return "what can be locked of a part is its zone: {part: ID, zone: N}"
         if self.contour is not None and (self.zone is not None or not any(of_contour)):
-            return "what can be locked of a contour is before, position, entry or direction"
+            return "what can be locked of a contour is before, position, entry, direction or linked"
+        if self.linked:
+            return "a link can be ruled out, not asked for: {contour: ID, linked: false}"
         if self.contour is not None and self.contour == self.before:
             return f"{self.contour} cannot be cut before itself"
         return None

@@ -13,6 +13,7 @@ from .statements import (
     Forbid,
     IdleTravel,
     Lag,
+    Link,
     NoGood,
     Pick,
     Precede,
@@ -45,7 +46,7 @@ def contours_named(s: Statement) -> Iterator[int]:
                     yield from (literal.i, literal.j)
         case Crossing():
             yield from () if s.over is None else (s.over,)
-        case Forbid() | IdleTravel():
+        case Forbid() | IdleTravel() | Link():
             return
         case _:
             assert_never(s)
@@ -59,6 +60,8 @@ def candidates_named(s: Statement) -> Iterator[int]:
         case AtLeast():
             yield from (literal.c for literal in plain(s.literals) if isinstance(literal, Pick))
             yield from () if s.when is None else (s.when,)
+        case Link():
+            yield from (*s.leave, *s.reach)
         case Precede() | Contiguous() | Lag() | NoGood() | Crossing() | IdleTravel():
             return
         case _:

@@ -154,10 +154,27 @@ class IdleTravel:
     weight: float = 1.0
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Link:
+    """Once one of the candidates `leave` is cut, one of `reach` may follow with the torch on, along `path` (mm).
+
+    The move then costs `weight`, in place of idle travel and of what that crosses, and the cut takes `seconds` more.
+    Both are less than 0 where the pierce and the lead-in that are saved are worth more than what is burnt. It is an
+    offer: a link that costs no less than idle travel is not taken.
+    """
+
+    leave: tuple[int, ...]
+    reach: tuple[int, ...]
+    path: tuple[tuple[float, float], ...]
+    about: About
+    weight: float
+    seconds: float = 0.0
+
+
 EXEMPTION_MM = 1e6
 """Weight of a hard statement that may be excused: more than any plan travels, so excuses are fewest before all else."""
 RELAXED_MM = 2 * EXEMPTION_MM
 """What breaking a relaxed statement costs: more than anything a rule excuses by itself."""
 
-Statement = Precede | Forbid | AtLeast | Contiguous | Lag | NoGood | Crossing | IdleTravel
+Statement = Precede | Forbid | AtLeast | Contiguous | Lag | NoGood | Crossing | IdleTravel | Link
 """Every `weight` of None makes a statement hard; a number makes breaking it cost that much, in mm of idle travel."""

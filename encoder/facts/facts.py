@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal, get_args
 
 import numpy as np
@@ -12,6 +14,7 @@ from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
 from kerfwise.encoder.cut import Cut, Side
+from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 
 SIDES: tuple[Side, ...] = ("left", "right", "bottom", "top")
@@ -77,6 +80,20 @@ class Stretch:
     neighbours: Facing
 
 
+@dataclass(frozen=True, slots=True)
+class LinkPath:
+    """The torch may go on from the end of any of the candidates `leave` to where any of `reach` joins, along `path`."""
+
+    leave: tuple[int, ...]
+    reach: tuple[int, ...]
+    path: tuple[Point, ...]
+
+    @property
+    def length_mm(self) -> float:
+        """How much waste it burns."""
+        return sum(math.dist(a, b) for a, b in pairwise(self.path))
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Past:
     """What came before: the facts of the whole nest, and the cuts that are already made of it.
@@ -103,6 +120,7 @@ class Facts:
     is entered, leaves in the sheet, 0 for a mark, nan where nobody has said. `offcut_mm`, `offcut_large`, `heat_mm`,
     `heat_parts` follow `SIDES`. `first[i]` and `first[i + 1]` bound the candidates of contour i.
     `older_kerfs` says which candidates would meet the kerf of which contours and leads, were those cut before.
+    `links` are ways from one contour to another with the torch on, where the profile wants any.
 
     Where some of the sheet is already cut, all this is of what is left (`nest` too); `past` is the rest of the story.
     """
@@ -132,6 +150,7 @@ class Facts:
     tail: Stretch
     older_kerfs: OlderKerfs
     past: Past | None = None
+    links: tuple[LinkPath, ...] = ()
 
     @property
     def n(self) -> int:

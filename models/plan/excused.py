@@ -16,6 +16,7 @@ from kerfwise.rules.statements import (
     Forbid,
     IdleTravel,
     Lag,
+    Link,
     NoGood,
     Precede,
 )
@@ -69,7 +70,7 @@ def _excusable(stated: Stated, contour_of: list[int]) -> dict[int, list[tuple[Co
             case AtLeast():
                 if (asked := of_at_least(s, contour_of, None)) is not None:
                     found[asked.contour].append((asked, s.about.contours[0]))
-            case Precede() | Forbid() | Contiguous() | Lag() | Crossing() | IdleTravel():
+            case Precede() | Forbid() | Contiguous() | Lag() | Crossing() | IdleTravel() | Link():
                 pass  # no excusable rule states them
             case _:
                 assert_never(s)

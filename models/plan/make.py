@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from itertools import pairwise
 
+from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour
 from kerfwise.encoder.slits import slit_because
 from kerfwise.encoder.small_holes import not_cut_because
 from kerfwise.models.engines.solution import Solution
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.physics.timing.constant import Leg, idle_mm, schedule
+from kerfwise.models.problem.links import links_on
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.statements import Link
 from kerfwise.rules.stating.state_rules import Stated
 
 from .excused import excused, excuses_used
@@ -31,14 +37,16 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
     nest = facts.nest
     candidates = [facts.candidates[c] for c in solution.route]
     contours = [nest.contours[c.contour] for c in candidates]
-    legs = [
-        Leg(c.pierce, c.end, c.cut_mm, k.kind == "mark", not c.edge_start, k.feed_share)
-        for c, k in zip(candidates, contours, strict=True)
-    ]
     machine, home, feeds = profile.machine, profile.home_on(nest), feeds_of(profile)
+    links = links_on(facts.candidates, stated.statements, solution.route, home)
+    ways = [_way(c, link) for c, link in zip(candidates, links, strict=True)]
+    legs = [
+        Leg(way.begin, c.end, way.length_mm, k.kind == "mark", not (c.edge_start or link), k.feed_share, bool(link))
+        for c, k, way, link in zip(candidates, contours, ways, links, strict=True)
+    ]
     times = schedule(legs, feeds, home)
     excuses = excused(facts, stated, solution.route)
-    why = reasons(facts, stated, solution.route, home)
+    why = reasons(facts, stated, solution.route, home, links)
     small = not_cut_because(facts.whole_nest, profile.hole_limits())
     told = small | slit_because(facts.whole_nest, profile.material.kerf_mm)
     cuts = tuple(
@@ -47,20 +55,23 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
                 contour.id,
                 candidate.entry,
                 candidate.direction,
-                candidate.pierce,
-                candidate.lead_in,
+                way.begin,
+                way.lead_in,
                 candidate.lead_out,
                 int(facts.zone[candidate.contour]),
                 begin,
                 end,
                 excuses.get(contour.id, ()),
+                link is not None,
             ),
             contour.part,
             contour.kind,
-            candidate.cut_mm,
+            way.length_mm,
             (told[contour.id], *because) if contour.id in told else because,
         )
-        for candidate, contour, (begin, end), because in zip(candidates, contours, times, why, strict=True)
+        for candidate, contour, way, link, (begin, end), because in zip(
+            candidates, contours, ways, links, times, why, strict=True
+        )
     )
     last = times[-1][1] + math.dist(legs[-1].end, home) / machine.travel_mm_s if times else 0.0
     gap = None
@@ -113,6 +124,23 @@ def _charted(profile: Profile) -> dict[str, str]:
     told = {"chart": use.name, "chart_sha256": use.sha256, "chart_row": use.row}
     told |= {"chart_interpolated": between} if between else {}
     return told | ({"not_of_chart": beaten} if beaten else {})
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Way:
+    """How a cut begins: from its pierce along its lead-in, or from the end of the cut before along a link."""
+
+    begin: Point
+    lead_in: Curve | None
+    length_mm: float
+
+
+def _way(candidate: Candidate, link: Link | None) -> _Way:
+    if link is None:
+        return _Way(candidate.pierce, candidate.lead_in, candidate.cut_mm)
+    path = Curve.of(list(link.path), closed=False)
+    lead_mm = 0.0 if candidate.lead_in is None else candidate.lead_in.length_mm
+    return _Way(link.path[0], path, candidate.cut_mm - lead_mm + path.length_mm)
 
 
 def _broken_off(facts: Facts) -> Cut | None:

@@ -8,15 +8,17 @@ from collections.abc import Sequence
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.rules.by_kind import by_kind
-from kerfwise.rules.statements import Precede
+from kerfwise.rules.statements import Link, Precede
 from kerfwise.rules.stating.state_rules import Stated
 
 SAME_MM = 1e-6
 
 
-def reasons(facts: Facts, stated: Stated, route: Sequence[int], home: Point) -> list[tuple[str, ...]]:
+def reasons(
+    facts: Facts, stated: Stated, route: Sequence[int], home: Point, links: Sequence[Link | None] | None = None
+) -> list[tuple[str, ...]]:
     """For every cut of `route` (candidates in order): what kept it from coming earlier, what from coming later, and
-    the entry, where it is the shortest way on.
+    the entry, where it is the shortest way on, or the link that leads to it.
 
     Of the orders that end (begin) at a contour only the nearest in the plan is told: the others hold by more.
     """
@@ -31,7 +33,8 @@ def reasons(facts: Facts, stated: Stated, route: Sequence[int], home: Point) -> 
             after[s.after] = s
         if s.before not in before or place[s.after] < place[before[s.before].after]:
             before[s.before] = s
-    entered = _entered(facts, stated, route, home)
+    links = [None] * len(route) if links is None else links
+    entered = _entered(facts, stated, route, home, links)
     told = []
     for contour, entry in zip(order, entered, strict=True):
         held = [near[contour].about.sentence for near in (after, before) if contour in near]
@@ -40,13 +43,21 @@ def reasons(facts: Facts, stated: Stated, route: Sequence[int], home: Point) -> 
     return told
 
 
-def _entered(facts: Facts, stated: Stated, route: Sequence[int], home: Point) -> list[tuple[str, ...]]:
+def _entered(
+    facts: Facts, stated: Stated, route: Sequence[int], home: Point, links: Sequence[Link | None]
+) -> list[tuple[str, ...]]:
     """For every cut, that no candidate of its contour makes a shorter way between its neighbours, if that is so."""
     forbidden = {s.candidate for s in by_kind(stated.statements).forbid if s.weight is None}
     used = [facts.candidates[c] for c in route]
     names = ["home", *(facts.nest.contours[c.contour].id for c in used), "home"]
     told: list[tuple[str, ...]] = []
     for k, candidate in enumerate(used):
+        if (link := links[k]) is not None:
+            told.append((f"linked: {link.about.sentence}, which takes less time than a pierce",))
+            continue
+        if k + 1 < len(used) and links[k + 1] is not None:
+            told.append(())
+            continue
         leave = used[k - 1].end if k else home
         reach = used[k + 1].pierce if k + 1 < len(used) else home
         rivals = [c for c in facts.candidates_of(candidate.contour) if c not in forbidden]

@@ -22,6 +22,7 @@ from kerfwise.rules.statements import (
     Forbid,
     IdleTravel,
     Lag,
+    Link,
     NoGood,
     Pick,
     Precede,
@@ -33,6 +34,7 @@ from .closure import close
 from .conditions import Condition, of_at_least, of_no_good, of_soft_precede
 from .crossed_areas import Going
 from .crossings import TooManyMoves, find_crossings, from_home
+from .links import Links
 from .magnitude import check_magnitude
 from .pace import Pace
 from .problem import Problem, SoftGroup
@@ -69,7 +71,7 @@ def make_problem(
         raise _contradiction(before, hard)
     conditions, general = _conditions(statements, contour_of)
     allowed, costs = _candidate_costs(facts, kinds.forbid)
-    site_of, representatives = _sites(facts, allowed, costs, conditions, general)
+    site_of, representatives = _sites(facts, allowed, costs, conditions, general, kinds.link)
     chosen = np.array(representatives, dtype=np.int64)
     kept = set(representatives)  # candidates of one site are asked alike: what is asked of one counts once
     contours = np.array([contour_of[c] for c in representatives], dtype=np.int64)
@@ -98,9 +100,26 @@ def make_problem(
         ids=tuple(c.id for c in facts.nest.contours),
         pace=Pace() if feeds is None else Pace.of(facts, representatives, feeds),
     )
+    problem = _with_links(problem, kinds.link)
     problem = _with_crossings(problem, kinds.crossing, earlier, going)
     check_magnitude(problem)
     return problem
+
+
+def _with_links(problem: Problem, statements: Sequence[Link]) -> Problem:
+    """The links that cost less than idle travel, between contours that may follow each other.
+
+    A lag in seconds keeps its two contours from being linked: a link leaves no time between them.
+    """
+    if not statements:
+        return problem
+    links = Links.of(statements, problem.candidate_site, problem.m)
+    one, other = problem.site_contour[links.leave], problem.site_contour[links.reach]
+    lawful = problem.successors()[one, other] & (one != other)
+    timed = np.array([(lag.first, lag.second) for lag in problem.lags if lag.seconds > 0]).reshape(-1, 2)
+    for first, second in timed.tolist():
+        lawful &= ~(((one == first) & (other == second)) | ((one == second) & (other == first)))
+    return replace(problem, links=links.only(lawful & (links.cost < problem.legs(links.leave, links.reach))))
 
 
 def _with_crossings(problem: Problem, statements: Sequence[Crossing], earlier: Problem | None, going: Going) -> Problem:
@@ -122,7 +141,8 @@ def _with_crossings(problem: Problem, statements: Sequence[Crossing], earlier: P
         if hard:
             raise
         return replace(problem, left_out=((statements[0].about.rule, error.message),))
-    return replace(problem, crossings=found)
+    idle = problem.links.rows_of(found.leave, found.reach) < 0  # a link runs through waste, with the torch down
+    return replace(problem, crossings=found if idle.all() else found.only(idle))
 
 
 def _not_first(problem: Problem, site: int, statement: Crossing) -> Condition:
@@ -137,6 +157,8 @@ def _same_moves(one: Problem, other: Problem) -> bool:
     """Whether the same sites may follow each other in both."""
     return (
         np.array_equal(one.site_candidate, other.site_candidate)
+        and np.array_equal(one.links.leave, other.links.leave)
+        and np.array_equal(one.links.reach, other.links.reach)
         and np.array_equal(one.before, other.before)
         and np.array_equal(one.block, other.block)
         and one.apart() == other.apart()
@@ -184,7 +206,7 @@ def _conditions(statements: tuple[Statement, ...], contour_of: list[int]) -> tup
                     general.append(s)
                 else:
                     conditions.append(made)
-            case Forbid() | Contiguous() | Lag() | Crossing() | IdleTravel():
+            case Forbid() | Contiguous() | Lag() | Crossing() | IdleTravel() | Link():
                 pass  # `make_problem` reads them
             case _:
                 assert_never(s)
@@ -210,7 +232,12 @@ def _candidate_costs(facts: Facts, forbidden: Sequence[Forbid]) -> tuple[Bools, 
 
 
 def _sites(
-    facts: Facts, allowed: Bools, costs: Ints, conditions: list[Condition], general: list[AtLeast]
+    facts: Facts,
+    allowed: Bools,
+    costs: Ints,
+    conditions: list[Condition],
+    general: list[AtLeast],
+    links: Sequence[Link] = (),
 ) -> tuple[dict[int, int], list[int]]:
     """Site of every candidate that is kept, and the candidate each site stands for."""
     told_apart: dict[int, list[object]] = defaultdict(list)
@@ -221,6 +248,11 @@ def _sites(
         for c in {lit.c for lit in plain(s.literals) if isinstance(lit, Pick)} | {s.when}:
             if c is not None:
                 told_apart[c].append(number)
+    for number, link in enumerate(links):
+        for c in link.leave:
+            told_apart[c].append(("leave", number))
+        for c in link.reach:
+            told_apart[c].append(("reach", number))
     site_of: dict[int, int] = {}
     seen: dict[object, int] = {}
     representatives: list[int] = []

@@ -43,6 +43,10 @@ class Crossings:
     def __len__(self) -> int:
         return len(self.leave)
 
+    def only(self, kept: Bools) -> Crossings:
+        """Some of the rows."""
+        return Crossings(self.leave[kept], self.reach[kept], self.over[kept], self.cost[kept], self.statement[kept])
+
 
 class TooManyMoves(InputError):
     """The moves that can occur cannot all be looked at."""

@@ -98,9 +98,12 @@ def times_ms(problem: Problem, route: Sequence[int]) -> dict[int, tuple[int, int
         return {int(problem.site_contour[s]): (0, 0) for s in route}
     now, at = 0, problem.home_um
     times = {}
-    for site in route:
-        begin = now + int(problem.pace.move_ms(at, problem.pierce_um[site]))
-        now, at = begin + int(problem.pace.cut_ms[site]), problem.end_um[site]
+    ways = np.array([problem.m, *route], dtype=np.int64)
+    for site, row in zip(route, problem.links.rows_of(ways[:-1], ways[1:]).tolist(), strict=True):
+        linked = row >= 0
+        begin = now if linked else now + int(problem.pace.move_ms(at, problem.pierce_um[site]))
+        now = begin + int(problem.pace.cut_ms[site]) + (int(problem.links.ms[row]) if linked else 0)
+        at = problem.end_um[site]
         times[int(problem.site_contour[site])] = (begin, now)
     return times
 

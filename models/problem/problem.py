@@ -16,6 +16,7 @@ from kerfwise.rules.statements import About, AtLeast, Lag
 
 from .conditions import Condition
 from .crossings import Crossings
+from .links import Links
 from .pace import Pace
 from .successors import lawful_successors
 
@@ -40,6 +41,7 @@ class Problem:
     contiguous block that i belongs to. `conditions` are about sites (`when` is a site here). `general` are statements
     that only an engine with the whole order in hand can judge, as are `lags` but for those of one cut. `crossings`
     are moves that cost more, or are unlawful, once some contour is out. `pace` tells how long cuts and moves take.
+    `links` are moves with the torch on, each in place of the idle travel between its two sites.
     `left_out` are soft rules that could not be priced on a problem of this size, and why. `matrix` (m + 1, m + 1), home
     last, replaces idle travel between points where costs are given by a table.
     """
@@ -63,6 +65,7 @@ class Problem:
     ids: tuple[str, ...]
     crossings: Crossings = field(default_factory=Crossings)
     pace: Pace = field(default_factory=Pace)
+    links: Links = field(default_factory=Links)
     matrix: Ints | None = None
     left_out: tuple[tuple[str, str], ...] = ()
 
@@ -98,21 +101,30 @@ class Problem:
         return [(lag.first, lag.second) for lag in self.lags if lag.weight is None and lag.cuts > 0]
 
     def travel(self, leave: Ints | Sequence[int], reach: Ints | Sequence[int]) -> Ints:
-        """Cost matrix of idle travel from the end of each site in `leave` (k,) to the pierce of each in `reach` (l,).
+        """Cost matrix of the moves from the end of each site in `leave` (k,) to the pierce of each in `reach` (l,).
 
-        Home is site m. Whole µm, or whatever unit `matrix` has.
+        Idle travel, or a link where there is one. Home is site m. Whole µm, or whatever unit `matrix` has.
         """
         if self.matrix is not None:
-            return np.asarray(self.matrix[np.ix_(np.asarray(leave), np.asarray(reach))], dtype=np.int64)
-        gap = self._at(self.end_um, leave)[:, None, :] - self._at(self.pierce_um, reach)[None, :, :]
-        return np.asarray(np.rint(self.travel_weight * np.sqrt((gap**2).sum(axis=2))), dtype=np.int64)
+            table = np.asarray(self.matrix[np.ix_(np.asarray(leave), np.asarray(reach))], dtype=np.int64)
+        else:
+            gap = self._at(self.end_um, leave)[:, None, :] - self._at(self.pierce_um, reach)[None, :, :]
+            table = np.asarray(np.rint(self.travel_weight * np.sqrt((gap**2).sum(axis=2))), dtype=np.int64)
+        if len(self.links):
+            self.links.laid_over(table, np.asarray(leave), np.asarray(reach))
+        return table
 
     def legs(self, leave: Ints | Sequence[int], reach: Ints | Sequence[int]) -> Ints:
-        """Cost of idle travel from the end of `leave[k]` to the pierce of `reach[k]`, (k,); home is site m."""
+        """Cost of the move from the end of `leave[k]` to the pierce of `reach[k]`, (k,); home is site m."""
         if self.matrix is not None:
-            return np.asarray(self.matrix[leave, reach], dtype=np.int64)
-        gap = self._at(self.end_um, leave) - self._at(self.pierce_um, reach)
-        return np.asarray(np.rint(self.travel_weight * np.sqrt((gap**2).sum(axis=1))), dtype=np.int64)
+            cost = np.asarray(self.matrix[leave, reach], dtype=np.int64)
+        else:
+            gap = self._at(self.end_um, leave) - self._at(self.pierce_um, reach)
+            cost = np.asarray(np.rint(self.travel_weight * np.sqrt((gap**2).sum(axis=1))), dtype=np.int64)
+        if not len(self.links):
+            return cost
+        row = self.links.rows_of(np.asarray(leave), np.asarray(reach))
+        return np.where(row >= 0, self.links.cost[row], cost)
 
     def _at(self, points_um: Ints, sites: Ints | Sequence[int]) -> Floats:
         """The points of some sites, home included, (k, 2)."""

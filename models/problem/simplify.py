@@ -70,11 +70,14 @@ def _spare(problem: Problem, unlawful: Bools) -> Bools:
     compared = np.zeros(problem.m + 1, dtype=np.bool_)
     compared[[s for sites in groups for s in sites]] = True
     asked = _conditions_by_site(problem, compared)
-    crossed = _crossings_by_site(problem, compared)
+    crossed, linked = _crossings_by_site(problem, compared), _links_by_site(problem, compared)
+    timed = _timed(problem)
     for sites in groups:
         for s in sites:
             for t in sites:
-                if t == s or spare[t] or crossed[t] - crossed[s]:
+                if t == s or spare[t] or crossed[t] - crossed[s] or linked[s] - linked[t]:
+                    continue
+                if timed and linked[t] - linked[s]:  # it would change when others are cut
                     continue
                 more = asked[t] - asked[s]
                 costs = [cost for _, _, _, cost in more.elements()]
@@ -88,12 +91,17 @@ def _spare(problem: Problem, unlawful: Bools) -> Bools:
 def _alike(problem: Problem) -> list[list[int]]:
     """Sites that can be compared, in groups of at least two."""
     named = _named(problem)
-    timed = any(lag.seconds > 0 for lag in problem.lags) and len(problem.pace.cut_ms) > 0
+    timed = _timed(problem)
     groups: dict[object, list[int]] = defaultdict(list)
     for s in range(problem.m):
         if s not in named:
             groups[_place(problem, s, timed)].append(s)
     return [sites for sites in groups.values() if len(sites) > 1]
+
+
+def _timed(problem: Problem) -> bool:
+    """Whether it counts how long cuts take."""
+    return any(lag.seconds > 0 for lag in problem.lags) and len(problem.pace.cut_ms) > 0
 
 
 def _place(problem: Problem, site: int, timed: bool) -> object:
@@ -138,6 +146,18 @@ def _crossings_by_site(problem: Problem, compared: Bools) -> dict[int, Counter[t
     return crossed
 
 
+def _links_by_site(problem: Problem, compared: Bools) -> dict[int, Counter[tuple[str, int, int, int]]]:
+    """The links of each site; they cost less than idle travel, so one more makes no site worse."""
+    linked: dict[int, Counter[tuple[str, int, int, int]]] = defaultdict(Counter)
+    rows = problem.links
+    for way, here, there in (("to", rows.leave, rows.reach), ("from", rows.reach, rows.leave)):
+        of = compared[here]
+        columns = (here[of].tolist(), there[of].tolist(), rows.cost[of].tolist(), rows.ms[of].tolist())
+        for site, other, cost, ms in zip(*columns, strict=True):
+            linked[site][way, other, cost, ms] += 1
+    return linked
+
+
 def _with_sites(problem: Problem, kept: Bools) -> Problem:
     """The problem with these sites alone, numbered anew."""
     number = np.append(np.where(kept, np.cumsum(kept) - 1, -1), kept.sum())  # the last is home
@@ -166,6 +186,7 @@ def _with_sites(problem: Problem, kept: Bools) -> Problem:
             rows.cost[there],
             rows.statement[there],
         ),
+        links=problem.links.renumbered(number[:-1], int(kept.sum())),
         pace=replace(problem.pace, cut_ms=problem.pace.cut_ms[kept]) if timed else problem.pace,
         matrix=None if problem.matrix is None else problem.matrix[np.ix_(np.append(kept, True), np.append(kept, True))],
     )

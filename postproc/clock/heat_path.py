@@ -13,7 +13,7 @@ from kerfwise.models.physics.heat.bounds import MOST_S, expect_short
 from kerfwise.models.physics.heat.timed_path import in_order, torch_on
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check.reader.program import NcProgram
-from kerfwise.postproc.nc.plan_paths import toolpaths
+from kerfwise.postproc.nc.plan_paths import Toolpath, toolpaths
 from kerfwise.rules.profile.profile import Profile
 
 _CHORD_MM = 0.05
@@ -35,11 +35,17 @@ def path_of_plan(plan: Plan, nest: Nest, profile: Profile) -> TimedPath:
     for made in toolpaths(plan, nest, profile):
         if made.marks:
             continue
-        cut, machine = made.planned.cut, profile.machine
+        cut = made.planned.cut
         points, slowness = chords(made.path, paced(made.path, law), _CHORD_MM)
-        stands_s = machine.edge_preheat_s if made.edge_start else machine.pierce_time_s
-        burns.append(torch_on(cut.contour, points, cut.start_s, cut.end_s, stands_s, slowness))
+        burns.append(torch_on(cut.contour, points, cut.start_s, cut.end_s, _stands_s(made, profile), slowness))
     return in_order(burns, plan.totals.time_s)
+
+
+def _stands_s(made: Toolpath, profile: Profile) -> float:
+    """How long the torch burns where a cut begins."""
+    if made.linked:
+        return 0.0
+    return profile.machine.edge_preheat_s if made.edge_start else profile.machine.pierce_time_s
 
 
 def path_of_program(program: NcProgram, file: str | Path | None = None) -> TimedPath:

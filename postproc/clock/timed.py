@@ -54,9 +54,11 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
     home = profile.home_on(nest)
     runs, at = [], home
     for made in paths:
-        travels_mm = (math.dist(at, _start(made.path)),)
-        waits_s, share = made.planned.dwell_s, made.feed_share
-        runs.append(Run(made.path, made.marks, not made.edge_start, travels_mm, waits_s, feed_share=share))
+        travels_mm = () if made.linked else (math.dist(at, _start(made.path)),)
+        waits_s, share, linked = made.planned.dwell_s, made.feed_share, made.linked
+        runs.append(
+            Run(made.path, made.marks, not made.edge_start, travels_mm, waits_s, feed_share=share, linked=linked)
+        )
         at = _end(made.path)
     return Job(tuple(runs), (math.dist(at, home),), count_blocks(paths, nest, profile))
 

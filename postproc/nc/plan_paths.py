@@ -33,6 +33,11 @@ class Toolpath:
     edge_start: bool
     feed_share: float = 1.0
 
+    @property
+    def linked(self) -> bool:
+        """Whether it begins where the path before ends, with the torch on."""
+        return self.planned.cut.linked
+
 
 def toolpaths(plan: Plan, nest: Nest, profile: Profile) -> tuple[Toolpath, ...]:
     """The paths of all cuts.
@@ -49,6 +54,7 @@ def toolpaths(plan: Plan, nest: Nest, profile: Profile) -> tuple[Toolpath, ...]:
     for planned, edge_start in zip(plan.cuts, edge_starts, strict=True):
         contour = nest.contour(planned.cut.contour)
         path = torch_path(contour, _as_filed(planned.cut), profile.material.kerf_mm)
+        edge_start = edge_start and not planned.cut.linked
         made.append(Toolpath(planned, path, contour.kind == "mark", edge_start, contour.feed_share))
     return tuple(made)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from itertools import chain, tee
 from pathlib import PurePath
 
 from kerfwise.encoder.nest import Nest
@@ -126,12 +127,19 @@ def _body(
     yield from (block.format(program=program_number(dialect)) for block in dialect.header)
     x, y = profile.frame_on(nest).corner
     pen = Pen(dialect, profile.machine.home, powers_of(dialect, profile))
-    for order, made in enumerate(paths, first):
-        name = names.get(made.planned.cut.contour, "")
-        yield from _cut(order, name, replace(made, path=made.path.moved(-x, -y)), profile, pen)
+    for order, (made, after) in enumerate(_with_next(paths), first):
+        name, lit = names.get(made.planned.cut.contour, ""), after is not None and after.linked
+        yield from _cut(order, name, replace(made, path=made.path.moved(-x, -y)), profile, pen, stays_on=lit)
     yield comment(dialect, "HOME")
     yield pen.rapid(profile.machine.home)
     yield from dialect.footer
+
+
+def _with_next(paths: Iterable[Toolpath]) -> Iterator[tuple[Toolpath, Toolpath | None]]:
+    """Each path with the one after it."""
+    left, right = tee(paths)
+    next(right, None)
+    return zip(left, chain(right, [None]), strict=False)
 
 
 def program_number(dialect: Dialect) -> str:
@@ -139,18 +147,20 @@ def program_number(dialect: Dialect) -> str:
     return "" if dialect.program is None else str(dialect.program.number).zfill(dialect.program.digits)
 
 
-def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: Pen) -> Iterator[str]:
+def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: Pen, stays_on: bool) -> Iterator[str]:
+    """The blocks of one cut; of one that is linked without those that light the torch, of one before it without off."""
     cut, machine, mark, dialect = made.planned.cut, profile.machine, made.marks, pen.dialect
     yield comment(dialect, f"{'MARK' if mark else 'CUT'} {order}", name, f"ZONE {cut.zone} {cut.direction.upper()}")
-    yield pen.rapid(made.path.point_at(0.0))
-    if made.planned.dwell_s > 0:  # metal cools, the torch being off
-        yield pen.wait(made.planned.dwell_s)
-    waits = pierce_dwell_of(profile, dialect) == "program"
-    start_s = machine.edge_preheat_s if made.edge_start else machine.pierce_time_s
     feed_mm_s = machine.mark_feed_mm_s if mark else machine.cut_feed_mm_s * made.feed_share
-    yield from pen.start(mark, (machine.mark_time_s if mark else start_s) if waits else 0.0, feed_mm_s)
+    if not made.linked:
+        yield pen.rapid(made.path.point_at(0.0))
+        if made.planned.dwell_s > 0:  # metal cools, the torch being off
+            yield pen.wait(made.planned.dwell_s)
+        waits = pierce_dwell_of(profile, dialect) == "program"
+        start_s = machine.edge_preheat_s if made.edge_start else machine.pierce_time_s
+        yield from pen.start(mark, (machine.mark_time_s if mark else start_s) if waits else 0.0, feed_mm_s)
     slowed = made.feed_share < 1.0
     yield from dialect.height_off if slowed else ()
     yield from pen.path(made.path, feed_mm_s, None if mark else profile.corner_feed())
     yield from dialect.height_on if slowed else ()
-    yield from pen.stop(mark)
+    yield from () if stays_on else pen.stop(mark)

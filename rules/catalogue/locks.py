@@ -38,7 +38,8 @@ class Locks(Rule[LocksOptions]):
 
     A profile's `locks` fix single decisions: `{contour: ID, before: ID}`, `{contour: ID, position: first | last | N}`
     (over all contours, marks included; 1 is first, and the number of contours is last),
-    `{contour: ID, entry: [x, y]}`, `{contour: ID, direction: cw | ccw}`, `{part: ID, zone: N}`. Always hard. Orders of
+    `{contour: ID, entry: [x, y]}`, `{contour: ID, direction: cw | ccw}`, `{part: ID, zone: N}`, and
+    `{contour: ID, linked: false}`: no link leads to it, it is pierced. Always hard. Orders of
     level-ahead and hull-before that locks leave no room for are dropped, as few as can be, and listed; the zones follow
     positions that are locked. A lock that contradicts any other hard rule is an error that names both.
 
@@ -160,6 +161,8 @@ def _broken(
         yield (name,), f"{name} (cut {k}) is entered at {_spoken(cut.entry)}, not at {_spoken(lock.entry)}", ()
     if lock.direction is not None and cut.direction != lock.direction:
         yield (name,), f"{name} (cut {k}) is cut {cut.direction}, not {lock.direction}", ()
+    if lock.linked is False and cut.linked:
+        yield (name,), f"{name} (cut {k}) is linked with the cut before, not pierced", ()
 
 
 def _number(place: int | Literal["first", "last"], cuts: CutSequence) -> int:

@@ -15,7 +15,7 @@ from kerfwise.rules.options.quantities import LENGTH
 class Links:
     """Ways through waste from one contour to the next with the torch on."""
 
-    longest_mm: float = field(default=0.0, metadata=option(LENGTH, "longest link that the check lets pass; 0 mm: none"))
+    longest_mm: float = field(default=0.0, metadata=option(LENGTH, "longest link; 0 mm: none"))
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,6 +18,7 @@ from kerfwise.encoder.corner_feed import CornerFeed
 from kerfwise.encoder.cornered import with_corners
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import FactOptions
+from kerfwise.encoder.facts.links import LinkOptions
 from kerfwise.encoder.geometry.segment import Box, Point
 from kerfwise.encoder.nest import Kind, Nest
 from kerfwise.encoder.readers.layers import Layers
@@ -211,6 +212,18 @@ class Profile:
             holes=self.hole_limits(),
             narrow=self.cuts.narrow,
         )
+
+    def link_options(self) -> LinkOptions | None:
+        """How links are made: no longer than the profile allows, and than pays; None where there are none."""
+        machine, leads = self.machine, self.leads
+        longest_mm = self.cuts.links.longest_mm
+        if longest_mm <= 0:
+            return None
+        slower = 1 / machine.cut_feed_mm_s - 1 / machine.travel_mm_s
+        if slower > 0:
+            lead_s = self.length_mm(leads.lead_in_mm) * (1 / machine.cut_feed_mm_s + 1 / machine.travel_mm_s)
+            longest_mm = min(longest_mm, (max(machine.pierce_time_s, machine.edge_preheat_s) + lead_s) / slower)
+        return LinkOptions(longest_mm, self.material.kerf_mm, self._asked_of_leads().splash_mm or 0.0)
 
     def _asked_of_leads(self) -> LeadOptions:
         """What the sections and the rules ask of each lead, whatever the nest."""

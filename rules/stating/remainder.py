@@ -22,6 +22,7 @@ from kerfwise.rules.statements import (
     Forbid,
     IdleTravel,
     Lag,
+    Link,
     Literal,
     NoGood,
     Pick,
@@ -84,7 +85,7 @@ def _reduced(s: Statement, rest: Remainder) -> Iterator[Statement]:
         case Precede():
             if rest.left(s.before, s.after):
                 yield replace(s, before=number[s.before], after=number[s.after])
-        case Forbid() | IdleTravel():
+        case Forbid() | IdleTravel() | Link():
             yield s
         case AtLeast():
             yield from _at_least(s, rest)

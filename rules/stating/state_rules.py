@@ -15,6 +15,7 @@ from kerfwise.rules.statements import EXEMPTION_MM, About, AtLeast, Contiguous, 
 
 from .cycles import Link, components, contracted, path
 from .feedback import Unbreakable, lightest_cut, some_cycles
+from .link_offers import link_offers
 from .places import at_odds, in_the_way, positions
 from .remainder import Remainder, of_what_is_left
 from .time_costs import slower_ways
@@ -170,11 +171,12 @@ def _excused(statement: Statement) -> Statement:
 
 
 def _objective(facts: Facts, profile: Profile) -> list[Statement]:
-    """Idle travel at its price, by the millimetre and by the second that one takes, and slower ways to cut."""
+    """Idle travel at its price, by the millimetre and by the second that one takes, slower ways to cut, and links."""
     price = profile.objective.idle + profile.objective.time / profile.machine.travel_mm_s
     return [
         IdleTravel(About("objective", (), f"a millimetre of idle travel costs {price:g}"), price),
         *slower_ways(facts, profile),
+        *link_offers(facts, profile),
     ]
 
 

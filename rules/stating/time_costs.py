@@ -22,24 +22,59 @@ def slower_ways(facts: Facts, profile: Profile) -> Iterator[Forbid]:
     Together with idle travel this is all of T = L_on / V_on + L_off / V_off + N · t (Tavaeva and Petunin) that a plan
     decides: the contours themselves are cut in any case. At the feeds that are set, whatever the time model.
     """
-    if not profile.objective.time:
+    price = price_of_second(profile)
+    if not price:
         return
+    linked = profile.link_options() is not None  # then it counts what a pierce takes, and each lead
     seconds = [_seconds(c, facts.nest.contours[c.contour], profile) for c in facts.candidates]
     quickest: dict[int, float] = {}
     for candidate, s in zip(facts.candidates, seconds, strict=True):
-        quickest[candidate.contour] = min(s, quickest.get(candidate.contour, s))
+        bare_s = _seconds(candidate, facts.nest.contours[candidate.contour], profile, bare=True) if linked else s
+        quickest[candidate.contour] = min(bare_s, quickest.get(candidate.contour, bare_s))
+    than = "its outline alone" if linked else "the quickest way"
     for number, candidate in enumerate(facts.candidates):
         more = seconds[number] - quickest[candidate.contour]
         if more >= _LEAST_S:
             name = facts.nest.contours[candidate.contour].id
-            sentence = f"{name} takes {more:.2f} s more to cut this way than the quickest way"
-            yield Forbid(number, About("objective", (name,), sentence), more * profile.objective.time)
+            sentence = f"{name} takes {more:.2f} s more to cut this way than {than}"
+            yield Forbid(number, About("objective", (name,), sentence), more * price)
 
 
-def _seconds(candidate: Candidate, contour: Contour, profile: Profile) -> float:
+def price_of_second(profile: Profile) -> float:
+    """What a second costs beside idle travel, mm: as the profile says; with links all time counts as idle travel does.
+
+    Examples
+    --------
+    >>> from kerfwise.rules.profile.profile import load_profile
+    >>> price_of_second(load_profile())
+    0.0
+    """
+    if profile.link_options() is None:
+        return profile.objective.time
+    return profile.objective.time + profile.objective.idle * profile.machine.travel_mm_s
+
+
+def start_s(candidate: Candidate, contour: Contour, profile: Profile) -> float:
+    """Time until the torch moves."""
     machine = profile.machine
     if contour.kind == "mark":
-        return machine.mark_time_s + candidate.cut_mm / machine.mark_feed_mm_s
-    feed_mm_s = machine.cut_feed_mm_s * contour.feed_share
-    start_s = machine.edge_preheat_s if candidate.edge_start else machine.pierce_time_s
-    return start_s + candidate.cut_mm / feed_mm_s
+        return machine.mark_time_s
+    return machine.edge_preheat_s if candidate.edge_start else machine.pierce_time_s
+
+
+def lead_in_s(candidate: Candidate, contour: Contour, profile: Profile) -> float:
+    """Time along the lead-in."""
+    return 0.0 if candidate.lead_in is None else candidate.lead_in.length_mm / _feed_mm_s(contour, profile)
+
+
+def _feed_mm_s(contour: Contour, profile: Profile) -> float:
+    machine = profile.machine
+    return machine.mark_feed_mm_s if contour.kind == "mark" else machine.cut_feed_mm_s * contour.feed_share
+
+
+def _seconds(candidate: Candidate, contour: Contour, profile: Profile, bare: bool = False) -> float:
+    """Time to cut a contour this way; `bare` without start, leads and overcut."""
+    leads_mm = sum(lead.length_mm for lead in (candidate.lead_in, candidate.lead_out) if lead is not None)
+    if bare:
+        return (candidate.cut_mm - leads_mm) / _feed_mm_s(contour, profile)
+    return start_s(candidate, contour, profile) + candidate.cut_mm / _feed_mm_s(contour, profile)

@@ -26,6 +26,7 @@ from kerfwise.rules.statements import (
     Forbid,
     IdleTravel,
     Lag,
+    Link,
     NoGood,
     Pick,
     Precede,
@@ -73,6 +74,13 @@ class Way:
         moves = sum(math.dist(self.stops[k][1], self.stops[k + 1][0]) for k in range(a + 1, b + 1)) / FEEDS.travel_mm_s
         cut_mm = [row(PARTS).candidates[c].cut_mm for c in self.candidates[a + 1 : b]]
         return moves + sum(FEEDS.pierce_s + mm / FEEDS.cut_mm_s for mm in cut_mm)
+
+    def follows(self, leave: int, reach: int) -> bool:
+        """Whether one candidate comes right after another."""
+        return (leave, reach) in pairwise(self.candidates)
+
+    def leg_mm(self, leave: int, reach: int) -> float:
+        return math.dist(row(PARTS).candidates[leave].end, row(PARTS).candidates[reach].pierce)
 
     def crossings(self, over: int, area: shapely.Polygon) -> int:
         """How many moves cross an area once a contour is out."""
@@ -182,7 +190,13 @@ def examples() -> tuple[Example, ...]:
     hard = tuple(_hard())
     soft = tuple(replace(e, statement=replace(e.statement, weight=WEIGHT_MM)) for e in hard)
     dearer = IdleTravel(About("objective", (), "a millimetre of idle travel costs 2 more"), 2.0)
-    return (*hard, *soft, Example("idle travel", dearer, lambda way: way.travel_mm))
+    link = Link((0,), (7,), ((0.0, 0.0), (9.0, 0.0)), ABOUT, -30.0)
+    return (
+        *hard,
+        *soft,
+        Example("idle travel", dearer, lambda way: way.travel_mm),
+        Example("link", link, lambda way: way.follows(0, 7) * (1 + way.leg_mm(0, 7) / 30.0)),
+    )
 
 
 @cache

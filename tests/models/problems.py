@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -12,6 +13,7 @@ from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.problem.closure import close
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
+from kerfwise.models.problem.links import Links
 from kerfwise.models.problem.pace import Pace
 from kerfwise.models.problem.problem import Problem, SoftGroup
 from kerfwise.rules.statements import About, AtLeast, Before, Lag, Literal, Pick
@@ -35,10 +37,11 @@ def problem(
     travel_weight: float = 1.0,
     crossings: Crossings | None = None,
     pace: Pace | None = None,
+    links: Sequence[tuple[int, int, int, int]] = (),
 ) -> Problem:
     """A problem with the pierce points of every contour's sites (where the cuts end too, unless `ends_mm` is given).
 
-    Every site is a candidate of the same number. `pairs` (before, after) and `blocks` may not contradict each other.
+    Every site is a candidate of the same number. `links` are rows (leave, reach, cost, ms) of sites. `pairs` (before, after) and `blocks` may not contradict each other.
     """
     n = len(pierces_mm)
     block = np.arange(n, dtype=np.int64)
@@ -68,7 +71,15 @@ def problem(
         ids=tuple(f"C{i}" for i in range(n)),
         crossings=crossings or Crossings(),
         pace=pace or Pace(),
+        links=linked(m, links),
     )
+
+
+def linked(sites: int, rows: Sequence[tuple[int, int, int, int]]) -> Links:
+    """Links (leave, reach, cost, ms) between so many sites; of several between the same two the last."""
+    once = sorted({(leave, reach): (leave, reach, cost, ms) for leave, reach, cost, ms in rows}.values())
+    leave, reach, cost, ms = np.array(once, dtype=np.int64).reshape(-1, 4).T
+    return Links(leave, reach, cost, ms, np.arange(len(once)), sites)
 
 
 def scattered(seed: int, contours: int, sites: int, pairs: int = 0, blocks: Sequence[Sequence[int]] = ()) -> Problem:
@@ -111,7 +122,7 @@ def problems(draw: st.DrawFn, contours: int = 5, sites: int = 3, choices: int = 
     ranks = st.tuples(st.integers(0, n - 1), st.integers(0, n - 1)).filter(lambda p: p[0] < p[1])
     pairs = draw(st.lists(ranks, max_size=n)) if n > 1 else []
     one_site = st.integers(0, m - 1)
-    return problem(
+    drawn = problem(
         [points[a:b] for a, b in pairwise(starts)],
         ends_mm=[points[m + a : m + b] for a, b in pairwise(starts)],
         home_mm=draw(_POINTS),
@@ -126,6 +137,22 @@ def problems(draw: st.DrawFn, contours: int = 5, sites: int = 3, choices: int = 
         crossings=draw(_crossings(n, m)),
         pace=Pace(np.array(draw(st.lists(st.integers(0, 3000), min_size=m, max_size=m)), dtype=np.int64), 0.02),
     )
+    return replace(drawn, links=draw(_links(drawn)))
+
+
+@st.composite
+def _links(draw: st.DrawFn, drawn: Problem) -> Links:
+    """A few moves with the torch on, cheaper than idle travel, and with their sites not less than nothing."""
+    sites = st.integers(0, drawn.m - 1)
+    moves = draw(st.sets(st.tuples(sites, sites), max_size=6))
+    rows = []
+    for leave, reach in sorted(moves):
+        if drawn.site_contour[leave] == drawn.site_contour[reach]:
+            continue
+        least, idle = -int(drawn.site_cost[reach]), int(drawn.legs([leave], [reach])[0])
+        least_ms = -int(drawn.pace.cut_ms[reach])
+        rows.append((leave, reach, draw(st.integers(least, idle)), draw(st.integers(least_ms, 1000))))
+    return linked(drawn.m, rows)
 
 
 @st.composite

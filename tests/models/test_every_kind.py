@@ -73,12 +73,13 @@ def test_every_kind_has_its_examples() -> None:
     without = [kind.__name__ for kind in KINDS if kind not in soft]
     assert not without, f"tests/models/every_kind.py has no example of {', '.join(without)}"
     never_hard = {kind.__name__ for kind in KINDS if kind not in hard}
-    assert never_hard == {"IdleTravel"}
+    assert never_hard == {"IdleTravel", "Link"}
 
 
 @every_example
 def test_the_statement_changes_the_best_plan(example: Example) -> None:
-    assert example.without_mm + 1 < example.best_mm < math.inf
+    assert abs(example.without_mm - example.best_mm) > 1
+    assert example.best_mm < math.inf
 
 
 @every_example

@@ -11,8 +11,11 @@ from kerfwise.models.problem.problem import Problem
 
 
 def can_reverse(problem: Problem) -> bool:
-    """Whether it can be said backwards: crossings ask what is already out, not what is still in."""
-    return not len(problem.crossings)
+    """Whether it can be said backwards.
+
+    Crossings ask what is already out, not what is still in; a link saves a pierce that must be paid for before it.
+    """
+    return not len(problem.crossings) and not len(problem.links)
 
 
 def reversed_problem(problem: Problem) -> Problem:

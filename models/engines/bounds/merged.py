@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from kerfwise.models.problem.crossings import Crossings
+from kerfwise.models.problem.links import Links
 from kerfwise.models.problem.problem import Problem
 
 from .moves import sure_crossings
@@ -40,5 +41,6 @@ def merged(problem: Problem) -> Problem:
         soft_groups=(),
         general=(),
         crossings=Crossings(),
+        links=Links(),
         matrix=np.minimum(least, FAR).astype(np.int64),
     )

@@ -202,10 +202,12 @@ def _cooling_takes_its_time(model: CpModel, problem: Problem, v: Variables) -> N
 
 
 def _cut_ms(problem: Problem, v: Variables, contour: int) -> LinearExprT:
-    """Time of the cut of a contour, by the site that is picked."""
+    """Time of the cut of a contour, by the site that is picked and the link that leads to it."""
     sites = problem.sites(contour)
     span = slice(sites.start, sites.stop)
-    return LinearExpr.weighted_sum(v.pick[span], cuts_ms(problem)[span].tolist())
+    cut = LinearExpr.weighted_sum(v.pick[span], cuts_ms(problem)[span].tolist())
+    linked = v.linked[contour]
+    return cut + LinearExpr.weighted_sum([v.travel[a] for a, _ in linked], [ms for _, ms in linked]) if linked else cut
 
 
 def _literal(model: CpModel, problem: Problem, v: Variables, literal: Literal) -> LiteralT:

@@ -9,6 +9,7 @@ from ortools.sat.python.cp_model import INFEASIBLE
 
 from kerfwise.models.engines.solution import Incumbent, Progress, SolveOptions
 from kerfwise.models.problem.crossings import Crossings
+from kerfwise.models.problem.links import Links
 from kerfwise.models.problem.pace import Pace
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Before
@@ -74,4 +75,5 @@ def by_contours(problem: Problem) -> Problem:
         ),
         crossings=Crossings(),
         pace=Pace(),
+        links=Links(),
     )

@@ -14,7 +14,7 @@ from kerfwise.rules.statements import Before, plain
 from .arcs import ArcLiterals
 from .crossed import OpenCrossing, open_crossings
 from .positions import windows
-from .times import counts_seconds, longest_ms
+from .times import counts_seconds, linked_ms, longest_ms
 
 Pair = tuple[int, int]
 
@@ -28,7 +28,8 @@ class Variables:
     that a statement asks about and the hard orders leave open. `broken[k]`: soft condition k is not met; `failed[k]`:
     soft general statement k does not hold; `missing[k]`: the cuts that soft lag k lacks, `late[k]` the milliseconds;
     `over[k]`: crossing k of `crossings`, a soft one, is made. `begin[i]`: when the cut of contour i begins, ms, only
-    where a statement counts seconds.
+    where a statement counts seconds; then `linked[i]` are the arcs of links to it, and the ms that each makes its cut
+    longer.
     """
 
     problem: Problem
@@ -44,6 +45,7 @@ class Variables:
     crossings: tuple[OpenCrossing, ...]
     over: dict[int, IntVar]
     begin: list[IntVar]
+    linked: list[list[tuple[int, int]]]
 
     def before(self, i: int, j: int) -> LiteralT:
         """Literal, or constant, that says that contour i is cut before contour j."""
@@ -80,6 +82,7 @@ def make_variables(model: CpModel, problem: Problem, arcs: ArcLiterals) -> Varia
         crossings=crossings,
         over={k: model.new_bool_var("") for k, crossing in enumerate(crossings) if crossing.cost != FORBIDDEN},
         begin=_begins(model, problem, arcs),
+        linked=linked_ms(problem, arcs) if counts_seconds(problem) else [],
     )
 
 

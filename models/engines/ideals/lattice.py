@@ -123,7 +123,8 @@ def walk_back(stretch: SweptStretch, layers: list[SweptLayer], state: int) -> tu
         columns.append(int(local.first[i]) + offset)
         out[i // 64] &= ~(np.uint64(1) << np.uint64(i % 64))
         begin = back.begin(size) if back is not layers[0] else np.array([0, ways])
-        best, state = -1, -1
+        best: int | None = None
+        state = -1
         for s in range(int(back.ideal_entry[ideal]), int(back.ideal_entry[ideal + 1])):
             j = int(back.contour[s])
             rows = int(moves.row_of[j]) + np.arange(begin[s + 1] - begin[s])
@@ -135,6 +136,6 @@ def walk_back(stretch: SweptStretch, layers: list[SweptLayer], state: int) -> tu
             if j >= 0:
                 costs += suited(leaving, 2 * len(local.terms.soft_cost))(local.terms, out, j, i)
             k = int(np.argmin(costs))
-            if best < 0 or costs[k] < best:
+            if best is None or costs[k] < best:
                 best, state = int(costs[k]), int(begin[s]) + k
     return columns[::-1], state

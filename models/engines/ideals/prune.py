@@ -54,5 +54,7 @@ def least_in(problem: Problem) -> list[float]:
     least = []
     for contour in range(problem.n):
         ways = problem.travel(np.flatnonzero(np.repeat(follows[contour], sites)), np.array(problem.sites(contour)))
+        if len(problem.links):  # which save a pierce that the site is paid for with
+            ways += problem.site_cost[problem.first[contour] : problem.first[contour + 1]]
         least.append(float(ways.min(initial=NOWHERE)))
     return least

@@ -44,8 +44,9 @@ def asked(profile: Profile, stated: Stated, afterwards: Sequence[Statement] = ()
     files = rules_in_files(profile, stated)
     book = profile.rulebook()
     arrays = [array for rule, setting in files.items() for array in arrays_of(book[rule], setting)]
-    in_data = by_kind(stated.statements).idle_travel  # the table of travel has their price
-    others = [s for s in stated.statements if s not in in_data and s.about.rule not in files]
+    kinds = by_kind(stated.statements)
+    in_data = {id(s) for s in (*kinds.idle_travel, *kinds.link)}  # the table of travel has their price
+    others = [s for s in stated.statements if id(s) not in in_data and s.about.rule not in files]
     return (*arrays, *_in_words([*others, *afterwards]))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import facts_dzn
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.geometry.microns import points_um
+from kerfwise.encoder.geometry.microns import cost_um, points_um
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.pace import Pace
@@ -21,6 +21,7 @@ from kerfwise.rules.minizinc.dzn import Fields, assignments, numbers, table_from
 from kerfwise.rules.minizinc.twin import TwinCase, twin_of
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Rule
+from kerfwise.rules.statements import Link
 from kerfwise.rules.stating.state_rules import Stated
 
 from .asked import drops_orders, rules_in_files
@@ -35,8 +36,14 @@ def data_text(facts: Facts, profile: Profile, stated: Stated, options: SolveOpti
         If a rule counts seconds and `options` have no feeds.
     """
     home_mm = options.home_mm
-    price = sum(s.weight for s in by_kind(stated.statements).idle_travel)
-    fields: Fields = [("travel", table_from_0(travel_um(facts, price, home_mm)))]
+    kinds = by_kind(stated.statements)
+    if clock and kinds.link:
+        raise InputError(
+            "a rule counts seconds, and links change when cuts begin, which the model for MiniZinc does not know: "
+            "set cuts.links.longest to 0 mm, or take another engine, such as portfolio"
+        )
+    price = sum(s.weight for s in kinds.idle_travel)
+    fields: Fields = [("travel", table_from_0(travel_um(facts, price, home_mm, kinds.link)))]
     if clock:
         fields += _clock(facts, options)
     case, book = TwinCase(facts, home_mm), profile.rulebook()
@@ -60,14 +67,18 @@ def without_dropped(facts: Facts, stated: Stated, book: Mapping[str, Rule[Any]])
     return facts
 
 
-def travel_um(facts: Facts, price: float, home_mm: Point) -> Ints:
-    """Cost of idle travel, µm, from the end of each candidate (row) to the pierce of each (column); home is number 0.
+def travel_um(facts: Facts, price: float, home_mm: Point, links: Sequence[Link] = ()) -> Ints:
+    """Cost of the moves, µm, from the end of each candidate (row) to the pierce of each (column); home is number 0.
 
     Rounded as `Problem.travel` rounds, so that every engine finds the same optimum to the digit.
     """
     ends, pierces = _points_um(facts, home_mm)
     gap = ends[:, None, :] - pierces[None, :, :]
-    return np.asarray(np.rint(price * np.sqrt((gap**2).sum(axis=2))), dtype=np.int64)
+    travel = np.asarray(np.rint(price * np.sqrt((gap**2).sum(axis=2))), dtype=np.int64)
+    for link in links:
+        moves = np.ix_(np.array(link.leave) + 1, np.array(link.reach) + 1)
+        travel[moves] = np.minimum(travel[moves], cost_um(link.weight))
+    return travel
 
 
 def _clock(facts: Facts, options: SolveOptions) -> Fields:

@@ -15,6 +15,7 @@ from kerfwise.rules.statements import (
     Forbid,
     IdleTravel,
     Lag,
+    Link,
     Literal,
     NoGood,
     Pick,
@@ -61,6 +62,8 @@ def conditions(statement: Statement) -> list[str]:
                 f"rule {statement.about.rule} cannot be stated for MiniZinc: turn it off in the profile, "
                 "or take another engine, such as portfolio"
             )
+        case Link():
+            return []  # a price of moves: the table of travel has it
         case _:
             assert_never(statement)
 

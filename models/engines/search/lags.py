@@ -13,7 +13,7 @@ from kerfwise.rules.statements import Lag
 
 from .compiled import compiled
 from .demands import HARD
-from .legs import Legs
+from .legs import Legs, link_of
 from .lists import flatten, ints
 
 STEPS = 8  # a hard lag that is kept for no time at all counts as so many broken statements, besides one for itself
@@ -119,10 +119,14 @@ def too_soon(lags: Lags, legs: Legs, order: Ints, position: Ints, site: Ints, ti
         now, last = 0, legs.m
         for c in order:
             s = site[c]
-            dx, dy = legs.end[last, 0] - legs.pierce[s, 0], legs.end[last, 1] - legs.pierce[s, 1]
-            now += int(np.rint(np.sqrt(dx * dx + dy * dy) * lags.ms_per_um))
+            link = link_of(legs, last, s)
+            if link < 0:
+                dx, dy = legs.end[last, 0] - legs.pierce[s, 0], legs.end[last, 1] - legs.pierce[s, 1]
+                now += int(np.rint(np.sqrt(dx * dx + dy * dy) * lags.ms_per_um))
             time_ms[c] = now
             now += lags.cut_ms[s]
+            if link >= 0:
+                now += legs.link_ms[link]
             last = s
     cost, broken = 0, 0
     for k in range(len(lags.a)):
@@ -132,6 +136,10 @@ def too_soon(lags: Lags, legs: Legs, order: Ints, position: Ints, site: Ints, ti
         between = 0
         if len(lags.cut_ms) > 0:
             between = time_ms[second] - time_ms[first] - lags.cut_ms[site[first]]
+            if position[first] > 0:
+                link = link_of(legs, site[order[position[first] - 1]], site[first])
+                if link >= 0:
+                    between -= legs.link_ms[link]
         missing = lags.wait_ms[k] - between
         if missing > 0:
             if lags.per_ms[k] < 0:

@@ -12,6 +12,7 @@ import numpy as np
 
 from kerfwise.arrays import Ints
 from kerfwise.models.problem.closure import transitive
+from kerfwise.models.problem.links import Links
 from kerfwise.models.problem.problem import Problem
 
 from .legs import MATRIX_SITES
@@ -95,4 +96,5 @@ def _smaller(problem: Problem, pieces: list[Ints], first: Ints, heads: Ints, tai
         block=np.arange(n, dtype=np.int64),
         ids=tuple(problem.ids[problem.site_contour[piece[0]]] for piece in pieces),
         matrix=problem.travel(np.append(tails, problem.m), np.append(heads, problem.m)),
+        links=Links(),
     )

@@ -46,6 +46,7 @@ def times_of(job: Job, motion: Motion, feeds: Feeds) -> RunTimes:
     for run in job.runs:
         travel_s = sum(map(motion.travel_s, run.travels_mm))
         wait_s = feeds.mark_start_s if run.marks else feeds.pierce_s if run.pierced else feeds.edge_s
+        wait_s = 0.0 if run.linked else wait_s
         if run.standing_s is not None:
             wait_s = run.standing_s
         on_s = motion.run_s(run.path, run.marks, run.feed_share) if run.moving_s is None else run.moving_s

@@ -58,7 +58,10 @@ class ConstantFeed:
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """One torch-on path: where it starts and ends, its length, whether it marks or enters from the edge, its feed."""
+    """One torch-on path: where it starts and ends, its length, whether it marks or enters from the edge, its feed.
+
+    A `linked` one begins where the last ended, with the torch on.
+    """
 
     start: Point
     end: Point
@@ -66,6 +69,7 @@ class Leg:
     marks: bool = False
     pierced: bool = True
     feed_share: float = 1.0
+    linked: bool = False
 
 
 def schedule(legs: Sequence[Leg], feeds: Feeds, home: Point) -> list[tuple[float, float]]:
@@ -82,6 +86,7 @@ def schedule(legs: Sequence[Leg], feeds: Feeds, home: Point) -> list[tuple[float
         begin = now + math.dist(at, leg.start) / feeds.travel_mm_s
         speed = feeds.mark_mm_s if leg.marks else feeds.cut_mm_s
         wait = feeds.mark_start_s if leg.marks else feeds.pierce_s if leg.pierced else feeds.edge_s
+        wait = 0.0 if leg.linked else wait
         now, at = begin + wait + leg.length_mm / (speed * leg.feed_share), leg.end
         times.append((begin, now))
     return times

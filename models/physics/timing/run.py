@@ -14,7 +14,8 @@ class Run:
     The torch waits for `wait_s` before it is lit. `travels_mm` are the lengths of the idle moves that lead to it.
     `marks` says that it only marks; `pierced` is False where it comes in from the sheet edge. `moving_s` is how long it
     takes at feeds of its own, and `standing_s` how long the torch stands meanwhile, lit, as a program states them; None
-    where the model of motion, or the machine's feeds, say so. Then it moves at `feed_share` of its feed.
+    where the model of motion, or the machine's feeds, say so. Then it moves at `feed_share` of its feed. A `linked` one
+    goes on from the run before it, with the torch on.
     """
 
     path: Curve
@@ -25,6 +26,7 @@ class Run:
     moving_s: float | None = None
     standing_s: float | None = None
     feed_share: float = 1.0
+    linked: bool = False
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -38,7 +40,7 @@ class Job:
     @property
     def pierces(self) -> int:
         """Runs that pierce the sheet."""
-        return sum(run.pierced and not run.marks for run in self.runs)
+        return sum(run.pierced and not run.marks and not run.linked for run in self.runs)
 
     @property
     def on_mm(self) -> float:

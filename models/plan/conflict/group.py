@@ -16,6 +16,7 @@ from kerfwise.rules.statements import (
     Forbid,
     IdleTravel,
     Lag,
+    Link,
     NoGood,
     Precede,
     Statement,
@@ -40,8 +41,8 @@ def hard_groups(statements: Iterable[Statement]) -> tuple[Group, ...]:
             case Precede() | Forbid() | AtLeast() | Contiguous() | Crossing() | Lag() | NoGood():
                 if s.weight is None:
                     found.setdefault(s.about, []).append(s)
-            case IdleTravel():
-                pass  # a price: it is never hard
+            case IdleTravel() | Link():
+                pass  # prices: they are never hard
             case _:
                 assert_never(s)
     return tuple(Group(about, tuple(members)) for about, members in found.items())

@@ -15,6 +15,7 @@ from kerfwise.rules.statements import (
     Forbid,
     IdleTravel,
     Lag,
+    Link,
     NoGood,
     Precede,
     Statement,
@@ -69,7 +70,7 @@ def _kept(setting: Setting, statement: Statement, contour: int) -> bool | None:
                 return None
             true = (w for x, w in zip(orders, statement.weights, strict=True) if place[x.i] < place[x.j])
             return sum(true) >= statement.bound
-        case Contiguous() | Lag() | NoGood() | Crossing() | IdleTravel():
+        case Contiguous() | Lag() | NoGood() | Crossing() | IdleTravel() | Link():
             return None  # no price of heat is one of them
         case _:
             assert_never(statement)

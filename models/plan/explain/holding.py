@@ -7,7 +7,7 @@ from typing import assert_never
 
 import numpy as np
 
-from kerfwise.rules.statements import About, AtLeast, Contiguous, Crossing, Forbid, IdleTravel, Lag, NoGood, Precede
+from kerfwise.rules.statements import About, AtLeast, Contiguous, Crossing, Forbid, IdleTravel, Lag, Link, NoGood, Precede
 
 from .setting import Setting
 
@@ -62,7 +62,7 @@ def others(setting: Setting, contour: int) -> tuple[About, ...]:
                 mine = contour in out or contour in left
             case Lag(i, j):
                 mine = contour in (i, j)
-            case Precede() | Forbid() | AtLeast() | Crossing() | IdleTravel():
+            case Precede() | Forbid() | AtLeast() | Crossing() | IdleTravel() | Link():
                 mine = False  # orders are `holds`; entries, sums and moves are told elsewhere
             case _:
                 assert_never(s)

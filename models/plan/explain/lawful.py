@@ -19,6 +19,7 @@ from kerfwise.rules.statements import (
     Forbid,
     IdleTravel,
     Lag,
+    Link,
     NoGood,
     Precede,
     Statement,
@@ -81,7 +82,7 @@ def _holds(statement: Statement, place: NDArray[np.int64]) -> bool:
             pairs = [lit for lit in statement.literals if isinstance(lit, Before)]
             true = sum(w for lit, w in zip(pairs, statement.weights, strict=False) if place[lit.i] < place[lit.j])
             return len(pairs) < len(statement.literals) or true >= statement.bound
-        case Precede() | Forbid() | Crossing() | IdleTravel():
+        case Precede() | Forbid() | Crossing() | IdleTravel() | Link():
             return True  # `_broken` looks at orders, `resite` and `broken` at entries and moves
         case _:
             assert_never(statement)

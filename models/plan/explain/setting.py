@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.facts.links import join_of
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.problem.compile import make_problem
@@ -118,10 +119,13 @@ def _same_contours(facts: Facts, plan: Plan) -> None:
 
 
 def _candidate_of(facts: Facts, problem: Problem, cut: Cut, notes: list[str]) -> int:
-    """The candidate that a planned cut uses, or the lawful one nearest to it, with a note."""
+    """The candidate that a planned cut uses, or the lawful one nearest to it, with a note; a link tells where it joins."""
+    linked = cut.linked and cut.lead_in is not None
+    begins = cut.lead_in.segments[-1].end if linked and cut.lead_in is not None else cut.pierce
 
     def away_mm(c: int) -> tuple[float, float]:
-        return math.dist(facts.candidates[c].pierce, cut.pierce), math.dist(facts.candidates[c].end, cut.end)
+        begin = join_of(facts.candidates[c]) if linked else facts.candidates[c].pierce
+        return math.dist(begin, begins), math.dist(facts.candidates[c].end, cut.end)
 
     span = facts.candidates_of(facts.nest.index[cut.contour])
     same_way = [c for c in span if facts.candidates[c].direction == cut.direction]

@@ -1,0 +1,265 @@
+"""Links: ways through waste on which the torch may stay on from the end of one outer contour to the next.
+
+A link is a straight line from where the torch leaves one part to where it joins another. It keeps off all metal of
+parts as the cut itself does; off third contours, and the leads to them, by so much that no kerf meets another; and off
+what the torch has just burnt, but for the first two kerfs. No two links that a plan could use both come near each
+other, so that nobody has to remember which have been burnt.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.encoder.candidates.candidate import Candidate
+from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
+
+from .facts import Facts, LinkPath
+
+_OFF_MM = 0.01
+"""What chords may make of a distance."""
+_OWN_KERFS = 2.0
+"""Kerfs from its beginning in which a link may be in what the torch has just burnt."""
+_AT_ONCE = 20_000
+_NOBODY = -1
+_CHORD_MM = 0.02
+
+Lines = NDArray[np.object_]
+
+
+@dataclass(frozen=True, slots=True)
+class LinkOptions:
+    """The longest link, mm; the kerf, and the metal between a pierced hole and a kerf."""
+
+    longest_mm: float
+    kerf_mm: float
+    splash_mm: float = 0.0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Places:
+    """Candidates that no link tells apart, k places: their contour, and where links begin or end, (k, 2)."""
+
+    members: list[tuple[int, ...]]
+    contour: Ints
+    at: Floats
+
+
+def with_links(facts: Facts, options: LinkOptions | None, cut_before: Iterable[Cut] = ()) -> Facts:
+    """The facts with all links that are no longer than the options say; those of `cut_before` are in the way, too.
+
+    Examples
+    --------
+    >>> from kerfwise.encoder.by_hand import nest, part, rect
+    >>> from kerfwise.encoder.candidates import LeadOptions, build_candidates
+    >>> from kerfwise.encoder.facts import FactOptions, compute_facts
+    >>> two = nest(400, 100, part("A", rect(10, 10, 80, 80)), part("B", rect(102, 10, 80, 80)))
+    >>> ways = build_candidates(two, LeadOptions(entries=4))
+    >>> facts = with_links(compute_facts(two, FactOptions(), ways), LinkOptions(20.0, 1.5))
+    >>> sorted({facts.candidates[link.leave[0]].contour for link in facts.links})
+    [0, 1]
+    """
+    if options is None or options.longest_mm <= 0:
+        return facts
+    return replace(facts, links=tuple(_links(facts, options, tuple(cut_before))))
+
+
+def _links(facts: Facts, options: LinkOptions, cut_before: Sequence[Cut]) -> list[LinkPath]:
+    leave, reach = _places(facts, _leaving), _places(facts, _joining)
+    if not len(leave.contour):
+        return []
+    tree = shapely.STRtree(shapely.points(reach.at))
+    one, other = tree.query(shapely.points(leave.at), "dwithin", distance=options.longest_mm)
+    parts = _part_numbers(facts)
+    of, to = leave.contour[one], reach.contour[other]
+    apart = (parts[of] != parts[to]) & (facts.parent[of] == facts.parent[to])
+    gap = np.hypot(*(leave.at[one] - reach.at[other]).T)
+    kept = np.flatnonzero(apart & (gap > options.kerf_mm))
+    kept = kept[np.lexsort((other[kept], one[kept]))]
+    one, other = one[kept], other[kept]
+    in_the_way = _InTheWay.of(facts, options, cut_before)
+    clear = np.zeros(len(one), dtype=np.bool_)
+    for begin in range(0, len(one), _AT_ONCE):
+        rows = slice(begin, begin + _AT_ONCE)
+        clear[rows] = in_the_way.clear(leave, one[rows], reach, other[rows])
+    one, other = one[clear], other[clear]
+    alone = _without_meetings(leave, one, reach, other, options.kerf_mm)
+    return [
+        LinkPath(leave.members[i], reach.members[j], (_xy(leave.at[i]), _xy(reach.at[j])))
+        for i, j in zip(one[alone].tolist(), other[alone].tolist(), strict=True)
+    ]
+
+
+def _xy(at: Floats) -> Point:
+    return float(at[0]), float(at[1])
+
+
+def _leaving(candidate: Candidate) -> tuple[Point, object]:
+    return candidate.end, (candidate.end, candidate.pierce)
+
+
+def _joining(candidate: Candidate) -> tuple[Point, object]:
+    at = join_of(candidate)
+    lead_mm = 0.0 if candidate.lead_in is None else candidate.lead_in.length_mm
+    return at, (at, candidate.end, round(lead_mm, 6), candidate.edge_start)
+
+
+def join_of(candidate: Candidate) -> Point:
+    """Where the torch joins the contour, on the line that it follows."""
+    if candidate.lead_in is None:
+        return candidate.pierce
+    x, y = candidate.lead_in.vertices[-1, :2].tolist()
+    return x, y
+
+
+def _places(facts: Facts, place: Callable[[Candidate], tuple[Point, object]]) -> _Places:
+    members: dict[tuple[int, object], list[int]] = defaultdict(list)
+    at: dict[tuple[int, object], Point] = {}
+    for number, candidate in enumerate(facts.candidates):
+        if facts.nest.contours[candidate.contour].kind == "outer":
+            point, like = place(candidate)
+            key = candidate.contour, like
+            members[key].append(number)
+            at[key] = point
+    contour = np.array([contour for contour, _ in members], dtype=np.int64)
+    return _Places(
+        [tuple(of) for of in members.values()], contour, np.array(list(at.values()), dtype=np.float64).reshape(-1, 2)
+    )
+
+
+def _part_numbers(facts: Facts) -> Ints:
+    number = {part.id: k for k, part in enumerate(facts.nest.parts)}
+    return np.array([number[c.part] for c in facts.nest.contours], dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _InTheWay:
+    """What links keep off: metal of parts, contours, leads and pierces (`of_lead`, `of_hole`: of which contour)."""
+
+    facts: Facts
+    options: LinkOptions
+    sheet: shapely.Geometry
+    metal: shapely.STRtree
+    rings: Lines
+    leads: shapely.STRtree
+    of_lead: Ints
+    holes: shapely.STRtree
+    of_hole: Ints
+
+    @staticmethod
+    def of(facts: Facts, options: LinkOptions, cut_before: Sequence[Cut]) -> _InTheWay:
+        """The leads of all candidates, and those that were burnt before anything is planned."""
+        nest = facts.nest
+        burning = [c for c in facts.candidates if nest.contours[c.contour].kind != "mark"]
+        leads = [(c.contour, line) for c in burning for line in _leads(c)]
+        leads += [(_NOBODY, line) for cut in cut_before for line in _lines((cut.lead_in, cut.lead_out))]
+        holes = [(c.contour, c.pierce) for c in burning if not c.edge_start]
+        holes += [(_NOBODY, cut.pierce) for cut in cut_before if not cut.linked]
+        metal = shapely.make_valid(np.array([part.polygon for part in nest.parts], dtype=object))
+        sheet = shapely.buffer(shapely.make_valid(nest.sheet.polygon), -options.kerf_mm / 2)
+        shapely.prepare(metal)
+        shapely.prepare(sheet)
+        return _InTheWay(
+            facts,
+            options,
+            sheet,
+            shapely.STRtree(metal),
+            np.array([c.line for c in nest.contours], dtype=object),
+            shapely.STRtree([line for _, line in leads]),
+            np.array([contour for contour, _ in leads], dtype=np.int64),
+            shapely.STRtree([shapely.Point(at) for _, at in holes]),
+            np.array([contour for contour, _ in holes], dtype=np.int64),
+        )
+
+    def clear(self, leave: _Places, one: Ints, reach: _Places, other: Ints) -> Bools:
+        """Which straight lines from the places `one` to the places `other` are links."""
+        kerf_mm = self.options.kerf_mm
+        begin, end, of, to = leave.at[one], reach.at[other], leave.contour[one], reach.contour[other]
+        lines = shapely.linestrings(np.stack([begin, end], axis=1))
+        clear = np.asarray(shapely.covers(self.sheet, lines))
+        near_mm = max(kerf_mm / 2 - _OFF_MM - _CHORD_MM, 0.0)
+        clear[self.metal.query(lines, "dwithin", distance=near_mm)[0]] = False
+        everyone = np.arange(len(self.rings))
+        for tree, whose, off_mm in (
+            (shapely.STRtree(self.rings), everyone, 1.5 * kerf_mm),
+            (self.leads, self.of_lead, kerf_mm),
+            (self.holes, self.of_hole, kerf_mm + self.options.splash_mm),
+        ):
+            rows = np.flatnonzero(clear)
+            row, k = tree.query(lines[rows], "dwithin", distance=off_mm)
+            row = rows[row]
+            clear[row[(whose[k] != of[row]) & (whose[k] != to[row])]] = False
+        rows = np.flatnonzero(clear)
+        clear[rows] = self._off_own(leave, one[rows], reach, other[rows])
+        return clear
+
+    def _off_own(self, leave: _Places, one: Ints, reach: _Places, other: Ints) -> Bools:
+        """Which links part from what has just been burnt, and keep off the lead-out of the contour that they reach."""
+        kerf_mm, candidates = self.options.kerf_mm, self.facts.candidates
+        begin, end = leave.at[one], reach.at[other]
+        onward = _trimmed(begin, end, _OWN_KERFS * kerf_mm)
+        clear = shapely.distance(onward, self.rings[leave.contour[one]]) >= kerf_mm
+        burnt = [shapely.union_all(_leads(candidates[of[0]])) for of in leave.members]
+        to_burn = [shapely.union_all(_leads(candidates[of[0]])[1:]) for of in reach.members]
+        clear &= _far(onward, np.array(burnt, dtype=object)[one], kerf_mm)
+        inward = _trimmed(end, begin, _OWN_KERFS * kerf_mm)
+        return clear & _far(inward, np.array(to_burn, dtype=object)[other], kerf_mm)
+
+
+def _far(lines: Lines, others: Lines, least_mm: float) -> Bools:
+    """Whether each line is so far from the other; what is empty is far from everything."""
+    return np.asarray(~(shapely.distance(lines, others) < least_mm))
+
+
+def _trimmed(begin: Floats, end: Floats, less_mm: float) -> Lines:
+    """Lines without their first `less_mm`; their very end where they are shorter."""
+    length_mm = np.hypot(*(end - begin).T)
+    share = np.minimum(less_mm / np.maximum(length_mm, 1e-9), 1.0)[:, None]
+    return shapely.linestrings(np.stack([begin + share * (end - begin), end], axis=1))
+
+
+def _leads(candidate: Candidate) -> list[shapely.LineString]:
+    """The lead-in, if there is one, then the lead into the waste at the end."""
+    return _lines((candidate.lead_in, candidate.lead_out if candidate.leaves else None))
+
+
+def _lines(leads: Iterable[Curve | None]) -> list[shapely.LineString]:
+    return [lead.line(_CHORD_MM) for lead in leads if lead is not None and lead.segments]
+
+
+def _without_meetings(leave: _Places, one: Ints, reach: _Places, other: Ints, kerf_mm: float) -> Ints:
+    """The numbers of links of which no two can meet in one plan, the shorter before the longer."""
+    begin, end, of, to = leave.at[one], reach.at[other], leave.contour[one], reach.contour[other]
+    lines = shapely.linestrings(np.stack([begin, end], axis=1))
+    onward = _trimmed(begin, end, _OWN_KERFS * kerf_mm)
+    tree = shapely.STRtree(lines)
+    rivals: dict[int, set[int]] = defaultdict(set)
+    entered, left = [frozenset(m) for m in reach.members], [frozenset(m) for m in leave.members]
+    for start in range(0, len(lines), _AT_ONCE // 10):
+        p, q = tree.query(lines[start : start + _AT_ONCE // 10], "dwithin", distance=kerf_mm)
+        p = p + start
+        both = (of[p] != of[q]) & (to[p] != to[q]) & ~((of[p] == to[q]) & (to[p] == of[q])) & (p != q)
+        p, q = p[both], q[both]
+        chained = (of[p] == to[q]) | (to[p] == of[q])
+        apart = ~chained
+        rows = np.flatnonzero(of[p] == to[q])  # q leads to where p leaves: by the same way of cutting it alone
+        same = np.array([not left[i].isdisjoint(entered[j]) for i, j in zip(one[p[rows]], other[q[rows]], strict=True)])
+        rows = rows[same] if len(rows) else rows
+        apart[rows] = shapely.distance(onward[p[rows]], lines[q[rows]]) < kerf_mm
+        for a, b in zip(p[apart].tolist(), q[apart].tolist(), strict=True):
+            rivals[a].add(b)
+            rivals[b].add(a)
+    length_mm = np.hypot(*(end - begin).T)
+    kept: set[int] = set()
+    for k in np.lexsort((np.arange(len(lines)), length_mm)).tolist():
+        if rivals[k].isdisjoint(kept):
+            kept.add(k)
+    return np.array(sorted(kept), dtype=np.int64)
