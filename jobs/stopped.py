@@ -111,13 +111,14 @@ def stopped_program(
     cuts_elsewhere(program, nest, kerf_mm, file)
     built = rebuild(nest, program, kerf_mm, profile.home_on(nest))
     made = built.cuts.made
-    _expect(upto, made, made + len(program.burns), "program", file)
+    _expect(upto, made, made + max(len(program.burns), len(built.cuts.new)), "program", file)
     if told := [v.text for v in built.violations if not v.cuts and not v.text.startswith("line ")]:
         raise InputError(f"the program does not say clearly what was cut before it: {told[0]}", file=file)
-    for k, (burn, run) in enumerate(zip(program.burns, built.runs, strict=True), made + 1):
+    a_run_a_burn = len(program.burns) == len(built.runs)
+    for k, run in enumerate(built.runs, made + 1):
         if k <= upto and run.contour is None:
             message = f"cut {k} runs along no contour of {_named(nest)}: is it the nest of this program?"
-            raise InputError(message, file=file, line=burn.line)
+            raise InputError(message, file=file, line=program.burns[k - made - 1].line if a_run_a_burn else None)
     return _stopped(built.cuts, upto, redo_last, "program", file)
 
 

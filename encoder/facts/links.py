@@ -211,7 +211,7 @@ class _InTheWay:
         to_burn = [shapely.union_all(_leads(candidates[of[0]])[1:]) for of in reach.members]
         clear &= _far(onward, np.array(burnt, dtype=object)[one], kerf_mm)
         inward = _trimmed(end, begin, _OWN_KERFS * kerf_mm)
-        return clear & _far(inward, np.array(to_burn, dtype=object)[other], kerf_mm)
+        return np.asarray(clear & _far(inward, np.array(to_burn, dtype=object)[other], kerf_mm))
 
 
 def _far(lines: Lines, others: Lines, least_mm: float) -> Bools:
@@ -223,7 +223,8 @@ def _trimmed(begin: Floats, end: Floats, less_mm: float) -> Lines:
     """Lines without their first `less_mm`; their very end where they are shorter."""
     length_mm = np.hypot(*(end - begin).T)
     share = np.minimum(less_mm / np.maximum(length_mm, 1e-9), 1.0)[:, None]
-    return shapely.linestrings(np.stack([begin + share * (end - begin), end], axis=1))
+    lines: Lines = shapely.linestrings(np.stack([begin + share * (end - begin), end], axis=1))
+    return lines
 
 
 def _leads(candidate: Candidate) -> list[shapely.LineString]:

@@ -22,6 +22,8 @@ RELAXED = "relaxed: "
 """How the reason of a statement begins that is relaxed because the hard rules cannot all hold."""
 WAITS = "waits "
 """How the reason of a wait begins, among the reasons of a cut."""
+LINKED = "linked: "
+"""How the reason of a link begins, among the reasons of the cut that it leads to."""
 Status = Literal["optimal", "feasible"]
 
 
@@ -38,6 +40,11 @@ class PlannedCut:
     length_mm: float
     because: tuple[str, ...] = ()
     dwell_s: float = 0.0
+
+    @property
+    def linked_because(self) -> str:
+        """Why the torch stays on before the cut; "" if it does not, or the plan does not say."""
+        return next((text for text in self.because if text.startswith(LINKED)), "") if self.cut.linked else ""
 
     @property
     def waits_because(self) -> str:

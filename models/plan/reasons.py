@@ -11,6 +11,8 @@ from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.statements import Link, Precede
 from kerfwise.rules.stating.state_rules import Stated
 
+from .plan import LINKED
+
 SAME_MM = 1e-6
 
 
@@ -53,7 +55,7 @@ def _entered(
     told: list[tuple[str, ...]] = []
     for k, candidate in enumerate(used):
         if (link := links[k]) is not None:
-            told.append((f"linked: {link.about.sentence}, which takes less time than a pierce",))
+            told.append((f"{LINKED}{link.about.sentence}, which takes less time than a pierce",))
             continue
         if k + 1 < len(used) and links[k + 1] is not None:
             told.append(())

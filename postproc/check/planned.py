@@ -73,7 +73,10 @@ def _differences(cut: Cut, asked: Cut, closed: bool, allowed_mm: float) -> Itera
             "is linked with the cut before, the plan has it pierced" if cut.linked else "is pierced, the plan links it"
         )
     for what, at, said in (("enters", cut.entry, asked.entry), ("begins", cut.pierce, asked.pierce)):
-        if (apart_mm := math.dist(at, said)) > allowed_mm:
+        apart_mm = math.dist(at, said)
+        if what == "begins" and cut.linked and asked.linked and asked.lead_in is not None:
+            apart_mm = asked.lead_in.project(at)[1]  # along a ring that it leaves at a low angle no point is the first
+        if apart_mm > allowed_mm:
             yield f"{what} at {_at(at)}, {apart_mm:.2f} mm from where the plan does, {_at(said)}"
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,7 +29,8 @@ _OUT = re.compile(
     re.IGNORECASE,
 )
 _LEAD = re.compile(
-    rf"(?P<how>OUT|BROKEN) (?P<order>\d{{1,9}}) LEAD (?P<which>IN|OUT) (?P<rows>{_NUMBER}(?: {_NUMBER})*)",
+    r"(?P<how>OUT|BROKEN) (?P<order>\d{1,9}) (?P<what>LEAD|LINK) (?P<which>IN|OUT) "
+    rf"(?P<rows>{_NUMBER}(?: {_NUMBER})*)",
     re.IGNORECASE,
 )
 
@@ -54,9 +55,11 @@ def read_resumed(nest: Nest, comments: Iterable[str]) -> Resumed:
         return Resumed()
     ids = ids_by_name(nest, said)
     leads: dict[tuple[str, int, str], list[float]] = defaultdict(list)
+    linked: set[tuple[str, int, str]] = set()
     for found in filter(None, map(_LEAD.fullmatch, said)):
         key = (found["how"].upper(), int(found["order"]), found["which"].upper())
         leads[key] += [float(word) for word in found["rows"].split()]
+        linked |= {key} if found["what"].upper() == "LINK" else set()
     cuts: dict[int, Cut] = {}
     broken_off: Cut | None = None
     wrong: list[str] = []
@@ -72,6 +75,7 @@ def read_resumed(nest: Nest, comments: Iterable[str]) -> Resumed:
         entry = curve.point_at(curve.project(join)[0])
         way = "cw" if found["way"].upper() == "CW" else "ccw"
         cut = Cut(name, entry, "cw" if way == "cw" else "ccw", pierce, lead_in, lead_out, int(found["zone"]))
+        cut = replace(cut, linked=(how, order, "IN") in linked)
         if how == "BROKEN":
             broken_off = cut
         else:

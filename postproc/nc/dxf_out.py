@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 
+import numpy as np
+
+from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.profile.profile import Profile
 
-from .plan_paths import toolpaths
+from .plan_paths import Toolpath, toolpaths
 
 LAYERS: Mapping[str, str] = {"outer": "CUT_OUTER", "hole": "CUT_HOLE", "slit": "CUT_SLIT", "mark": "MARK"}
 """The layer of each kind of contour."""
@@ -19,7 +23,7 @@ def write_dxf(plan: Plan, nest: Nest, profile: Profile) -> str:
     """The torch paths of `plan` as DXF R12, in mm: polylines in the order of the cuts, each in its direction.
 
     Each begins at the pierce and ends where the torch goes off, leads included, kerf allowed for; arcs are bulges.
-    Coordinates are the program's. The same plan gives the same bytes.
+    What is linked is one polyline. Coordinates are the program's. The same plan gives the same bytes.
 
     Raises
     ------
@@ -32,7 +36,22 @@ def write_dxf(plan: Plan, nest: Nest, profile: Profile) -> str:
     x, y = profile.frame_on(profile.as_cut(nest)).corner
     text = io.StringIO(newline="")
     with r12writer(text) as drawing:
-        for made in toolpaths(plan, nest, profile):
+        for made in _burns(toolpaths(plan, nest, profile)):
             rows = made.path.moved(-x, -y).vertices.tolist()
             drawing.add_polyline_2d(rows, format="xyb", closed=False, layer=LAYERS[made.planned.kind])
     return text.getvalue()
+
+
+def _burns(paths: Iterable[Toolpath]) -> Iterator[Toolpath]:
+    """The paths, what is linked as one, of the kind of its first."""
+    burn: Toolpath | None = None
+    for made in paths:
+        if burn is not None and made.linked:
+            rows = np.vstack([burn.path.vertices[:-1], made.path.vertices])
+            burn = replace(burn, path=Curve(rows, closed=False))
+            continue
+        if burn is not None:
+            yield burn
+        burn = made
+    if burn is not None:
+        yield burn

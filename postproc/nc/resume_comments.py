@@ -7,7 +7,8 @@
     (OUT 2 P1.outer ZONE 1 CW PIERCE 8 3.25)
 
 Each vertex of a lead is x, y and the bulge of the segment that begins there. A lead that has no room on one line goes
-on in the next comment with the same words. A cut that broke off, and is made again, is told as BROKEN instead of OUT.
+on in the next comment with the same words. A cut that was linked with the one before has LINK IN instead of LEAD IN. A
+cut that broke off, and is made again, is told as BROKEN instead of OUT.
 """
 
 from __future__ import annotations
@@ -46,8 +47,9 @@ def _cut(head: str, planned: PlannedCut, names: Mapping[str, str], dialect: Dial
     )
     for name, lead in (("IN", cut.lead_in), ("OUT", cut.lead_out)):
         if lead is not None:
-            for words in _lines(lead, room_for(dialect, f"{head} LEAD {name}")):
-                yield comment(dialect, f"{head} LEAD {name}", " ".join(words))
+            what = "LINK" if cut.linked and name == "IN" else "LEAD"
+            for words in _lines(lead, room_for(dialect, f"{head} {what} {name}")):
+                yield comment(dialect, f"{head} {what} {name}", " ".join(words))
 
 
 def _lines(lead: Curve, room: int) -> Iterator[Sequence[str]]:

@@ -93,20 +93,26 @@ def _head(middle: Point, tangent: Point, size: float) -> np.ndarray[tuple[int, .
 
 
 def lead_layer(view: View, cuts: Sequence[Cut]) -> SceneLayer:
-    """Lead-ins, and lead-outs drawn thinner."""
+    """Lead-ins, and lead-outs drawn thinner; links as the contours that they lead to."""
     items = []
     for k, cut in enumerate(cuts, 1):
         for lead, width in ((cut.lead_in, 1.1), (cut.lead_out, 0.7)):
             if lead is not None and len(lead.segments) > 0:
-                style = Style(stroke=colours.PIERCE, width=width * view.line_width)
+                link = cut.linked and lead is cut.lead_in
+                style = Style(stroke=colours.OUTER if link else colours.PIERCE, width=width * view.line_width)
                 items.append(Shape((view.path(lead),), style, closed=False, cut=k))
     return SceneLayer("leads", tuple(items))
 
 
 def pierce_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> SceneLayer:
-    """A dot where the torch pierces, a ring where it begins off the sheet; blue and smaller where a mark begins."""
+    """A dot where the torch pierces, a ring where it begins off the sheet; blue and smaller where a mark begins.
+
+    A cut that is linked has none.
+    """
     items = []
     for k, cut in enumerate(cuts, 1):
+        if cut.linked:
+            continue
         x, y = view.point(cut.pierce)
         if nest.contour(cut.contour).kind == "mark":
             items.append(Dot(x, y, 0.7 * view.dot_radius, Style(fill=colours.MARK), k))
@@ -128,7 +134,7 @@ def travel_layer(view: View, cuts: Sequence[Cut], home: Point, shares: Sequence[
     for k, ((start, end), share) in enumerate(zip(stops, shares, strict=True), 1):
         a, b = view.point(start), view.point(end)
         length = math.dist(a, b)
-        if length < 0.5:
+        if length < 0.5 or (k <= len(cuts) and cuts[k - 1].linked):
             continue
         colour = colours.time_colour(share)
         cut = min(k, len(cuts))

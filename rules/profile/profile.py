@@ -214,10 +214,14 @@ class Profile:
         )
 
     def link_options(self) -> LinkOptions | None:
-        """How links are made: no longer than the profile allows, and than pays; None where there are none."""
+        """How links are made: no longer than the profile allows, and than pays; None where there are none.
+
+        There are none where the torch may have to wait for metal to cool, which it does while it is off.
+        """
         machine, leads = self.machine, self.leads
         longest_mm = self.cuts.links.longest_mm
-        if longest_mm <= 0:
+        limit = self.temperature_limit()
+        if longest_mm <= 0 or (limit is not None and limit.dwells):
             return None
         slower = 1 / machine.cut_feed_mm_s - 1 / machine.travel_mm_s
         if slower > 0:

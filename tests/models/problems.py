@@ -41,7 +41,8 @@ def problem(
 ) -> Problem:
     """A problem with the pierce points of every contour's sites (where the cuts end too, unless `ends_mm` is given).
 
-    Every site is a candidate of the same number. `links` are rows (leave, reach, cost, ms) of sites. `pairs` (before, after) and `blocks` may not contradict each other.
+    Every site is a candidate of the same number. `links` are rows (leave, reach, cost, ms) of
+    sites. `pairs` (before, after) and `blocks` may not contradict each other.
     """
     n = len(pierces_mm)
     block = np.arange(n, dtype=np.int64)

@@ -29,7 +29,8 @@ class Explanation:
     it, nearest first; the chains lead on from there to the ends of the plan. `also` are statements of other kinds,
     `heat` prices on orders and entries that overheat metal. The torch waits for `dwell_s` before the contour is cut,
     and why. Where zones have a budget of heat, `zone_heat_kj` says how much goes into this one at the most. `small`
-    says why a small hole is not cut but marked, `slit` what a slit opens and costs.
+    says why a small hole is not cut but marked, `slit` what a slit opens and costs. `linked` says that the
+    torch stays on before it, and why.
     """
 
     contour: str
@@ -53,6 +54,7 @@ class Explanation:
     zone_budget_kj: float | None = None
     small: str = ""
     slit: str = ""
+    linked: str = ""
 
     def __str__(self) -> str:
         from .words import as_text
@@ -104,4 +106,5 @@ def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour:
         budget_kj,
         not_cut_because(facts.whole_nest, profile.hole_limits()).get(contour, ""),
         slit_because(facts.whole_nest, profile.material.kerf_mm).get(contour, ""),
+        plan.cuts[k].linked_because,
     )

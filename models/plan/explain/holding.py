@@ -7,7 +7,18 @@ from typing import assert_never
 
 import numpy as np
 
-from kerfwise.rules.statements import About, AtLeast, Contiguous, Crossing, Forbid, IdleTravel, Lag, Link, NoGood, Precede
+from kerfwise.rules.statements import (
+    About,
+    AtLeast,
+    Contiguous,
+    Crossing,
+    Forbid,
+    IdleTravel,
+    Lag,
+    Link,
+    NoGood,
+    Precede,
+)
 
 from .setting import Setting
 

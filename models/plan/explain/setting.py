@@ -119,7 +119,10 @@ def _same_contours(facts: Facts, plan: Plan) -> None:
 
 
 def _candidate_of(facts: Facts, problem: Problem, cut: Cut, notes: list[str]) -> int:
-    """The candidate that a planned cut uses, or the lawful one nearest to it, with a note; a link tells where it joins."""
+    """The candidate that a planned cut uses, or the lawful one nearest to it, with a note.
+
+    A cut that is linked is told by where it joins.
+    """
     linked = cut.linked and cut.lead_in is not None
     begins = cut.lead_in.segments[-1].end if linked and cut.lead_in is not None else cut.pierce
 

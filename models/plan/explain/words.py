@@ -41,6 +41,7 @@ def _lines(e: Explanation, everything: bool) -> Iterator[str]:
         yield f"zone {e.zone} takes up {e.zone_heat_kj:.1f} kJ at the most, of a budget of {e.zone_budget_kj:g} kJ"
     if e.dwell_s:
         yield e.waits_because or f"waits {e.dwell_s:g} s first, so that metal may cool"
+    yield from filter(None, (e.linked,))
     yield from _holds("not earlier", e.earlier, everything)
     yield from _holds("not later", e.later, everything)
     if e.also:
@@ -87,7 +88,8 @@ def _chain(title: str, contour: str, held: Sequence[Hold]) -> Iterator[str]:
 
 def _entry(e: Explanation, everything: bool) -> Iterator[str]:
     entry = e.entry
-    yield f"entered at {_at(entry.used.entry)} and cut {entry.used.direction}, {_begun(entry.used)}"
+    begun = "on the link" if e.linked else _begun(entry.used)
+    yield f"entered at {_at(entry.used.entry)} and cut {entry.used.direction}, {begun}"
     if entry.one_way_by:
         yield f"  - {' and '.join(entry.one_way_by)} leaves no other way round than {entry.used.direction}"
     yield from _lawful(entry)
