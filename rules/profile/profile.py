@@ -216,12 +216,13 @@ class Profile:
     def link_options(self) -> LinkOptions | None:
         """How links are made: no longer than the profile allows, and than pays; None where there are none.
 
-        There are none where the torch may have to wait for metal to cool, which it does while it is off.
+        There are none where the torch may have to wait for metal to cool, which it does while it is off, and none
+        where corners are cut more slowly: the one where a link begins is of two cuts.
         """
         machine, leads = self.machine, self.leads
         longest_mm = self.cuts.links.longest_mm
         limit = self.temperature_limit()
-        if longest_mm <= 0 or (limit is not None and limit.dwells):
+        if longest_mm <= 0 or (limit is not None and limit.dwells) or self.corner_feed() is not None:
             return None
         slower = 1 / machine.cut_feed_mm_s - 1 / machine.travel_mm_s
         if slower > 0:
