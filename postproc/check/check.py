@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check.reader.on_machine import on_its_origin, other_origin, read_on_machine
+from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
@@ -21,7 +22,7 @@ from .links import bad_links
 from .loose_metal import burnt_loose
 from .metal import Pairs, gouges, off_sheet
 from .planned import Planned, strays_from
-from .program_rules import judgement
+from .program_rules import in_steps_of, judgement, tolerance_mm
 from .rebuild import rebuild
 from .relaxed import Relaxed, read_relaxed, relaxed_warnings
 from .result import CheckResult, Judgement, Measured
@@ -89,7 +90,20 @@ def check_program(
     nest = judged_by.nest
     profile = profile if planned is None else profile.at_origin(planned.origin)
     program = read_on_machine(nc_text, nest, profile, file)
-    told = list(other_origin(program, profile))
+    with in_steps_of(program.step_mm):
+        return _judge_program(judged_by, program, profile, thermometer, tabs, planned)
+
+
+def _judge_program(
+    judged_by: Judged,
+    program: NcProgram,
+    profile: Profile,
+    thermometer: Thermometer | None,
+    tabs: Tabs | None,
+    planned: Planned | None,
+) -> CheckResult:
+    nest = judged_by.nest
+    told = [*other_origin(program, profile), *_coarse(program, profile)]
     profile = on_its_origin(program, profile)
     nest, slots = with_passes(nest, passes_of_program(nest, program, profile), profile)
     judged_by = replace(judged_by, nest=nest)
@@ -108,6 +122,13 @@ def check_program(
     rules = judge(nest, felt, profile, relaxed)
     warnings += relaxed_warnings(relaxed)
     return CheckResult((*judged, *rules), (*told, *built.warnings, *warnings), _measured(built.runs, program.idle_mm))
+
+
+def _coarse(program: NcProgram, profile: Profile) -> Iterator[str]:
+    """A warning where the control counts in steps that are coarser than paths are judged by elsewhere."""
+    allowed_mm = tolerance_mm(profile.material.kerf_mm)
+    if program.step_mm and allowed_mm <= program.step_mm:
+        yield f"the control counts in steps of {program.step_mm:g} mm: paths are judged within {allowed_mm:g} mm"
 
 
 def _judge_paths(

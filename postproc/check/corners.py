@@ -32,8 +32,13 @@ def slow_at_corners(profile: Profile) -> bool:
     return profile.corners.corner_feed < 1 and _reach_mm(profile) > 0
 
 
-def wrong_at_corners(burn: Burn, asked_mm_s: tuple[float, float], profile: Profile) -> Iterator[str]:
-    """What is wrong with the feeds of a burn, `asked_mm_s` being the least and the greatest away from corners."""
+def wrong_at_corners(
+    burn: Burn, asked_mm_s: tuple[float, float], profile: Profile, slack_mm_s: float = 0.0
+) -> Iterator[str]:
+    """What is wrong with the feeds of a burn, `asked_mm_s` being the least and the greatest away from corners.
+
+    A control of whole feeds rounds them by `slack_mm_s`.
+    """
     segments, feeds = burn.path.segments, burn.step_feeds_mm_s
     ends_mm = np.concatenate([[0.0], np.cumsum([s.length_mm for s in segments])])
     sure, maybe = (np.array(list(found)) for found in _corners(segments, ends_mm, profile.corners.corner_angle))
@@ -41,8 +46,8 @@ def wrong_at_corners(burn: Burn, asked_mm_s: tuple[float, float], profile: Profi
     low, high = asked_mm_s[0] * (1 - _FEED_SHARE), asked_mm_s[1] * (1 + _FEED_SHARE)
     for k, feed in enumerate(feeds):
         at_mm = _samples(ends_mm[k], ends_mm[k + 1])
-        slow = low * share <= feed <= high * share
-        full = low <= feed <= high
+        slow = low * share - slack_mm_s <= feed <= high * share + slack_mm_s
+        full = low - slack_mm_s <= feed <= high + slack_mm_s
         if slow and full:
             continue
         if full:

@@ -11,7 +11,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
-from .program_rules import TOLERANCE_MM
+from .program_rules import tolerance_mm
 from .torch_run import TorchRun
 
 _RULE = "edge-start"
@@ -27,7 +27,7 @@ def edge_starts(nest: Nest, runs: Sequence[TorchRun], profile: Profile) -> Itera
     sheet = shapely.make_valid(nest.sheet.polygon)
     for run, at in zip(torch, starts.tolist(), strict=True):
         off_mm = shapely.distance(sheet, shapely.Point(at))
-        if off_mm > TOLERANCE_MM:
+        if off_mm > tolerance_mm():
             contours = () if run.contour is None else (run.contour.id,)
             text = f"{run.where}: {run.name} begins {off_mm:.1f} mm off the sheet, at ({at[0]:.2f}, {at[1]:.2f}): {why}"
             yield Violation(_RULE, contours, text, (run.position,) if run.position else ())

@@ -2,13 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 
 from kerfwise.encoder.tolerance import TOLERANCE_MM as TOLERANCE_MM
-from kerfwise.encoder.tolerance import tolerance_mm as tolerance_mm
+from kerfwise.encoder.tolerance import tolerance_mm as _tolerance_mm
 from kerfwise.rules.rule import Violation
 
 from .result import Judgement
+
+_STEP_MM: ContextVar[float] = ContextVar("step_mm", default=0.0)
+
+
+def tolerance_mm(kerf_mm: float = 0.0) -> float:
+    """How far a torch path may be from where it belongs at this kerf, or at the steps that its control counts in.
+
+    Examples
+    --------
+    >>> tolerance_mm(1.5)
+    0.05
+    >>> with in_steps_of(0.1):
+    ...     tolerance_mm(1.5)
+    0.1
+    """
+    return max(_tolerance_mm(kerf_mm), _STEP_MM.get())
+
+
+@contextmanager
+def in_steps_of(step_mm: float) -> Iterator[None]:
+    """What is judged meanwhile was written in whole steps: no path is nearer than half a step's diagonal, 0.71 steps.
+
+    The rest of a step is for chords. Steps finer than the tolerance change nothing.
+    """
+    before = _STEP_MM.set(step_mm)
+    try:
+        yield
+    finally:
+        _STEP_MM.reset(before)
+
 
 SENTENCES = {
     "every-contour-once": "Every contour of the nest is cut exactly once, and nothing else is.",

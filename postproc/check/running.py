@@ -11,14 +11,14 @@ import shapely
 
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
-from kerfwise.postproc.check.reader.controls import CONTROLS
+from kerfwise.postproc.check.reader.on_machine import control_of
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
-from kerfwise.postproc.dialects import load_dialect, pierce_dwell_of
+from kerfwise.postproc.dialects import pierce_dwell_of
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
 from .corners import slow_at_corners, wrong_at_corners
-from .program_rules import TOLERANCE_MM, judgement
+from .program_rules import judgement, tolerance_mm
 from .result import Judgement
 from .small_holes import Shares
 from .torch_run import TorchRun
@@ -47,7 +47,7 @@ def judge_running(
         "returns-home": list(_home(program, profile.home_on(nest))),
     }
     corner = profile.frame_on(nest).corner
-    if program.zero is not None and math.dist(program.zero, corner) > TOLERANCE_MM:
+    if program.zero is not None and math.dist(program.zero, corner) > tolerance_mm():
         said, is_at = (f"({x:g}, {y:g})" for x, y in (program.zero, corner))
         text = f"it says that its zero is at {said} of the drawing, by its origin it is at {is_at}"
         found["program-state"].append((0, text))
@@ -73,12 +73,13 @@ def _feeds(
         asked = machine.cut_feed_mm_s if cuts else machine.mark_feed_mm_s
         allowed = [shares.get(one, (1.0, 1.0)) if cuts else (1.0, 1.0) for one in cut]
         low, high = asked * min(least for least, _ in allowed), asked * max(most for _, most in allowed)
+        slack = control_of(profile).feed_step_mm_min / 120
         if cuts and slow_at_corners(profile):
-            for text in wrong_at_corners(burn, (low, high), profile):
+            for text in wrong_at_corners(burn, (low, high), profile, slack):
                 yield burn.line, text
             continue
         for feed in burn.feeds_mm_s:
-            if not low * (1 - _FEED_SHARE) <= feed <= high * (1 + _FEED_SHARE):
+            if not low * (1 - _FEED_SHARE) - slack <= feed <= high * (1 + _FEED_SHARE) + slack:
                 where = f" in {name}" if high < asked else ""
                 says = f"the profile says {high * 60:.0f} mm/min{where}"
                 yield burn.line, f"it {'cuts' if cuts else 'marks'} at {feed * 60:.0f} mm/min, {says}"
@@ -88,7 +89,7 @@ def _feeds(
 
 def _powers(burns: Sequence[Burn], profile: Profile) -> Iterator[tuple[int, str]]:
     """Powers of a laser that are not the profile's, where that says one."""
-    material, full = profile.material, CONTROLS[load_dialect(profile.machine.dialect).control].full_power
+    material, full = profile.material, control_of(profile).full_power
     if not full:
         return
     pierces = material.power if material.pierce_power is None else material.pierce_power
@@ -114,7 +115,7 @@ def _waits(nest: Nest, burns: Sequence[Burn], profile: Profile) -> Iterator[tupl
     cooling_s = _longest_dwell_s(profile)
     points = shapely.points(np.array([burn.path.vertices[0, :2] for burn in burns]))
     sheet = shapely.make_valid(nest.sheet.polygon)
-    inside, near = (shapely.contains(shapely.buffer(sheet, by), points) for by in (-TOLERANCE_MM, TOLERANCE_MM))
+    inside, near = (shapely.contains(shapely.buffer(sheet, by), points) for by in (-tolerance_mm(), tolerance_mm()))
     for burn, pierced, maybe in zip(burns, inside.tolist(), near.tolist(), strict=True):
         marks = burn.tool != 0
         start_s = {machine.pierce_time_s} if pierced else {machine.edge_preheat_s}
@@ -137,6 +138,6 @@ def _longest_dwell_s(profile: Profile) -> float:
 
 
 def _home(program: NcProgram, home: Point) -> Iterator[tuple[int, str]]:
-    if math.dist(program.end, home) > TOLERANCE_MM:
+    if math.dist(program.end, home) > tolerance_mm():
         x, y = program.end
         yield 0, f"the program ends at ({x:.3f}, {y:.3f}), the machine's home is ({home[0]:g}, {home[1]:g})"

@@ -13,7 +13,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.rule import Violation
 
-from .program_rules import TOLERANCE_MM
+from .program_rules import tolerance_mm
 from .result import Judgement
 from .torch_run import TorchRun
 
@@ -97,7 +97,9 @@ def _pierces(nest: Nest, cuts: CutSequence) -> tuple[int, int]:
     torch = [c.pierce for c in cut if nest.contour(c.contour).kind != "mark"]
     points = shapely.points(torch) if torch else []
     sheet = shapely.make_valid(nest.sheet.polygon)
-    counts = [int(shapely.contains(shapely.buffer(sheet, by), points).sum()) for by in (-TOLERANCE_MM, TOLERANCE_MM)]
+    counts = [
+        int(shapely.contains(shapely.buffer(sheet, by), points).sum()) for by in (-tolerance_mm(), tolerance_mm())
+    ]
     return counts[0], counts[1]
 
 

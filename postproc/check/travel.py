@@ -14,7 +14,7 @@ from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
-from .program_rules import TOLERANCE_MM
+from .program_rules import tolerance_mm
 from .torch_run import TorchRun
 
 _RULE = "within-travel"
@@ -53,6 +53,6 @@ def _beyond(points: Iterable[Point], reach: Box, corner: Point) -> str | None:
     x0, y0, x1, y1 = reach
     off = [(max(x0 - x, x - x1, y0 - y, y - y1), x, y) for x, y in points]
     off_mm, x, y = max(off, default=(-math.inf, 0.0, 0.0))
-    if off_mm <= TOLERANCE_MM:
+    if off_mm <= tolerance_mm():
         return None
     return f"{off_mm:.1f} mm out of the machine's travel, at ({x - corner[0]:.1f}, {y - corner[1]:.1f}) of the machine"

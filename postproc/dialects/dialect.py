@@ -13,7 +13,7 @@ from kerfwise.rules.profile.machine_section import PROCESSES, PierceDwell, Proce
 
 from .kinds import DWELL, POWERS, Assumptions, Block, Blocks, Counted, LineNumbers, Powers, ProgramNumber, Words
 
-ControlName = Literal["linuxcnc-qtplasmac", "linuxcnc", "grbl", "eia", "burny"]
+ControlName = Literal["linuxcnc-qtplasmac", "linuxcnc", "grbl", "eia", "burny", "essi", "essi-radius"]
 ArcCentre = Literal["relative", "absolute", "radius", "none"]
 Positions = Literal["absolute", "incremental"]
 _TEXT, _BLOCK = Text(), Block()
@@ -88,7 +88,7 @@ class Dialect:
     line_numbers: LineNumbers | None = field(
         metadata=option(Counted(LineNumbers, "{start: 10, step: 10}"), "N words, or null for none")
     )
-    decimals: int = field(metadata=option(Number(2, 6, whole=True), "digits after the decimal point of a coordinate"))
+    decimals: int = field(metadata=option(Number(0, 6, whole=True), "digits after the decimal point of a coordinate"))
     max_line: int = field(metadata=option(Number(80, 252, whole=True), "longest block that the control takes, bytes"))
     verified_by: tuple[str, ...] = field(
         default=(), metadata=option(Blocks(), "outside readers that agree with what is written, none if nobody looked")
@@ -113,6 +113,12 @@ class Dialect:
         ),
     )
 
+    scale: float = field(
+        default=1.0, metadata=option(Number(0.001, 1000), "what 1 mm is in a program: 10 where it counts in 0.1 mm")
+    )
+    signed: bool = field(
+        default=False, metadata=option(Flag(), "whether a coordinate has its sign always, + or -, zero too")
+    )
     powers: Powers | None = field(
         default=None,
         metadata=option(
@@ -120,6 +126,11 @@ class Dialect:
             "S words for {power}, {pierce_power}, {mark_power} where a profile says none, and that of 100 %; or null",
         ),
     )
+
+    @property
+    def step_mm(self) -> float:
+        """The least length that its coordinates tell."""
+        return float(10**-self.decimals / self.scale)
 
     @property
     def says_power(self) -> bool:

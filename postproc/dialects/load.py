@@ -19,6 +19,8 @@ from kerfwise.rules.profile.profile import Profile
 from .dialect import Dialect
 from .kinds import POWERS
 
+_COARSEST_MM = 0.1
+
 
 def pierce_dwell_of(profile: Profile, dialect: Dialect | None = None) -> PierceDwell:
     """Who waits at a pierce: what the profile says, else the dialect of its machine."""
@@ -99,6 +101,11 @@ def parse_dialect(text: str, file: str) -> Dialect:
     dialect = Dialect(**values)  # type: ignore[arg-type]
     if bool(dialect.mark_on) != bool(dialect.mark_off):
         raise InputError("mark_on and mark_off: expected blocks for both, or null for both", file=file)
+    if dialect.step_mm > _COARSEST_MM * (1 + 1e-9):
+        at = problems.place(deepest(root, "decimals"))
+        raise wrong_at(
+            at, f"decimals: they make steps of {dialect.step_mm:g} mm; expected {_COARSEST_MM:g} mm or less (see scale)"
+        )
     for key in ("torch_on", "mark_on"):
         hole = next((h for h in POWERS for block in getattr(dialect, key) if f"{{{h}}}" in block), None)
         if hole is not None and dialect.powers is None:

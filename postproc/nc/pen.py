@@ -41,6 +41,8 @@ class Pen:
     def __init__(self, dialect: Dialect, at: Point, powers: Mapping[str, int] | None = None) -> None:
         self.dialect = dialect
         self.powers = powers_of(dialect) if powers is None else powers
+        # Where positions count from the last one, the first is where the torch stands, whatever its digits.
+        self._zero = at if dialect.positions == "incremental" else (0.0, 0.0)
         self.at = self._rounded(at)
 
     def rapid(self, point: Point) -> str:
@@ -57,7 +59,7 @@ class Pen:
         made: list[str] = []
         for block in blocks if wait in blocks else (*blocks, wait):
             if block != wait:
-                made.append(block.format(mm_min=_feed(feed_mm_s), dwell="", **self.powers))
+                made.append(block.format(mm_min=self._feed(feed_mm_s), dwell="", **self.powers))
             elif dwell_s > 0:
                 made.append(self.wait(dwell_s))
         return made
@@ -87,7 +89,7 @@ class Pen:
             end = self._rounded(piece.end)
             if end == self.at:
                 continue
-            word = dialect.feed.format(mm_min=_feed(feed_mm_s * share))
+            word = dialect.feed.format(mm_min=self._feed(feed_mm_s * share))
             motion = self._arc(piece, end) if piece.is_arc else _spelt(dialect.line, self._words(end))
             if word == in_force:
                 blocks.append(motion)
@@ -97,22 +99,28 @@ class Pen:
         return blocks
 
     def _arc(self, piece: Segment, end: Point) -> str:
-        arc, d = Segment(self.at, end, piece.bulge), self.dialect.decimals
+        arc = Segment(self.at, end, piece.bulge)
         cx, cy = arc.centre
         i, j = (cx, cy) if self.dialect.arc_centre == "absolute" else (cx - self.at[0], cy - self.at[1])
         words = self._words(end)
         if self.dialect.arc_centre == "radius":
-            words["r"] = number(math.dist(self.at, (cx, cy)), d)
+            words["r"] = self._number(math.dist(self.at, (cx, cy)))
         else:
-            words |= {"i": number(i, d), "j": number(j, d)}
+            words |= {"i": self._number(i), "j": self._number(j)}
         return _spelt(self.dialect.arc_ccw if piece.bulge > 0 else self.dialect.arc_cw, words)
 
     def _words(self, end: Point) -> dict[str, str]:
-        d = self.dialect.decimals
         x, y = end
         if self.dialect.positions == "incremental":
             x, y = x - self.at[0], y - self.at[1]
-        return {"x": number(x, d), "y": number(y, d)}
+        return {"x": self._number(x), "y": self._number(y)}
+
+    def _number(self, mm: float) -> str:
+        text = number(mm * self.dialect.scale, self.dialect.decimals)
+        return f"+{text}" if self.dialect.signed and not text.startswith("-") else text
+
+    def _feed(self, feed_mm_s: float) -> str:
+        return number(feed_mm_s * 60, 3 if self.dialect.decimals else 0)
 
     def _pieces(self, segment: Segment) -> Iterator[Segment]:
         """The segment as lines and arcs that every control makes the same way."""
@@ -133,8 +141,10 @@ class Pen:
             yield segment
 
     def _rounded(self, point: Point) -> Point:
-        d = self.dialect.decimals
-        return round(point[0], d), round(point[1], d)
+        d, scale, (x, y) = self.dialect.decimals, self.dialect.scale, self._zero
+        if scale == 1.0 and self._zero == (0.0, 0.0):
+            return round(point[0], d), round(point[1], d)
+        return x + round((point[0] - x) * scale, d) / scale, y + round((point[1] - y) * scale, d) / scale
 
 
 def _turns_far(segment: Segment, dialect: Dialect) -> bool:
@@ -148,7 +158,3 @@ def _spelt(motion: str, words: dict[str, str]) -> str:
     if "{" in motion:
         return motion.format(**dict.fromkeys("xyijr", "0") | words)
     return " ".join(filter(None, (motion, *(f"{letter.upper()}{text}" for letter, text in words.items()))))
-
-
-def _feed(feed_mm_s: float) -> str:
-    return number(feed_mm_s * 60, 3)

@@ -13,7 +13,7 @@ import numpy as np
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.geometry.segment import Point, Segment
 from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.postproc.check.reader.reader import read_nc
@@ -131,6 +131,7 @@ def _misread(program: NcProgram, lines: list[_Line], dialect: Dialect) -> Iterat
     """Keys whose words are read as something else, and what is read."""
     if dialect.comment is not None and not any(_SAID in told for told in program.comments):
         yield "comment", f"{lines[0].block!r} is not read as a comment"
+    near_mm = _NEAR_MM + CONTROLS[dialect.control].step_mm
     begun = {_started_by(burn, lines): burn for burn in reversed(program.burns)}
     tools = [("torch", 0, _CUT), *([("mark", 1, _MARK)] if dialect.marks else [])]
     for tool, number_of, path in tools:
@@ -143,7 +144,7 @@ def _misread(program: NcProgram, lines: list[_Line], dialect: Dialect) -> Iterat
         elif (moves := _after(program, lines, f"{tool}_off")) is not None:
             yield f"{tool}_off", f"{off!r} does not stop the {_spoken(tool)}: it is still on at {moves!r}"
         else:
-            yield from _moved_wrong(burn, path, dialect)
+            yield from _moved_wrong(burn, path, dialect, near_mm)
     for stretch in program.slow_travel:
         line = lines[stretch.line - 1]
         yield line.key, f"{line.block!r} moves at the feed of a cut with nothing on"
@@ -151,7 +152,7 @@ def _misread(program: NcProgram, lines: list[_Line], dialect: Dialect) -> Iterat
         at = lines[min(max(fault.line, 1), len(lines)) - 1]
         key = "header" if fault.rule == "program-state" and "before it has said" in fault.text else at.key
         yield key, f"of {at.block!r} the check says: {fault.text}"
-    if np.hypot(program.end[0] - _HOME[0], program.end[1] - _HOME[1]) > _NEAR_MM:
+    if np.hypot(program.end[0] - _HOME[0], program.end[1] - _HOME[1]) > near_mm:
         yield "footer", "the program ends elsewhere than it is sent to"
 
 
@@ -168,7 +169,7 @@ def _after(program: NcProgram, lines: list[_Line], off: str) -> str | None:
     return lines[following - 1].block if hot else None
 
 
-def _moved_wrong(burn: Burn, path: Curve, dialect: Dialect) -> Iterator[tuple[str, str]]:
+def _moved_wrong(burn: Burn, path: Curve, dialect: Dialect, near_mm: float) -> Iterator[tuple[str, str]]:
     """What is wrong with one burn's wait, feed and path."""
     if abs(burn.path.length_mm - _INCH_MM * path.length_mm) < _NEAR_MM * _INCH_MM:
         yield "header", "it leaves the control in inches: programs are in millimetres"
@@ -179,17 +180,19 @@ def _moved_wrong(burn: Burn, path: Curve, dialect: Dialect) -> Iterator[tuple[st
         yield "feed", f"a feed of {_FEED_MM_S * 60:g} mm/min is read as {feeds} mm/min"
     if dialect.arc_centre == "none":
         far = [
-            p
-            for p in map(tuple, burn.path.vertices[:, :2].tolist())
-            if path.project(p)[1] > _NEAR_MM + dialect.chord_mm
+            p for p in map(tuple, burn.path.vertices[:, :2].tolist()) if path.project(p)[1] > near_mm + dialect.chord_mm
         ]
-        if far or abs(burn.path.length_mm - path.length_mm) > _SHARE * path.length_mm:
+        if far or abs(burn.path.length_mm - path.length_mm) > _SHARE * path.length_mm + near_mm:
             yield "line", f"a path of {path.length_mm:.2f} mm is read as one of {burn.path.length_mm:.2f} mm"
         return
     words = {0.0: "line", 1.0: "arc_ccw", -1.0: "arc_cw"}
     for asked, read in zip(path.segments, burn.path.segments, strict=False):
         word = words[float(np.sign(asked.bulge))]
-        if abs(asked.bulge - read.bulge) > _SHARE or _far(asked.end, read.end) or _far(asked.start, read.start):
+        if (
+            _bent_otherwise(asked, read, near_mm)
+            or _far(asked.end, read.end, near_mm)
+            or _far(asked.start, read.start, near_mm)
+        ):
             spelt = getattr(dialect, word)
             what = "a line" if not read.bulge else f"an arc {'counter-clockwise' if read.bulge > 0 else 'clockwise'}"
             yield word, f"{spelt!r} makes {what} from {_at(read.start)} to {_at(read.end)}, not what was meant"
@@ -197,8 +200,13 @@ def _moved_wrong(burn: Burn, path: Curve, dialect: Dialect) -> Iterator[tuple[st
         yield "line", f"a path of {len(path.segments)} lines and arcs is read as one of {len(burn.path.segments)}"
 
 
-def _far(one: Point, other: Point) -> bool:
-    return float(np.hypot(one[0] - other[0], one[1] - other[1])) > _NEAR_MM
+def _far(one: Point, other: Point, near_mm: float) -> bool:
+    return float(np.hypot(one[0] - other[0], one[1] - other[1])) > near_mm
+
+
+def _bent_otherwise(asked: Segment, read: Segment, near_mm: float) -> bool:
+    slack = _SHARE + (near_mm - _NEAR_MM) * 4 / asked.chord_mm
+    return abs(asked.bulge - read.bulge) > slack
 
 
 def _at(point: Point) -> str:

@@ -14,7 +14,7 @@ from .dialect_kind import DialectName
 
 Process = Literal["plasma", "oxyfuel", "laser", "water-jet"]
 PROCESSES: tuple[Process, ...] = ("plasma", "oxyfuel", "laser", "water-jet")
-DIALECTS = ("burny", "eia", "grbl", "linuxcnc", "linuxcnc-qtplasmac")
+DIALECTS = ("burny", "eia", "essi", "grbl", "linuxcnc", "linuxcnc-qtplasmac")
 Origin = Literal["drawing", "sheet-corner"]
 ORIGINS: tuple[Origin, ...] = ("drawing", "sheet-corner")
 PierceDwell = Literal["machine", "program"]

@@ -21,8 +21,12 @@ _UNCLEAR = (
 )
 
 
-def arc_by_centre(start: Point, end: Point, centre: Point, ccw: bool, block: Block) -> tuple[Segment, ...]:
+def arc_by_centre(
+    start: Point, end: Point, centre: Point, ccw: bool, block: Block, mismatch_mm: float = MISMATCH_MM
+) -> tuple[Segment, ...]:
     """An arc about a centre, a full circle when it ends where it starts; beyond a half turn it comes in two.
+
+    Its radius may differ by `mismatch_mm` between its ends.
 
     Raises
     ------
@@ -36,9 +40,9 @@ def arc_by_centre(start: Point, end: Point, centre: Point, ccw: bool, block: Blo
     """
     r, r_end = math.dist(start, centre), math.dist(end, centre)
     error = abs(r - r_end)
-    if min(r, r_end) < MISMATCH_MM:
+    if min(r, r_end) < mismatch_mm:
         raise block.refused(f"an arc of no radius ({r:.4f} mm): not supported here; write a line")
-    if error > MISMATCH_MM:
+    if error > mismatch_mm:
         raise block.refused(
             f"the arc's radius is {r:.4f} mm at its start and {r_end:.4f} mm at its end: not supported here; correct "
             "its centre or its end"
@@ -57,8 +61,12 @@ def arc_by_centre(start: Point, end: Point, centre: Point, ccw: bool, block: Blo
     return Segment(start, middle, bulge), Segment(middle, end, bulge)
 
 
-def arc_by_radius(start: Point, end: Point, radius_mm: float, ccw: bool, block: Block) -> tuple[Segment, ...]:
+def arc_by_radius(
+    start: Point, end: Point, radius_mm: float, ccw: bool, block: Block, short_mm: float = _SHORT_MM
+) -> tuple[Segment, ...]:
     """An arc by its radius: the shorter way round, or the longer one when the radius is negative.
+
+    Its ends may be further apart than twice the radius by twice `short_mm`.
 
     Raises
     ------
@@ -75,7 +83,7 @@ def arc_by_radius(start: Point, end: Point, radius_mm: float, ccw: bool, block: 
         raise block.refused("an arc by R that ends where it starts; write its centre as I and J", block.words.get("R"))
     if half < _ALL_OR_NOTHING_MM or abs(radius_mm) > half / _ALL_OR_NOTHING_RAD:
         raise block.refused(_UNCLEAR)
-    if half > abs(radius_mm) + _SHORT_MM:
+    if half > abs(radius_mm) + short_mm:
         raise block.refused(
             f"R{radius_mm:g} is too small, the arc's ends are {2 * half:.4f} mm apart: not supported here; correct it",
             block.words.get("R"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Literal
 
 from .rows import LONGEST
 
@@ -29,6 +30,9 @@ class Control:
     which nobody has to say. `program` is the letter of the number that a program begins with. `longest` is the greatest
     number of bytes of a line, `longest_code` that without blanks and comments. `obeyed` are characters that it obeys
     wherever they stand, and with which none beyond ASCII may stand either.
+
+    `arcs` says that programs are ESSI (ISO 6582), blocks of signed numbers without letters, and how arcs are told
+    there, by centre or by radius. `step_mm` is what 1 means there; feeds are whole, in steps of `feed_step_mm_min`.
     """
 
     title: str
@@ -53,6 +57,9 @@ class Control:
     longest: int = LONGEST
     longest_code: int = LONGEST
     obeyed: str = ""
+    arcs: Literal["", "centre", "radius"] = ""
+    step_mm: float = 0.0
+    feed_step_mm_min: float = 0.0
 
 
 _COMMON_M = frozenset({0.0, 1.0, 2.0, 3.0, 5.0, 7.0, 8.0, 9.0, 30.0, 48.0, 49.0, 50.0, 51.0, 53.0})
@@ -60,6 +67,12 @@ _MATERIAL = "it selects another material on the machine than the profile's; sele
 _WAITS = "how long it waits for the machine is not known; post the program without"
 _MID_CUT = "it can stop the torch while the path goes on; post the program without"
 _LOADS = "it loads another program on the control, which is not checked; post the program with M02 at its end"
+
+
+def _essi(title: str, arcs: Literal["centre", "radius"]) -> Control:
+    none: frozenset[float] = frozenset()
+    return Control(title, known_m=none, known_g=none, comments=False, arcs=arcs, step_mm=0.1, feed_step_mm_min=1.0)
+
 
 CONTROLS: Mapping[str, Control] = {
     "linuxcnc-qtplasmac": Control(
@@ -109,6 +122,8 @@ CONTROLS: Mapping[str, Control] = {
         comments=False,
         program="P",
     ),
+    "essi": _essi("ESSI, arcs by their centre", "centre"),
+    "essi-radius": _essi("ESSI, arcs by their radius", "radius"),
 }
 """By the name that a dialect gives as its `control`."""
 QTPLASMAC = CONTROLS["linuxcnc-qtplasmac"]

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
-from kerfwise.postproc.dialects import fitting_dialect, pierce_dwell_of
+from kerfwise.postproc.dialects import fitting_dialect, load_dialect, pierce_dwell_of
 from kerfwise.rules.profile.frame import Frame
 from kerfwise.rules.profile.machine_section import Origin
 from kerfwise.rules.profile.material_section import Material
@@ -47,6 +47,11 @@ def read_on_machine(text: str, nest: Nest, profile: Profile, file: str = "") -> 
     if zero is None:
         zero = profile.at_origin(origin or machine.origin).frame_on(nest).corner
     return replace(_moved(program, Frame(zero)), origin=origin, zero=zero if origin else None)
+
+
+def control_of(profile: Profile) -> Control:
+    """The control that runs the profile's programs."""
+    return CONTROLS[load_dialect(profile.machine.dialect).control]
 
 
 def _with_powers(control: Control, material: Material) -> Control:

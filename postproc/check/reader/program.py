@@ -76,7 +76,7 @@ class NcProgram:
     `homing_mm` are the moves after the last burn, `end` is where they lead, `blocks` the lines that are more than
     comments, and `moving_s` the time with a tool on at the program's own feeds, s. `rapids` are the lines and ends of
     moves with no tool on. `origin` and `zero`, a point of the drawing, are where the program says that the machine's
-    zero is, None where it does not.
+    zero is, None where it does not. `step_mm` is the least step that its control counts in, 0 where no digit is missed.
     """
 
     burns: tuple[Burn, ...]
@@ -92,3 +92,4 @@ class NcProgram:
     rapids: tuple[tuple[int, Point], ...] = ()
     origin: Origin | None = None
     zero: Point | None = None
+    step_mm: float = 0.0

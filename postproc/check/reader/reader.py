@@ -15,13 +15,14 @@ from kerfwise.encoder.geometry.segment import Point
 from .beam import Beam
 from .comments import Row, row_of
 from .controls import QTPLASMAC, Control
+from .essi import read_essi
 from .filtering import Filter
 from .grammar import refuse_conflicts
 from .moves import ModalState
 from .program import NcProgram
 from .rows import rows_of
 from .tools import Tools
-from .tools_on import ToolsOn
+from .tools_on import ToolsOn, what_was_done
 from .track import Track
 from .words import Block, block_of
 
@@ -49,6 +50,8 @@ def read_nc(
     >>> [(burn.tool, burn.line, burn.path.length_mm) for burn in program.burns]
     [(0, 3, 10.0)]
     """
+    if control.arcs:
+        return read_essi(text, travel_mm_s, file, home, control, held_s)
     machine = _Machine(travel_mm_s, control, held_s, home)
     try:
         for block in _blocks(text, machine):
@@ -98,25 +101,7 @@ class _Machine:
 
     def done(self) -> NcProgram:
         """What the program did."""
-        track = self.track
-        track.close()
-        if self.tools.on:
-            track.fault(self.line, "torch-off-travel", "the program ends with the torch on")
-        if track.wait_s > 0:
-            track.fault(self.line, "pierce-delay", f"the torch stands still for {track.wait_s:g} s after the last cut")
-        return NcProgram(
-            tuple(track.burns),
-            tuple(track.hot_rapids),
-            tuple(track.slow_travel),
-            tuple(track.faults),
-            tuple(self.comments),
-            track.idle_mm,
-            tuple(track.travels_mm),
-            track.at,
-            self.blocks,
-            track.moving_s,
-            tuple(track.rapids),
-        )
+        return what_was_done(self.track, self.tools, self.line, self.comments, self.blocks)
 
 
 def _blocks(text: str, machine: _Machine) -> Iterator[Block]:

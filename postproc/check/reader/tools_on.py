@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from .controls import Control
+from .program import NcProgram
 from .track import Track
 from .words import Block
 
@@ -54,3 +56,28 @@ class ToolsOn(ABC):
         self.on = [] if tool == ALL else [t for t in self.on if t != tool]
         if self.track.open is not None and self.track.open.tool not in self.on:
             self.track.close()
+
+
+def what_was_done(
+    track: Track, tools: ToolsOn, line: int, comments: Sequence[str], blocks: int, step_mm: float = 0.0
+) -> NcProgram:
+    """The whole program, once its last line has been run."""
+    track.close()
+    if tools.on:
+        track.fault(line, "torch-off-travel", "the program ends with the torch on")
+    if track.wait_s > 0:
+        track.fault(line, "pierce-delay", f"the torch stands still for {track.wait_s:g} s after the last cut")
+    return NcProgram(
+        tuple(track.burns),
+        tuple(track.hot_rapids),
+        tuple(track.slow_travel),
+        tuple(track.faults),
+        tuple(comments),
+        track.idle_mm,
+        tuple(track.travels_mm),
+        track.at,
+        blocks,
+        track.moving_s,
+        tuple(track.rapids),
+        step_mm=step_mm,
+    )

@@ -13,12 +13,12 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.clock.timed import read_program
-from kerfwise.postproc.dialects import load_dialect
+from kerfwise.postproc.dialects import Dialect, load_dialect
 from kerfwise.postproc.nc.plan_paths import toolpaths
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.tools import canon
-from kerfwise.tests.tools.outside import meerk40t
+from kerfwise.tests.tools.outside import gcode_toolpath, meerk40t
 from kerfwise.tests.tools.outside.heard import Heard
 from kerfwise.tests.tools.outside.mapped import in_linuxcnc
 
@@ -37,6 +37,16 @@ class Differences:
         """Whether they are as many, as near, and as long."""
         same = self.burns == self.paths and self.apart_mm <= apart_mm
         return same and abs(self.cut_mm) <= length_mm and abs(self.idle_mm) <= length_mm
+
+
+def agree(found: Differences, dialect: Dialect, cut_mm: float) -> bool:
+    """Whether they are as near as the dialect's digits let them be; `cut_mm` is the length of the plan's paths.
+
+    Where it counts in whole tenths, chords zigzag by as much, and add a thousandth to lengths.
+    """
+    if dialect.step_mm < 0.01:
+        return found.within()
+    return found.within(dialect.step_mm, 0.1 + cut_mm / 1000)
 
 
 def with_dialect(profile: Profile, name: str) -> Profile:
@@ -78,6 +88,11 @@ def of_linuxcnc(text: str, control: str) -> Heard:
     run = canon.run(in_linuxcnc(text, control), tolerance_mm=0.002)
     assert (run.error, run.warnings, run.dry_feeds) == (None, [], [])
     return Heard([b.points for b in run.burns], [b.length_mm for b in run.burns], run.idle_mm)
+
+
+def of_toolpath(text: str, control: str) -> Heard:
+    """What gcode-toolpath makes of a program; one without letters is spelt with them first."""
+    return gcode_toolpath.read(in_linuxcnc(text, control) if control.startswith("essi") else text)
 
 
 def of_check(text: str, nest: Nest, profile: Profile) -> Heard:

@@ -23,7 +23,6 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.dialects import dialect_names, load_dialect
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.rules.profile.profile import DEFAULT, Profile, load_profile
-from kerfwise.tests.tools.outside import gcode_toolpath
 from kerfwise.tests.tools.outside.heard import Heard
 
 from . import reading
@@ -40,13 +39,14 @@ on, and travels, than the plan says. "The check" is the reader of kerfwise itsel
 - *rs274* is LinuxCNC's interpreter. Programs of other controls are spelt in its words first, block for block (M07
   becomes M3, and so on). The spelling is ours and proves nothing; units, positions, arcs and lengths are the
   interpreter's.
-- *gcode-toolpath* is a reader of cncjs, from npm. It knows no M words: what moves at a feed is taken for a burn. Of a
-  dialect without motion words it can say nothing.
+- *gcode-toolpath* is a reader of cncjs, from npm. It knows no M words: what moves at a feed is taken for a burn. Of
+  Burny, which has no motion words, it can say nothing; ESSI is spelt in letters for it, as for rs274.
 - *MeerK40t* reads programs for GRBL lasers. It takes I and J without scaling them, so it gets chords within
   0.0004 mm instead of arcs.
 
 Nobody here had a control to try: what a dialect says of a control's words comes from its maker's documents, for Burny
-from a post-processor of a third party alone.
+from a post-processor of a third party alone. No reader of ESSI could be had. It counts in whole tenths of a millimetre,
+so that its paths may lie one step from the plan's, and chords that zigzag by as much are a little longer.
 
 | nest | dialect | reader | burns | apart, mm | torch on, mm | travel, mm |
 |---|---|---|---:|---:|---:|---:|
@@ -66,12 +66,12 @@ def main() -> None:
             plant = reading.with_dialect(profile, dialect)
             for reader, read in _readers(made.plan, nest, plant).items():
                 found = reading.differences(made.plan, nest, plant, read())
-                wrong += not found.within()
+                wrong += not reading.agree(found, load_dialect(dialect), made.plan.totals.cut_mm)
                 rows.append(
                     f"| {name} | {dialect} | {reader} | {found.burns} of {found.paths} | {found.apart_mm:.4f} | "
                     f"{found.cut_mm:+.4f} | {found.idle_mm:+.4f} |"
                 )
-    told = f"{len(rows)} readings, {wrong} disagree (more than 0.01 mm apart, or 0.1 mm in all)."
+    told = f"{len(rows)} readings, {wrong} disagree (more than 0.01 mm apart, or 0.1 mm in all; ESSI: 0.1 mm, 0.1 %)."
     sys.stdout.write(PAGE.format(rows="\n".join(rows), disagreements=f"\n{told}"))
     sys.exit(wrong > 0)
 
@@ -90,7 +90,7 @@ def _readers(plan: Plan, nest: Nest, plant: Profile) -> dict[str, Reader]:
         "rs274": lambda: reading.of_linuxcnc(text, dialect.control),
     }
     if dialect.line:
-        readers["gcode-toolpath"] = lambda: gcode_toolpath.read(text)
+        readers["gcode-toolpath"] = lambda: reading.of_toolpath(text, dialect.control)
     if dialect.control == "grbl":
         readers["MeerK40t"] = lambda: reading.of_meerk40t(plan, nest, plant)
     return readers

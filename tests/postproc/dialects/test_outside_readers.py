@@ -20,7 +20,6 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.postproc.dialects import reading
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 from kerfwise.tests.tools import canon
-from kerfwise.tests.tools.outside import gcode_toolpath
 from kerfwise.tests.tools.outside.heard import Heard
 from kerfwise.tests.tools.outside.mapped import in_linuxcnc
 
@@ -36,7 +35,9 @@ def case(name: str) -> tuple[Plan, Nest, Profile, str]:
 
 
 def agrees(name: str, heard: Heard) -> bool:
-    return reading.differences(*case(name)[:3], heard).within()
+    plan, nest, plant, _ = case(name)
+    found = reading.differences(plan, nest, plant, heard)
+    return reading.agree(found, load_dialect(name), plan.totals.cut_mm)
 
 
 @pytest.mark.linuxcnc
@@ -51,7 +52,7 @@ def test_linuxcncs_interpreter(name: str) -> None:
 @pytest.mark.node
 @pytest.mark.parametrize("name", [name for name in dialect_names() if load_dialect(name).line])
 def test_gcode_toolpath(name: str) -> None:
-    assert agrees(name, gcode_toolpath.read(case(name)[3]))
+    assert agrees(name, reading.of_toolpath(case(name)[3], load_dialect(name).control))
 
 
 def test_meerk40ts_grbl_reader() -> None:
@@ -90,6 +91,7 @@ DAMAGES: dict[str, tuple[str, Damage]] = {
     "a missing off": ("eia", lambda text: text.replace(" M08\n", " G40\n", 1)),
     "a point": ("grbl", lambda text: text.replace("G1 X64 Y19.25", "G1 X64 Y19.45", 1)),
     "a centre": ("grbl", lambda text: text.replace("G2 X19.25 Y20 I0", "G2 X19.25 Y20 I4", 1)),
+    "a step": ("essi", lambda text: text.replace("39+2500\n+", "39+2500\n+9", 1)),
     "a way": ("burny", lambda text: text.replace("X64 Y15.25", "X65 Y15.25", 1)),
 }
 

@@ -17,7 +17,9 @@ def in_linuxcnc(text: str, control: str) -> str:
     if control.startswith("linuxcnc"):
         return text
     rows = [_NUMBER.sub("", row) for row in text.split("\n")]
-    return "\n".join({"grbl": _of_grbl, "eia": _of_eia, "burny": _of_burny}[control](rows))
+    return "\n".join(
+        {"grbl": _of_grbl, "eia": _of_eia, "burny": _of_burny, "essi": _of_essi, "essi-radius": _of_essi}[control](rows)
+    )
 
 
 def _of_grbl(rows: list[str]) -> list[str]:
@@ -51,4 +53,23 @@ def _of_burny(rows: list[str]) -> list[str]:
         elif re.fullmatch(r"P\d{8}|%", row):
             row = ""
         made.append(re.sub(r"^G04 F", "G4 P", row))
+    return made
+
+
+def _of_essi(rows: list[str]) -> list[str]:
+    """Signed whole numbers of 0.1 mm are added up to X and Y, from the zero; 6 makes a move a line. No arcs."""
+    made, rapid, at = ["G21", "G90 G17 G40 G94", "G64 P0.05"], True, (0, 0)
+    words = {"53": "M3 $0 S1", "54": "M5 $0", "9": "M3 $1 S1", "10": "M5 $1", "0": "M2"}
+    for row in rows:
+        rapid = row == "5" or (rapid and row != "6")
+        if found := re.fullmatch(r"([+-]\d+)([+-]\d+)", row):
+            at = at[0] + int(found[1]), at[1] + int(found[2])
+            row = f"{'G0' if rapid else 'G1'} X{at[0] / 10:.1f} Y{at[1] / 10:.1f}"
+        elif row.startswith("39+"):
+            row = f"F{row[3:]}"
+        elif row.startswith("41+"):
+            row = f"G4 P{int(row[3:]) / 1000:g}"
+        else:
+            row = words.get(row, "")
+        made.append(row)
     return made
