@@ -45,7 +45,7 @@ MISTAKES = {
     "name: ''": "1:7: name: expected a text, got ''",
     "machine: fast": "1:10: machine: expected a mapping (key: value), got 'fast'",
     "machine: {dialect: fanuc}": (
-        "1:20: machine.dialect: expected one of burny, eia, grbl, linuxcnc, linuxcnc-qtplasmac, "
+        "1:20: machine.dialect: expected one of burny, eia, essi, grbl, linuxcnc, linuxcnc-qtplasmac, "
         "or a dialect file of your own that ends "
         "in .yaml, got 'fanuc'"
     ),
