@@ -25,6 +25,17 @@ class Span:
     end: Point
 
 
+@dataclass(frozen=True, slots=True)
+class Tab:
+    """A stretch of a contour that stays uncut, so that the part holds to the sheet: its middle and its width, mm.
+
+    `at` lies on the contour; `width_mm` is the metal that stays between the two ends of the kerf.
+    """
+
+    at: Point
+    width_mm: float
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Cut:
     """One contour, cut (or marked) once.
@@ -38,6 +49,9 @@ class Cut:
     A `linked` cut is not pierced: the torch stays on after the cut before, `pierce` is where that ends, and `lead_in`
     is the link through the waste. A cut with a `span` follows only that stretch of its contour; earlier ones have cut
     the rest of it.
+
+    `tabs` are left uncut. Where one of them is the last stretch of the round, the torch goes off before it: the
+    lead-out is then that place alone. Over all others the torch moves on, unlit.
     """
 
     contour: str
@@ -52,6 +66,7 @@ class Cut:
     excused: tuple[str, ...] = ()
     linked: bool = False
     span: Span | None = None
+    tabs: tuple[Tab, ...] = ()
 
     @property
     def end(self) -> Point:

@@ -9,6 +9,7 @@ from typing import Any, Literal, get_args
 
 import shapely
 
+from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.shown import shown
 
@@ -53,7 +54,10 @@ class Contour:
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """One outer contour, its holes, marks and slits; `attributes` are free keys of the nest file (priority, order…)."""
+    """One outer contour, its holes, marks and slits; `attributes` are free keys of the nest file (priority, order…).
+
+    `tabs` are those that the nest draws on the outer contour, of width 0 where it does not say how wide they are.
+    """
 
     id: str
     outer: Contour
@@ -61,6 +65,7 @@ class Part:
     marks: tuple[Contour, ...] = ()
     attributes: dict[str, object] = field(default_factory=dict)
     slits: tuple[Contour, ...] = ()
+    tabs: tuple[Tab, ...] = ()
 
     @cached_property
     def polygon(self) -> shapely.Polygon:

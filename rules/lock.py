@@ -14,7 +14,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.rules.options.kind import OptionKind
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.plain_values import Choice, Flag, Number, Text
-from kerfwise.rules.options.quantities import PointXY
+from kerfwise.rules.options.quantities import PointOr, PointXY
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.yaml_positions import Place, wrong_at
 
@@ -64,19 +64,23 @@ class Lock:
     linked: bool | None = field(
         default=None, metadata=option(Flag(), "false: the torch goes off before it, whatever links the profile allows")
     )
+    tab: Point | Literal["off"] | None = field(
+        default=None, metadata=option(PointOr("off"), "where a tab holds the part, or off: it has none")
+    )
     zone: int | None = field(default=None, metadata=option(Number(1, whole=True), "zone of the part"))
     place: Place | None = field(default=None, compare=False)
     reason: str = field(default="", compare=False)
 
     def wrong(self) -> str | None:
         """What is wrong with the lock by itself, None for a good one."""
-        of_contour = [o is not None for o in (self.before, self.position, self.entry, self.direction, self.linked)]
+        decided = (self.before, self.position, self.entry, self.direction, self.linked, self.tab)
+        of_contour = [one is not None for one in decided]
         if (self.contour is None) == (self.part is None):
             return "a lock is about one contour or one part: give either contour or part, with an id"
         if self.part is not None and (self.zone is None or any(of_contour)):
             return "what can be locked of a part is its zone: {part: ID, zone: N}"
         if self.contour is not None and (self.zone is not None or not any(of_contour)):
-            return "what can be locked of a contour is before, position, entry, direction or linked"
+            return "what can be locked of a contour is before, position, entry, direction, linked or tab"
         if self.linked:
             return "a link can be ruled out, not asked for: {contour: ID, linked: false}"
         if self.contour is not None and self.contour == self.before:
@@ -118,3 +122,5 @@ def check_locks(locks: tuple[Lock, ...], nest: Nest) -> None:
         n = len(nest.contours)
         if isinstance(lock.position, int) and lock.position > n:
             raise wrong_at(lock.place, f"lock: position {lock.position}, but the nest has {n} contours only")
+        if lock.tab is not None and nest.contour(lock.contour or "").kind != "outer":
+            raise wrong_at(lock.place, f"lock: tab of {lock.contour}: tabs hold parts; give the outer contour of one")

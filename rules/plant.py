@@ -9,7 +9,7 @@ from .lock import Lock
 
 @dataclass(frozen=True, slots=True)
 class Plant:
-    """The plant's sheet, its heat and its locks.
+    """The plant's sheet, its heat, its locks, and what cuts.
 
     A field of a rule's `Options` that no key of its own sets, and that has the name of one of these, takes its value.
     """
@@ -20,3 +20,4 @@ class Plant:
     heat_limit_c: float
     absorbed_power_w: float
     locks: tuple[Lock, ...]
+    process: str = "plasma"

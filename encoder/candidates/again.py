@@ -9,6 +9,7 @@ import shapely
 from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.tabs import off_mm
 
 from .candidate import Candidate
 from .tried import TriedLeads
@@ -35,7 +36,8 @@ def again_as_it_was(nest: Nest, cut: Cut | None, tried: TriedLeads, kerf_mm: flo
             lead_in=cut.lead_in,
             lead_out=cut.lead_out,
             end=cut.end,
-            cut_mm=ring.length_mm + leads_mm,
+            cut_mm=ring.length_mm + leads_mm - math.fsum(off_mm(tab, kerf_mm) for tab in cut.tabs),
             edge_start=edge_start,
+            tabs=cut.tabs,
         )
     ]

@@ -24,7 +24,8 @@ from .marks import mark_candidates
 from .older_kerfs import OlderKerfs, older_kerfs
 from .refusal import cannot_be_cut, refusal
 from .surroundings import Surroundings
-from .tried import try_options
+from .tab_places import TabPlaces
+from .tried import TriedLeads, try_options
 from .void import Void
 from .within_reach import within_reach
 
@@ -77,7 +78,15 @@ def build_with_older_kerfs(
     gone = already.contours.union(loose)
     left = [k for k, c in enumerate(nest.contours) if c.id not in gone]
     around = Surroundings.of(nest, Void.of(nest, already, options.kerf_mm, options.splash_mm or 0.0))
+    held = TabPlaces.of(nest, left, options.tabs, options.kerf_mm, options.entry_points)
+    options = replace(options, tab_places=held)
     tried = try_options(nest, left, around, options)
+    if spoilt := _spoilt_by_tabs(nest, tried, around, options):
+        raise InputError(
+            "a tab leaves no room to cut a part" if len(spoilt) == 1 else "tabs leave no room to cut parts",
+            file=nest.file or None,
+            details=spoilt,
+        )
     again = again_as_it_was(nest, already.broken_off, tried, options.kerf_mm)
     redone = {c.contour for c in again}
     shut = {k: why for k, why in tried.shut.items() if k not in redone}
@@ -101,6 +110,23 @@ def build_with_older_kerfs(
     every = [*reached, *marks]
     places = sorted([*range(len(reached), len(every)), *kept], key=lambda k: every[k].contour)
     return tuple(every[k] for k in places), met.of_kept(places, len(every))
+
+
+def _spoilt_by_tabs(nest: Nest, tried: TriedLeads, around: Surroundings, options: LeadOptions) -> tuple[str, ...]:
+    """Contours that could be cut if they had no tabs, each with what to do."""
+    places = options.tab_places
+    unmet = {int(tried.locked.contour[i]) for i in tried.unmet}
+    wanting = [] if places is None else sorted((unmet | set(tried.bare)) & places.wanted.keys())
+    if not wanting:
+        return ()
+    free = try_options(nest, wanting, around, replace(options, tab_places=None))
+    where = "of the entry that is locked" if unmet else "of any entry"
+    return tuple(
+        f"{nest.contours[k].id}: its tab has no room beside the lead-in {where}: make the tab narrower, lower "
+        f"corner of {IN_PROFILE['tabs']}, or lock the part to have none (tab: off)"
+        for k in wanting
+        if k not in free.faulty
+    )
 
 
 def _locked(candidates: Sequence[Candidate], locked: Joints) -> set[int]:
@@ -146,11 +172,18 @@ def _candidates(
         [np.column_stack([leads.pierce, leads.bulge]), np.column_stack([leads.join, leads.bulge * 0])], axis=1
     )
     candidates = []
+    places = options.tab_places or TabPlaces()
     for i, tail in enumerate(tails):
+        number = int(joints.contour[i])
+        left = places.on(number, outlines[number], float(joints.join_mm[i]), bool(found.ways.ccw[i]))
+        leads_out, tail_i_mm = bool(leaves[i]), 0.0
+        if left is not None and left.stop is not None:
+            tail_i_mm, leads_out = float(tail_mm[i]), False
+            tail = Curve(np.array([[*left.stop, 0.0]]), closed=False)
         (px, py), (x, y), (ex, ey) = leads.pierce[i].tolist(), joints.entry[i].tolist(), tail.vertices[-1, :2].tolist()
         candidates.append(
             Candidate(
-                contour=int(joints.contour[i]),
+                contour=number,
                 entry_mm=float(joints.entry_mm[i]),
                 entry=(x, y),
                 direction="ccw" if found.ways.ccw[i] else "cw",
@@ -158,9 +191,10 @@ def _candidates(
                 lead_in=Curve(rows[i], closed=False) if leads.length_mm[i] > 0 else None,
                 lead_out=tail,
                 end=(ex, ey),
-                cut_mm=cut_mm[i],
+                cut_mm=cut_mm[i] if left is None else cut_mm[i] - tail_i_mm - left.unlit_mm,
                 edge_start=bool(found.edge[i]),
-                leaves=bool(leaves[i]),
+                leaves=leads_out,
+                tabs=() if left is None else left.tabs,
             )
         )
     return candidates

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
-from kerfwise.encoder.cut import Direction
+from kerfwise.encoder.cut import Cut, Direction, Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import KINDS, Kind
 from kerfwise.encoder.small_holes import HoleLimits
+from kerfwise.encoder.tabs import TabOptions
+
+if TYPE_CHECKING:
+    from .tab_places import TabPlaces
 
 LeadKind = Literal["line", "arc", "none"]
 Narrow = Literal["refuse", "slit"]
@@ -27,6 +31,7 @@ IN_PROFILE = {
     "under": "small_holes.under",
     "least_mm": "small_holes.min_hole",
     "splash_mm": "rules.pierce.splash",
+    "tabs": "rules.hold-small-parts",
 }
 """What the people who read messages know these options as."""
 
@@ -45,6 +50,7 @@ class LeadOptions:
     assumed (`Sheet.stated`), and only where `reach` says that the machine gets there. `entry_points` are entries that
     must be among the candidates, at the point of the contour nearest to the one given. Holes under the limit of
     `holes` are refused, and so are slots that the kerf would lose: `narrow` says whether a slit could keep them.
+    `tabs` say which parts have tabs, None where none have; `tab_places` where these are, once that is known.
     """
 
     entries: int = 8
@@ -65,6 +71,8 @@ class LeadOptions:
     entry_points: Mapping[str, Point] = field(default_factory=dict)
     holes: HoleLimits = field(default_factory=HoleLimits)
     narrow: Narrow = "refuse"
+    tabs: TabOptions | None = None
+    tab_places: TabPlaces | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -76,7 +84,8 @@ class Candidate:
     and nothing is pierced. `cut_mm` is the torch-on path length, leads and overcut included.
 
     `lead_out` begins where `lead_in` ends; for an open mark or a slit it is the far end of the line alone. `leaves`
-    says that its last piece is a lead into the waste; else it is overcut, if anything.
+    says that its last piece is a lead into the waste; else it is overcut, if anything. `tabs` stay uncut; `cut_mm` is
+    without them. Before one at the end of the round the torch goes off, and `lead_out` is that place alone.
     """
 
     contour: int
@@ -90,3 +99,8 @@ class Candidate:
     cut_mm: float
     edge_start: bool = False
     leaves: bool = False
+    tabs: tuple[Tab, ...] = ()
+
+    def as_cut(self, name: str, zone: int = 0) -> Cut:
+        """The cut of the contour of that name that it makes."""
+        return Cut(name, self.entry, self.direction, self.pierce, self.lead_in, self.lead_out, zone, tabs=self.tabs)

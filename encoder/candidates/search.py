@@ -16,6 +16,7 @@ from .entries import ANYWHERE, TIED_MM, Ranks, choose, places
 from .joints import Joints, Outline
 from .lead_in import edge_starts, lead_ins, least_clearance_mm
 from .surroundings import Surroundings
+from .tab_places import TabPlaces
 
 ROUNDS = 3
 """How often entries without room are replaced by others."""
@@ -65,11 +66,16 @@ def approaches_to(
     outlines = {k: outline for k, outline in outlines.items() if not _too_narrow(outline, options)}
     locked = locked.take(np.isin(locked.contour, np.array(list(outlines), dtype=np.int64)))
     longest = {k: longest_lead_mm(outline, options) for k, outline in outlines.items()}
-    pools = {k: _Pool.of(outline, *places(outline, options.entries)) for k, outline in outlines.items()}
+    tabs = options.tab_places or TabPlaces()
+    pools = {
+        k: _Pool.of(outline, *tabs.entries(outline, *places(outline, options.entries)))
+        for k, outline in outlines.items()
+    }
     found: list[Approaches] = []
 
     def tried(joints: Joints, patient: bool, from_edge: bool) -> Approaches:
         candidates = ways(joints, outlines, options.directions)
+        candidates = candidates.take(tabs.lawful(candidates, outlines))
         longest_mm = np.array([longest[k] for k in candidates.joints.contour.tolist()])
         if from_edge and options.edge_start and options.lead != "none":
             outer = np.array(

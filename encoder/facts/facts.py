@@ -158,6 +158,19 @@ class Facts:
         return len(self.nest.contours)
 
     @property
+    def tabbed(self) -> frozenset[int]:
+        """The contours that tabs hold: their parts stay where they are when they are cut."""
+        return frozenset(candidate.contour for candidate in self.candidates if candidate.tabs)
+
+    @property
+    def held_by_tabs(self) -> frozenset[str]:
+        """Ids of the same, and of those that were cut before with tabs."""
+        contours = self.nest.contours
+        return frozenset(
+            [*(contours[k].id for k in self.tabbed), *(cut.contour for cut in self.already_cut if cut.tabs)]
+        )
+
+    @property
     def whole_nest(self) -> Nest:
         """The nest as it was drawn, with what is already cut."""
         return self.nest if self.past is None else self.past.whole.nest

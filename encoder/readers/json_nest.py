@@ -7,6 +7,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Kind, Nest, Note, Part, Sheet
@@ -19,7 +20,7 @@ from .limits import checked_curve
 from .options import ReadOptions
 from .units import MM_PER, doubts
 
-PART_KEYS = ("id", "outer", "holes", "marks")
+PART_KEYS = ("id", "outer", "holes", "marks", "tabs")
 
 
 def read_json(data: bytes, options: ReadOptions) -> Nest:
@@ -91,7 +92,13 @@ def _part(given: Mapping[str, Any], scale: float) -> Part:
         tuple(contour("hole", rows, str(k)) for k, rows in enumerate(given.get("holes", ()), 1)),
         tuple(contour("mark", rows, str(k)) for k, rows in enumerate(given.get("marks", ()), 1)),
         {key: value for key, value in given.items() if key not in PART_KEYS},
+        tabs=tuple(_tab(tab, scale) for tab in given.get("tabs", ())),
     )
+
+
+def _tab(given: Mapping[str, Any], scale: float) -> Tab:
+    x, y = given["at"]
+    return Tab((x * scale, y * scale), given.get("width", 0.0) * scale)
 
 
 def _curve(name: str, rows: Sequence[Sequence[float]], closed: bool, scale: float) -> Curve:

@@ -81,12 +81,7 @@ class Trial:
     @cached_property
     def _cuts(self) -> list[Cut]:
         names = [contour.id for contour in self.nest.contours]
-        return [
-            Cut(
-                names[c.contour], c.entry, c.direction, c.pierce, c.lead_in, c.lead_out, int(self.facts.zone[c.contour])
-            )
-            for c in self.facts.candidates
-        ]
+        return [c.as_cut(names[c.contour], int(self.facts.zone[c.contour])) for c in self.facts.candidates]
 
     @cached_property
     def _legs(self) -> list[Leg]:

@@ -27,6 +27,7 @@ from kerfwise.rules.stating.state_rules import Stated
 from .excused import excused, excuses_used
 from .plan import Dropped, LeftOut, Plan, PlannedCut, SolveReport, Totals
 from .reasons import reasons
+from .tabs import tabs_because
 
 
 def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution, engine: str, seed: int) -> Plan:
@@ -48,7 +49,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
     excuses = excused(facts, stated, solution.route)
     why = reasons(facts, stated, solution.route, home, links)
     small = not_cut_because(facts.whole_nest, profile.hole_limits())
-    told = small | slit_because(facts.whole_nest, profile.material.kerf_mm)
+    told = small | slit_because(facts.whole_nest, profile.material.kerf_mm) | tabs_because(facts, profile)
     cuts = tuple(
         PlannedCut(
             Cut(
@@ -63,6 +64,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
                 end,
                 excuses.get(contour.id, ()),
                 link is not None,
+                tabs=candidate.tabs,
             ),
             contour.part,
             contour.kind,

@@ -279,6 +279,8 @@ def _cut_row(order: int, planned: PlannedCut) -> dict[str, Any]:
         row["linked"] = True
     if cut.span is not None:
         row["span"] = {"from": [round(v, 6) for v in cut.span.begin], "to": [round(v, 6) for v in cut.span.end]}
+    if cut.tabs:
+        row["tabs"] = [{"at": [round(v, 6) for v in tab.at], "width": round(tab.width_mm, 6)} for tab in cut.tabs]
     if planned.dwell_s:
         row["dwell_s"] = round(planned.dwell_s, 3)
     return row | ({"excused": list(cut.excused)} if cut.excused else {})

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kerfwise.encoder.contents import contents
-from kerfwise.encoder.cut import Cut, Span
+from kerfwise.encoder.cut import Cut, Span, Tab
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.meetings import MOST_MEETINGS, meets_itself_too_often
@@ -137,7 +137,7 @@ def _plain_row(row: list[object]) -> bool:
 
 
 _PATHS = ("lead_in", "lead_out")
-_SELDOM = {"dwell_s", "linked", "span"}
+_SELDOM = {"dwell_s", "linked", "span", "tabs"}
 _NUMBER, _TEXT, _WHOLE, _LIST = (int, float), (str,), (int,), (list,)
 _CUT_KINDS: dict[str, tuple[type, ...]] = {
     "order": _WHOLE, "contour": _TEXT, "part": _TEXT, "kind": _TEXT, "zone": _WHOLE, "entry": _LIST, "pierce": _LIST,
@@ -198,6 +198,7 @@ def _cut(c: dict[str, Any]) -> PlannedCut:
             tuple(c.get("excused", ())),
             c.get("linked", False),
             _span(c["span"]) if "span" in c else None,
+            tuple(Tab((float(t["at"][0]), float(t["at"][1])), float(t["width"])) for t in c.get("tabs", ())),
         ),
         c["part"],
         c["kind"],

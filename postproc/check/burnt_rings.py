@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour
 from kerfwise.rules.rule import Violation
 
 from .covering.chords import chords_of_lines
 from .covering.covered import Covered, covered
-from .covering.free import Tab, at_tabs, rounds
+from .covering.free import at_tabs, rounds
 from .covering.intervals import both, total_mm, union
 from .program_rules import tolerance_mm
 from .rings import torch_rings

@@ -27,7 +27,7 @@ from .rebuild import rebuild
 from .relaxed import Relaxed, read_relaxed, relaxed_warnings
 from .result import CheckResult, Judgement, Measured
 from .running import judge_running
-from .runs_from_cuts import runs_from_cuts
+from .runs_from_cuts import runs_from_cuts, unlit_tabs
 from .slits import Slots, misplaced, passes_of_cuts, passes_of_program, slits_of_made, told_of_slots, with_passes
 from .small_holes import Judged, judged_nest, small_holes, told_of_small_holes
 from .torch_run import TorchRun
@@ -107,7 +107,7 @@ def _judge_program(
     profile = on_its_origin(program, profile)
     nest, slots = with_passes(nest, passes_of_program(nest, program, profile), profile)
     judged_by = replace(judged_by, nest=nest)
-    built = rebuild(nest, program, profile.material.kerf_mm, profile.home_on(nest), tabs, planned)
+    built = rebuild(nest, program, profile.material.kerf_mm, profile.home_on(nest), tabs, planned, profile.tabs())
     astray = rapids_beyond_travel(nest, program, profile)
     relaxed = read_relaxed(nest, program.comments)
     if planned is not None:
@@ -144,6 +144,9 @@ def _judge_paths(
 ) -> tuple[list[Judgement], list[str]]:
     """What is wrong with the paths of cuts; `astray` are ways without torch that leave the machine's travel."""
     nest, kerf_mm = judged_by.nest, profile.material.kerf_mm
+    if tabs is None and profile.tabs() is not None:
+        tabs = {cut.contour: unlit_tabs(cut, kerf_mm) for cut in cuts if cut.tabs}
+    whole, runs = runs, [piece for run in runs for piece in run.lit]
     losses_mm = {name: slot.loss_mm(kerf_mm) for name, slot in slots.items()}
     found = gouges(nest, runs, kerf_mm, _sharing(nest, profile, relaxed), losses_mm)
     runs_up = forbidden(nest, profile) is None
@@ -164,7 +167,7 @@ def _judge_paths(
         judgement("burnt-twice", burnt_twice(several, _overcut_mm(profile))),
         judgement("links", bad_links(runs, kerf_mm, profile.cuts.links.longest_mm)),
         judgement("loose-metal", burnt_loose(nest, runs, kerf_mm)),
-        judgement("small-holes", small_holes(judged_by, cuts, runs, profile)),
+        judgement("small-holes", small_holes(judged_by, cuts, whole, profile)),
         judgement("contour-geometry", _of("contour-geometry", faults)),
         judgement(
             "features-kept",
@@ -175,7 +178,7 @@ def _judge_paths(
         ),
         judgement("kerf-side", _of("kerf-side", faults)),
         judgement("on-sheet", off_sheet(nest, runs, margin_mm)),
-        judgement("edge-start", edge_starts(nest, runs, profile)),
+        judgement("edge-start", edge_starts(nest, whole, profile)),
         judgement("no-gouging", found.violations),
     ]
     if profile.reach_on(nest) is not None:

@@ -13,6 +13,7 @@ import shapely
 from kerfwise.encoder.cut import Cut, CutSequence, Side
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.tabs import TabOptions
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.rules.rule import Violation
 
@@ -22,6 +23,7 @@ from .names import folded, ids_by_name
 from .planned import Planned
 from .resumed import read_resumed
 from .shared_cuts import Tabs, shared_cuts
+from .tabs_of_burns import up_to_tabs, with_tabs
 from .torch_run import TorchRun, line_of
 
 _CUT = re.compile(r"(?:CUT|MARK) \d+ (?P<contour>.+?) ZONE (?P<zone>\d+)\b", re.IGNORECASE)
@@ -51,15 +53,18 @@ def rebuild(
     home: Point,
     tabs: Tabs | None = None,
     planned: Planned | None = None,
+    tabs_asked: TabOptions | None = None,
 ) -> Rebuilt:
     """Match every torch-on path of a program with a contour of the nest.
 
     Zones, the start side and excuses come from comments such as `CUT 12 P3.hole1 ZONE 2`, `START SIDE LEFT` and
     `EXCUSED part-rigidity P1.outer`, where there are any, and so does what was cut before the program began (see
     `resumed`); which contour is cut, its entry, direction and leads come
-    from geometry alone. What the comments do not say the plan does, where there is one.
+    from geometry alone. What the comments do not say the plan does, where there is one. Where `tabs_asked` are at the
+    end of cuts, a cut that stops short of its begin has a tab there.
     """
-    burns = program.burns
+    matcher = Matcher(nest, kerf_mm)
+    burns = program.burns if tabs_asked is None or not tabs_asked.at_end else up_to_tabs(program.burns, nest, matcher)
     paths = [line_of(burn.path) or _dot(burn) for burn in burns]
     told = [_CUT.search(burn.comment) for burn in burns]
     ids = ids_by_name(nest, program.comments)
@@ -67,7 +72,6 @@ def rebuild(
     if planned is not None:
         names = [name or guess for name, guess in zip_longest(names, planned.names_of_burns())][: len(burns)]
     named = [None if name is None else nest.index.get(name) for name in names]
-    matcher = Matcher(nest, kerf_mm)
     matches = matcher.match(paths, [burn.tool != 0 for burn in burns], named)
     several = shared_cuts(nest, burns, paths, matches, matcher.rings, kerf_mm, tabs)
     zones = _zones(program.comments, ids) if several else {}
@@ -102,6 +106,9 @@ def rebuild(
             warnings.append(f"line {burn.line}: the comment names {nest.contours[name].id}, but {contour.id} is cut")
         zone = int(words["zone"]) if words else 0
         cut, run, wrong = cut_from_burn(burn, path, contour, match, kerf_mm, zone, len(cuts) + 1)
+        if burn.unlit:
+            cut, run, more = with_tabs(cut, run, burn, kerf_mm)
+            wrong = [*wrong, *more]
         cuts.append(replace(cut, excused=excused[contour.id]))
         runs.append(run)
         violations += wrong

@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
+import numpy as np
 import shapely
 from shapely import ops
 
-from kerfwise.encoder.cut import Cut, CutSequence, Span
+from kerfwise.encoder.cut import Cut, CutSequence, Span, Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.rules.rule import Violation
 
+from .covering.free import at_tabs
 from .program_rules import tolerance_mm
 from .rings import torch_rings
 from .torch_run import TorchRun, line_of
@@ -41,9 +43,38 @@ def runs_from_cuts(nest: Nest, cuts: CutSequence, kerf_mm: float) -> tuple[tuple
             ring = _stretch(ring, join, cut.span.end, cut.direction == "ccw")
         where, marks, partial = f"cut {position}", contour.kind == "mark", cut.span is not None
         lead_in, lead_out = line_of(cut.lead_in), line_of(cut.lead_out)
-        runs.append(TorchRun(position, where, contour, lead_in, ring, lead_out, marks, cut.linked, partial))
+        off = unlit_tabs(cut, kerf_mm) if contour.encloses else ()
+        faults += list(_faults_of_tabs(cut, off, ring, join, kerf_mm))
+        runs.append(TorchRun(position, where, contour, lead_in, ring, lead_out, marks, cut.linked, partial, off))
         violations += [Violation(rule, (contour.id,), f"{where}: {text}", (position,)) for rule, text in faults]
     return tuple(runs), tuple(violations)
+
+
+def unlit_tabs(cut: Cut, kerf_mm: float) -> tuple[Tab, ...]:
+    """The tabs of a cut, as wide as the torch is off over them: the kerf comes off the metal at both ends."""
+    return tuple(Tab(tab.at, tab.width_mm + kerf_mm) for tab in cut.tabs)
+
+
+def _ends_at_tab(cut: Cut, off: Sequence[Tab], ring: shapely.LineString, kerf_mm: float) -> bool:
+    """Whether the torch goes off where a tab begins, without a lead-out."""
+    if cut.lead_out is None or cut.lead_out.length_mm > 0:
+        return False
+    end_mm = ring.project(shapely.Point(_xy(cut.lead_out, 0)))
+    ends = at_tabs(ring, off, 0.0).ravel()
+    apart = np.abs((ends - end_mm + ring.length / 2) % ring.length - ring.length / 2)
+    return bool(len(ends) and apart.min() <= tolerance_mm(kerf_mm))
+
+
+def _faults_of_tabs(
+    cut: Cut, off: Sequence[Tab], ring: shapely.LineString, join: Point, kerf_mm: float
+) -> Iterator[tuple[str, str]]:
+    """Tabs where the torch joins the contour: nothing would lead to it."""
+    if not off:
+        return
+    joined_mm, allowed = ring.project(shapely.Point(join)), tolerance_mm(kerf_mm)
+    for low, high in at_tabs(ring, off, -allowed).tolist():
+        if low < joined_mm < high:
+            yield "contour-geometry", f"{cut.contour}: the torch joins it in a tab"
 
 
 def _unlinked(nest: Nest, cut: Cut, before: Cut | None, kerf_mm: float) -> Iterator[tuple[str, str]]:
@@ -86,7 +117,7 @@ def _join(cut: Cut, ring: shapely.LineString) -> Point:
     """
     if cut.lead_in is not None:
         return _xy(cut.lead_in, -1)
-    if cut.linked or cut.span is not None:
+    if cut.linked or cut.span is not None or cut.tabs:
         return cut.pierce
     if cut.lead_out is not None:
         return _xy(cut.lead_out, 0)
@@ -131,7 +162,8 @@ def _faults(
             geometry(f"the torch joins {off_mm:.3f} mm off where the kerf asks for it")
     if math.dist(join, cut.entry) > kerf_mm + allowed:
         geometry(f"the torch joins {math.dist(join, cut.entry):.3f} mm from the entry")
-    if cut.lead_out is not None and cut.span is None and math.dist(_xy(cut.lead_out, 0), join) > allowed:
+    at_tab = _ends_at_tab(cut, unlit_tabs(cut, kerf_mm), ring, kerf_mm)
+    if cut.lead_out is not None and cut.span is None and not at_tab and math.dist(_xy(cut.lead_out, 0), join) > allowed:
         geometry("the lead-out does not start where the round ends")
     return found
 

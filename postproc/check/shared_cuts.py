@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from kerfwise.arrays import Floats
-from kerfwise.encoder.cut import Cut, Direction, Span
+from kerfwise.encoder.cut import Cut, Direction, Span, Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
@@ -17,7 +17,7 @@ from kerfwise.postproc.check.reader.program import Burn
 
 from .covering.chords import chords_of_paths
 from .covering.covered import Covered, covered
-from .covering.free import Tab, at_tabs, rounds
+from .covering.free import at_tabs, rounds
 from .covering.intervals import union
 from .covering.pieces import Piece, is_whole, pieces
 from .covering.sharing import shared, stretches_of

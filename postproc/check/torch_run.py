@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
 import shapely
+from shapely import ops
 
+from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour
+
+from .covering.free import at_tabs
+from .covering.intervals import minus
 
 _CHORD_MM = 0.005
 
@@ -18,7 +24,8 @@ class TorchRun:
 
     `position` counts cuts from 1; `where` says where a person finds it ("cut 3" or "line 40"). `loop` is the path
     around the contour; `marks` says that another tool than the torch was on. A `linked` run follows the one before it
-    with the torch on: its lead-in is the link. The loop of a `partial` one is not all of its contour's ring.
+    with the torch on: its lead-in is the link. The loop of a `partial` one is not all of its contour's ring. Over the
+    stretches of its loop that `unlit` names, as wide as that, the torch is off.
     """
 
     position: int
@@ -30,6 +37,7 @@ class TorchRun:
     marks: bool = False
     linked: bool = False
     partial: bool = False
+    unlit: tuple[Tab, ...] = ()
 
     @property
     def name(self) -> str:
@@ -44,7 +52,25 @@ class TorchRun:
     @property
     def length_mm(self) -> float:
         """Torch-on length, mm."""
-        return float(self.loop.length + sum(lead.length for lead in self.leads))
+        off_mm = sum(tab.width_mm for tab in self.unlit)
+        return float(self.loop.length + sum(lead.length for lead in self.leads)) - off_mm
+
+    @property
+    def lit(self) -> tuple[TorchRun, ...]:
+        """The run as it burns: a run for each stretch between two tabs, the leads with the first and the last."""
+        if not self.unlit:
+            return (self,)
+        length_mm = float(self.loop.length)
+        off = at_tabs(self.loop, self.unlit, 0.0)
+        begin_mm = 0.0 if self.lead_in is None else float(self.loop.project(shapely.get_point(self.lead_in, -1)))
+        on = [(low, high) for low, high in minus(np.array([[0.0, length_mm]]), off).tolist() if high - low > 1e-6]
+        pieces = [ops.substring(self.loop, low, high) for low, high in on]
+        first = min(range(len(on)), key=lambda k: 0.0 if on[k][0] - 1e-6 <= begin_mm <= on[k][1] + 1e-6 else 1.0)
+        made = [replace(self, loop=p, lead_in=None, lead_out=None, partial=True, linked=True, unlit=()) for p in pieces]
+        made[first] = replace(made[first], lead_in=self.lead_in, linked=self.linked)
+        made = [*made[first:], *made[:first]]
+        made[-1] = replace(made[-1], lead_out=self.lead_out)
+        return tuple(made)
 
 
 def line_of(path: Curve | None) -> shapely.LineString | None:

@@ -16,10 +16,10 @@ import numpy as np
 import shapely
 
 from kerfwise.arrays import Floats
+from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.nest import Contour
 from kerfwise.rules.rule import Violation
 
-from .covering.free import Tab
 from .program_rules import tolerance_mm
 from .slits import burns_by_contour
 from .torch_run import TorchRun

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.compensation import compensated
-from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.physics.timing.acceleration import Accelerated
 from kerfwise.models.physics.timing.choose import machine_feeds, motion_of
@@ -24,7 +23,7 @@ from kerfwise.models.physics.timing.motion import Motion
 from kerfwise.models.plan.plan import PlannedCut
 from kerfwise.postproc.nc.plan_paths import Toolpath
 from kerfwise.postproc.nc.program import count_blocks
-from kerfwise.postproc.nc.toolpath import torch_path
+from kerfwise.postproc.nc.toolpath import torch_path, unlit_on
 from kerfwise.rules.profile.profile import Profile
 
 J_PER_KJ = 1000.0
@@ -89,11 +88,11 @@ def _paths(nest: Nest, candidates: Sequence[Candidate], profile: Profile) -> Ite
             chosen[candidate.contour] = candidate
     for number, candidate in chosen.items():
         contour = nest.contours[number]
-        leads = candidate.lead_in, candidate.lead_out
-        cut = Cut(contour.id, candidate.entry, candidate.direction, candidate.pierce, *leads)
-        path = torch_path(contour, cut, profile.material.kerf_mm)
+        cut = candidate.as_cut(contour.id)
+        kerf_mm = profile.material.kerf_mm
+        path, unlit = torch_path(contour, cut, kerf_mm), unlit_on(contour, cut, kerf_mm)
         planned = PlannedCut(cut, contour.part, contour.kind, candidate.cut_mm)
-        yield Toolpath(planned, path, contour.kind == "mark", candidate.edge_start, contour.feed_share)
+        yield Toolpath(planned, path, contour.kind == "mark", candidate.edge_start, contour.feed_share, unlit)
 
 
 def _lead_moves(candidate: Candidate) -> int:

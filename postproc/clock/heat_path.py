@@ -8,9 +8,9 @@ from pathlib import Path
 from kerfwise.encoder.corner_feed import chords, paced
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.physics.heat import TimedPath
+from kerfwise.models.physics.heat import TimedPath, TorchOn
 from kerfwise.models.physics.heat.bounds import MOST_S, expect_short
-from kerfwise.models.physics.heat.timed_path import in_order, torch_on
+from kerfwise.models.physics.heat.timed_path import in_order, torch_on, without
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.postproc.nc.plan_paths import Toolpath, toolpaths
@@ -31,13 +31,14 @@ def path_of_plan(plan: Plan, nest: Nest, profile: Profile) -> TimedPath:
     if plan.cuts and not any(planned.cut.end_s for planned in plan.cuts):
         raise InputError("the plan does not say when its contours are cut: start_s and end_s are needed for heat")
     law = profile.corner_feed()
-    burns = []
+    burns: list[TorchOn] = []
     for made in toolpaths(plan, nest, profile):
         if made.marks:
             continue
         cut = made.planned.cut
         points, slowness = chords(made.path, paced(made.path, law), _CHORD_MM)
-        burns.append(torch_on(cut.contour, points, cut.start_s, cut.end_s, _stands_s(made, profile), slowness))
+        burn = torch_on(cut.contour, points, cut.start_s, cut.end_s, _stands_s(made, profile), slowness)
+        burns += without(burn, made.unlit)
     return in_order(burns, plan.totals.time_s)
 
 
@@ -58,7 +59,7 @@ def path_of_program(program: NcProgram, file: str | Path | None = None) -> Timed
     InputError
         With file and line, for a program of more than a week: it cannot be simulated.
     """
-    burns = []
+    burns: list[TorchOn] = []
     for burn in program.burns:
         took_s = burn.end_s - burn.start_s + burn.wait_s
         if not took_s <= MOST_S:
@@ -73,7 +74,8 @@ def path_of_program(program: NcProgram, file: str | Path | None = None) -> Timed
         named = _CUT.search(burn.comment)
         name = named["contour"] if named else f"line {burn.line}"
         points, slowness = chords(burn.path, burn.paced, _CHORD_MM)
-        burns.append(torch_on(name, points, burn.start_s, burn.end_s, burn.held_s + burn.pierce_s, slowness))
+        stands_s = burn.held_s + burn.pierce_s
+        burns += without(torch_on(name, points, burn.start_s, burn.end_s, stands_s, slowness), burn.unlit)
     path = in_order(burns, burns[-1].at_s[-1] if burns else 0.0)
     expect_short(path, file)
     return path

@@ -56,9 +56,9 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
     for made in paths:
         travels_mm = () if made.linked else (math.dist(at, _start(made.path)),)
         waits_s, share, linked = made.planned.dwell_s, made.feed_share, made.linked
-        runs.append(
-            Run(made.path, made.marks, not made.edge_start, travels_mm, waits_s, feed_share=share, linked=linked)
-        )
+        off_mm = sum(high - low for low, high in made.unlit)
+        run = Run(made.path, made.marks, not made.edge_start, travels_mm, waits_s, feed_share=share, linked=linked)
+        runs.append(replace(run, unlit_mm=off_mm))
         at = _end(made.path)
     return Job(tuple(runs), (math.dist(at, home),), count_blocks(paths, nest, profile))
 
@@ -72,7 +72,7 @@ def job_of_program(program: NcProgram, nest: Nest, own: Profile | None = None) -
     edge_starts = outside(nest, [_start(burn.path) for burn in program.burns])
     runs = []
     for burn, edge_start in zip(program.burns, edge_starts, strict=True):
-        run = Run(burn.path, burn.tool != 0, not edge_start, burn.travels_mm, burn.wait_s)
+        run = Run(burn.path, burn.tool != 0, not edge_start, burn.travels_mm, burn.wait_s, unlit_mm=burn.unlit_mm)
         if own is not None:
             run = replace(run, moving_s=burn.moving_s, standing_s=burn.held_s + burn.pierce_s + burn.paused_s)
         runs.append(run)

@@ -106,6 +106,17 @@ class Dialect:
         default=(), metadata=option(Blocks(none=True), "stops height control, in a small hole cut at its own feed")
     )
     height_on: tuple[str, ...] = field(default=(), metadata=option(Blocks(none=True), "starts it again"))
+    tab_begin: tuple[str, ...] = field(
+        default=(),
+        metadata=option(Blocks(none=True), "puts the beam out over a tab, in motion; null for what torch_off says"),
+    )
+    tab_end: tuple[str, ...] = field(
+        default=(),
+        metadata=option(
+            Blocks(Block(holes=("mm_min", *POWERS)), none=True),
+            "lights it again; null for what torch_on says, without its wait",
+        ),
+    )
     program: ProgramNumber | None = field(
         default=None,
         metadata=option(

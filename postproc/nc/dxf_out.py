@@ -37,8 +37,9 @@ def write_dxf(plan: Plan, nest: Nest, profile: Profile) -> str:
     text = io.StringIO(newline="")
     with r12writer(text) as drawing:
         for made in _burns(toolpaths(plan, nest, profile)):
-            rows = made.path.moved(-x, -y).vertices.tolist()
-            drawing.add_polyline_2d(rows, format="xyb", closed=False, layer=LAYERS[made.planned.kind])
+            for piece in made.pieces[::2]:
+                rows = piece.moved(-x, -y).vertices.tolist()
+                drawing.add_polyline_2d(rows, format="xyb", closed=False, layer=LAYERS[made.planned.kind])
     return text.getvalue()
 
 

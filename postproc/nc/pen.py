@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import pairwise
 
-from kerfwise.encoder.corner_feed import CornerFeed, paced
+from kerfwise.encoder.corner_feed import CornerFeed, Paced, paced
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point, Segment
 from kerfwise.postproc.dialects import Dialect, powers_of
@@ -15,6 +16,7 @@ from .blocks import number
 
 CHORD_MM = 0.001
 RISE_MM = 0.0025
+SPECK_MM = 1e-4
 FLAT_RAD = 1e-3
 _BY_RADIUS_RAD = 1.6
 """An arc that turns further is split where a dialect gives the radius: near a half turn its centre hangs on the last
@@ -72,10 +74,17 @@ class Pen:
         """The block that waits."""
         return self.dialect.dwell.format(seconds=number(seconds, 3), milliseconds=number(seconds * 1000, 0))
 
-    def path(self, path: Curve, feed_mm_s: float, corners: CornerFeed | None = None) -> list[str]:
+    def path(
+        self,
+        path: Curve,
+        feed_mm_s: float,
+        corners: CornerFeed | None = None,
+        unlit: Sequence[tuple[float, float]] = (),
+    ) -> list[str]:
         """The blocks that run an open path from its first point, at which the torch already stands.
 
-        With `corners` the feed changes where they say.
+        With `corners` the feed changes where they say. Over the stretches `unlit`, mm from its start, the torch goes
+        out, and moves on.
 
         Arcs beyond a half turn are split in two, because near a full turn the last decimal decides between all and
         nothing. Arcs that turn less than 0.001 rad become chords within 0.001 mm, those that rise less than 0.0025 mm
@@ -84,19 +93,33 @@ class Pen:
         dialect = self.dialect
         blocks: list[str] = []
         in_force = ""
+        ends, at_mm = [mm for stretch in unlit for mm in stretch], 0.0
         self.at = self._rounded(path.segments[0].start) if path.segments else self.at
-        for piece, share in ((p, share) for segment, share in paced(path, corners) for p in self._pieces(segment)):
-            end = self._rounded(piece.end)
-            if end == self.at:
-                continue
+        for stretch, share in _split(paced(path, corners), ends):
+            while ends and ends[0] <= at_mm + SPECK_MM:
+                blocks += self._over_tab(len(ends) % 2 == 1, feed_mm_s)
+                in_force, ends = "", ends[1:]
+            at_mm += stretch.length_mm
             word = dialect.feed.format(mm_min=self._feed(feed_mm_s * share))
-            motion = self._arc(piece, end) if piece.is_arc else _spelt(dialect.line, self._words(end))
-            if word == in_force:
-                blocks.append(motion)
-            else:
-                blocks += [word, motion] if dialect.feed_alone else [f"{motion} {word}"]
-            in_force, self.at = word, end
+            for piece in self._pieces(stretch):
+                end = self._rounded(piece.end)
+                if end == self.at:
+                    continue
+                motion = self._arc(piece, end) if piece.is_arc else _spelt(dialect.line, self._words(end))
+                if word == in_force:
+                    blocks.append(motion)
+                else:
+                    blocks += [word, motion] if dialect.feed_alone else [f"{motion} {word}"]
+                in_force, self.at = word, end
         return blocks
+
+    def _over_tab(self, ends: bool, feed_mm_s: float) -> list[str]:
+        """Put the torch out where a tab begins, or light it again where it ends, without a wait."""
+        if not ends:
+            return list(self.dialect.tab_begin or self.dialect.torch_off)
+        if not self.dialect.tab_end:
+            return self.start(False, 0.0, feed_mm_s)
+        return [block.format(mm_min=self._feed(feed_mm_s), **self.powers) for block in self.dialect.tab_end]
 
     def _arc(self, piece: Segment, end: Point) -> str:
         arc = Segment(self.at, end, piece.bulge)
@@ -158,3 +181,16 @@ def _spelt(motion: str, words: dict[str, str]) -> str:
     if "{" in motion:
         return motion.format(**dict.fromkeys("xyijr", "0") | words)
     return " ".join(filter(None, (motion, *(f"{letter.upper()}{text}" for letter, text in words.items()))))
+
+
+def _split(pieces: Iterable[Paced], at_mm: Sequence[float]) -> Iterator[Paced]:
+    """The lines and arcs of a path, taken apart at these lengths from its start."""
+    begin_mm = 0.0
+    for segment, share in pieces:
+        length_mm = segment.length_mm
+        inner = [mm - begin_mm for mm in at_mm if SPECK_MM < mm - begin_mm < length_mm - SPECK_MM]
+        for low, high in pairwise([0.0, *inner, length_mm]) if inner else ():
+            yield segment.between(low / length_mm, high / length_mm), share
+        if not inner:
+            yield segment, share
+        begin_mm += length_mm

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import shapely
 
-from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.cut import Cut, Tab
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
@@ -15,7 +16,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan, PlannedCut
 from kerfwise.rules.profile.profile import Profile
 
-from .toolpath import torch_path
+from .toolpath import torch_path, unlit_on
 
 SHA_DIGITS = 12
 
@@ -24,7 +25,7 @@ SHA_DIGITS = 12
 class Toolpath:
     """One cut of the plan with its whole path; `edge_start` where it comes in from the edge and pierces nothing.
 
-    The torch follows it at `feed_share` of the cut feed.
+    The torch follows it at `feed_share` of the cut feed, unlit along the stretches `unlit`, mm from its start.
     """
 
     planned: PlannedCut
@@ -32,6 +33,15 @@ class Toolpath:
     marks: bool
     edge_start: bool
     feed_share: float = 1.0
+    unlit: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def pieces(self) -> tuple[Curve, ...]:
+        """The path taken apart where the torch goes off and on again over tabs: lit and unlit pieces, in turn."""
+        if not self.unlit:
+            return (self.path,)
+        ends = [0.0, *(mm for stretch in self.unlit for mm in stretch), self.path.length_mm]
+        return tuple(self.path.between(low, high - low) for low, high in pairwise(ends))
 
     @property
     def linked(self) -> bool:
@@ -53,9 +63,10 @@ def toolpaths(plan: Plan, nest: Nest, profile: Profile) -> tuple[Toolpath, ...]:
     made = []
     for planned, edge_start in zip(plan.cuts, edge_starts, strict=True):
         contour = nest.contour(planned.cut.contour)
-        path = torch_path(contour, _as_filed(planned.cut), profile.material.kerf_mm)
+        cut, kerf_mm = _as_filed(planned.cut), profile.material.kerf_mm
+        path, unlit = torch_path(contour, cut, kerf_mm), unlit_on(contour, cut, kerf_mm)
         edge_start = edge_start and not planned.cut.linked
-        made.append(Toolpath(planned, path, contour.kind == "mark", edge_start, contour.feed_share))
+        made.append(Toolpath(planned, path, contour.kind == "mark", edge_start, contour.feed_share, unlit))
     return tuple(made)
 
 
@@ -84,4 +95,6 @@ def _as_filed(cut: Cut) -> Cut:
         return None if lead is None else Curve(np.round(lead.vertices, 6), lead.closed)
 
     x, y = cut.pierce
-    return replace(cut, pierce=(round(x, 6), round(y, 6)), lead_in=rounded(cut.lead_in), lead_out=rounded(cut.lead_out))
+    tabs = tuple(Tab((round(tab.at[0], 6), round(tab.at[1], 6)), round(tab.width_mm, 6)) for tab in cut.tabs)
+    pierce = (round(x, 6), round(y, 6))
+    return replace(cut, pierce=pierce, lead_in=rounded(cut.lead_in), lead_out=rounded(cut.lead_out), tabs=tabs)

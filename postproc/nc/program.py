@@ -161,6 +161,7 @@ def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: Pen, stay
         yield from pen.start(mark, (machine.mark_time_s if mark else start_s) if waits else 0.0, feed_mm_s)
     slowed = made.feed_share < 1.0
     yield from dialect.height_off if slowed else ()
-    yield from pen.path(made.path, feed_mm_s, None if mark else profile.corner_feed())
+    law = None if mark else profile.corner_feed()
+    yield from pen.path(made.path, feed_mm_s, law, made.unlit)
     yield from dialect.height_on if slowed else ()
     yield from () if stays_on else pen.stop(mark)

@@ -11,6 +11,7 @@ from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour
+from kerfwise.encoder.tabs import once_round
 
 PathRow = tuple[float, float, float]
 
@@ -33,7 +34,8 @@ def torch_path(contour: Contour, cut: Cut, kerf_mm: float) -> Curve:
     Returns
     -------
     Open curve without segments of no length. An open mark is followed along its line ("ccw") or against it ("cw"), a
-    closed one once round from its entry; a slit along its line from the end of its lead-in.
+    closed one once round from its entry; a slit along its line from the end of its lead-in. Over tabs the path goes on,
+    see `unlit_on`; before one at the end of the round it ends.
 
     Raises
     ------
@@ -51,8 +53,18 @@ def torch_path(contour: Contour, cut: Cut, kerf_mm: float) -> Curve:
         line = contour.curve if cut.direction == "ccw" else contour.curve.reversed()
         return line if cut.lead_in is None else _joined((cut.lead_in, line))
     ring = compensated(contour, kerf_mm).towards(cut.direction)
-    once_round = ring.opened_at(ring.project(_join(cut))[0])
-    return _joined(path for path in (cut.lead_in, once_round, cut.lead_out) if path is not None)
+    way, _ = once_round(ring, _join(cut), cut.tabs, kerf_mm)
+    return _joined(path for path in (cut.lead_in, way, cut.lead_out) if path is not None)
+
+
+def unlit_on(contour: Contour, cut: Cut, kerf_mm: float) -> tuple[tuple[float, float], ...]:
+    """The stretches of the torch's path that it makes unlit, over tabs, mm from where it starts."""
+    if not cut.tabs:
+        return ()
+    ring = compensated(contour, kerf_mm).towards(cut.direction)
+    _, gaps = once_round(ring, _join(cut), cut.tabs, kerf_mm)
+    before_mm = 0.0 if cut.lead_in is None else cut.lead_in.length_mm
+    return tuple((before_mm + low, before_mm + high) for low, high in gaps)
 
 
 def _joined(paths: Iterable[Curve]) -> Curve:

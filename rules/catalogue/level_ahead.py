@@ -34,6 +34,7 @@ class LevelAhead(OrderRule[NoOptions]):
     in direction d meets its outer contour: the space between the start side and the part, its own area left out. A
     part whose centroid lies in the shadow of another in the same place (straight on the sheet, or in the same hole)
     is cut before it. A ray that grazes the contour meets it; a centroid on the contour is not in its area.
+    Parts that tabs hold are ordered as all others: tabs do not stiffen what is cut later.
 
     ## Why
 

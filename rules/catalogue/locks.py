@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
-from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.cut import CutSequence, Tab
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.rules.lock import Lock, check_locks
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.options.yaml_positions import wrong_at
-from kerfwise.rules.rule import Ids, Rule, Violation
+from kerfwise.rules.plant import Plant
+from kerfwise.rules.rule import Ids, Rule, RuleSetting, Violation
 from kerfwise.rules.statements import AtLeast, Before, Forbid, Precede, Statement
 
 if TYPE_CHECKING:
@@ -38,10 +39,11 @@ class Locks(Rule[LocksOptions]):
 
     A profile's `locks` fix single decisions: `{contour: ID, before: ID}`, `{contour: ID, position: first | last | N}`
     (over all contours, marks included; 1 is first, and the number of contours is last),
-    `{contour: ID, entry: [x, y]}`, `{contour: ID, direction: cw | ccw}`, `{part: ID, zone: N}`, and
-    `{contour: ID, linked: false}`: no link leads to it, it is pierced. Always hard. Orders of
-    level-ahead and hull-before that locks leave no room for are dropped, as few as can be, and listed; the zones follow
-    positions that are locked. A lock that contradicts any other hard rule is an error that names both.
+    `{contour: ID, entry: [x, y]}`, `{contour: ID, direction: cw | ccw}`, `{part: ID, zone: N}`,
+    `{contour: ID, tab: [x, y] | off}`, and `{contour: ID, linked: false}`: no link leads to it, it is pierced. Tabs are
+    made by hold-small-parts, which must be on for one to be there. Always hard. Orders of level-ahead and hull-before
+    that locks leave no room for are dropped, as few as can be, and listed; the zones follow positions that are locked.
+    A lock that contradicts any other hard rule is an error that names both.
 
     ## Why
 
@@ -107,8 +109,20 @@ class Locks(Rule[LocksOptions]):
             if lock.entry is not None and not _is_at(candidate.entry, lock.entry, facts.nest.contours[i], tolerance_mm):
                 sentence = f"{name} is entered at {_spoken(lock.entry)}: {lock.because}"
                 yield Forbid(number, self.about((name,), sentence))
+            if lock.tab is not None and not _tabbed(candidate.tabs, lock.tab, tolerance_mm):
+                yield Forbid(number, self.about((name,), f"{name} {_asked(lock.tab)}: {lock.because}"))
             if lock.direction is not None and candidate.direction != lock.direction:
                 yield Forbid(number, self.about((name,), f"{name} is cut {lock.direction}: {lock.because}"))
+
+    def check_with(
+        self, options: LocksOptions, plant: Plant, rules: Mapping[str, RuleSetting]
+    ) -> Iterator[tuple[str, str]]:
+        tabs = [lock for lock in options.locks if isinstance(lock.tab, tuple)]
+        if tabs and rules["hold-small-parts"].strength == "off":
+            yield (
+                "entry_tolerance",
+                f"{tabs[0].contour} is locked to have a tab, and rule hold-small-parts, which makes tabs, is off",
+            )
 
     def pairs(self, nest: Nest, cuts: CutSequence, options: LocksOptions) -> list[Ids]:
         found: list[Ids] = []
@@ -159,6 +173,9 @@ def _broken(
         yield (name,), f"{name} is cut {k} in order, not {place}", ahead + behind
     if lock.entry is not None and not _is_at(cut.entry, lock.entry, nest.contour(name), tolerance_mm):
         yield (name,), f"{name} (cut {k}) is entered at {_spoken(cut.entry)}, not at {_spoken(lock.entry)}", ()
+    if lock.tab is not None and not _tabbed(cut.tabs, lock.tab, tolerance_mm):
+        has = ", ".join(_spoken(tab.at) for tab in cut.tabs) or "none"
+        yield (name,), f"{name} (cut {k}) {_asked(lock.tab)}; those that it has: {has}", ()
     if lock.direction is not None and cut.direction != lock.direction:
         yield (name,), f"{name} (cut {k}) is cut {cut.direction}, not {lock.direction}", ()
     if lock.linked is False and cut.linked:
@@ -174,6 +191,15 @@ def _is_at(entry: Point, locked: Point, contour: Contour, tolerance_mm: float) -
     """Whether an entry is the point of the contour nearest to the locked one."""
     along_mm, _ = contour.curve.project(locked)
     return math.dist(entry, contour.curve.point_at(along_mm)) <= tolerance_mm
+
+
+def _tabbed(tabs: Sequence[Tab], asked: Point | Literal["off"], tolerance_mm: float) -> bool:
+    """Whether tabs are as a lock wants them."""
+    return not tabs if asked == "off" else any(math.dist(tab.at, asked) <= tolerance_mm for tab in tabs)
+
+
+def _asked(tab: Point | Literal["off"]) -> str:
+    return "has no tab" if tab == "off" else f"has a tab at {_spoken(tab)}"
 
 
 def _spoken(point: Point) -> str:

@@ -44,7 +44,8 @@ class NoIslands(Rule[NoIslandsOptions]):
     within the `web` of part-rigidity. A part hangs on the frame, which is never cut, if at least `frame_share` of its
     outer contour faces solid metal or the strip of sheet along the edge; a part inside a hole hangs on its host, which
     is cut after it. Of parts that hang together at the start, every one but the last must leave one behind that it
-    hangs on, or hang on the frame. What hangs together and on no frame ends with any of its parts. The check allows
+    hangs on, or hang on the frame. What hangs together and on no frame ends with any of its parts. Tabs change nothing
+    here: they hold a part once it is cut, and the rule is about metal that is not cut yet. The check allows
     0.05 less than `frame_share`, for it looks at the boundary in finer steps than the facts.
 
     Where orders that may not be broken leave no other way, a plan under the hard rule excuses a part that hangs on

@@ -29,8 +29,8 @@ class NoTipTravel(Rule[NoOptions]):
     The straight line from the end of each cut to the next pierce, from home to the first and from the last back home,
     does not cross the area of a part whose outer contour has been cut before. The area is all that the outer contour
     encloses: what falls out of a hole may stand up as well. Where the machine travels with its head down
-    (`machine.head: down`) a soft rule is hard. A link to the next part is no idle travel: it runs
-    through waste.
+    (`machine.head: down`) a soft rule is hard. A part that tabs hold does not tip: travel over it is free. A link to
+    the next part is no idle travel: it runs through waste.
 
     ## Why
 
@@ -57,8 +57,8 @@ class NoTipTravel(Rule[NoOptions]):
     hard_with_head_down = True
 
     def statements(self, facts: Facts, options: NoOptions) -> Iterator[Crossing]:
-        left = facts.nest.index
-        for part in facts.whole_nest.parts:
+        left, held = facts.nest.index, facts.held_by_tabs
+        for part in (part for part in facts.whole_nest.parts if part.outer.id not in held):
             sentence = f"no travel leads over {part.id} once {part.outer.id} is cut: it may have tipped up"
             about = self.about((part.outer.id,), sentence)
             yield Crossing(left.get(part.outer.id), part.outer.polygon, about)
@@ -67,7 +67,8 @@ class NoTipTravel(Rule[NoOptions]):
         if not cuts.new:
             return []
         at = cuts.positions()
-        parts = [part for part in nest.parts if part.outer.id in at]
+        held = {cut.contour for cut in cuts if cut.tabs}
+        parts = [part for part in nest.parts if part.outer.id in at and part.outer.id not in held]
         legs = np.array([[cuts.home, *(cut.end for cut in cuts.new)], [*(cut.pierce for cut in cuts.new), cuts.home]])
         lines = shapely.linestrings(legs.transpose(1, 0, 2))
         areas = shapely.buffer([part.outer.polygon for part in parts], -GRAZE_MM)

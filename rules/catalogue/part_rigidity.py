@@ -62,6 +62,8 @@ class PartRigidity(Rule[PartRigidityOptions]):
     Beside that, at most `head_rigid_max` of the first `head_share` should be rigid: it costs `head_weight` where more
     is. That is a wish only and is never judged.
 
+    A part with tabs does not come free when its cut ends, so that it may end along anything.
+
     Some contours can never keep the rule: every stretch faces an edge. These are exempt. Where orders that may not be
     broken leave a contour nothing to end on, the plan excuses it, in as few places as can be, and says so: in its list
     of exceptions and in the program, as `(EXCUSED part-rigidity P1.outer)`.
@@ -90,8 +92,10 @@ class PartRigidity(Rule[PartRigidityOptions]):
     shares = ("web_mm", "head_share", "tail_share")
 
     def statements(self, facts: Facts, options: PartRigidityOptions) -> Iterator[AtLeast]:
-        ends = dict(self._ends(facts, options))
+        ends, tabbed = dict(self._ends(facts, options)), facts.tabbed
         for contour in _outers(facts):
+            if contour in tabbed:
+                continue
             own = facts.candidates_of(contour)
             able = any(ends[c].bound <= sum(ends[c].weights) for c in own)
             for c in own:
@@ -104,10 +108,10 @@ class PartRigidity(Rule[PartRigidityOptions]):
         return replace(given, web_mm=options.web_mm, head_share=options.head_share, tail_share=options.tail_share)
 
     def exempt(self, facts: Facts, options: PartRigidityOptions) -> Iterator[About]:
-        ends = dict(self._ends(facts, options))
+        ends, tabbed = dict(self._ends(facts, options)), facts.tabbed
         for contour in _outers(facts):
             own = facts.candidates_of(contour)
-            if own and all(ends[c].bound > sum(ends[c].weights) for c in own):
+            if own and contour not in tabbed and all(ends[c].bound > sum(ends[c].weights) for c in own):
                 name = facts.nest.contours[contour].id
                 yield self.about((name,), f"no way to cut {name} ends along rigid metal, whatever the order")
 
@@ -138,7 +142,7 @@ class PartRigidity(Rule[PartRigidityOptions]):
         found = []
         shares = rigid_at_the_end(nest, cuts, options.tail_share, options.web_mm, options.edge_band_mm)
         for k, share in shares:
-            if share < options.rigid_min - ALLOWANCE:
+            if not cuts[k - 1].tabs and share < options.rigid_min - ALLOWANCE:
                 name = cuts[k - 1].contour
                 text = (
                     f"{name} (cut {k}) ends along {share:.0%} rigid metal, less than {options.rigid_min:.0%}: the rest "

@@ -176,6 +176,29 @@ class PointXY(OptionKind):
 
 
 @dataclass(frozen=True, slots=True)
+class PointOr(OptionKind):
+    """A point [x, y] in mm, or a word."""
+
+    word: str
+
+    def read(self, node: yaml.Node) -> tuple[float, float] | str:
+        if isinstance(node, yaml.ScalarNode) and node.value in (self.word, *(("false",) if self.word == "off" else ())):
+            return self.word
+        if not isinstance(node, yaml.SequenceNode):
+            raise self.refuse(node)
+        return PointXY().read(node)
+
+    def write(self, value: tuple[float, float] | str) -> str:
+        return value if isinstance(value, str) else PointXY().write(value)
+
+    def schema(self) -> dict[str, Any]:
+        return {"anyOf": [{"enum": [self.word, *([False] if self.word == "off" else [])]}, PointXY().schema()]}
+
+    def expected(self) -> str:
+        return f"a point [x, y] in mm, or the word {self.word!r}"
+
+
+@dataclass(frozen=True, slots=True)
 class LengthSpan(OptionKind):
     """Two lengths [least, most], the first less than the second; `none` is the word for not known."""
 

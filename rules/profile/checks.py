@@ -78,7 +78,7 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
             f"heat.logical_conduction: {heat.logical_conduction:g} for each of 8 neighbours is more than a point has; "
             "the scheme is stable up to 0.125",
         )
-    plant = known_plant(material, heat, given["locks"])
+    plant = known_plant(machine, material, heat, given["locks"])
     known = RULES | given["further_rules"]
     for name, setting in rules.items():
         if setting.strength != "off":

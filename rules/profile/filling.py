@@ -17,12 +17,13 @@ from .heat_section import Heat
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
+    from .machine_section import Machine
     from .sections import Material
 
 T = TypeVar("T", bound="DataclassInstance")
 
 
-def known_plant(material: Material, heat: Heat, locks: tuple[Lock, ...]) -> Plant:
+def known_plant(machine: Machine, material: Material, heat: Heat, locks: tuple[Lock, ...]) -> Plant:
     """What rules may know of these sections."""
     return Plant(
         thickness_mm=material.thickness_mm,
@@ -31,6 +32,7 @@ def known_plant(material: Material, heat: Heat, locks: tuple[Lock, ...]) -> Plan
         heat_limit_c=heat.limit_c,
         absorbed_power_w=heat.absorbed_power_w,
         locks=locks,
+        process=machine.process,
     )
 
 

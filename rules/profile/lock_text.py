@@ -13,12 +13,12 @@ from kerfwise.rules.options.yaml_positions import Problems, compose
 
 from .reader import read_locks
 
-_SHORT = re.compile(r"\s*(?P<id>\S.*?)\s+(?P<key>before|position|entry|direction|linked|zone)\s+(?P<value>\S.*?)\s*")
+_KEYS = "before|position|entry|direction|linked|tab|zone"
+_SHORT = re.compile(rf"\s*(?P<id>\S.*?)\s+(?P<key>{_KEYS})\s+(?P<value>\S.*?)\s*")
 _NUMBERED = re.compile(r"^locks\[1\](\.|: )")
 EXPECTED = (
-    "expected ID before ID, ID position first|last|N, ID entry [X, Y], ID direction cw|ccw, ID linked false or "
-    "PART zone N, "
-    "or a lock as a profile has it, such as {contour: P1.outer, before: P2.outer}"
+    "expected ID before ID, ID position first|last|N, ID entry [X, Y], ID direction cw|ccw, ID linked false, "
+    "ID tab [X, Y]|off or PART zone N, or a lock as a profile has it, such as {contour: P1.outer, before: P2.outer}"
 )
 
 

@@ -26,6 +26,7 @@ from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.shown import shown
 from kerfwise.encoder.slits import with_slits
 from kerfwise.encoder.small_holes import HoleLimits, as_cut
+from kerfwise.encoder.tabs import TabOptions
 from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.by_thickness import ByThickness, length_at
@@ -158,7 +159,7 @@ class Profile:
     @property
     def plant(self) -> Plant:
         """What rules may know of the profile beside their own options."""
-        return known_plant(self.material, self.heat, self.locks)
+        return known_plant(self.machine, self.material, self.heat, self.locks)
 
     def _filled_in(self, options: T) -> T:
         return filled_in(options, self.plant, self.rules, self.known_rules())
@@ -249,6 +250,10 @@ class Profile:
         for rule, options, strength in self._every_rule:
             given = rule.lead_options(given, options, strength)
         return given
+
+    def tabs(self) -> TabOptions | None:
+        """Which parts have tabs, and of what kind; None where no rule asks for any."""
+        return self._asked_of_leads().tabs
 
     def rules_of_direction(self, kind: Kind) -> tuple[str, ...]:
         """Ids of the rules that leave one direction only for this kind of contour."""

@@ -24,7 +24,7 @@ Order = tuple[int, ...]
 Orders = NDArray[np.int8]
 Let = frozenset[tuple[str, tuple[str, ...]]]
 
-OF_ONE_CUT = ("cut-direction", "pierce", "locks", "part-rigidity")
+OF_ONE_CUT = ("cut-direction", "pierce", "locks", "part-rigidity", "hold-small-parts")
 """Rules whose violations are each of one cut (the first contour named), whatever the ways of the other cuts."""
 OF_OUTERS = ("no-islands", "no-narrow-strips")
 """Rules that look at outer contours alone."""

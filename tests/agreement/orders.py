@@ -10,7 +10,7 @@ from minizinc import Instance
 from minizinc.error import MiniZincWarning
 
 from kerfwise.encoder.candidates import build_candidates
-from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
@@ -73,7 +73,7 @@ def admitted_by_check(facts: Facts, profile: Profile, rule: str) -> Orders:
     for i in range(facts.n):
         c = facts.candidates[facts.candidates_of(i)[0]]
         name = nest.contours[i].id
-        cuts.append(Cut(name, c.entry, c.direction, c.pierce, c.lead_in, c.lead_out, int(facts.zone[i])))
+        cuts.append(c.as_cut(name, int(facts.zone[i])))
     return frozenset(
         order
         for order in permutations(range(facts.n))

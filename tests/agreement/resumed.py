@@ -140,7 +140,7 @@ def only_these(profile: Profile, names: Sequence[str]) -> Profile:
 def _cut(facts: Facts, number: int) -> Cut:
     c = facts.candidates[number]
     name, zone = facts.nest.contours[c.contour].id, int(facts.zone[c.contour])
-    return Cut(name, c.entry, c.direction, c.pierce, c.lead_in, c.lead_out, zone)
+    return c.as_cut(name, zone)
 
 
 def _shifted(profile: Profile) -> list[Profile]:

@@ -41,7 +41,7 @@ class Trial:
         ways: list[list[Cut]] = [[] for _ in range(facts.n)]
         for c in facts.candidates:
             name, zone = facts.nest.contours[c.contour].id, int(facts.zone[c.contour])
-            ways[c.contour].append(Cut(name, c.entry, c.direction, c.pierce, c.lead_in, c.lead_out, zone))
+            ways[c.contour].append(c.as_cut(name, zone))
         return Trial(facts.nest, tuple(map(tuple, ways)), facts.start_side, case.profile)
 
     @property

@@ -12,6 +12,7 @@ from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.tabs import once_round
 from kerfwise.models.physics.timing.constant import Feeds
 
 from .timed_path import TimedPath, TorchOn, in_order, torch_on
@@ -65,6 +66,8 @@ class RoutePaths:
             contour = self._facts.nest.contours[candidate.contour]
             ring = compensated(contour, self._kerf_mm).towards(candidate.direction)
             joins = candidate.pierce if candidate.lead_in is None else candidate.lead_in.vertices[-1, :2].tolist()
-            paths = (candidate.lead_in, ring.opened_at(ring.project(joins)[0]), candidate.lead_out)
+            x, y = joins
+            way, _ = once_round(ring, (x, y), candidate.tabs, self._kerf_mm)
+            paths = (candidate.lead_in, way, candidate.lead_out)
             self._made[number] = np.concatenate([path.flatten(CHORD_MM) for path in paths if path is not None])
         return self._made[number]

@@ -83,6 +83,31 @@ def torch_on(
     return TorchOn(contour, xy, times)
 
 
+def without(burn: TorchOn, unlit_mm: Sequence[tuple[float, float]]) -> tuple[TorchOn, ...]:
+    """The stretch without those parts of its way, mm from its start, that the torch makes unlit, over tabs.
+
+    Examples
+    --------
+    >>> burn = torch_on("P.outer", np.array([[0.0, 0.0], [10.0, 0.0]]), 0.0, 10.0)
+    >>> [lit.xy[:, 0].tolist() for lit in without(burn, [(4.0, 6.0)])]
+    [[0.0, 0.0, 4.0], [6.0, 10.0]]
+    """
+    if not unlit_mm:
+        return (burn,)
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(burn.xy, axis=0).T))])
+    ends = [0.0, *(mm for stretch in unlit_mm for mm in stretch), float(along[-1])]
+    made = []
+    for number, (low, high) in enumerate(zip(ends[::2], ends[1::2], strict=True)):
+        first = 0 if not number else int(np.searchsorted(along, low, side="right"))
+        last = int(np.searchsorted(along, high, side="left"))
+        cut = [np.interp([low, high], along, column) for column in (burn.xy[:, 0], burn.xy[:, 1], burn.at_s)]
+        rows = np.column_stack([burn.xy, burn.at_s])[first:last]
+        begins = [] if not number else [[c[0] for c in cut]]
+        rows = np.vstack([*begins, *rows[:, None], [c[1] for c in cut]]).reshape(-1, 3)
+        made.append(TorchOn(burn.contour, rows[:, :2], rows[:, 2]))
+    return tuple(made)
+
+
 def in_order(burns: Sequence[TorchOn], end_s: float) -> TimedPath:
     """The path of these stretches.
 

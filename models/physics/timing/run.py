@@ -15,7 +15,8 @@ class Run:
     `marks` says that it only marks; `pierced` is False where it comes in from the sheet edge. `moving_s` is how long it
     takes at feeds of its own, and `standing_s` how long the torch stands meanwhile, lit, as a program states them; None
     where the model of motion, or the machine's feeds, say so. Then it moves at `feed_share` of its feed. A `linked` one
-    goes on from the run before it, with the torch on.
+    goes on from the run before it, with the torch on. `unlit_mm` of the path are over tabs, where the torch moves on at
+    its feed and burns nothing.
     """
 
     path: Curve
@@ -27,6 +28,7 @@ class Run:
     standing_s: float | None = None
     feed_share: float = 1.0
     linked: bool = False
+    unlit_mm: float = 0.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -45,7 +47,7 @@ class Job:
     @property
     def on_mm(self) -> float:
         """L_on: length with the torch, or the marking tool, on, mm."""
-        return sum(run.path.length_mm for run in self.runs)
+        return sum(run.path.length_mm - run.unlit_mm for run in self.runs)
 
     @property
     def idle_mm(self) -> float:

@@ -9,6 +9,7 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.slits import slit_because
 from kerfwise.encoder.small_holes import not_cut_because
 from kerfwise.models.plan.plan import Plan
+from kerfwise.models.plan.tabs import tabs_because
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import About
@@ -30,7 +31,7 @@ class Explanation:
     `heat` prices on orders and entries that overheat metal. The torch waits for `dwell_s` before the contour is cut,
     and why. Where zones have a budget of heat, `zone_heat_kj` says how much goes into this one at the most. `small`
     says why a small hole is not cut but marked, `slit` what a slit opens and costs. `linked` says that the
-    torch stays on before it, and why.
+    torch stays on before it, and why, `tabs` why tabs hold the part.
     """
 
     contour: str
@@ -55,6 +56,7 @@ class Explanation:
     small: str = ""
     slit: str = ""
     linked: str = ""
+    tabs: str = ""
 
     def __str__(self) -> str:
         from .words import as_text
@@ -107,4 +109,5 @@ def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour:
         not_cut_because(facts.whole_nest, profile.hole_limits()).get(contour, ""),
         slit_because(facts.whole_nest, profile.material.kerf_mm).get(contour, ""),
         plan.cuts[k].linked_because,
+        tabs_because(facts, profile).get(contour, ""),
     )

@@ -36,7 +36,7 @@ def _lines(e: Explanation, everything: bool) -> Iterator[str]:
         f"{e.contour} is cut {_nth(e.place)} of {e.of}, in zone {e.zone}: after {e.previous or 'leaving home'}, "
         f"before {e.following or 'going home'}"
     )
-    yield from filter(None, (e.small, e.slit))
+    yield from filter(None, (e.small, e.slit, e.tabs))
     if e.zone_heat_kj is not None:
         yield f"zone {e.zone} takes up {e.zone_heat_kj:.1f} kJ at the most, of a budget of {e.zone_budget_kj:g} kJ"
     if e.dwell_s:

@@ -3,27 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import shapely
 
 from kerfwise.arrays import Floats
-from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.nest import Contour
 
 from .intervals import NONE, union
 
 _SAME_MM = 1e-4
 _CHORD_MM = 0.005
-
-
-@dataclass(frozen=True, slots=True)
-class Tab:
-    """A stretch of a contour that is left uncut on purpose: its middle, on the contour, and how wide it is, mm."""
-
-    at: Point
-    width_mm: float
 
 
 def rounds(ring: shapely.LineString, contour: Contour) -> Floats:
@@ -41,7 +32,10 @@ def rounds(ring: shapely.LineString, contour: Contour) -> Floats:
 
 
 def at_tabs(ring: shapely.LineString, tabs: Sequence[Tab], more_mm: float) -> Floats:
-    """The stretches of a closed ring that its tabs take, each `more_mm` wider at both ends, as a set of intervals."""
+    """The stretches of a closed ring that its tabs take, each `more_mm` wider at both ends, as a set of intervals.
+
+    Here a tab is as wide as the ring is not burnt: as its metal and the kerf.
+    """
     rows: list[tuple[float, float]] = []
     length_mm = float(ring.length)
     for tab in tabs:

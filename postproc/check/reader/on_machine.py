@@ -42,7 +42,9 @@ def read_on_machine(text: str, nest: Nest, profile: Profile, file: str = "") -> 
     if pierce_dwell_of(profile, dialect) == "machine":
         held_s = (machine.pierce_time_s, machine.mark_time_s)
     control = _with_powers(CONTROLS[dialect.control], profile.material)
-    program = read_nc(text, machine.travel_mm_s, file, machine.home, control, held_s)
+    tabs = profile.tabs()
+    tab_mm = 0.0 if tabs is None or tabs.at_end else tabs.longest_mm
+    program = read_nc(text, machine.travel_mm_s, file, machine.home, control, held_s, tab_mm)
     origin, zero = _said(program.comments)
     if zero is None:
         zero = profile.at_origin(origin or machine.origin).frame_on(nest).corner

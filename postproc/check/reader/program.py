@@ -18,6 +18,7 @@ class Burn:
     stands for `pierce_s` before it moves, by the program's own words, after the control has held it for `held_s` by
     itself, and for `paused_s` later on; `step_feeds_mm_s` are the speeds of the lines and arcs of its
     path, one each. `powers` are the S words of a laser that it moves with, `pierce_powers` those that it stands with.
+    Along the stretches `unlit` of its path, mm from its start, the torch is off, as over tabs.
     """
 
     tool: int
@@ -34,6 +35,7 @@ class Burn:
     held_s: float = 0.0
     powers: tuple[float, ...] = ()
     pierce_powers: tuple[float, ...] = ()
+    unlit: tuple[tuple[float, float], ...] = ()
 
     @property
     def feeds_mm_s(self) -> tuple[float, ...]:
@@ -45,6 +47,11 @@ class Burn:
         """The lines and arcs of its path, and the share of its greatest speed that each is run at."""
         most = max(self.step_feeds_mm_s, default=1.0)
         return tuple((s, feed / most) for s, feed in zip(self.path.segments, self.step_feeds_mm_s, strict=False))
+
+    @property
+    def unlit_mm(self) -> float:
+        """How far the torch is off along its path."""
+        return sum(high - low for low, high in self.unlit)
 
     @property
     def moving_s(self) -> float:

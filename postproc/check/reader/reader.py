@@ -34,10 +34,12 @@ def read_nc(
     home: Point = (0.0, 0.0),
     control: Control = QTPLASMAC,
     held_s: tuple[float, float] = (0.0, 0.0),
+    tab_mm: float = 0.0,
 ) -> NcProgram:
     """Read a program; `travel_mm_s` is the speed of its rapids, for the times, `home` where it finds the torch.
 
-    The control holds the torch for `held_s` by itself where it starts to cut, and where it starts to mark.
+    The control holds the torch for `held_s` by itself where it starts to cut, and where it starts to mark. A torch that
+    goes off, moves on at a feed for no more than `tab_mm`, and is lit again, burns on.
 
     Raises
     ------
@@ -52,7 +54,7 @@ def read_nc(
     """
     if control.arcs:
         return read_essi(text, travel_mm_s, file, home, control, held_s)
-    machine = _Machine(travel_mm_s, control, held_s, home)
+    machine = _Machine(travel_mm_s, control, held_s, home, tab_mm)
     try:
         for block in _blocks(text, machine):
             machine.run(block)
@@ -66,9 +68,11 @@ def read_nc(
 class _Machine:
     """Runs blocks in the order in which the control executes their words."""
 
-    def __init__(self, travel_mm_s: float, control: Control, held_s: tuple[float, float], home: Point) -> None:
+    def __init__(
+        self, travel_mm_s: float, control: Control, held_s: tuple[float, float], home: Point, tab_mm: float
+    ) -> None:
         self.control = control
-        self.track = Track(travel_mm_s, home)
+        self.track = Track(travel_mm_s, home, tab_mm=tab_mm)
         self.tools: ToolsOn = (Beam if control.beam else Tools)(self.track, control, held_s)
         self.moves = ModalState(self.track, control)
         self.filter = Filter(self.track) if control.filtered else None

@@ -33,11 +33,16 @@ class _Open:
     step_feeds_mm_s: list[float] = field(default_factory=list)
     powers: set[float] = field(default_factory=set)
     pierce_powers: set[float] = field(default_factory=set)
+    unlit: list[tuple[float, float]] = field(default_factory=list)
 
 
 @dataclass(slots=True)
 class Track:
-    """Where the torch is and has been; `travel_mm_s` is the speed of rapids."""
+    """Where the torch is and has been; `travel_mm_s` is the speed of rapids.
+
+    A torch that goes off, moves on at a feed for no more than `tab_mm`, and is lit again at once, burns on: it has gone
+    over a tab. `_closed` is the burn that may go on so, `_over` what it has gone since, unlit.
+    """
 
     travel_mm_s: float
     at: Point = (0.0, 0.0)
@@ -53,6 +58,9 @@ class Track:
     faults: list[Fault] = field(default_factory=list)
     travels_mm: list[float] = field(default_factory=list)
     rapids: list[tuple[int, Point]] = field(default_factory=list)
+    tab_mm: float = 0.0
+    _closed: _Open | None = None
+    _over: list[tuple[Segment, float]] = field(default_factory=list)
 
     def fault(self, line: int, rule: str, text: str) -> None:
         """Note what the program does wrong."""
@@ -60,6 +68,8 @@ class Track:
 
     def begin(self, tool: int, line: int, held_s: float = 0.0) -> None:
         """A tool starts where the torch stands; the control holds it there for `held_s`."""
+        if self._goes_on(tool):
+            return
         self.open = _Open(
             tool, line, self.clock_s, [], self.comment, tuple(self.travels_mm), self.wait_s, held_s=held_s
         )
@@ -82,10 +92,26 @@ class Track:
             Burn(
                 o.tool, o.line, path, o.start_s, self.clock_s, o.comment, o.travels_mm, o.pierce_s, o.paused_s,
                 tuple(o.step_feeds_mm_s), o.wait_s, o.held_s,
-                tuple(sorted(o.powers)), tuple(sorted(o.pierce_powers)),
+                tuple(sorted(o.powers)), tuple(sorted(o.pierce_powers)), tuple(o.unlit),
             )
         )  # fmt: skip
+        self._closed, self._over = (o, []) if self.tab_mm > 0 and o.tool == 0 and o.rows else (None, [])
         self.open = None
+
+    def _goes_on(self, tool: int) -> bool:
+        """Take up the burn before, where the torch has only gone over a tab since."""
+        length_mm = sum(segment.length_mm for segment, _ in self._over)
+        before, self._closed = self._closed, None
+        if before is None or tool != before.tool or not 0 < length_mm <= self.tab_mm or self.wait_s > 0:
+            return False
+        lit = self.burns.pop()
+        before.unlit.append((lit.path.length_mm, lit.path.length_mm + length_mm))
+        before.rows += [(*segment.start, segment.bulge) for segment, _ in self._over]
+        before.step_feeds_mm_s += [feed_mm_s for _, feed_mm_s in self._over]
+        self.idle_mm -= length_mm
+        del self.travels_mm[-len(self._over) :], self.rapids[-len(self._over) :], self.slow_travel[-len(self._over) :]
+        self.open = before
+        return True
 
     def wait(self, seconds: float) -> None:
         """Stand still."""
@@ -100,6 +126,7 @@ class Track:
     def rapid(self, end: Point, line: int) -> None:
         """Travel; with a tool on that ends a burn and begins another."""
         length = math.dist(self.at, end)
+        self._closed = None
         self.clock_s += length / self.travel_mm_s
         tool = None if self.open is None else self.open.tool
         if tool is not None and length > 0:
@@ -117,6 +144,8 @@ class Track:
         self.clock_s += seconds
         self.at = segment.end
         if self.open is None:
+            if segment.length_mm > 0:
+                self._over.append((segment, feed_mm_s))
             self._idle(segment.length_mm, line)
             self.slow_travel.append(MoveStretch(line, segment.length_mm))
         else:

@@ -35,7 +35,8 @@ def tip_moves(facts: Facts, home_mm: Point) -> list[tuple[int | None, Bools]]:
     leaves home.
     """
     left = facts.nest.index
-    over = [(left.get(part.outer.id), part.outer.polygon) for part in facts.whole_nest.parts]
+    held, parts = facts.held_by_tabs, facts.whole_nest.parts
+    over = [(left.get(part.outer.id), part.outer.polygon) for part in parts if part.outer.id not in held]
     gone = np.array([outer is None for outer, _ in over], dtype=np.bool_)
     areas = shapely.STRtree(shapely.buffer([area for _, area in over], -GRAZE_UM / UM_PER_MM))
     pierces = rounded_mm([home_mm, *(c.pierce for c in facts.candidates)], home_mm)

@@ -35,9 +35,10 @@ class PartRigidityTwin(Twin[PartRigidityOptions]):
         needed = [0] * len(nest.contours)
         freed = [0] * len(nest.contours)
         near = (options.web_mm, options.edge_band_mm)
+        tabbed = {nest.index[cut.contour] for cut in cuts if cut.tabs}
         for contour, end in faced_by_cuts(nest, cuts, options.tail_share, *near, last=True).items():
             short_mm = (options.rigid_min - ALLOWANCE) * end.total_mm - end.solid_mm
-            needed[contour] = max(0, math.ceil(PER_MM * short_mm))
+            needed[contour] = 0 if contour in tabbed else max(0, math.ceil(PER_MM * short_mm))
         for contour, begin in faced_by_cuts(nest, cuts, options.head_share, *near, last=False).items():
             rigid_mm = begin.solid_mm + sum(begin.contours_mm.values())
             freed[contour] = max(0, math.ceil(PER_MM * (rigid_mm - options.head_rigid_max * begin.total_mm)))
@@ -49,11 +50,15 @@ class PartRigidityTwin(Twin[PartRigidityOptions]):
 
 
 def tail_needed(facts: Facts, rigid_min: float) -> Ints:
-    """For every candidate the tail that must face parts still in, 0.01 mm; 0 where no candidate of the contour can."""
+    """For every candidate the tail that must face parts still in, 0.01 mm.
+
+    0 where no candidate of the contour can, and where tabs hold its part.
+    """
     outer, contour = _owners(facts)
     needed = np.maximum(_whole(rigid_min * facts.tail.total_mm - facts.tail.solid_mm), 0)
     able = np.zeros(facts.n, dtype=np.bool_)
     able[contour[needed <= _faced(facts.tail)]] = True
+    able[sorted(facts.tabbed)] = False
     return np.where(outer & able[contour], needed, 0)
 
 

@@ -18,6 +18,7 @@ from kerfwise.models.physics.timing.constant import Feeds
 from kerfwise.postproc.clock.contour_heat import contour_heat_kj
 from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
+from kerfwise.rules.catalogue.hold_small_parts import HoldSmallPartsOptions
 from kerfwise.rules.catalogue.marks_first import MarksFirstOptions
 from kerfwise.rules.catalogue.no_islands import NoIslandsOptions
 from kerfwise.rules.catalogue.part_contiguous import PartContiguousOptions
@@ -82,8 +83,8 @@ def _drawn(seed: int, contours: int) -> tuple[Nest, Profile]:
 
 SIMULATED = "t-max"
 """The rule of which no engine knows more than what a simulation says afterwards: it is off."""
-LAST_DRAWN = "shared-metal"
-"""The rule whose strength is drawn after all else, so that seeds keep the nests and rules that they had before it."""
+LAST_DRAWN = ("shared-metal", "hold-small-parts")
+"""Rules whose strength is drawn after all else, so that seeds keep the nests and rules that they had before them."""
 
 
 def random_profile(rng: np.random.Generator, drawn: Nest) -> Profile:
@@ -103,7 +104,7 @@ def random_profile(rng: np.random.Generator, drawn: Nest) -> Profile:
     }
     rules = {SIMULATED: base.rules[SIMULATED]}
     for name, rule in RULES.items():
-        if name in (SIMULATED, LAST_DRAWN):
+        if name in (SIMULATED, *LAST_DRAWN):
             continue
         strength = str(rng.choice(rule.strengths))
         weight = float(rng.choice([3.5, 40, 400])) if strength == "soft" else None
@@ -112,8 +113,28 @@ def random_profile(rng: np.random.Generator, drawn: Nest) -> Profile:
     leads = replace(base.leads, entries=int(rng.integers(1, 3)))
     machine = replace(base.machine, home=(float(rng.choice([0, 200])), 0.0))
     locks = _locks(rng, drawn)
-    rules[LAST_DRAWN] = replace(base.rules[LAST_DRAWN], strength=str(rng.choice(["hard", "off"])))  # type: ignore[arg-type]
-    return replace(base, rules=rules, objective=objective, leads=leads, machine=machine, locks=locks)
+    metal, tabs = LAST_DRAWN
+    rules[metal] = replace(base.rules[metal], strength=str(rng.choice(["hard", "off"])))  # type: ignore[arg-type]
+    rules[tabs] = base.rules[tabs]
+    made = replace(base, rules=rules, objective=objective, leads=leads, machine=machine, locks=locks)
+    return _with_tabs(rng, made, drawn)
+
+
+def _with_tabs(rng: np.random.Generator, profile: Profile, drawn: Nest) -> Profile:
+    """Every third profile with tabs, of a laser or a torch, where all parts have room for them."""
+    if rng.random() < 2 / 3:
+        return profile
+    tabs = str(rng.choice(["tipping", "all"]))
+    options = HoldSmallPartsOptions(tabs, width_mm=0.5, count=int(rng.integers(1, 3)), corner_mm=0.5)  # type: ignore[arg-type]
+    rules = dict(profile.rules) | {LAST_DRAWN[1]: RuleSetting("hard", None, options)}
+    machine = replace(profile.machine, process=str(rng.choice(["laser", "plasma"])))  # type: ignore[arg-type]
+    made = replace(profile, rules=rules, machine=machine)
+    try:
+        for seed in (0, 1):
+            build_candidates(drawn, lead_options(made, seed))
+    except InputError:
+        return profile
+    return made
 
 
 def _locks(rng: np.random.Generator, drawn: Nest) -> tuple[Lock, ...]:

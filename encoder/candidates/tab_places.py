@@ -1,0 +1,326 @@
+"""Where tabs have room on contours, and which ways to cut a contour leave them there."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import shapely
+
+from kerfwise.arrays import Bools, Floats
+from kerfwise.encoder.cut import Tab
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment_arrays import SegmentArrays
+from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.encoder.tabs import TabOptions, off_mm, unlit
+
+from .approaches import Ways
+from .candidate import IN_PROFILE
+from .entries import ANYWHERE, MIDDLE, Ranks
+from .joints import Outline
+
+BENT_RAD = np.radians(40)
+"""Where a contour turns by more, a tab and what is beside it do not lie on a straight."""
+FROM_LEAD_MM = 2.0
+"""A tab keeps so far from the place where the torch joins, or two kerfs, if that is more."""
+STAYS_MM = 1.0
+"""Metal outside a tab, beyond its own kerf and that of a neighbour, at the least: else it would hold to nothing."""
+ON_CONTOUR_MM = 0.5
+"""A drawn tab that is further from its contour is not on it."""
+SAME_MM = 0.05
+_STEPS, _STEP_MM = 400, 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Room:
+    """Where on one contour a tab has room: on a straight, away from corners, beside metal that stays."""
+
+    curve: Curve
+    bends_mm: Floats
+    bends_rad: Floats
+    arcs_mm: Floats
+    arcs_rad: Floats
+    near: tuple[shapely.Geometry, ...]
+    clear_mm: float
+    corner_mm: float
+    kerf_mm: float
+
+    @staticmethod
+    def of(nest: Nest, contour: Contour, tree: shapely.STRtree, options: TabOptions, kerf_mm: float) -> Room:
+        """The room on a contour of the nest; `tree` holds the lines of all contours and then the sheet's edges."""
+        drawn = SegmentArrays.of(contour.curve)
+        clear_mm = 2 * kerf_mm + STAYS_MM
+        own = {nest.index[c.id] for c in nest.part_of[contour.part]}
+        own |= {k for k, c in enumerate(nest.contours) if c.kind == "mark"}
+        near = sorted(set(tree.query(contour.line, "dwithin", distance=clear_mm).tolist()) - own)
+        return Room(
+            contour.curve,
+            drawn.starts_mm[1:],
+            np.abs(drawn.turn_rad),
+            drawn.starts_mm,
+            np.concatenate([[0.0], np.cumsum(4 * np.abs(np.arctan(drawn.bulge)))]),
+            tuple(tree.geometries[near]),
+            clear_mm,
+            options.corner_mm,
+            kerf_mm,
+        )
+
+    def straight(self, middles_mm: Floats, tab_mm: float) -> Bools:
+        """Whether tabs with these middles lie on a straight, `corner_mm` from its ends."""
+        half_mm, around_mm = tab_mm / 2 + self.corner_mm, self.curve.length_mm
+        if 2 * half_mm >= around_mm:
+            return np.full(len(middles_mm), False)
+        low, high = middles_mm % around_mm - half_mm, middles_mm % around_mm + half_mm
+        turn = np.zeros(len(middles_mm))
+        for shift in (-around_mm, 0.0, around_mm):
+            a, b = low + shift, high + shift
+            turn += np.interp(b, self.arcs_mm, self.arcs_rad) - np.interp(a, self.arcs_mm, self.arcs_rad)
+            within = (self.bends_mm > a[:, None] + 1e-6) & (self.bends_mm < b[:, None] - 1e-6)
+            turn += (within * self.bends_rad).sum(axis=1)
+        return np.asarray(turn <= BENT_RAD)
+
+    def held(self, middles_mm: Floats) -> Bools:
+        """Whether metal stays outside tabs with these middles."""
+        if not self.near:
+            return np.full(len(middles_mm), True)
+        points = shapely.points([self.curve.point_at(mm) for mm in middles_mm.tolist()])
+        return np.asarray(shapely.distance(shapely.union_all(self.near), points) >= self.clear_mm)
+
+    def fits(self, middles_mm: Floats, tab_mm: float) -> Bools:
+        """Whether tabs with these middles have room."""
+        good = self.straight(middles_mm, tab_mm)
+        good[good] = self.held(middles_mm[good])
+        return good
+
+
+@dataclass(frozen=True, eq=False)
+class Wanted:
+    """The tabs of one contour: `at_mm` are their middles along it as drawn, none where the end of the cut decides.
+
+    `drawn_mm` is the middle of the one at the end, where that is asked for.
+    """
+
+    room: Room
+    tabs: tuple[Tab, ...]
+    at_mm: tuple[float, ...] = ()
+    drawn_mm: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class TabPlaces:
+    """The tabs of a nest, by the numbers of contours."""
+
+    wanted: Mapping[int, Wanted] = field(default_factory=dict)
+    at_end: bool = False
+    kerf_mm: float = 0.0
+
+    @staticmethod
+    def of(
+        nest: Nest,
+        contours: Collection[int],
+        options: TabOptions | None,
+        kerf_mm: float,
+        entries: Mapping[str, Sequence[float]] | None = None,
+    ) -> TabPlaces:
+        """Where tabs go on these contours; `entries` are those that an operator asks for.
+
+        Raises
+        ------
+        InputError
+            With every contour that has no room for its tabs, and what to do.
+        """
+        if options is None:
+            return TabPlaces()
+        tree = shapely.STRtree([*(c.line for c in nest.contours), *shapely.get_rings(nest.sheet.polygon)])
+        wanted: dict[int, Wanted] = {}
+        wrong: list[str] = []
+        for part in nest.parts:
+            number = nest.index[part.outer.id]
+            if number not in contours or options.reason(part) is None:
+                continue
+            room = Room.of(nest, part.outer, tree, options, kerf_mm)
+            drawn = options.drawn(part)
+            if drawn:
+                wrong += [f"{part.outer.id}: {text}" for text in _wrong(room, drawn, options)]
+                at_mm = tuple(part.outer.curve.project(tab.at)[0] for tab in drawn)
+                if options.at_end:
+                    wanted[number] = Wanted(room, drawn, drawn_mm=at_mm[0])
+                else:
+                    tabs = tuple(
+                        Tab(room.curve.point_at(mm), tab.width_mm) for mm, tab in zip(at_mm, drawn, strict=True)
+                    )
+                    wanted[number] = Wanted(room, tabs, at_mm)
+            elif options.at_end:
+                wanted[number] = Wanted(room, (Tab((0.0, 0.0), options.width_mm),))
+            else:
+                entry = (entries or {}).get(part.outer.id)
+                at_mm = tuple(_spread(room, options, None if entry is None else part.outer.curve.project(entry)[0]))
+                if len(at_mm) < options.count:
+                    wrong.append(f"{part.outer.id}: {_no_room(len(at_mm), options)}")
+                tabs = tuple(Tab(room.curve.point_at(mm), options.width_mm) for mm in at_mm)
+                wanted[number] = Wanted(room, tabs, at_mm)
+        if wrong:
+            count = len({text.partition(":")[0] for text in wrong})
+            parts = "a part has" if count == 1 else f"{count} parts have"
+            raise InputError(
+                f"{parts} no room for tabs ({IN_PROFILE['tabs']})", file=nest.file or None, details=tuple(wrong)
+            )
+        return TabPlaces(wanted, options.at_end, kerf_mm)
+
+    def entries(self, outline: Outline, at_mm: Floats, ranks: Ranks) -> tuple[Floats, Ranks]:
+        """The places of a contour that could be entries: those that leave its tabs alone, and more of them."""
+        tabbed = self.wanted.get(outline.index)
+        if tabbed is None:
+            return at_mm, ranks
+        around_mm = float(outline.drawn.starts_mm[-1])
+        if not self.at_end:
+            away = self._away(tabbed, at_mm, around_mm)
+            return at_mm[away], ranks[away]
+        half_mm = off_mm(tabbed.tabs[0], self.kerf_mm) / 2
+        if tabbed.drawn_mm is not None:
+            both = np.array([tabbed.drawn_mm - half_mm, tabbed.drawn_mm + half_mm]) % around_mm
+            return both, np.full(2, MIDDLE)
+        count = max(_STEPS // 4, 8)
+        more = around_mm * np.arange(count) / count
+        every, rank = np.concatenate([at_mm, more]), np.concatenate([ranks, np.full(count, ANYWHERE)])
+        fits = tabbed.room.fits(every - half_mm, 2 * half_mm) | tabbed.room.fits(every + half_mm, 2 * half_mm)
+        return every[fits], rank[fits]
+
+    def lawful(self, ways: Ways, outlines: Mapping[int, Outline]) -> Bools:
+        """Which ways to join contours leave the tabs of these where they have room."""
+        good = np.full(len(ways), True)
+        joints = ways.joints
+        for number in sorted(set(joints.contour.tolist()) & self.wanted.keys()):
+            tabbed, rows = self.wanted[number], np.flatnonzero(joints.contour == number)
+            around_mm = float(outlines[number].drawn.starts_mm[-1])
+            if not self.at_end:
+                good[rows] = self._away(tabbed, joints.entry_mm[rows], around_mm)
+                continue
+            half_mm = off_mm(tabbed.tabs[0], self.kerf_mm) / 2
+            onwards = ways.ccw[rows] == outlines[number].contour.curve.is_ccw
+            middles = joints.entry_mm[rows] + np.where(onwards, -half_mm, half_mm)
+            if tabbed.drawn_mm is not None:
+                good[rows] = np.abs((middles - tabbed.drawn_mm + around_mm / 2) % around_mm - around_mm / 2) <= SAME_MM
+            else:
+                good[rows] = tabbed.room.fits(middles, 2 * half_mm)
+        return good
+
+    def on(self, number: int, outline: Outline, join_mm: float, ccw: bool) -> Left | None:
+        """What a way leaves of a contour; None if it has no tabs."""
+        tabbed = self.wanted.get(number)
+        if tabbed is None:
+            return None
+        path = outline.path
+        join = path.point_at(join_mm)
+        ring = path if path.is_ccw == ccw else outline.path_reversed
+        tabs = tabbed.tabs
+        if self.at_end:
+            half_mm = off_mm(tabs[0], self.kerf_mm) / 2
+            curve = outline.contour.curve
+            at_ring = ring.point_at(ring.project(join)[0] - half_mm)
+            tabs = (Tab(curve.point_at(curve.project(at_ring)[0]), tabs[0].width_mm),)
+        gaps = unlit(ring, join, tabs, self.kerf_mm)
+        stop = ring.point_at(ring.project(join)[0] + gaps[-1][0]) if self.at_end else None
+        return Left(tabs, sum(high - low for low, high in gaps), stop)
+
+    def _away(self, tabbed: Wanted, entries_mm: Floats, around_mm: float) -> Bools:
+        """Which entries keep off the tabs of a contour."""
+        away = np.full(len(entries_mm), True)
+        for at_mm, tab in zip(tabbed.at_mm, tabbed.tabs, strict=True):
+            least_mm = off_mm(tab, self.kerf_mm) / 2 + max(FROM_LEAD_MM, 2 * self.kerf_mm)
+            away &= np.abs((entries_mm - at_mm + around_mm / 2) % around_mm - around_mm / 2) >= least_mm
+        return away
+
+
+@dataclass(frozen=True, slots=True)
+class Left:
+    """What a way to cut a contour leaves: its tabs, their length along the torch's way, and where one at the end stops
+    it."""
+
+    tabs: tuple[Tab, ...]
+    unlit_mm: float
+    stop: tuple[float, float] | None
+
+
+def _spread(room: Room, options: TabOptions, entry_mm: float | None) -> list[float]:
+    """Middles of `count` tabs, as many as have room: middles of straight edges first, each far from the others."""
+    around_mm = room.curve.length_mm
+    tab_mm = options.width_mm + room.kerf_mm
+    starts = room.arcs_mm
+    straight = np.diff(room.arcs_rad) == 0
+    edges = (starts[:-1] + np.diff(starts) / 2)[straight]
+    count = max(int(min(_STEPS, around_mm / _STEP_MM)), 16)
+    every = np.concatenate([edges, around_mm * np.arange(count) / count])
+    length_mm = np.concatenate([np.diff(starts)[straight], np.zeros(count)])
+    fits = room.fits(every, tab_mm)
+    every, length_mm = every[fits], length_mm[fits]
+    least_mm = 2 * (tab_mm + max(FROM_LEAD_MM, 2 * room.kerf_mm))
+    apart = np.full(len(every), np.inf)
+    if entry_mm is not None:
+        apart = _apart(every, entry_mm, around_mm)
+    chosen: list[float] = []
+    while len(chosen) < options.count:
+        able = apart >= least_mm
+        if not able.any():
+            break
+        far = np.minimum(apart, 0.9 * around_mm / options.count)
+        score = np.where(able, np.round(far, 3) * around_mm * 10 + np.round(length_mm, 3), -1.0)
+        k = int(np.argmax(score))
+        chosen.append(float(every[k]))
+        apart = np.minimum(apart, _apart(every, chosen[-1], around_mm))
+    return sorted(chosen)
+
+
+def _apart(at_mm: Floats, place_mm: float, around_mm: float) -> Floats:
+    return np.abs((at_mm - place_mm + around_mm / 2) % around_mm - around_mm / 2)
+
+
+def _no_room(found: int, options: TabOptions) -> str:
+    """What to do where a contour has room for fewer tabs than it needs."""
+    have = "no room for a tab" if not found else f"room for {found} of {options.count} tabs"
+    fewer = f"lower width, corner{', or count' if found else ''}" if options.count > 1 else "lower width or corner"
+    return (
+        f"{have}: each needs a straight of {options.width_mm + 2 * options.corner_mm:g} mm and a kerf, beside "
+        f"metal that stays; {fewer} of {IN_PROFILE['tabs']}, draw its tabs in the nest, or "
+        "lock it to have none (tab: off)"
+    )
+
+
+def _wrong(room: Room, drawn: Sequence[Tab], options: TabOptions) -> list[str]:
+    """What is wrong with tabs whose places are given."""
+    found = []
+    if options.at_end and len(drawn) > 1:
+        found.append(f"{len(drawn)} tabs are asked for: each but the last would cost a pierce on the part; leave one")
+    middles: list[float] = []
+    for tab in drawn:
+        at_mm, away_mm = room.curve.project(tab.at)
+        place = f"the tab at ({tab.at[0]:g}, {tab.at[1]:g})"
+        one, tab_mm = np.array([at_mm]), off_mm(tab, room.kerf_mm)
+        if away_mm > ON_CONTOUR_MM:
+            found.append(f"{place} is {away_mm:.1f} mm from the contour: give a point on it")
+        elif not room.straight(one, tab_mm)[0]:
+            edge_mm = _edge_mm(room, at_mm)
+            if edge_mm < tab_mm:
+                told = f"is wider than its edge: {tab_mm:g} mm with the kerf, on an edge of {edge_mm:.1f} mm"
+                found.append(f"{place} {told}; make it narrower, or move it")
+            else:
+                told = f"lies in a corner, or less than {options.corner_mm:g} mm from one"
+                found.append(f"{place} {told}; move it along its edge, or lower corner of {IN_PROFILE['tabs']}")
+        elif not room.held(one)[0]:
+            told = f"has less than {room.clear_mm:g} mm of waste beside it: no metal would stay that holds it"
+            found.append(f"{place} {told}; move it to another edge")
+        elif any(
+            _apart(np.array([at_mm]), other, room.curve.length_mm)[0] < tab_mm + FROM_LEAD_MM for other in middles
+        ):
+            found.append(f"{place} meets another one; move it")
+        middles.append(at_mm)
+    return found
+
+
+def _edge_mm(room: Room, at_mm: float) -> float:
+    """How long the segment is on which a place lies."""
+    starts = room.arcs_mm
+    k = int(np.clip(np.searchsorted(starts, at_mm, side="right") - 1, 0, len(starts) - 2))
+    return float(starts[k + 1] - starts[k])
