@@ -24,13 +24,14 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.dialects import load_dialect
 from kerfwise.rules.flat import kept_compiled
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.tests.metal.plant import plant
+from kerfwise.tests.metal.coverage import Tabs
+from kerfwise.tests.metal.plant import plant, tabs_of
 from kerfwise.tests.metal.simulate import simulate
 from kerfwise.tests.tools.needed import LEFT_OUT, WITHOUT, keep_from
 from kerfwise.tests.tools.outside.mapped import in_linuxcnc
 
 ROOT = Path(__file__).parents[1]
-Made = list[tuple[Nest, Profile, str, str | None]]
+Made = list[tuple[Nest, Profile, str, str | None, Plan]]
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -106,13 +107,13 @@ def programs_made(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatc
 
     def noted(plan: Plan, nest: Nest, profile: Profile) -> str:
         program = write(plan, nest, profile)
-        made.append((nest, profile, program, write(before(plan), nest, profile) if plan.already_cut else None))
+        made.append((nest, profile, program, write(before(plan), nest, profile) if plan.already_cut else None, plan))
         return program
 
     monkeypatch.setattr(production, "write_program", noted)
     yield made
     if request.node.get_closest_marker("scrap") is None:
-        found = [str(f) for nest, profile, program, old in made for f in judged(nest, profile, program, old)]
+        found = [str(f) for *one, plan in made for f in judged(*one, tabs_of(plan))]
         assert not found, "this would make scrap:\n" + "\n".join(found)
 
 
@@ -121,7 +122,9 @@ def before(plan: Plan) -> Plan:
     return replace(plan, cuts=plan.already_cut, already_cut=(), broken_off=None)
 
 
-def judged(nest: Nest, profile: Profile, program: str, old: str | None = None) -> list[object]:
+def judged(
+    nest: Nest, profile: Profile, program: str, old: str | None = None, tabs: Tabs | None = None
+) -> list[object]:
     """The findings of a program, which may go on after an `old` one; without a kerf nothing is burnt.
 
     The simulation reads LinuxCNC's words: a program for another control is spelt in these first.
@@ -131,4 +134,4 @@ def judged(nest: Nest, profile: Profile, program: str, old: str | None = None) -
     control = load_dialect(profile.machine.dialect).control
     program = in_linuxcnc(program, control)
     more = {} if old is None else {"before": in_linuxcnc(old, control)}
-    return [*simulate(profile.as_cut(nest), program, **plant(profile), **more)]
+    return [*simulate(profile.as_cut(nest), program, tabs=tabs, **plant(profile), **more)]

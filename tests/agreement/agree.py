@@ -22,7 +22,7 @@ from kerfwise.tests.agreement.engines import ENGINES, IMPOSSIBLE, UNPROVEN, Answ
 from kerfwise.tests.agreement.orders import ORDER_RULES, order_disagreements
 from kerfwise.tests.agreement.trial import Trial
 from kerfwise.tests.metal.findings import Kind
-from kerfwise.tests.metal.plant import plant
+from kerfwise.tests.metal.plant import plant, tabs_of
 from kerfwise.tests.metal.simulate import simulate
 from kerfwise.tests.models.engines.minizinc.cases import Case
 
@@ -144,7 +144,6 @@ def _broken(case: Case, stated: Stated, answer: Answer) -> list[str]:
     judged = judge(case.facts.nest, cuts, case.profile)
     program = write_program(plan, case.facts.nest, case.profile)
     hard = {name for name, setting in case.profile.rules.items() if setting.strength == "hard"}
-    scrap = [
-        f for f in simulate(case.facts.nest, program, **plant(case.profile)) if hard >= KEPT_OUT_BY.get(f.kind, set())
-    ]
+    found = simulate(case.facts.nest, program, tabs=tabs_of(plan), **plant(case.profile))
+    scrap = [f for f in found if hard >= KEPT_OUT_BY.get(f.kind, set())]
     return [*(j.id for j in judged if j.strength == "hard" and not j.holds), *map(str, scrap)]

@@ -25,7 +25,8 @@ class Burn:
 
     `on_ring_mm` of it run on the contour's own path, which is `ring_mm` long. `lead_in` ends and `lead_out`
     begins where it joins that; `strays` are stretches off it in between. Of a path that goes round several contours
-    each is a burn of its own; a `linked` one is not pierced: its lead-in is the link from the one before.
+    each is a burn of its own; a `linked` one is not pierced: its lead-in is the link from the one before, or it is lit
+    again behind a tab.
     """
 
     path: Path
@@ -139,4 +140,9 @@ def _line(points: Floats) -> shapely.LineString:
 def burns_of(paths: Sequence[Path], drawing: Drawing, kerf_mm: float) -> list[Burn]:
     """The burns of the paths with the torch on, in order; marks burn nothing."""
     followed = Followed(drawing, kerf_mm)
-    return [burn for path in paths if path.burns for burn in followed.burns(path)]
+    return [
+        replace(burn, linked=burn.linked or path.goes_on)
+        for path in paths
+        if path.burns
+        for burn in followed.burns(path)
+    ]

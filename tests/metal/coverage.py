@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 import shapely
@@ -13,9 +13,14 @@ from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.program import Path
 from kerfwise.tests.metal.tolerances import NUMERIC_MM, RING_MM
 
+Tabs = Mapping[str, Sequence[tuple[float, float, float]]]
+"""Contour id → x, y and width of each stretch that is to stay uncut: the metal that stays, mm."""
 
-def uncut(drawing: Drawing, burns: Sequence[Burn], kerf_mm: float, excused: Collection[str]) -> Iterator[Finding]:
-    """Contours where metal stays that a torch could have burnt, and features too narrow for it."""
+
+def uncut(
+    drawing: Drawing, burns: Sequence[Burn], kerf_mm: float, excused: Collection[str], tabs: Tabs
+) -> Iterator[Finding]:
+    """Contours where metal stays that a torch could have burnt, but for tabs, and features too narrow for it."""
     lines = np.array([b.line for b in burns], dtype=object)
     tree = shapely.STRtree(lines)
     own = {b.contour.id: k for k, b in enumerate(burns) if b.contour is not None}
@@ -26,16 +31,21 @@ def uncut(drawing: Drawing, burns: Sequence[Burn], kerf_mm: float, excused: Coll
         if contour.id in own:  # nearly always enough by itself
             near = [own[contour.id], *(k for k in near if k != own[contour.id])]
         cut = burns[own[contour.id]].cut if contour.id in own else 0
-        yield from _of_one(contour, [lines[k] for k in near], kerf_mm, cut)
+        spared = [
+            shapely.Point(x, y).buffer((width + kerf_mm) / 2 + RING_MM) for x, y, width in tabs.get(contour.id, ())
+        ]
+        yield from _of_one(contour, [lines[k] for k in near], kerf_mm, cut, shapely.union_all(spared))
 
 
-def _of_one(contour: Meant, near: list[shapely.Geometry], kerf_mm: float, cut: int) -> Iterator[Finding]:
+def _of_one(
+    contour: Meant, near: list[shapely.Geometry], kerf_mm: float, cut: int, spared: shapely.Geometry
+) -> Iterator[Finding]:
     reachable = contour.line.intersection(contour.reachable(kerf_mm).buffer(NUMERIC_MM))
-    stays = _beyond(reachable, near, kerf_mm / 2 + RING_MM)
+    stays = _beyond(reachable, near, kerf_mm / 2 + RING_MM).difference(spared)
     if stays.length > NUMERIC_MM:
         yield _finding("left-uncut", contour, cut, stays, "metal stays on the contour for")
         return
-    lost = _beyond(contour.line, near, kerf_mm + RING_MM)
+    lost = _beyond(contour.line, near, kerf_mm + RING_MM).difference(spared)
     if lost.length > NUMERIC_MM:
         text = "a slot, notch or corner that the kerf cannot enter is lost, contour not reached for"
         yield _finding("feature-lost", contour, cut, lost, text)

@@ -12,6 +12,7 @@ Kind = Literal[
     "left-uncut",
     "feature-lost",
     "part-not-free",
+    "part-not-held",
     "mark-not-made",
     "pierce-over-void",
     "lead-over-void",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from kerfwise.models.plan.plan import Plan
     from kerfwise.rules.profile.profile import Profile
 
 SHARED_METAL = "shared-metal"
@@ -21,3 +22,9 @@ def plant(profile: Profile) -> dict[str, Any]:
         "touching": shared is not None and shared.strength == "off",
         "slits": profile.cuts.narrow == "slit",
     }
+
+
+def tabs_of(plan: Plan) -> dict[str, list[tuple[float, float, float]]]:
+    """The tabs that a plan leaves, or has left before a stop, as `simulate` takes them."""
+    cuts = [planned.cut for planned in (*plan.already_cut, *plan.cuts)]
+    return {cut.contour: [(*tab.at, tab.width_mm) for tab in cut.tabs] for cut in cuts if cut.tabs}

@@ -35,6 +35,7 @@ class Path:
     """One stretch with a tool on: `points` is an array (n, 2), mm; `tool` 0 is the torch, 1 the scribe.
 
     `order` and `label` are those of the comment before it (CUT n contour), else its place in the program and nothing.
+    One that `goes_on` is lit again after the path before, to which only a move at a feed leads, as over a tab.
     """
 
     order: int
@@ -42,6 +43,7 @@ class Path:
     tool: int
     points: Floats
     line: int
+    goes_on: bool = False
 
     @property
     def burns(self) -> bool:
@@ -92,6 +94,7 @@ class _Reader:
     from_corner: bool = False
     ended: bool = False
     centres_absolute: bool = False
+    unlit: bool = False
 
     def block(self, number: int, line: str) -> None:
         for said in _COMMENT.findall(line):
@@ -137,6 +140,7 @@ class _Reader:
     def _move(self, code: int, values: dict[str, float]) -> None:
         start, end = self.at, (values.get("X", self.at[0]), values.get("Y", self.at[1]))
         self.at = end
+        self.unlit = self.unlit and code != 0
         if code < 2:
             way = np.array([end])
         else:
@@ -152,6 +156,10 @@ class _Reader:
         if self.on is not None:
             raise UnreadableProgram(f"line {number}: tool ${tool} comes on while ${self.on} is on")
         self.on, self.started, self.points = tool, number, [np.array([self.at])]
+        if self.unlit and not self.order and self.paths and self.paths[-1].tool == tool:
+            self.order, self.label = self.paths[-1].order, self.paths[-1].label
+        else:
+            self.unlit = False
 
     def _stop(self, tool: int) -> None:
         if self.on is None or tool not in (self.on, -1):
@@ -159,8 +167,8 @@ class _Reader:
         points = np.concatenate(self.points)
         moves = np.concatenate([[True], np.any(np.diff(points, axis=0) != 0, axis=1)])
         order = self.order or len(self.paths) + 1
-        self.paths.append(Path(order, self.label, self.on, points[moves], self.started))
-        self.on, self.order, self.label = None, 0, ""
+        self.paths.append(Path(order, self.label, self.on, points[moves], self.started, self.unlit))
+        self.on, self.order, self.label, self.unlit = None, 0, "", True
 
 
 def _plain(value: str) -> str:

@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kerfwise.tests.metal.burns import burns_of
-from kerfwise.tests.metal.coverage import uncut, unmarked
+from kerfwise.tests.metal.coverage import Tabs, uncut, unmarked
 from kerfwise.tests.metal.drawing import Drawing, drawing_of
 from kerfwise.tests.metal.erosion import PartMetal
 from kerfwise.tests.metal.findings import KINDS, Finding
@@ -36,6 +36,7 @@ def simulate(
     touching: bool = False,
     slits: bool = False,
     excused: Collection[str] = (),
+    tabs: Tabs | None = None,
 ) -> list[Finding]:
     """Burn a program and say what is wrong with it.
 
@@ -59,6 +60,8 @@ def simulate(
         Whether a slot narrower than the kerf may be opened by one pass along its middle, as wide as the kerf.
     excused
         Ids of contours that are not to be cut (small holes that are skipped or only spotted).
+    tabs
+        By id of an outer contour x, y and width of each tab: stretches that are to stay, and to hold the part.
 
     Returns
     -------
@@ -97,10 +100,10 @@ def simulate(
             findings += on_loose(burn, pieces, drawing)
         pieces.burn(burn.kerf(kerf_mm / 2))
     findings += [found for k, found in twice(burns) if k >= first]
-    findings += uncut(drawing, burns, kerf_mm, excused)
+    findings += uncut(drawing, burns, kerf_mm, excused, tabs or {})
     findings += slots.shut(burns)
     findings += unmarked(drawing, paths)
-    findings += not_free(drawing, pieces, {b.contour.id for b in burns if b.contour is not None})
+    findings += not_free(drawing, pieces, {b.contour.id for b in burns if b.contour is not None}, tabs or {})
     return findings
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 import shapely
 
@@ -11,7 +11,7 @@ from kerfwise.tests.metal.burns import Burn
 from kerfwise.tests.metal.drawing import Drawing
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.pieces import Pieces
-from kerfwise.tests.metal.tolerances import CROSSED_MM, NUMERIC_MM, OVERCUT_MM
+from kerfwise.tests.metal.tolerances import CROSSED_MM, HELD_BY_MM2, NUMERIC_MM, OVERCUT_MM
 
 
 def off_sheet(burn: Burn, sheet: shapely.Polygon, edge_starts: bool) -> Iterator[Finding]:
@@ -46,8 +46,8 @@ def on_loose(burn: Burn, pieces: Pieces, drawing: Drawing) -> Iterator[Finding]:
         yield Finding(kind, burn.cut, (burn.name,), _first(over), float(over.length), "mm", text)
 
 
-def not_free(drawing: Drawing, pieces: Pieces, cut: set[str]) -> Iterator[Finding]:
-    """Parts whose outer contour was cut and that yet hold to the sheet or to each other."""
+def not_free(drawing: Drawing, pieces: Pieces, cut: set[str], tabbed: Collection[str] = ()) -> Iterator[Finding]:
+    """Parts whose outer contour was cut and that yet hold to the sheet or to each other; with tabs, those loose."""
     inside: dict[str, str] = {}
     for name, part in drawing.parts.items():
         outer = next(c.id for c in drawing.closed if c.part == name and c.kind == "outer")
@@ -55,6 +55,13 @@ def not_free(drawing: Drawing, pieces: Pieces, cut: set[str]) -> Iterator[Findin
             continue
         point = part.representative_point()
         x, y = float(point.x), float(point.y)
+        if outer in tabbed:
+            own = [piece for piece in (*pieces.held, *pieces.loose) if piece.intersects(point)]
+            if not any(piece.area > part.area + HELD_BY_MM2 for piece in own):
+                yield Finding(
+                    "part-not-held", 0, (outer,), (x, y), 0.0, "", "the part has tabs, and is loose at the end"
+                )
+            continue
         if any(piece.intersects(point) for piece in pieces.held):
             text = "the part still holds to the sheet at the end"
             yield Finding("part-not-free", 0, (outer,), (x, y), 0.0, "", text)

@@ -28,3 +28,6 @@ CRUMB_WIDTH_MM = 0.2
 
 CROSSED_MM = 0.1
 """A torch path that runs over loose metal or off the sheet for less than this touches its edge only."""
+
+HELD_BY_MM2 = 50.0
+"""A part hangs on so much metal that is not its own, at the least, where tabs hold it."""

@@ -31,6 +31,10 @@ def _of_grbl(rows: list[str]) -> list[str]:
             row = f"M3 ${tool} S1"
         elif re.fullmatch(r"M4 S\d+", row):
             continue
+        elif row == "S0":  # a tab begins, and ends with another S
+            row = f"M5 ${tool}"
+        elif re.fullmatch(r"S\d+", row):
+            row = f"M3 ${tool} S1"
         elif row in ("M5", "M5 S0"):
             row = f"M5 ${tool}"
         made.append(row)

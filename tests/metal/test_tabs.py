@@ -1,0 +1,76 @@
+"""Programs with tabs: at the end each part is still held, and nothing is wrong with the metal."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import pytest
+
+from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.encoder.cut import Tab
+from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.produce import Produced, produce
+from kerfwise.jobs.solve_options import options_for
+from kerfwise.rules.catalogue.hold_small_parts import HoldSmallPartsOptions
+from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.rule import RuleSetting
+from kerfwise.tests.metal.findings import Finding
+from kerfwise.tests.metal.plant import plant, tabs_of
+from kerfwise.tests.metal.simulate import by_kind, simulate
+
+ROWS = nest(
+    420, 260,
+    part("A", rect(20, 20, 50, 40)), part("B", rect(90, 20, 200, 100), [rect(150, 50, 40, 40)]),
+    part("C", circle(50, 110, 30)), part("D", [(310, 20), (380, 20), (380, 60), (310, 100)]),
+    part("H", rect(20, 150, 160, 90), [rect(40, 165, 120, 60)]), part("G", rect(60, 175, 50, 40)),
+    part("L", [(200, 140), (260, 140), (260, 170), (230, 170), (230, 230), (200, 230)]),
+)  # fmt: skip
+TORCHES = ("laser-st10kp-2mm", "plasma-carbon-steel", "oxyfuel-thick-plate", "water-jet")
+
+
+def with_tabs(name: str, **options: object) -> Profile:
+    """A shipped profile with tabs; locks and rules that a small nest need not keep are left as they are."""
+    base = load_profile(name)
+    rules = dict(base.rules) | {"hold-small-parts": RuleSetting("hard", None, HoldSmallPartsOptions(**options))}  # type: ignore[arg-type]
+    return replace(base, rules=rules)
+
+
+def made(drawn: Nest, profile: Profile) -> Produced:
+    asked = ask(facts_of(drawn, profile), profile)
+    return produce(asked, profile, options_for(drawn, profile, work=2))
+
+
+def burnt(drawn: Nest, profile: Profile, program: str, planned: Produced) -> list[Finding]:
+    return simulate(drawn, program, tabs=tabs_of(planned.plan), **plant(profile))
+
+
+@pytest.mark.parametrize("choose", ["tipping", "all"])
+@pytest.mark.parametrize("torch", TORCHES)
+def test_tabbed_parts_are_held_and_the_others_free(torch: str, choose: str) -> None:
+    profile = with_tabs(torch, tabs=choose, width_mm=0.8)
+    found = made(ROWS, profile)
+    tabbed = {one.part for one in found.plan.cuts if one.cut.tabs}
+    assert tabbed == ({"A", "C", "D", "G", "L"} if choose == "tipping" else {p.id for p in ROWS.parts})
+    assert {len(one.cut.tabs) for one in found.plan.cuts if one.cut.tabs} == {2 if "laser" in torch else 1}
+    assert found.verdict.ok
+    assert burnt(ROWS, profile, found.program, found) == []
+
+
+def test_a_tab_that_is_cut_is_found_loose() -> None:
+    profile = with_tabs("laser-st10kp-2mm")
+    found = made(ROWS, profile)
+    lit = re.sub(r"N\d+ M5\n((?:N\d+ G[123] .*\n)+)N\d+ M3 S1\n", r"\1", found.program)
+    assert by_kind(burnt(ROWS, profile, lit, found)) == {"part-not-held": 5}
+
+
+def test_a_drawn_tab_is_where_it_is_drawn() -> None:
+    drawn = replace(ROWS, parts=tuple(replace(p, tabs=(Tab((50, 20), 0.0),)) if p.id == "A" else p for p in ROWS.parts))
+    for torch in TORCHES[:2]:
+        profile = with_tabs(torch, tabs="nest")
+        found = made(drawn, profile)
+        (one,) = [one for one in found.plan.cuts if one.cut.tabs]
+        assert (one.cut.contour, one.cut.tabs[0].width_mm) == ("A.outer", 1.0)
+        assert one.cut.tabs[0].at == pytest.approx((50, 20), abs=0.06)
+        assert burnt(drawn, profile, found.program, found) == []
