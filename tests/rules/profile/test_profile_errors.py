@@ -28,7 +28,7 @@ OF_MATERIAL = (
 )
 LENGTH = "a length of at least 0 such as 1.5 or '1.5 mm' (also cm, m, in)"
 SHIPPED = "laser-amg3m-1mm, laser-st10kp-2mm, laser-wood, oxyfuel-thick-plate, plasma-carbon-steel, water-jet"
-OF_CONTOUR = "what can be locked of a contour is before, position, entry, direction or linked"
+OF_CONTOUR = "what can be locked of a contour is before, position, entry, direction, linked or tab"
 OF_PART = "what can be locked of a part is its zone: {part: ID, zone: N}"
 OF_WHAT = "a lock is about one contour or one part: give either contour or part, with an id"
 TOGETHER = (
