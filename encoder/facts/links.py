@@ -90,12 +90,22 @@ def _links(facts: Facts, options: LinkOptions, cut_before: Sequence[Cut]) -> lis
     for begin in range(0, len(one), _AT_ONCE):
         rows = slice(begin, begin + _AT_ONCE)
         clear[rows] = in_the_way.clear(leave, one[rows], reach, other[rows])
+    clear[clear] = _off_tabs(facts, leave.at[one[clear]], reach.at[other[clear]], options.kerf_mm)
     one, other = one[clear], other[clear]
     alone = _without_meetings(leave, one, reach, other, options.kerf_mm)
     return [
         LinkPath(leave.members[i], reach.members[j], (_xy(leave.at[i]), _xy(reach.at[j])))
         for i, j in zip(one[alone].tolist(), other[alone].tolist(), strict=True)
     ]
+
+
+def _off_tabs(facts: Facts, begin: Floats, end: Floats, kerf_mm: float) -> Bools:
+    """Whether straight links leave the metal that tabs hang on."""
+    tabs = {tab.at: tab.width_mm for candidate in facts.candidates for tab in candidate.tabs}
+    if not tabs or not len(begin):
+        return np.full(len(begin), True)
+    near = shapely.union_all(shapely.buffer(shapely.points(list(tabs)), [w / 2 + 3 * kerf_mm for w in tabs.values()]))
+    return np.asarray(~shapely.intersects(shapely.linestrings(np.stack([begin, end], axis=1)), near))
 
 
 def _xy(at: Floats) -> Point:
@@ -124,7 +134,7 @@ def _places(facts: Facts, place: Callable[[Candidate], tuple[Point, object]]) ->
     members: dict[tuple[int, object], list[int]] = defaultdict(list)
     at: dict[tuple[int, object], Point] = {}
     for number, candidate in enumerate(facts.candidates):
-        if facts.nest.contours[candidate.contour].kind == "outer":
+        if facts.nest.contours[candidate.contour].kind == "outer" and not candidate.tabs:
             point, like = place(candidate)
             key = candidate.contour, like
             members[key].append(number)
