@@ -2,6 +2,7 @@
 
 from .check import check_cuts, check_program
 from .heating import Heating, Thermometer
+from .judged_cuts import JudgedCuts
 from .planned import Planned
 from .relaxed import Relaxed
 from .report import report
@@ -13,6 +14,7 @@ __all__ = [
     "Claims",
     "Excused",
     "Heating",
+    "JudgedCuts",
     "Judgement",
     "Measured",
     "Planned",

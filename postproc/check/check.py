@@ -18,6 +18,7 @@ from .coverage import coverage, once_each
 from .edge_starts import edge_starts, forbidden
 from .heating import Thermometer, heatings_of_cuts, heatings_of_program, measured
 from .judge import judge
+from .judged_cuts import JudgedCuts
 from .links import bad_links
 from .loose_metal import burnt_loose
 from .metal import Pairs, gouges, off_sheet
@@ -59,12 +60,13 @@ def check_cuts(
     )
     felt = measured(once_each(nest, cuts), heatings_of_cuts(nest, cuts, runs, profile), thermometer)
     rules = judge(nest, felt, profile, relaxed)
+    by_rules = JudgedCuts(nest, felt, profile, tuple(relaxed), tuple(rules))
     warnings += relaxed_warnings(relaxed)
     if claims is not None:
         broken, told = claims_kept(claims, rules)
         judged += [judgement("totals", totals(nest, cuts, runs, claims)), judgement("claims", broken)]
         warnings += told
-    return CheckResult((*judged, *rules), tuple(warnings), _measured(runs, idle_mm(nest, cuts)))
+    return CheckResult((*judged, *rules), tuple(warnings), _measured(runs, idle_mm(nest, cuts)), by_rules)
 
 
 def check_program(
@@ -75,11 +77,13 @@ def check_program(
     thermometer: Thermometer | None = None,
     tabs: Tabs | None = None,
     planned: Planned | None = None,
+    known: JudgedCuts | None = None,
 ) -> CheckResult:
     """Judge an NC program: what it burns is read with a reader of its own and matched with the nest.
 
     `tabs` are stretches of contours, by contour id, that are to stay uncut. Given what a plan says, the program has to
-    follow that, cut by cut, and names, zones and excuses that it does not tell are the plan's.
+    follow that, cut by cut, and names, zones and excuses that it does not tell are the plan's. Where the cuts that it
+    makes are the same as those that rules are `known` to have judged, they are not judged by the rules once more.
 
     Raises
     ------
@@ -119,7 +123,8 @@ def _judge_program(
         judged.append(judgement("follows-plan", strays_from(planned, nest, built.cuts, profile.material.kerf_mm)))
     judged += judge_running(nest, program, profile, built.runs, judged_by.shares)
     felt = measured(once_each(nest, built.cuts), heatings_of_program(program), thermometer)
-    rules = judge(nest, felt, profile, relaxed)
+    rules = None if known is None else known.known(nest, felt, profile, relaxed)
+    rules = judge(nest, felt, profile, relaxed) if rules is None else rules
     warnings += relaxed_warnings(relaxed)
     return CheckResult((*judged, *rules), (*told, *built.warnings, *warnings), _measured(built.runs, program.idle_mm))
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import shapely
 
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest, Part
 from kerfwise.rules.rule import Violation
 
@@ -60,7 +62,7 @@ def gouges(
     burns += [_Burn(run, lead, True) for run in runs if not run.marks for lead in run.leads]
     if kerf_mm <= 0 or not burns or not nest.parts:
         return Gouges((), ())
-    metal = np.array([metal_of(part) for part in nest.parts], dtype=object)
+    metal = _metal_of_parts(nest)
     lines = np.array([burn.line for burn in burns], dtype=object)
     rows, parts = shapely.STRtree(metal).query(lines, predicate="dwithin", distance=max(half_mm - allowed_mm, 0.0))
     violations: list[Violation] = []
@@ -87,6 +89,12 @@ def gouges(
         for (a, b), mm in sorted(warned.items())
     ]
     return Gouges(tuple(violations), tuple(warnings) if shared is None else ())
+
+
+@kept_with_nest(most=1)
+def _metal_of_parts(nest: Nest) -> Any:
+    """The metal of each part: a plan and its program ask for the same."""
+    return np.array([metal_of(part) for part in nest.parts], dtype=object)
 
 
 def metal_of(part: Part) -> shapely.Geometry:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
 
 from kerfwise.rules.rule import Strength, Violation
+
+if TYPE_CHECKING:
+    from .judged_cuts import JudgedCuts
 
 Verdict = Literal["holds", "broken", "excused", "not judged", "off"]
 
@@ -61,11 +64,15 @@ class Measured:
 
 @dataclass(frozen=True, slots=True)
 class CheckResult:
-    """The judgements, those on the program itself first, then the profile's rules; warnings fail nothing."""
+    """The judgements, those on the program itself first, then the profile's rules; warnings fail nothing.
+
+    `by_rules` are the cuts of a plan with what the rules say of them, for the check of its program.
+    """
 
     rules: tuple[Judgement, ...]
     warnings: tuple[str, ...]
     measured: Measured
+    by_rules: JudgedCuts | None = field(default=None, compare=False, repr=False)
 
     @property
     def ok(self) -> bool:

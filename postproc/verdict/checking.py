@@ -12,7 +12,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.shown import shown
 from kerfwise.encoder.still_going import long_job, so_much
 from kerfwise.models.plan.plan import Plan, RuleReport
-from kerfwise.postproc.check import CheckResult, Claims, Heating, Planned, Relaxed, Thermometer, check_cuts
+from kerfwise.postproc.check import CheckResult, Claims, Heating, JudgedCuts, Planned, Relaxed, Thermometer, check_cuts
 from kerfwise.postproc.check import check_program as check_nc
 from kerfwise.postproc.dialects import load_dialect
 from kerfwise.rules.profile.profile import Profile
@@ -25,7 +25,14 @@ def _of_plan(nest: Nest, plan: Plan, profile: Profile) -> str:
     return f"checking the plan of {nest.file or 'the nest'}"
 
 
-def _of_program(nest: Nest, nc_text: str, profile: Profile, file: str = "", plan: Plan | None = None) -> str:
+def _of_program(
+    nest: Nest,
+    nc_text: str,
+    profile: Profile,
+    file: str = "",
+    plan: Plan | None = None,
+    known: JudgedCuts | None = None,
+) -> str:
     program = file or f"the program of {nest.file or 'the nest'}"
     return f"checking {program}"
 
@@ -53,10 +60,18 @@ def check_plan(nest: Nest, plan: Plan, profile: Profile) -> CheckResult:
 
 
 @long_job(_of_program)
-def check_program(nest: Nest, nc_text: str, profile: Profile, file: str = "", plan: Plan | None = None) -> CheckResult:
+def check_program(
+    nest: Nest,
+    nc_text: str,
+    profile: Profile,
+    file: str = "",
+    plan: Plan | None = None,
+    known: JudgedCuts | None = None,
+) -> CheckResult:
     """Judge an NC program by geometry, the profile and, where a rule asks for it, temperatures.
 
-    Given a plan, the program has to follow it, and what the program's comments do not say is taken from there.
+    Given a plan, the program has to follow it, and what the program's comments do not say is taken from there. The
+    rules do not judge once more what is `known` of the same cuts.
 
     Raises
     ------
@@ -65,7 +80,7 @@ def check_program(nest: Nest, nc_text: str, profile: Profile, file: str = "", pl
     """
     so_much(nc_text.count("\n"), "line", "lines")
     planned = None if plan is None else Planned(plan.sequence(), _relaxed_of(plan), plan.origin)
-    return check_nc(nest, nc_text, profile, file, thermometer_of(nest, profile), planned=planned)
+    return check_nc(nest, nc_text, profile, file, thermometer_of(nest, profile), planned=planned, known=known)
 
 
 def _relaxed_of(plan: Plan) -> tuple[Relaxed, ...]:
@@ -105,7 +120,8 @@ def judge(nest: Nest, plan: Plan, program: str, profile: Profile) -> CheckResult
         If the program that the profile's dialect makes of the plan cannot be read back: with the block, for nobody has
         the program.
     """
-    planned, written = check_plan(nest, plan, profile), _check_written(nest, plan, program, profile)
+    planned = check_plan(nest, plan, profile)
+    written = _check_written(nest, plan, program, profile, planned.by_rules)
     of_program = {judgement.id: judgement for judgement in written.rules}
     rules = []
     for judgement in planned.rules:
@@ -119,10 +135,10 @@ def judge(nest: Nest, plan: Plan, program: str, profile: Profile) -> CheckResult
     return result if result.ok else _by_block(result, program)
 
 
-def _check_written(nest: Nest, plan: Plan, program: str, profile: Profile) -> CheckResult:
+def _check_written(nest: Nest, plan: Plan, program: str, profile: Profile, known: JudgedCuts | None) -> CheckResult:
     silent = load_dialect(profile.machine.dialect).comment is None
     try:
-        return check_program(nest, program, profile, plan=plan if silent else None)
+        return check_program(nest, program, profile, plan=plan if silent else None, known=known)
     except InputError as error:
         block = f" ({_block(program, error.line)})" if error.line is not None else ""
         message = f"the program that dialect {profile.machine.dialect} makes here cannot be read back{block}"

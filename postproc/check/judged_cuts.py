@@ -1,0 +1,82 @@
+"""Cuts that were judged already: a program is written from a plan, and the rules say of both the same."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Nest
+from kerfwise.rules.profile.profile import Profile
+
+from .relaxed import Relaxed
+from .result import Judgement
+
+SAME = 1e-3
+"""Millimetres and seconds that two cuts may differ by and be the same: what a program's decimals make of a plan's."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class JudgedCuts:
+    """The judgements of a profile's rules on cuts, and by what they were judged."""
+
+    nest: Nest
+    cuts: CutSequence
+    profile: Profile
+    relaxed: tuple[Relaxed, ...]
+    rules: tuple[Judgement, ...]
+
+    def known(
+        self, nest: Nest, cuts: CutSequence, profile: Profile, relaxed: Sequence[Relaxed]
+    ) -> tuple[Judgement, ...] | None:
+        """The judgements on other cuts, where these are the same; None where they are not, or were measured hot."""
+        alike = nest is self.nest and profile == self.profile and tuple(relaxed) == self.relaxed
+        return self.rules if alike and same(self.cuts, cuts) else None
+
+
+def same(one: CutSequence, other: CutSequence) -> bool:
+    """Whether two sequences say the same of every cut, rounding aside, and nobody has measured temperatures."""
+    measured = (one.hot_spots, other.hot_spots) != (None, None)
+    if measured or one.begun or other.begun or (one.start_side, one.made) != (other.start_side, other.made):
+        return False
+    return len(one) == len(other) and _near(one.home, other.home) and all(map(_same_cut, one, other))
+
+
+def _same_cut(one: Cut, other: Cut) -> bool:
+    return (
+        _words(one) == _words(other)
+        and _near(_numbers(one), _numbers(other))
+        and _same_lead(one.lead_in, other.lead_in)
+        and _same_lead(one.lead_out, other.lead_out)
+    )
+
+
+def _words(cut: Cut) -> tuple[object, ...]:
+    return cut.contour, cut.direction, cut.zone, cut.excused, cut.linked, cut.span
+
+
+def _numbers(cut: Cut) -> list[float]:
+    return [*cut.entry, *cut.pierce, cut.start_s, cut.end_s]
+
+
+def _same_lead(one: Curve | None, other: Curve | None) -> bool:
+    """Two leads by their ends and by how far their arcs stand off; one that goes nowhere is none."""
+    first, second = _stretches(one), _stretches(other)
+    return len(first) == len(second) and all(map(_near, first, second))
+
+
+def _stretches(lead: Curve | None) -> list[list[float]]:
+    """Ends of every line or arc of a lead, and the point of it that is midway."""
+    if lead is None:
+        return []
+    return [
+        [ax, ay, bx, by, (ax + bx + bulge * (by - ay)) / 2, (ay + by - bulge * (bx - ax)) / 2]
+        for (ax, ay, bulge), (bx, by, _) in pairwise(lead.vertices.tolist())
+        if abs(bx - ax) + abs(by - ay) > SAME
+    ]
+
+
+def _near(one: Sequence[float], other: Sequence[float]) -> bool:
+    return all(abs(a - b) <= SAME for a, b in zip(one, other, strict=True))

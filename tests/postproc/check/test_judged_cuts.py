@@ -1,0 +1,92 @@
+"""A program is judged by the rules once with its plan where both make the same cuts, and on its own where not."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import pytest
+
+from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.jobs.given import Given
+from kerfwise.jobs.main_job import Finished, plan_nest
+from kerfwise.jobs.solve_options import options_for
+from kerfwise.postproc.check import check, check_program
+from kerfwise.postproc.check.judged_cuts import SAME, same
+from kerfwise.postproc.verdict import checking
+from kerfwise.rules.profile.profile import load_profile
+
+PLATE = nest(400, 200, part("A", rect(20, 20, 120, 120), [rect(60, 60, 30, 30)]), part("B", rect(170, 20, 120, 120)))
+
+
+@cache
+def planned() -> Finished:
+    return plan_nest(Given(PLATE, load_profile()), options_for(PLATE, load_profile(), work=0.2))
+
+
+def sequence() -> CutSequence:
+    return planned().made.plan.sequence()
+
+
+def test_rules_judge_a_plan_and_its_program_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    made, profile, asked = planned().made, load_profile(), list[int]()
+    judge = check.judge
+    monkeypatch.setattr(check, "judge", lambda *given: (asked.append(1), judge(*given))[1])
+    verdict = checking.judge(PLATE, made.plan, made.program, profile)
+    assert len(asked) == 1
+    alone = check_program(PLATE, made.program, profile)
+    assert len(asked) == 2
+    assert {j.id: j for j in alone.rules if j.id in profile.settings()} == {
+        j.id: j for j in verdict.rules if j.id in profile.settings()
+    }
+
+
+def test_a_program_that_makes_other_cuts_is_judged_by_itself() -> None:
+    """The program has the cuts of the plan with the first two exchanged: a hole after its outline, say."""
+    made, profile = planned().made, load_profile()
+    first, second, *rest = made.plan.cuts
+    plan = replace(made.plan, cuts=(second, first, *rest))
+    known = checking.check_plan(PLATE, plan, profile).by_rules
+    alone, beside = (check_program(PLATE, made.program, profile, known=k) for k in (None, known))
+    assert alone == beside
+
+
+def moved(cut: Cut, by_mm: float) -> Cut:
+    return replace(cut, pierce=(cut.pierce[0] + by_mm, cut.pierce[1]))
+
+
+def bent(cut: Cut, by: float) -> Cut:
+    assert cut.lead_in is not None
+    vertices = cut.lead_in.vertices.copy()
+    vertices[0, 2] += by
+    return replace(cut, lead_in=Curve(vertices, closed=False))
+
+
+@pytest.mark.parametrize(
+    ("change", "alike"),
+    [
+        (lambda cut: cut, True),
+        (lambda cut: moved(cut, SAME / 2), True),
+        (lambda cut: moved(cut, 2 * SAME), False),
+        (lambda cut: bent(cut, 1e-6), True),
+        (lambda cut: bent(cut, 0.2), False),
+        (lambda cut: replace(cut, lead_in=None), False),
+        (lambda cut: replace(cut, end_s=cut.end_s + 1), False),
+        (lambda cut: replace(cut, zone=cut.zone + 1), False),
+        (lambda cut: replace(cut, direction="cw" if cut.direction == "ccw" else "ccw"), False),
+        (lambda cut: replace(cut, excused=("part-rigidity",)), False),
+    ],
+)
+def test_what_makes_cuts_the_same(change: Callable[[Cut], Cut], alike: bool) -> None:
+    cuts = sequence()
+    assert same(cuts, replace(cuts, cuts=(*cuts.cuts[:-1], change(cuts.cuts[-1])))) is alike
+
+
+def test_cuts_are_not_the_same_where_temperatures_were_measured_or_some_are_missing() -> None:
+    cuts = sequence()
+    assert not same(cuts, replace(cuts, hot_spots=()))
+    assert not same(replace(cuts, hot_spots=()), cuts)
+    assert not same(cuts, replace(cuts, cuts=cuts.cuts[:-1]))
+    assert not same(cuts, replace(cuts, start_side="right" if cuts.start_side != "right" else "left"))
+    assert not same(cuts, replace(cuts, made=1))
