@@ -1,10 +1,12 @@
 """Where the time of a `solve` goes, phase by phase and size by size, and how long a first and a later start take.
 
-Usage: python benchmarks/phases.py [OTHER] [--contours 100 300 1000 3000 10000] [--work W] > docs/phases.md
+Usage: python benchmarks/phases.py [OTHER] [--contours 100 300 1000 3000 10000] [--work W] [--minutes M]
+           [--starts NAME…] > docs/phases.md
 
 OTHER is an earlier checkout; with one, each figure stands twice, before and after, from the same run. Plates are made
 by examples/gen_sheet.py, seed 1. Each plate and each start has a process of its own. Seconds are those of the
-processor, all threads together: other programs on the machine hardly change them.
+processor, all threads together: other programs on the machine hardly change them. What takes more than M minutes of
+those is ended: the phases that were over by then have their seconds, the others a stroke.
 """
 
 from __future__ import annotations
@@ -18,12 +20,15 @@ import platform
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from kerfwise.examples.gen_sheet import contour_count, make_sheet
 
 HERE = Path(__file__).resolve().parents[1]
 PAGE = """\
@@ -36,7 +41,8 @@ Seconds are processor seconds of all threads together.
 
 Plates of `examples/gen_sheet.py`, seed 1, under the default profile, {work:g} of work for the planning, kernels
 compiled beforehand. `^` is the exponent from the size before: 1 is linear, 2 quadratic. Memory is the most that the
-process held, libraries included.
+process held, libraries included. Where a process was ended after {minutes:g} minutes of the processor, `>` stands
+before the phase that it was in and before the sums, and a stroke where a phase had not begun.
 
 {phases}
 
@@ -61,6 +67,11 @@ PHASES: dict[str, tuple[tuple[str, str], ...]] = {
     "picture": (("kerfwise.postproc.report", "draw"),),
 }
 """Phase → the functions it is made by, where they are called from; what is called within one counts there only."""
+MINUTES = 6.0
+LOOK_S = 0.5
+"""How often a process looks at whether it has taken too long."""
+Spent = dict[str, Any]
+"""Seconds by phase and what goes with them, see `spent`; `contours` is how many there are."""
 REST, ALL, BUT_PLANNING, MEMORY = "all else", "all", "all but planning", "memory, MB"
 STARTS: dict[str, tuple[str, ...]] = {
     "16 contours": ("e1x_6.json",),
@@ -98,6 +109,7 @@ class Clock:
     def __init__(self) -> None:
         self.seconds = dict.fromkeys(PHASES, 0.0)
         self._running: list[str] = []
+        self._begun: list[str] = []
         self._since_s = time.process_time()
 
     @contextmanager
@@ -105,6 +117,7 @@ class Clock:
         """Count for a phase."""
         self._turn()
         self._running.append(name)
+        self._begun.append(name)
         try:
             yield
         finally:
@@ -117,6 +130,11 @@ class Clock:
             self.seconds[self._running[-1]] += now_s - self._since_s
         self._since_s = now_s
 
+    def so_far(self) -> tuple[dict[str, float], list[str], list[str]]:
+        """Seconds of every phase up to now, those that are running, and those that were never begun."""
+        self._turn()
+        return dict(self.seconds), list(self._running), [name for name in PHASES if name not in self._begun]
+
     def around(self, name: str, step: Callable[..., Any]) -> Callable[..., Any]:
         """The same function, counted."""
 
@@ -127,10 +145,13 @@ class Clock:
         return run
 
 
-def spent(contours: int, work: float) -> dict[str, float]:
-    """Plan, write, check and draw one plate in this process; processor seconds by phase, and the memory."""
+def spent(contours: int, work: float, told: Callable[[dict[str, Any]], None], most_s: float = math.inf) -> None:
+    """Plan, write, check and draw one plate in this process; tell processor seconds by phase, and the memory.
+
+    After `most_s` of the processor that is told and the process ended; `running` and `missing` are then the phases that
+    it was in, and those that it never began.
+    """
     from kerfwise.encoder.readers import ReadOptions
-    from kerfwise.examples.gen_sheet import make_sheet
     from kerfwise.jobs.bench.memory import peak_mb
     from kerfwise.jobs.given import Given
     from kerfwise.jobs.main_job import plan_nest
@@ -147,22 +168,30 @@ def spent(contours: int, work: float) -> dict[str, float]:
                 setattr(place, step, clock.around(name, getattr(place, step)))
     _around_looks(clock)
     began_s = time.process_time()
+
+    def tell(ended: bool) -> None:
+        seconds, running, missing = clock.so_far()
+        whole_s = time.process_time() - began_s
+        sums = {REST: whole_s - sum(seconds.values()), ALL: whole_s, BUT_PLANNING: whole_s - seconds["planning"]}
+        told({**seconds, **sums, MEMORY: peak_mb(), "ended": ended, "running": running, "missing": missing})
+
+    threading.Thread(target=_end_after, args=(began_s + most_s, tell), daemon=True).start()
     nest = importlib.import_module("kerfwise.encoder.readers.json_nest").read_json(text, ReadOptions())
     limits = options_for(nest, profile, work=work)
     made = plan_nest(Given(nest, profile), limits).made
     if not made.verdict.ok:
         raise SystemExit("the check refuses the plan")
     importlib.import_module("kerfwise.postproc.report").draw(nest, made.plan, ".svg", profile.home_on(nest))
-    whole_s = time.process_time() - began_s
-    rest_s = whole_s - sum(clock.seconds.values())
-    return {
-        **clock.seconds,
-        REST: rest_s,
-        ALL: whole_s,
-        BUT_PLANNING: whole_s - clock.seconds["planning"],
-        MEMORY: peak_mb(),
-        "contours": len(nest.contours),
-    }
+    tell(False)
+
+
+def _end_after(most_s: float, tell: Callable[[bool], None]) -> None:
+    """End the process once it has taken so many seconds of the processor."""
+    while time.process_time() < most_s:
+        time.sleep(LOOK_S)
+    tell(True)
+    sys.stdout.flush()
+    os._exit(0)
 
 
 def _around_looks(clock: Clock) -> None:
@@ -214,10 +243,10 @@ class Tree:
             raise SystemExit(f"{self.checkout}: {done.stderr[-2000:]}")
         return done
 
-    def phases(self, contours: int, work: float) -> dict[str, float]:
+    def phases(self, contours: int, work: float, minutes: float) -> Spent:
         """See `spent`."""
-        done = self.run([__file__, "--one", str(contours), "--work", f"{work:g}"], "warm")
-        answer: dict[str, float] = json.loads(done.stdout.splitlines()[-1])
+        words = [__file__, "--one", str(contours), "--work", f"{work:g}", "--minutes", f"{minutes:g}"]
+        answer: Spent = json.loads(self.run(words, "warm").stdout.splitlines()[-1])
         return answer
 
     def start(self, words: Sequence[str], kept: str) -> Start:
@@ -243,7 +272,7 @@ def exponent(sizes: tuple[float, float], seconds: tuple[float, float]) -> str:
     return f"{math.log(seconds[1] / seconds[0]) / math.log(sizes[1] / sizes[0]):.1f}"
 
 
-def phase_table(runs: Sequence[Sequence[dict[str, float]]]) -> str:
+def phase_table(runs: Sequence[Sequence[Spent]]) -> str:
     """Rows of phases; `runs` has for each size what each checkout took."""
     heads, aligned = ["phase"], ["---"]
     for of_size in runs:
@@ -254,15 +283,31 @@ def phase_table(runs: Sequence[Sequence[dict[str, float]]]) -> str:
     for name in (*PHASES, REST, ALL, BUT_PLANNING, MEMORY):
         cells = [name]
         for k, of_size in enumerate(runs):
-            cells += [f"{run[name]:.0f}" if name == MEMORY else f"{run[name]:.2f}" for run in of_size]
+            cells += [_cell(run, name) for run in of_size]
             pair = (runs[k - 1][-1], of_size[-1]) if k else None
             cells.append(_growth(pair, name) if pair and name != MEMORY else "")
         rows.append(cells)
     return _lines([heads, aligned, *rows])
 
 
-def _growth(pair: tuple[dict[str, float], dict[str, float]], name: str) -> str:
+def _cell(run: Spent, name: str) -> str:
+    """Seconds, or MB, of a phase; more than that where it was ended meanwhile, a stroke where it was before."""
+    if name in run.get("missing", ()):
+        return "–"
+    told = f"{run[name]:.0f}" if name == MEMORY else f"{run[name]:.2f}"
+    return f"> {told}" if _cut_short(run, name) else told
+
+
+def _cut_short(run: Spent, name: str) -> bool:
+    """Whether a process was ended before, or in, a phase, or while what counts for all phases was counted."""
+    of_all = name in (REST, ALL, BUT_PLANNING, MEMORY)
+    return bool(run.get("ended")) and (of_all or name in run["running"] or name in run["missing"])
+
+
+def _growth(pair: tuple[Spent, Spent], name: str) -> str:
     one, two = pair
+    if _cut_short(one, name) or _cut_short(two, name):
+        return ""
     return exponent((one["contours"], two["contours"]), (one[name], two[name]))
 
 
@@ -294,10 +339,12 @@ def main() -> None:
     parser.add_argument("--contours", type=int, nargs="*", default=[100, 300, 1000, 3000, 10_000])
     parser.add_argument("--work", type=float, default=2.0)
     parser.add_argument("--starts", nargs="*", choices=list(STARTS), default=list(STARTS))
+    parser.add_argument("--minutes", type=float, default=MINUTES)
     parser.add_argument("--one", type=int, help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.one is not None:
-        print(json.dumps(spent(given.one, given.work)))
+        contours = contour_count(make_sheet(1, given.one))
+        spent(given.one, given.work, lambda told: print(json.dumps(told | {"contours": contours})), 60 * given.minutes)
         return
     with tempfile.TemporaryDirectory() as folder:
         checkouts = [*([given.other.resolve()] if given.other else []), HERE]
@@ -310,11 +357,11 @@ def main() -> None:
                 pairs.append((cold, tree.start(STARTS[name], f"start {len(starts)}")))
                 print(f"{name}, checkout {k + 1}: {pairs[-1]}", file=sys.stderr, flush=True)
             starts.append((name, pairs))
-        runs: list[list[dict[str, float]]] = []
+        runs: list[list[Spent]] = []
         for contours in given.contours:
             for tree in trees if not runs else ():
-                tree.phases(contours, given.work)  # compiles
-            runs.append([tree.phases(contours, given.work) for tree in trees])
+                tree.phases(contours, given.work, given.minutes)  # compiles
+            runs.append([tree.phases(contours, given.work, given.minutes) for tree in trees])
             print(runs[-1], file=sys.stderr, flush=True)
     words = [*(["OTHER"] if given.other else []), *_sizes(given, parser)]
     system = f"Python {platform.python_version()}, {platform.system()} {platform.machine()}, {os.cpu_count()} cores"
@@ -325,6 +372,7 @@ def main() -> None:
             system=system,
             compared=compared if given.other else "",
             work=given.work,
+            minutes=given.minutes,
             phases=phase_table(runs) if runs else "",
             starts=start_table(starts) if starts else "",
         ),
@@ -335,7 +383,8 @@ def main() -> None:
 def _sizes(given: argparse.Namespace, parser: argparse.ArgumentParser) -> list[str]:
     """What was asked for that the page would not have without being asked."""
     said = [] if given.contours == parser.get_default("contours") else ["--contours", *map(str, given.contours)]
-    return said + ([] if given.work == parser.get_default("work") else ["--work", f"{given.work:g}"])
+    said += [] if given.work == parser.get_default("work") else ["--work", f"{given.work:g}"]
+    return said + ([] if given.minutes == parser.get_default("minutes") else ["--minutes", f"{given.minutes:g}"])
 
 
 if __name__ == "__main__":

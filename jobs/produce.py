@@ -113,10 +113,11 @@ def produce(
         plan = planned(solution)
     if and_zones:
         ends_s = None if whole.time_s is None else started_s + whole.time_s
-        free = without_zones(
-            asked, seen_in(solution.route), profile, solution, look_for(facts, whole, ends_s), progress
-        )
-        if free is not None and limit is None and cool is None:
+        free_s, looked = running_s(), look_for(facts, whole, ends_s)
+        free = without_zones(asked, seen_in(solution.route), profile, solution, looked, progress)
+        beside_s = running_s() - free_s - (looked.time_s or 0.0)  # other zones take as long to be stated, at least
+        in_time = ends_s is None or running_s() + beside_s < ends_s
+        if free is not None and limit is None and cool is None and in_time:
             better = along(asked, profile, solution, free, once_more(whole, ends_s), progress)
             if better is not None:
                 asked, solution = better

@@ -7,6 +7,8 @@ pieces that only the kerfs of several burns enclose, such as a row of parts with
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import shapely
@@ -34,11 +36,10 @@ def burnt_loose(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float) -> Iterato
     tree = shapely.STRtree([ring for _, ring in rings])
     told: set[str] = set()
     for cluster in _clusters(list(lines), [runs[k].partial for k in torch], kerf_mm):
-        burnt: shapely.Geometry = shapely.Polygon()
+        burnt = Burnt(kerf_mm)
         known: set[tuple[float, ...]] = set()
         for n in cluster:
-            burnt = shapely.union(burnt, shapely.buffer(lines[n], kerf_mm / 2, quad_segs=4))
-            for piece in _enclosed(burnt, kerf_mm):
+            for piece in burnt.by(shapely.buffer(lines[n], kerf_mm / 2, quad_segs=4)):
                 key = tuple(np.round([*piece.bounds, piece.area], 2).tolist())
                 if key in known:
                     continue
@@ -62,13 +63,56 @@ def _clusters(lines: Sequence[shapely.Geometry], partial: Sequence[bool], kerf_m
     return [cluster for cluster in clusters if any(partial[k] for k in cluster)]
 
 
-def _enclosed(burnt: shapely.Geometry, kerf_mm: float) -> Iterator[shapely.Polygon]:
-    """Pieces of metal with kerf all round; crumbs are none."""
-    for part in shapely.get_parts(burnt):
-        for ring in shapely.get_rings(part)[1:]:
-            piece = shapely.Polygon(ring)
-            if piece.area > kerf_mm**2:
-                yield piece
+class Burnt:
+    """What several burns have burnt, kept as its outlines and the pieces of metal that these enclose.
+
+    Each burn is put together with what it meets alone, so that many burns take no longer for each other.
+    """
+
+    def __init__(self, kerf_mm: float) -> None:
+        self.kerf_mm = kerf_mm
+        self._lumps: list[_Lump] = []
+
+    def by(self, kerf: shapely.Geometry) -> Iterator[shapely.Polygon]:
+        """The pieces that one more burn has enclosed, or has cut something off; crumbs are none."""
+        for burn in shapely.get_parts(kerf):
+            yield from self._by_one(burn)
+
+    def _by_one(self, burn: shapely.Polygon) -> list[shapely.Polygon]:
+        met = [lump for lump in self._lumps if lump.met_by(burn)]
+        kept: list[Any] = []
+        grown = shapely.get_parts(shapely.union_all([burn, *(lump.outline for lump in met)])).tolist()
+        made = [shapely.Polygon(ring) for area in grown for ring in area.interiors]
+        for lump in met:
+            taken = shapely.union_all([burn, *(other.outline for other in met if other.lies_in(lump))])
+            cut = shapely.intersects(lump.pieces, taken)
+            kept += lump.pieces[~cut].tolist()
+            left = shapely.get_parts(shapely.difference(lump.pieces[cut], taken)).tolist()
+            made += [shapely.Polygon(area.exterior) for area in left if isinstance(area, shapely.Polygon)]
+        made = sorted((piece for piece in made if piece.area > self.kerf_mm**2), key=lambda piece: piece.bounds)
+        pieces = np.array([*kept, *made], dtype=object)
+        self._lumps = [lump for lump in self._lumps if all(lump is not one for one in met)]
+        for area in grown:  # more than one where two do no more than touch
+            outline = shapely.Polygon(area.exterior)
+            self._lumps.append(_Lump(outline, pieces[shapely.covers(outline, pieces)]))
+        return made
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Lump:
+    """Burnt metal that hangs together: its outline, filled, and the pieces within that are not burnt, filled too."""
+
+    outline: shapely.Polygon
+    pieces: Any
+
+    def met_by(self, burn: shapely.Polygon) -> bool:
+        """Whether a burn comes to the burnt metal itself, not only into a piece within."""
+        return bool(shapely.intersects(self.outline, burn) and not shapely.contains_properly(self.pieces, burn).any())
+
+    def lies_in(self, other: _Lump) -> bool:
+        """Whether it lies in a piece that another encloses."""
+        inside = self.outline.area < other.outline.area and shapely.intersects(self.outline, other.outline)
+        return self is not other and bool(inside)
 
 
 def _violation(contour: Contour, cut: TorchRun, closed: TorchRun, piece: shapely.Polygon) -> Violation:

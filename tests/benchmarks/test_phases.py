@@ -39,6 +39,21 @@ def test_sizes_stand_side_by_side_before_and_after_with_exponents() -> None:
     assert phase_table([[run[1]] for run in runs]).splitlines()[0] == "| phase | 100 | ^ | 1000 | ^ |"
 
 
+def test_what_was_ended_says_so() -> None:
+    """The first size was ended in its check, before the picture."""
+    names = (*PHASES, REST, ALL, BUT_PLANNING, MEMORY)
+    cut = {"ended": True, "running": ["check"], "missing": ["picture"]}
+    whole = {"ended": False, "running": [], "missing": []}
+    before, after = (dict.fromkeys(names, 10.0) | {"contours": 1000} | how for how in (cut, whole))
+    lines = phase_table([[before, after], [after | {"contours": 3000}]]).splitlines()
+    assert "| facts | 10.00 | 10.00 |  | 10.00 | 0.0 |" in lines
+    assert "| check | > 10.00 | 10.00 |  | 10.00 | 0.0 |" in lines
+    assert "| picture | – | 10.00 |  | 10.00 | 0.0 |" in lines
+    assert f"| {ALL} | > 10.00 | 10.00 |  | 10.00 | 0.0 |" in lines
+    ends = phase_table([[after], [before | {"contours": 3000}]]).splitlines()
+    assert "| check | 10.00 |  | > 10.00 |  |" in ends
+
+
 def test_starts_tell_seconds_and_kernels() -> None:
     cold, warm = Start(15.0, 24), Start(1.0, 0)
     told = start_table([("few", [(cold, warm), (warm, warm)])]).splitlines()
@@ -54,10 +69,13 @@ def test_a_plate_is_measured() -> None:
     import sys
 
     words = [sys.executable, phases.__file__, "--one", "20", "--work", "0.1"]
-    done = subprocess.run(words, capture_output=True, encoding="utf-8", check=True)
-    spent = phases.json.loads(done.stdout.splitlines()[-1])
-    assert spent["contours"] >= 20
-    assert all(spent[name] > 0 for name in PHASES)
+    for minutes, ended in (("10", False), ("0.01", True)):
+        words_ = [*words, "--minutes", minutes]
+        done = subprocess.run(words_, capture_output=True, encoding="utf-8", check=True)
+        spent = phases.json.loads(done.stdout.splitlines()[-1])
+        assert spent["contours"] >= 20
+        assert spent["ended"] is ended
+        assert ended or all(spent[name] > 0 for name in PHASES)
 
 
 def test_the_page_has_every_phase_and_start() -> None:
