@@ -123,8 +123,8 @@ def _judge_program(
         judged.append(judgement("follows-plan", strays_from(planned, nest, built.cuts, profile.material.kerf_mm)))
     judged += judge_running(nest, program, profile, built.runs, judged_by.shares)
     felt = measured(once_each(nest, built.cuts), heatings_of_program(program), thermometer)
-    rules = None if known is None else known.known(nest, felt, profile, relaxed)
-    rules = judge(nest, felt, profile, relaxed) if rules is None else rules
+    same = None if known is None else known.known(nest, felt, profile, relaxed)
+    rules = tuple(judge(nest, felt, profile, relaxed)) if same is None else same
     warnings += relaxed_warnings(relaxed)
     return CheckResult((*judged, *rules), (*told, *built.warnings, *warnings), _measured(built.runs, program.idle_mm))
 
