@@ -7,17 +7,29 @@ from typing import Any
 import click
 
 from .given import given_options, read_given, tell_note
+from .old_given import FEED, KERF, asked_of, program_alone, read_alone, trusted_if
 
 
 @click.command()
 @given_options
 @click.option("--plan", metavar="PLAN.json", help="The plan of OUT.nc: says what its comments do not, and is followed.")
-@click.argument("made", metavar="PLAN.json|OUT.nc")
-def command(made: str, plan: str | None, **given: Any) -> int:
-    """Judge a plan or an NC program of NEST by every rule; exit 1 if a hard one is broken."""
-    from kerfwise.jobs.checking import check_made
+@FEED
+@KERF
+@click.argument("made", metavar="PLAN.json|OUT.nc", required=False)
+def command(made: str | None, plan: str | None, feed: float | None, kerf: float | None, **given: Any) -> int:
+    """Judge a plan or an NC program of NEST by every rule; exit 1 if a hard one is broken.
+
+    A program may stand alone: its parts and holes are then told from what it burns.
+    """
+    from kerfwise.jobs.checking import check_made, check_old
     from kerfwise.postproc.check import report
 
-    result = check_made(read_given(**given), made, tell_note, plan)
+    if program_alone(given["nest"], made):
+        if plan is not None:
+            raise click.UsageError("--plan is held against a program of a nest: give the nest too")
+        asked = asked_of(feed, kerf, given["sheet"])
+        result = check_old(read_alone(given["nest"], given["profile"], given["trust"], asked, given))
+    else:
+        result = check_made(read_given(**given), str(made), tell_note, plan, trusted_if(feed))
     click.echo(report(result))
     return 0 if result.ok else 1

@@ -95,7 +95,7 @@ def read_given(
     """Read both, the nest as the profile has it cut; what the reader has to say goes to standard error, a line each."""
     plant = plant_of(profile, trust)
     plant = plant.at_origin(origin) if origin else plant
-    size_mm = _size(sheet) if sheet else None
+    size_mm = size_of(sheet) if sheet else None
     read = drawn_nest(nest, plant, units=units, sheet_mm=size_mm, frame=frame, repair=repair)
     for note in read.notes:
         click.echo(f"{note.severity}: {note.text}", err=True)
@@ -126,7 +126,8 @@ def note_placing(given: Given) -> None:
         click.echo(f"note: {text}", err=True)
 
 
-def _size(text: str) -> tuple[float, float]:
+def size_of(text: str) -> tuple[float, float]:
+    """Width and height of a sheet, mm, as in 3000x1500; InputError for anything else."""
     width, _, height = text.lower().partition("x")
     try:
         size = float(width), float(height)

@@ -11,6 +11,7 @@ import click
 from kerfwise.encoder.errors import InputError
 
 from .given import given_options, protect, read_given, tell_note
+from .old_given import FEED, KERF, asked_of, program_alone, read_alone, trusted_if
 
 FRAMES = 60
 
@@ -21,13 +22,27 @@ FRAMES = 60
 @click.option("--json", "as_json", is_flag=True, help="Print model, overheats, peak_c and more, as JSON.")
 @click.option("-o", "--output", metavar="MAP.png", help="A picture of the highest temperature of every point.")
 @click.option("--frames", metavar="DIR", help=f"{FRAMES} pictures of the sheet, evenly spread over the program.")
-@click.argument("made", metavar="PLAN.json|OUT.nc")
-def command(made: str, model: Any, as_json: bool, output: str | None, frames: str | None, **given: Any) -> None:
-    """Simulate how hot a plan or an NC program makes the sheet of NEST, and count the points that get too hot."""
+@FEED
+@KERF
+@click.argument("made", metavar="PLAN.json|OUT.nc", required=False)
+def command(
+    made: str | None,
+    model: Any,
+    as_json: bool,
+    output: str | None,
+    frames: str | None,
+    feed: float | None,
+    kerf: float | None,
+    **given: Any,
+) -> None:
+    """Simulate how hot a plan or an NC program makes the sheet of NEST, and count the points that get too hot.
+
+    A program may stand alone: its parts and holes are then told from what it burns.
+    """
     if output and Path(output).suffix.lower() != ".png":
         kind = Path(output).suffix or output
         raise InputError(f"cannot draw temperatures as {kind!r}: give a name ending in .png", file=output)
-    from kerfwise.jobs.simulation import simulate_made
+    from kerfwise.jobs.simulation import simulate_made, simulate_old
     from kerfwise.postproc.files import expect_folders, expect_place, make_folder, write_files
 
     if output:
@@ -35,9 +50,17 @@ def command(made: str, model: Any, as_json: bool, output: str | None, frames: st
     if frames:
         expect_place(Path(frames))
 
-    asked = read_given(**given)
-    protect(asked, given["nest"], [output], made)
-    found = simulate_made(asked, made, model, tell_note, frames=FRAMES if frames else 0)
+    count = FRAMES if frames else 0
+    if program_alone(given["nest"], made):
+        alone = asked_of(feed, kerf, given["sheet"])
+        job = read_alone(given["nest"], given["profile"], given["trust"], alone, given)
+        asked = job.given
+        protect(asked, given["nest"], [output])
+        found = simulate_old(job, model, tell_note, count)
+    else:
+        asked = read_given(**given)
+        protect(asked, given["nest"], [output], made)
+        found = simulate_made(asked, str(made), model, tell_note, count, trusted_if(feed))
     files: dict[Path, str | bytes] = {Path(frames or "") / name: png for name, png in found.frames.items()}
     if output:
         files[Path(output)] = found.picture().content

@@ -10,6 +10,7 @@ import click
 from kerfwise.encoder.shown import shown
 
 from .given import given_options, protect, read_given, tell_note
+from .old_given import FEED, KERF, NESTS, asked_of, read_alone
 
 if TYPE_CHECKING:
     from kerfwise.encoder.readers.read import BrokenNest
@@ -19,10 +20,13 @@ if TYPE_CHECKING:
 @given_options
 @click.argument("plan", metavar="[PLAN.json]", required=False)
 @click.option("-o", "--output", required=True, metavar="OUT.svg|.png|.html", help="File of the picture.")
-def command(plan: str | None, output: str, **given: Any) -> None:
+@FEED
+@KERF
+def command(plan: str | None, output: str, feed: float | None, kerf: float | None, **given: Any) -> None:
     """Draw NEST, or the plan PLAN.json of it: order, zones, pierces, leads, directions and idle travel.
 
-    A nest that cannot be cut as it is drawn is drawn all the same, with the wrong contours in red.
+    A nest that cannot be cut as it is drawn is drawn all the same, with the wrong contours in red. An NC program in the
+    place of NEST is drawn as it burns: paths, order and travel.
     """
     from kerfwise.encoder.readers.read import BrokenNest
     from kerfwise.jobs.given import differences
@@ -32,6 +36,9 @@ def command(plan: str | None, output: str, **given: Any) -> None:
 
     expect_picture(Path(output).suffix, output)
     expect_outputs([Path(output)], [Path(given["nest"])])
+    if plan is None and Path(given["nest"]).suffix.lower() not in (*NESTS, ""):
+        _draw_program(output, feed, kerf, given)
+        return
     try:
         asked = read_given(**given)
     except BrokenNest as broken:
@@ -44,6 +51,19 @@ def command(plan: str | None, output: str, **given: Any) -> None:
             tell_note(text)
     profile = asked.profile if made is None else asked.profile.at_origin(made.origin)
     plot(asked.nest, made, output, profile.home_on(asked.nest))
+
+
+def _draw_program(output: str, feed: float | None, kerf: float | None, given: dict[str, Any]) -> None:
+    from kerfwise.postproc.files import write_files
+    from kerfwise.postproc.report.burns import Panel, draw_burns, expect_kind
+
+    expect_kind(output)
+    asked = asked_of(feed, kerf, given["sheet"])
+    job = read_alone(given["nest"], given["profile"], given["trust"], asked, given)
+    name = Path(given["nest"]).name
+    told = f"idle {job.program.idle_mm / 1000:.3f} m, {len(job.program.burns)} burns"
+    panel = Panel(name, told, job.program.burns, job.home)
+    write_files({Path(output): draw_burns([panel], Path(output).suffix, name)})
 
 
 def _draw_broken(broken: BrokenNest, output: str) -> None:

@@ -8,15 +8,25 @@ from typing import Any
 import click
 
 from .given import given_options, read_given, tell_note
+from .old_given import FEED, KERF, asked_of, program_alone, read_alone, trusted_if
 
 
 @click.command()
 @given_options
 @click.option("--json", "as_json", is_flag=True, help="Print cut_s, idle_s, pierce_s, total_s, idle_share, nc_blocks.")
-@click.argument("made", metavar="PLAN.json|OUT.nc")
-def command(made: str, as_json: bool, **given: Any) -> None:
-    """Say how long a plan or an NC program of NEST takes by the profile's time model, and what it costs."""
-    from kerfwise.jobs.times import time_made
+@FEED
+@KERF
+@click.argument("made", metavar="PLAN.json|OUT.nc", required=False)
+def command(made: str | None, as_json: bool, feed: float | None, kerf: float | None, **given: Any) -> None:
+    """Say how long a plan or an NC program of NEST takes by the profile's time model, and what it costs.
 
-    times = time_made(read_given(**given), made, tell_note)
+    A program may stand alone, without its nest.
+    """
+    from kerfwise.jobs.times import time_made, time_old
+
+    if program_alone(given["nest"], made):
+        asked = asked_of(feed, kerf, given["sheet"])
+        times = time_old(read_alone(given["nest"], given["profile"], given["trust"], asked, given))
+    else:
+        times = time_made(read_given(**given), str(made), tell_note, trusted_if(feed))
     click.echo(json.dumps(times.as_json()) if as_json else times)

@@ -16,6 +16,7 @@ from kerfwise.rules.profile.profile import DEFAULT, Profile, load_profile
 if TYPE_CHECKING:
     from kerfwise.encoder.readers.options import FrameName
     from kerfwise.models.plan.plan import Plan
+    from kerfwise.postproc.check.reader.old import Trusted
     from kerfwise.postproc.check.reader.program import NcProgram
 
 NestLike = Nest | str | Path
@@ -109,8 +110,10 @@ def is_plan_file(path: str | Path) -> bool:
     return str(path).lower().endswith(".json")
 
 
-def read_program_of(path: str | Path, given: Given, tell: Tell = silent) -> NcProgram:
+def read_program_of(path: str | Path, given: Given, tell: Tell = silent, trusted: Trusted | None = None) -> NcProgram:
     """An NC program of the nest; cuts that are along none of its contours are told.
+
+    What it leaves to the machine's material is refused, unless that is `trusted`.
 
     Raises
     ------
@@ -120,7 +123,7 @@ def read_program_of(path: str | Path, given: Given, tell: Tell = silent) -> NcPr
     from kerfwise.postproc.clock.timed import read_program
     from kerfwise.postproc.verdict.of_nest import cuts_elsewhere
 
-    program = read_program(program_text(path), given.nest, given.profile, str(path))
+    program = read_program(program_text(path), given.nest, given.profile, str(path), trusted)
     if elsewhere := cuts_elsewhere(program, given.nest, given.profile.material.kerf_mm, str(path)):
         tell(f"{elsewhere} of {len(program.burns)} cuts of the program run along no contour of the nest")
     return program

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.nest import Nest
 from kerfwise.models.engines.baselines import Strategy
 from kerfwise.models.engines.names import Engine
 from kerfwise.models.engines.solution import Progress, Solution, SolveOptions
@@ -14,6 +16,7 @@ from kerfwise.models.kernels import running_s
 from kerfwise.models.plan.make import make_plan
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult
+from kerfwise.postproc.check.reader.old import Trusted
 from kerfwise.postproc.clock.timed import with_times
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.checking import judge, report_of
@@ -27,6 +30,10 @@ from .zones_cost import SHARE, along, look_for, once_more, without_zones, zoned_
 
 if TYPE_CHECKING:
     from kerfwise.models.heat_prices.cooler_orders import CoolerOrders
+
+
+Write = Callable[[Plan, Nest, Profile], str]
+"""Makes the program of a plan."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -56,12 +63,15 @@ def produce(
     cooler: CoolerOrders | None = None,
     *,
     and_zones: bool = False,
+    write: Write | None = None,
+    trusted: Trusted | None = None,
 ) -> Produced:
     """Solve, write the program, and judge both; a plain strategy may take the place of the engine, to compare with.
 
     Where the profile puts a price on overheats, the nest is simulated many times over; `cooler` knows what was
     simulated before of the same nest by the same rules. `and_zones` has zones move where that pays, and the
-    plan say what they cost, which takes a share of a limit in seconds, or work beside that of the plan.
+    plan say what they cost, which takes a share of a limit in seconds, or work beside that of the plan. `write` makes
+    the program of the plan in another way; what of its words is `trusted` is not judged.
 
     Raises
     ------
@@ -126,8 +136,8 @@ def produce(
         if free is not None:
             plan = replace(plan, zones_cost=zones_cost(asked, solution, free, limits))
     began_s = running_s()
-    program = write_program(plan, facts.whole_nest, profile)
-    verdict = judge(facts.whole_nest, plan, program, profile)
+    program = (write or write_program)(plan, facts.whole_nest, profile)
+    verdict = judge(facts.whole_nest, plan, program, profile, trusted)
     judging_s = running_s() - began_s
     plan = replace(plan, rules=report_of(verdict, profile))
     return Produced(plan, program, verdict, solution.notes, facts, judging_s)

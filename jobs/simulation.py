@@ -15,12 +15,14 @@ from kerfwise.models.physics.heat.grid import MOST_POINTS, make_grid
 from kerfwise.models.physics.heat.physical import point_steps
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.reader import read_plan
+from kerfwise.postproc.check.reader.old import Trusted
 from kerfwise.postproc.clock.heat_path import path_of_plan, path_of_program
 from kerfwise.postproc.report.legend import duration
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.profile.heat_section import Heat, HeatModel
 
 from .given import Given, Tell, differences, is_plan_file, read_program_of, silent
+from .old_program import OldJob
 from .picture import Picture
 from .table import data_frame
 
@@ -135,10 +137,12 @@ def simulate_made(
     model: HeatModel | None = None,
     tell: Tell = silent,
     frames: int = 0,
+    trusted: Trusted | None = None,
 ) -> Simulation:
     """Simulate a plan, or the plan or NC program in a file, by the profile's section `heat`.
 
-    So many `frames` are drawn, evenly over the program.
+    So many `frames` are drawn, evenly over the program. What a program leaves to the machine's material is
+    refused, unless that is `trusted`.
 
     Raises
     ------
@@ -146,11 +150,31 @@ def simulate_made(
         If the file cannot be read or is one of another nest, the plan states no times, there is no such model, or the
         grid is too fine for the sheet or too coarse for its parts.
     """
-    nest, profile = given.nest, given.profile
+    _expect_model(model)
+    path = _path(made, given, tell, trusted)
+    return _simulated(given, path, model, tell, frames)
+
+
+def simulate_old(job: OldJob, model: HeatModel | None = None, tell: Tell = silent, frames: int = 0) -> Simulation:
+    """Simulate an old program, on the nest that is told from its burns.
+
+    Raises
+    ------
+    InputError
+        If they make no nest; else as `simulate_made` does.
+    """
+    _expect_model(model)
+    return _simulated(job.given, path_of_program(job.program, job.name), model, tell, frames)
+
+
+def _expect_model(model: HeatModel | None) -> None:
     if model is not None and model not in MODELS:
         raise InputError(unknown("model of heat", str(model), MODELS))
+
+
+def _simulated(given: Given, path: TimedPath, model: HeatModel | None, tell: Tell, frames: int) -> Simulation:
+    nest, profile = given.nest, given.profile
     heat = replace(profile.heat, model=model) if model else profile.heat
-    path = _path(made, given, tell)
     _tell_if_long(nest, path, heat, tell)
     thickness_mm = profile.material.thickness_mm
     if not frames or path.end_s <= 0:
@@ -167,9 +191,9 @@ def simulate_made(
     return Simulation(nest, heat, simulate(nest, path, heat, thickness_mm, (path.end_s / frames, look)), shown)
 
 
-def _path(made: Plan | str | Path, given: Given, tell: Tell) -> TimedPath:
+def _path(made: Plan | str | Path, given: Given, tell: Tell, trusted: Trusted | None) -> TimedPath:
     if not isinstance(made, Plan) and not is_plan_file(made):
-        return path_of_program(read_program_of(made, given, tell), made)
+        return path_of_program(read_program_of(made, given, tell, trusted), made)
     plan = made if isinstance(made, Plan) else read_plan(made)
     path = path_of_plan(plan, given.nest, given.profile)
     expect_short(path, None if isinstance(made, Plan) else made)

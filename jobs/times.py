@@ -14,10 +14,12 @@ from kerfwise.models.physics.timing.report import TimeReport
 from kerfwise.models.physics.timing.run import Job
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.reader import read_plan
+from kerfwise.postproc.check.reader.old import Trusted
 from kerfwise.postproc.clock.timed import Timed, job_of_plan, job_of_program, time_job
 from kerfwise.rules.profile.profile import Profile
 
 from .given import Given, Tell, differences, is_plan_file, read_program_of, silent
+from .old_program import OldJob
 
 _FEEDS_DIFFER = 0.01
 """Share by which the program's own feeds may differ from the profile's before that is said."""
@@ -64,8 +66,10 @@ class Times:
         return "\n".join(lines)
 
 
-def time_made(given: Given, made: Plan | str | Path, tell: Tell = silent) -> Times:
+def time_made(given: Given, made: Plan | str | Path, tell: Tell = silent, trusted: Trusted | None = None) -> Times:
     """The times of a plan, or of the plan or NC program in a file, by the time model of the profile.
+
+    What a program leaves to the machine's material is refused, unless that is `trusted`.
 
     Raises
     ------
@@ -79,12 +83,20 @@ def time_made(given: Given, made: Plan | str | Path, tell: Tell = silent) -> Tim
         for text in differences(plan, given):
             tell(text)
     else:
-        program = read_program_of(made, given, tell)
+        program = read_program_of(made, given, tell, trusted)
         by_itself = profile.time.model == "constant"
         own, job = job_of_program(program, nest, profile), job_of_program(program, nest)
         _tell_if_its_times_differ(own, job, profile, "its own" if by_itself else "the profile's model", tell)
         job = own if by_itself else job
     timed = time_job(job, profile)
+    return Times(timed, cost_of(timed.times, profile.prices))
+
+
+def time_old(job: OldJob) -> Times:
+    """The times of an old program, with or without its nest, by the time model of the profile."""
+    profile, nest = job.profile, job.told.nest if job.told is not None else None
+    own = profile if profile.time.model == "constant" else None
+    timed = time_job(job_of_program(job.program, nest, own), profile)
     return Times(timed, cost_of(timed.times, profile.prices))
 
 

@@ -6,8 +6,9 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
-from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.nest import Nest
+from kerfwise.postproc.check.reader.old import Trusted
 from kerfwise.postproc.check.reader.on_machine import on_its_origin, other_origin, read_on_machine
 from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.rules.profile.profile import Profile
@@ -78,12 +79,16 @@ def check_program(
     tabs: Tabs | None = None,
     planned: Planned | None = None,
     known: JudgedCuts | None = None,
+    trusted: Trusted | None = None,
+    side: Side | None = None,
 ) -> CheckResult:
     """Judge an NC program: what it burns is read with a reader of its own and matched with the nest.
 
     `tabs` are stretches of contours, by contour id, that are to stay uncut. Given what a plan says, the program has to
     follow that, cut by cut, and names, zones and excuses that it does not tell are the plan's. Where the cuts that it
     makes are the same as those that rules are `known` to have judged, they are not judged by the rules once more.
+    What is `trusted` is taken as it stands: nobody judges what a material on the machine has. `side` is the start side
+    that it is judged by where it states none.
 
     Raises
     ------
@@ -93,9 +98,9 @@ def check_program(
     judged_by = judged_nest(nest, profile)
     nest = judged_by.nest
     profile = profile if planned is None else profile.at_origin(planned.origin)
-    program = read_on_machine(nc_text, nest, profile, file)
+    program = read_on_machine(nc_text, nest, profile, file, trusted)
     with in_steps_of(program.step_mm):
-        return _judge_program(judged_by, program, profile, thermometer, tabs, planned)
+        return _judge_program(judged_by, program, profile, thermometer, tabs, planned, known, side)
 
 
 def _judge_program(
@@ -105,6 +110,8 @@ def _judge_program(
     thermometer: Thermometer | None,
     tabs: Tabs | None,
     planned: Planned | None,
+    known: JudgedCuts | None,
+    side: Side | None,
 ) -> CheckResult:
     nest = judged_by.nest
     told = [*other_origin(program, profile), *_coarse(program, profile)]
@@ -112,6 +119,8 @@ def _judge_program(
     nest, slots = with_passes(nest, passes_of_program(nest, program, profile), profile)
     judged_by = replace(judged_by, nest=nest)
     built = rebuild(nest, program, profile.material.kerf_mm, profile.home_on(nest), tabs, planned, profile.tabs())
+    if built.cuts.start_side is None and side is not None:
+        built = replace(built, cuts=replace(built.cuts, start_side=side))
     astray = rapids_beyond_travel(nest, program, profile)
     relaxed = read_relaxed(nest, program.comments)
     if planned is not None:

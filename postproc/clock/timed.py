@@ -14,6 +14,7 @@ from kerfwise.models.physics.timing.motion import Motion
 from kerfwise.models.physics.timing.report import TimeReport, report_times
 from kerfwise.models.physics.timing.run import Job, Run
 from kerfwise.models.plan.plan import Plan
+from kerfwise.postproc.check.reader.old import Trusted
 from kerfwise.postproc.check.reader.on_machine import read_on_machine
 from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.postproc.nc.plan_paths import outside, toolpaths
@@ -63,13 +64,14 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
     return Job(tuple(runs), (math.dist(at, home),), count_blocks(paths, nest, profile))
 
 
-def job_of_program(program: NcProgram, nest: Nest, own: Profile | None = None) -> Job:
-    """What a program does, as the check reads it; the nest tells which cuts come in from the sheet's edge.
+def job_of_program(program: NcProgram, nest: Nest | None, own: Profile | None = None) -> Job:
+    """What a program does, as the check reads it; the nest, if there is one, tells which cuts come in from the edge.
 
     With a profile every path takes as long as the program's own F words and G4 say, and piercing as long as that
     profile's machine does it for, where its dialect leaves that to the machine.
     """
-    edge_starts = outside(nest, [_start(burn.path) for burn in program.burns])
+    starts = [_start(burn.path) for burn in program.burns]
+    edge_starts = [False] * len(starts) if nest is None else outside(nest, starts)
     runs = []
     for burn, edge_start in zip(program.burns, edge_starts, strict=True):
         run = Run(burn.path, burn.tool != 0, not edge_start, burn.travels_mm, burn.wait_s, unlit_mm=burn.unlit_mm)
@@ -79,7 +81,7 @@ def job_of_program(program: NcProgram, nest: Nest, own: Profile | None = None) -
     return Job(tuple(runs), program.homing_mm, program.blocks)
 
 
-def read_program(text: str, nest: Nest, profile: Profile, file: str = "") -> NcProgram:
+def read_program(text: str, nest: Nest, profile: Profile, file: str = "", trusted: Trusted | None = None) -> NcProgram:
     """A program as the check reads it, on the profile's machine, in the coordinates of the nest's drawing.
 
     Raises
@@ -87,7 +89,7 @@ def read_program(text: str, nest: Nest, profile: Profile, file: str = "") -> NcP
     InputError
         With the line, for what is malformed or not understood.
     """
-    return read_on_machine(text, nest, profile, file)
+    return read_on_machine(text, nest, profile, file, trusted)
 
 
 def with_times(plan: Plan, nest: Nest, profile: Profile) -> Plan:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import chain, tee
 from pathlib import PurePath
 
+from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.dialects import Dialect, expect_words, fitting_dialect, load_dialect, pierce_dwell_of, powers_of
@@ -39,6 +40,19 @@ def write_program(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect | N
     return "\n".join([*numbered([*_header(plan, names, nest, profile, dialect), *body], dialect), ""])
 
 
+def head_comments(plan: Plan, nest: Nest, profile: Profile) -> list[str]:
+    """What a program of `plan` says at its top: what it was made of, what it assumes, what is excused in it."""
+    dialect = fitting_dialect(profile)
+    return [
+        text for text in _header(plan, program_names(profile.as_cut(nest), dialect), nest, profile, dialect) if text
+    ]
+
+
+def cut_comment(order: int, name: str, cut: Cut, marks: bool, dialect: Dialect) -> str:
+    """What stands before a cut: its number, name, zone and direction."""
+    return comment(dialect, f"{'MARK' if marks else 'CUT'} {order}", name, f"ZONE {cut.zone} {cut.direction.upper()}")
+
+
 def count_blocks(paths: Iterable[Toolpath], nest: Nest, profile: Profile) -> int:
     """How many blocks a program of these paths has, comments left out, without writing it."""
     dialect = load_dialect(profile.machine.dialect)
@@ -48,7 +62,8 @@ def count_blocks(paths: Iterable[Toolpath], nest: Nest, profile: Profile) -> int
 def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, dialect: Dialect) -> Iterator[str]:
     totals, material, nest = plan.totals, profile.material, profile.as_cut(nest)
     yield comment(dialect, f"KERFWISE FOR {plain(dialect.title).upper()}")
-    yield comment(dialect, "NEST", PurePath(nest.file).name, f"SHA256 {nest.sha256[:SHA_DIGITS]}")
+    of_file = f"SHA256 {nest.sha256[:SHA_DIGITS]}" if nest.sha256 else "TOLD FROM AN OLDER PROGRAM"
+    yield comment(dialect, "NEST", PurePath(nest.file).name, of_file)
     yield comment(dialect, "PROFILE", profile.name, f"SHA256 {profile.sha256[:SHA_DIGITS]}")
     for name, file in profile.rule_files().items():
         what = "RULE FILE IN PLACE OF" if file.in_place_of_shipped else "RULE FILE"
@@ -150,7 +165,7 @@ def program_number(dialect: Dialect) -> str:
 def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: Pen, stays_on: bool) -> Iterator[str]:
     """The blocks of one cut; of one that is linked without those that light the torch, of one before it without off."""
     cut, machine, mark, dialect = made.planned.cut, profile.machine, made.marks, pen.dialect
-    yield comment(dialect, f"{'MARK' if mark else 'CUT'} {order}", name, f"ZONE {cut.zone} {cut.direction.upper()}")
+    yield cut_comment(order, name, cut, mark, dialect)
     feed_mm_s = machine.mark_feed_mm_s if mark else machine.cut_feed_mm_s * made.feed_share
     if not made.linked:
         yield pen.rapid(made.path.point_at(0.0))

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
-from kerfwise.encoder.cut import HotSpot
+from kerfwise.encoder.cut import HotSpot, Side
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.shown import shown
@@ -14,6 +14,7 @@ from kerfwise.encoder.still_going import long_job, so_much
 from kerfwise.models.plan.plan import Plan, RuleReport
 from kerfwise.postproc.check import CheckResult, Claims, Heating, JudgedCuts, Planned, Relaxed, Thermometer, check_cuts
 from kerfwise.postproc.check import check_program as check_nc
+from kerfwise.postproc.check.reader.old import Trusted
 from kerfwise.postproc.dialects import load_dialect
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule_file import RuleFile
@@ -32,6 +33,8 @@ def _of_program(
     file: str = "",
     plan: Plan | None = None,
     known: JudgedCuts | None = None,
+    trusted: Trusted | None = None,
+    side: Side | None = None,
 ) -> str:
     program = file or f"the program of {nest.file or 'the nest'}"
     return f"checking {program}"
@@ -67,11 +70,14 @@ def check_program(
     file: str = "",
     plan: Plan | None = None,
     known: JudgedCuts | None = None,
+    trusted: Trusted | None = None,
+    side: Side | None = None,
 ) -> CheckResult:
     """Judge an NC program by geometry, the profile and, where a rule asks for it, temperatures.
 
-    Given a plan, the program has to follow it, and what the program's comments do not say is taken from there. The
-    rules do not judge once more what is `known` of the same cuts.
+    Given a plan, the program has to follow it, and what the program's comments do not say is taken from there. What it
+    leaves to the machine's material is refused, unless that is `trusted`. `side` is the start side that it is judged by
+    where it states none. The rules do not judge once more what is `known` of the same cuts.
 
     Raises
     ------
@@ -80,7 +86,17 @@ def check_program(
     """
     so_much(nc_text.count("\n"), "line", "lines")
     planned = None if plan is None else Planned(plan.sequence(), _relaxed_of(plan), plan.origin)
-    return check_nc(nest, nc_text, profile, file, thermometer_of(nest, profile), planned=planned, known=known)
+    return check_nc(
+        nest,
+        nc_text,
+        profile,
+        file,
+        thermometer_of(nest, profile),
+        planned=planned,
+        known=known,
+        trusted=trusted,
+        side=side,
+    )
 
 
 def _relaxed_of(plan: Plan) -> tuple[Relaxed, ...]:
@@ -109,7 +125,7 @@ def thermometer_of(nest: Nest, profile: Profile) -> Thermometer | None:
     return measure
 
 
-def judge(nest: Nest, plan: Plan, program: str, profile: Profile) -> CheckResult:
+def judge(nest: Nest, plan: Plan, program: str, profile: Profile, trusted: Trusted | None = None) -> CheckResult:
     """Judge a plan and the program written from it: a rule holds if it holds in both.
 
     A program in a dialect without comments is held against the plan, as `check --plan` does.
@@ -121,7 +137,7 @@ def judge(nest: Nest, plan: Plan, program: str, profile: Profile) -> CheckResult
         the program.
     """
     planned = check_plan(nest, plan, profile)
-    written = _check_written(nest, plan, program, profile, planned.by_rules)
+    written = _check_written(nest, plan, program, profile, planned.by_rules, trusted)
     of_program = {judgement.id: judgement for judgement in written.rules}
     rules = []
     for judgement in planned.rules:
@@ -135,10 +151,17 @@ def judge(nest: Nest, plan: Plan, program: str, profile: Profile) -> CheckResult
     return result if result.ok else _by_block(result, program)
 
 
-def _check_written(nest: Nest, plan: Plan, program: str, profile: Profile, known: JudgedCuts | None) -> CheckResult:
+def _check_written(
+    nest: Nest,
+    plan: Plan,
+    program: str,
+    profile: Profile,
+    known: JudgedCuts | None,
+    trusted: Trusted | None = None,
+) -> CheckResult:
     silent = load_dialect(profile.machine.dialect).comment is None
     try:
-        return check_program(nest, program, profile, plan=plan if silent else None, known=known)
+        return check_program(nest, program, profile, plan=plan if silent else None, known=known, trusted=trusted)
     except InputError as error:
         block = f" ({_block(program, error.line)})" if error.line is not None else ""
         message = f"the program that dialect {profile.machine.dialect} makes here cannot be read back{block}"

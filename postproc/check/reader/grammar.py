@@ -45,6 +45,11 @@ _USES_M: Mapping[float, str] = {
 _USES_MOTION: Mapping[float | None, str] = {None: "", 0.0: "XY", 1.0: "XY", 2.0: "XYIJRP", 3.0: "XYIJRP"}
 
 
+def group_of(word: Word) -> str:
+    """The modal group of a G or M word that is known here."""
+    return (_GROUP_OF_M if word.letter == "M" else _GROUP_OF_G)[word.value]
+
+
 def motion_of(block: Block, modal: float | None, control: Control) -> float | None:
     """The motion that a block makes: its own word's, else the one in force, where the block has a word for it."""
     if block.has_g(DWELL):

@@ -20,7 +20,10 @@ _FEED_MM_MIN = (1.0, 1e6)
 
 @dataclass(slots=True)
 class ModalState:
-    """Modal state: motion, feed, units and how the program counts."""
+    """Modal state: motion, feed, units and how the program counts.
+
+    `share` is the share of its feed that an old program has the torch move at (`old_words`).
+    """
 
     track: Track
     control: Control
@@ -29,6 +32,7 @@ class ModalState:
     centre_absolute: bool = False
     motion: float | None = None
     feed_mm_min: float = 0.0
+    share: float = 1.0
     modes: Modes = field(init=False)
 
     def __post_init__(self) -> None:
@@ -132,7 +136,7 @@ class ModalState:
                 f"a feed of {feed:g} mm/min is not supported here: expected {least:g} to {most:g}",
                 block.words.get("F"),
             )
-        return feed / 60
+        return feed * self.share / 60
 
     def _arc(self, end: Point, block: Block) -> tuple[Segment, ...]:
         ccw, at, unit = self.motion == 3.0, self.track.at, self.unit_mm

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from kerfwise.encoder.geometry.segment import Point
@@ -15,6 +15,7 @@ from kerfwise.rules.profile.material_section import Material
 from kerfwise.rules.profile.profile import Profile
 
 from .controls import CONTROLS, Control
+from .old import OldProgram, Trusted, read_old
 from .program import NcProgram
 from .reader import read_nc
 
@@ -26,10 +27,13 @@ _ORIGIN = re.compile(
 _ORIGINS: Mapping[str, Origin] = {"DRAWING": "drawing", "SHEET CORNER": "sheet-corner"}
 
 
-def read_on_machine(text: str, nest: Nest, profile: Profile, file: str = "") -> NcProgram:
+def read_on_machine(
+    text: str, nest: Nest, profile: Profile, file: str = "", trusted: Trusted | None = None
+) -> NcProgram:
     """Read a program as the machine runs it; where the control holds the pierce delay itself, its clock has it too.
 
-    Where the machine's zero lies on the drawing the program's own comment says, else the profile.
+    Where the machine's zero lies on the drawing the program's own comment says, else the profile. Words that leave the
+    feed, and what else a material has, to the machine are refused, unless they are `trusted`.
 
     Raises
     ------
@@ -37,18 +41,42 @@ def read_on_machine(text: str, nest: Nest, profile: Profile, file: str = "") -> 
         With the line, for what is malformed or not understood; for a dialect that does not fit the profile's process.
     """
     machine = profile.machine
-    dialect = fitting_dialect(profile)
-    held_s = (0.0, 0.0)
-    if pierce_dwell_of(profile, dialect) == "machine":
-        held_s = (machine.pierce_time_s, machine.mark_time_s)
-    control = _with_powers(CONTROLS[dialect.control], profile.material)
-    tabs = profile.tabs()
-    tab_mm = 0.0 if tabs is None or tabs.at_end else tabs.longest_mm
-    program = read_nc(text, machine.travel_mm_s, file, machine.home, control, held_s, tab_mm)
-    origin, zero = _said(program.comments)
+    control, held_s = _control_of(profile), _held_s(profile)
+    if trusted is None:
+        tabs = profile.tabs()
+        tab_mm = 0.0 if tabs is None or tabs.at_end else tabs.longest_mm
+        program = read_nc(text, machine.travel_mm_s, file, machine.home, control, held_s, tab_mm)
+    else:
+        program = old_on_machine(text, profile, trusted, file).program
+    origin, zero = stated_origin(program)
     if zero is None:
         zero = profile.at_origin(origin or machine.origin).frame_on(nest).corner
-    return replace(_moved(program, Frame(zero)), origin=origin, zero=zero if origin else None)
+    return replace(moved(program, zero), origin=origin, zero=zero if origin else None)
+
+
+def old_on_machine(text: str, profile: Profile, trusted: Trusted, file: str = "") -> OldProgram:
+    """Read a program of which there is no nest, line by line, in its own coordinates.
+
+    Raises
+    ------
+    InputError
+        As `read_old` does; for a dialect that does not fit the profile's process.
+    """
+    machine = profile.machine
+    control = _control_of(profile)
+    return read_old(text, control, trusted.feed_mm_min, machine.travel_mm_s, file, machine.home, _held_s(profile))
+
+
+def _held_s(profile: Profile) -> tuple[float, float]:
+    """How long the control holds the torch by itself where it starts to cut, and to mark."""
+    machine = profile.machine
+    by_machine = pierce_dwell_of(profile, fitting_dialect(profile)) == "machine"
+    return (machine.pierce_time_s, machine.mark_time_s) if by_machine else (0.0, 0.0)
+
+
+def _control_of(profile: Profile) -> Control:
+    """The control that programs of the profile's dialect are for."""
+    return _with_powers(CONTROLS[fitting_dialect(profile).control], profile.material)
 
 
 def control_of(profile: Profile) -> Control:
@@ -77,9 +105,9 @@ def other_origin(program: NcProgram, profile: Profile) -> Iterator[str]:
         yield f"the program's origin is {program.origin}, the profile says {asked}: the program's counts"
 
 
-def _said(comments: Iterable[str]) -> tuple[Origin | None, Point | None]:
+def stated_origin(program: NcProgram) -> tuple[Origin | None, Point | None]:
     """The origin that a program states, and the point of the drawing that is its zero."""
-    found = next(filter(None, map(_ORIGIN.fullmatch, comments)), None)
+    found = next(filter(None, map(_ORIGIN.fullmatch, program.comments)), None)
     if found is None:
         return None, None
     origin = _ORIGINS[found["origin"].upper()]
@@ -88,8 +116,9 @@ def _said(comments: Iterable[str]) -> tuple[Origin | None, Point | None]:
     return origin, (float(found["x"]), float(found["y"]))
 
 
-def _moved(program: NcProgram, frame: Frame) -> NcProgram:
-    """The program in the drawing's coordinates."""
+def moved(program: NcProgram, zero: Point) -> NcProgram:
+    """The program in the coordinates of a drawing, a point of which is its zero."""
+    frame = Frame(zero)
     if frame.corner == (0.0, 0.0):
         return program
     return replace(

@@ -19,6 +19,7 @@ from .essi import read_essi
 from .filtering import Filter
 from .grammar import refuse_conflicts
 from .moves import ModalState
+from .old_words import OldWords
 from .program import NcProgram
 from .rows import rows_of
 from .tools import Tools
@@ -54,9 +55,9 @@ def read_nc(
     """
     if control.arcs:
         return read_essi(text, travel_mm_s, file, home, control, held_s)
-    machine = _Machine(travel_mm_s, control, held_s, home, tab_mm)
+    machine = Machine(travel_mm_s, control, held_s, home, tab_mm)
     try:
-        for block in _blocks(text, machine):
+        for block in blocks(text, machine):
             machine.run(block)
         if not machine.tools.ended:
             raise InputError("the program has no end: expected M2 or M30", line=machine.line or None)
@@ -65,13 +66,20 @@ def read_nc(
     return machine.done()
 
 
-class _Machine:
-    """Runs blocks in the order in which the control executes their words."""
+class Machine:
+    """Runs blocks in the order in which the control executes their words; `further` are words it takes besides."""
 
     def __init__(
-        self, travel_mm_s: float, control: Control, held_s: tuple[float, float], home: Point, tab_mm: float
+        self,
+        travel_mm_s: float,
+        control: Control,
+        held_s: tuple[float, float],
+        home: Point,
+        tab_mm: float = 0.0,
+        further: OldWords | None = None,
     ) -> None:
         self.control = control
+        self.further = further
         self.track = Track(travel_mm_s, home, tab_mm=tab_mm)
         self.tools: ToolsOn = (Beam if control.beam else Tools)(self.track, control, held_s)
         self.moves = ModalState(self.track, control)
@@ -108,7 +116,7 @@ class _Machine:
         return what_was_done(self.track, self.tools, self.line, self.comments, self.blocks)
 
 
-def _blocks(text: str, machine: _Machine) -> Iterator[Block]:
+def blocks(text: str, machine: Machine) -> Iterator[Block]:
     """The blocks of a program; behind its end it holds nothing but comments."""
     opened: bool | None = None
     control = machine.control
@@ -130,8 +138,11 @@ def _blocks(text: str, machine: _Machine) -> Iterator[Block]:
                 column=row.columns[0],
             )
         elif row.code or row.comments:
+            as_written = row
+            if machine.further is not None:
+                row = machine.further.plain(row, line, machine.moves)
             block = block_of(row, line)
-            if machine.filter is not None:
+            if machine.filter is not None and (row is as_written or row.code):
                 machine.filter.pass_(raw, row, line, machine.moves.absolute)
             if not machine.tools.ended:
                 yield block

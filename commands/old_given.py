@@ -1,0 +1,79 @@
+"""What a person says of an old program on the command line, where the program does not say it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from kerfwise.encoder.errors import InputError
+
+from .given import size_of, tell_note
+from .numbers import AMOUNT, AMOUNT_OVER_ZERO
+
+if TYPE_CHECKING:
+    from kerfwise.jobs.old_program import Asked, OldJob
+    from kerfwise.postproc.check.reader.old import Trusted
+
+Verb = Callable[..., Any]
+
+NESTS = (".dxf", ".svg", ".json")
+
+FEED = click.option("--feed", type=AMOUNT_OVER_ZERO, metavar="F",
+                    help="Feed in mm/min where an old program leaves it to the machine's material.")  # fmt: skip
+KERF = click.option("--kerf", type=AMOUNT, metavar="K", help="Kerf of an old program in mm, instead of the profile's.")
+
+
+def old_options(verb: Verb) -> Verb:
+    """Add the options that say what an old program does not."""
+    sheet = click.option("--sheet", metavar="WxH", help="Sheet size in mm; else one is laid around what is cut.")
+    for add in (sheet, KERF, FEED):
+        verb = add(verb)
+    return verb
+
+
+def program_alone(nest: str, made: str | None) -> bool:
+    """Whether a program is given without its nest: one file, and that is no nest.
+
+    Raises
+    ------
+    click.UsageError
+        If a nest is given alone.
+    """
+    if made is not None:
+        return False
+    if Path(nest).suffix.lower() in NESTS:
+        raise click.UsageError("Missing argument 'PLAN.json|OUT.nc'.")
+    return True
+
+
+def read_alone(nest: str, profile: str, trust: bool, asked: Asked, options: Mapping[str, Any]) -> OldJob:
+    """An old program without its nest; options that are about a drawing are refused.
+
+    Raises
+    ------
+    InputError
+        With file and line, for what cannot be read or be sure of.
+    """
+    from kerfwise.jobs.given import plant_of
+    from kerfwise.jobs.old_program import read_old_job
+
+    if named := [name for name in ("units", "frame", "repair", "origin") if options.get(name)]:
+        raise InputError(f"--{named[0]} is for drawings; {nest} is read as a program", file=nest)
+    return read_old_job(nest, plant_of(profile, trust), asked, tell=tell_note)
+
+
+def trusted_if(feed: float | None) -> Trusted | None:
+    """What a program leaves to the machine's material is taken once a feed is given for it."""
+    from kerfwise.postproc.check.reader.old import Trusted
+
+    return None if feed is None else Trusted(feed)
+
+
+def asked_of(feed: float | None, kerf: float | None, sheet: str | None) -> Asked:
+    """What they say."""
+    from kerfwise.jobs.old_program import Asked
+
+    return Asked(feed, kerf, size_of(sheet) if sheet else None)

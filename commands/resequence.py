@@ -1,0 +1,118 @@
+"""kerfwise resequence: an old program, or a folder of them, in a better order."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from kerfwise import __version__
+from kerfwise.encoder.contents import is_folder
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.shown import shown
+from kerfwise.rules.profile.profile import DEFAULT, files_of
+
+from .given import TRUST, tell_note
+from .numbers import AMOUNT_OVER_ZERO
+from .old_given import asked_of, old_options
+
+if TYPE_CHECKING:
+    from kerfwise.jobs.resequence import Resequenced
+    from kerfwise.rules.profile.profile import Profile
+
+
+@click.command()
+@old_options
+@click.option("-p", "--profile", metavar="PROFILE", default=DEFAULT, show_default=True,
+              help="Name or path of the profile; its dialect says which control the program is for.")  # fmt: skip
+@TRUST
+@click.option("-o", "--output", metavar="OUT", help="The new program, or for a folder the folder of the new ones.")
+@click.option("--paths", type=click.Choice(["keep", "new"]), default="keep", show_default=True,
+              help="Every burn as it is, or all contours planned afresh.")  # fmt: skip
+@click.option("--picture", metavar="OUT.svg|.png", help="A picture of both orders.")
+@click.option("--plan", "plan_path", metavar="PLAN.json", help="The plan of the new program, where there is one.")
+@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit a program by the clock, in seconds.")
+@click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
+              help="Limit without --time-limit. The same work gives the same bytes, on each machine.")  # fmt: skip
+@click.option(
+    "--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N", help="Seed of the search."
+)
+@click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, metavar="N",
+              help="Programs of a folder that are planned at the same time.")  # fmt: skip
+@click.argument("old", metavar="OLD.nc|DIR")
+def command(
+    old: str,
+    profile: str,
+    trust: bool,
+    output: str | None,
+    paths: Any,
+    picture: str | None,
+    plan_path: str | None,
+    time_limit: float | None,
+    work: float,
+    seed: int,
+    jobs: int,
+    **given: Any,
+) -> int:
+    """Put the burns of an old program into the best order, or plan its contours afresh; or those of a whole folder."""
+    from kerfwise.jobs.given import plant_of
+    from kerfwise.jobs.resequence import resequence
+
+    from .progress import ProgressLine
+
+    plant, asked = plant_of(profile, trust), asked_of(**given)
+    limits: dict[str, Any] = {"paths": paths, "asked": asked, "work": work, "time_s": time_limit, "seed": seed}
+    if is_folder(Path(old)):
+        if picture or plan_path:
+            raise InputError(f"{'--picture' if picture else '--plan'} is of one program: give one, not a folder")
+        return _folder(Path(old), plant, output, jobs, limits)
+    file = Path(old)
+    out = output or f"{file.stem}.resequenced{file.suffix or '.nc'}"
+    _expect(plant, file, out, picture, plan_path)
+    listener = ProgressLine()
+    made = resequence(old, plant, **limits, listener=listener, tell=tell_note)
+    files: dict[Path, str | bytes] = {Path(out): made.program}
+    if picture:
+        files[Path(picture)] = _picture(made, Path(picture).suffix, plant)
+    if plan_path and made.plan is not None:
+        files[Path(plan_path)] = made.plan.to_json()
+    elif plan_path:
+        tell_note(f"no plan is written: {made.ends if made.nest is not None else 'the burns make no nest'}")
+    from kerfwise.postproc.files import write_files
+
+    write_files(files)
+    click.echo(made)
+    click.echo("written: " + ", ".join(shown(str(path)) for path in files))
+    return 130 if made.interrupted else 0
+
+
+def _expect(plant: Profile, file: Path, out: str, picture: str | None, plan_path: str | None) -> None:
+    """Say before the work what could not be written after it."""
+    from kerfwise.postproc.files import expect_outputs
+    from kerfwise.postproc.report.burns import expect_kind
+
+    outputs = [Path(name) for name in (out, picture, plan_path) if name]
+    expect_outputs(outputs, [file, *files_of(plant)])
+    if picture:
+        expect_kind(picture)
+
+
+def _picture(made: Resequenced, suffix: str, plant: Profile) -> str | bytes:
+    from kerfwise.postproc.report.burns import Panel, draw_burns
+
+    panels = [
+        Panel(title, f"idle {of.idle_mm / 1000:.3f} m, {of.pierces} pierces", of.burns, made.home)
+        for title, of in (("before", made.before), ("after", made.after))
+    ]
+    return draw_burns(panels, suffix, f"{Path(made.name).name} resequenced")
+
+
+def _folder(folder: Path, plant: Profile, output: str | None, jobs: int, limits: dict[str, Any]) -> int:
+    from kerfwise.jobs.archive import resequence_folder
+
+    if output is None:
+        raise InputError("a folder of programs needs one for the new ones: give it with -o", file=folder)
+    made = resequence_folder(folder, Path(output), plant, jobs=jobs, version=__version__, tell=tell_note, **limits)
+    click.echo(made)
+    return made.exit_code

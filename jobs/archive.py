@@ -1,0 +1,298 @@
+"""A folder of old programs, each put into a better order: in parallel, and gone on with where it was stopped."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import pickle
+from collections.abc import Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from dataclasses import asdict, dataclass, replace
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, Literal
+
+from kerfwise.encoder.contents import contents
+from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.encoder.shown import shown
+from kerfwise.postproc.files import write_files
+from kerfwise.rules.profile.profile import Profile, files_of
+
+from .given import Tell, silent
+from .old_program import Asked
+from .resequence import Paths, resequence
+
+RECORD = "resequence.json"
+"""What is kept in the folder of the new programs, of what is finished there."""
+_FORMAT = "kerfwise-resequence/1"
+PROGRAMS = (".nc", ".ngc", ".cnc", ".tap", ".gcode", ".gc", ".eia", ".iso", ".mpf", ".min")
+"""Endings of the files that are taken for programs."""
+Ended = Literal["changed", "unchanged", "refused", "no order", "fault"]
+_WIDEST = 48
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One program: how it ended, and its idle travel and time before and after, mm and s.
+
+    `told` is why it was refused, or how the new order was found; `key` is the sha256 of all that the answer depends on,
+    `sha256` that of the new program.
+    """
+
+    name: str
+    ended: Ended
+    told: str = ""
+    idle_mm: tuple[float, float] = (0.0, 0.0)
+    time_s: tuple[float, float] = (0.0, 0.0)
+    key: str = ""
+    sha256: str = ""
+
+    @property
+    def saved_s(self) -> float:
+        """Seconds saved a run."""
+        return self.time_s[0] - self.time_s[1]
+
+    @property
+    def read(self) -> bool:
+        """Whether the program could be read and planned."""
+        return self.ended in ("changed", "unchanged")
+
+
+@dataclass(frozen=True, slots=True)
+class Archive:
+    """What became of a folder: a row a program, in the order of their names; `again` were finished before."""
+
+    rows: tuple[Row, ...]
+    again: int = 0
+    interrupted: bool = False
+
+    @property
+    def exit_code(self) -> int:
+        """0 where every program was read and planned, else what the worst of them ends with."""
+        if self.interrupted:
+            return 130
+        ends = {row.ended for row in self.rows}
+        return 70 if "fault" in ends else 2 if "refused" in ends else 1 if "no order" in ends else 0
+
+    def __str__(self) -> str:
+        return "\n".join(_table(self))
+
+
+def resequence_folder(
+    folder: Path,
+    out: Path,
+    profile: Profile,
+    *,
+    paths: Paths = "keep",
+    asked: Asked | None = None,
+    work: float = 30.0,
+    time_s: float | None = None,
+    seed: int = 1,
+    jobs: int = 1,
+    version: str = "",
+    tell: Tell = silent,
+) -> Archive:
+    """Put every program of a folder, and of the folders in it, into a better order, under the same name in `out`.
+
+    A program that is refused stops no other. What is finished is written at once, and known again by its content: the
+    same program, profile, options and `version` of kerfwise are not planned a second time.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no program, or the other cannot be written.
+    """
+    names = _programs(folder, out)
+    if not names:
+        raise InputError(f"holds no program: no file ends in {', '.join(PROGRAMS)}", file=folder)
+    if out.resolve() == folder.resolve():
+        raise InputError("would be written over, and is read from: give the output another folder", file=out)
+    _make(out)
+    options = {"paths": paths, "asked": asked or Asked(), "work": work, "time_s": time_s, "seed": seed}
+    record = _recorded(out)
+    rows: dict[str, Row] = {}
+    waiting: dict[str, str] = {}
+    for name in names:
+        key = _key(folder / name, profile, options, version)
+        done = record.get(name)
+        if done is not None and done.key == key and _is_there(out / name, done.sha256):
+            rows[name] = done
+        else:
+            waiting[name] = key
+    again, interrupted = len(rows), False
+    side_by_side = jobs > 1 and _travels(profile)
+    if jobs > 1 and not side_by_side:
+        tell("the profile's rules in Python cannot be handed to other processes: one program after the other")
+    work_of = _side_by_side if side_by_side else _in_turn
+    try:
+        for name, (row, text) in work_of(folder, waiting, profile, options, jobs):
+            row = replace(row, key=waiting[name])
+            rows[name] = row
+            if row.read:
+                _make(out / Path(name).parent)
+                row = rows[name] = replace(row, sha256=hashlib.sha256(text.encode()).hexdigest())
+                record[name] = row
+                write_files({out / name: text, out / RECORD: _as_json(record)})
+            tell(f"{len(rows)} of {len(names)}: {name}: {row.ended}")
+    except KeyboardInterrupt:
+        interrupted = True
+    return Archive(tuple(rows[name] for name in names if name in rows), again, interrupted)
+
+
+def _travels(profile: Profile) -> bool:
+    """Whether a profile can be handed to another process."""
+    try:
+        pickle.dumps(profile)
+    except Exception:  # what its rules hold is theirs
+        return False
+    return True
+
+
+def _programs(folder: Path, out: Path) -> list[str]:
+    """The programs under a folder, by their paths in it; those under `out` are not among them."""
+    found = []
+    beside = out.resolve()
+    for place, folders, files in os.walk(folder):
+        here = Path(place)
+        folders[:] = sorted(name for name in folders if (here / name).resolve() != beside)
+        found += [str((here / name).relative_to(folder)) for name in files if Path(name).suffix.lower() in PROGRAMS]
+    return sorted(found)
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot make a folder there: {error.strerror}", file=folder) from None
+
+
+def _key(path: Path, profile: Profile, options: Mapping[str, Any], version: str) -> str:
+    """The sha256 of a program and of all else that its answer depends on; of its name where it cannot be read."""
+    try:
+        data = contents(path)
+    except (OSError, ValueError):
+        data = str(path).encode("utf-8", "surrogateescape")
+    said = json.dumps({**options, "asked": asdict(options["asked"])}, sort_keys=True)
+    parts = [data, *(part.encode() for part in (version, profile.sha256, repr(profile.machine), said))]
+    for file in files_of(profile):  # a dialect's, above all
+        with contextlib.suppress(OSError, ValueError):
+            parts.append(contents(file))
+    return hashlib.sha256(b"\0".join(parts)).hexdigest()
+
+
+def _is_there(path: Path, sha256: str) -> bool:
+    try:
+        return hashlib.sha256(contents(path)).hexdigest() == sha256
+    except (OSError, ValueError):
+        return False
+
+
+def _in_turn(
+    folder: Path, waiting: Mapping[str, str], profile: Profile, options: Mapping[str, Any], jobs: int
+) -> Iterator[tuple[str, tuple[Row, str]]]:
+    for name in waiting:
+        yield name, _one(folder, name, profile, options)
+
+
+def _side_by_side(
+    folder: Path, waiting: Mapping[str, str], profile: Profile, options: Mapping[str, Any], jobs: int
+) -> Iterator[tuple[str, tuple[Row, str]]]:
+    """The programs in processes of their own, a few at a time; each as soon as it is finished."""
+    left = iter(waiting)
+    running: dict[Future[tuple[Row, str]], str] = {}
+    with ProcessPoolExecutor(max_workers=min(jobs, max(len(waiting), 1)), mp_context=get_context("spawn")) as pool:
+        try:
+            while True:
+                while len(running) < jobs and (name := next(left, None)) is not None:
+                    running[pool.submit(_one, folder, name, profile, options)] = name
+                if not running:
+                    return
+                for future in wait(running, return_when=FIRST_COMPLETED).done:
+                    name = running.pop(future)
+                    error = future.exception()
+                    yield name, (_fault(name, error), "") if error is not None else future.result()
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _one(folder: Path, name: str, profile: Profile, options: Mapping[str, Any]) -> tuple[Row, str]:
+    """One program: its row and its new text. Whatever goes wrong with it is in the row."""
+    try:
+        made = resequence(folder / name, profile, **options)
+    except InputError as error:
+        return Row(name, "refused", str(error)), ""
+    except RulesConflict as error:
+        return Row(name, "no order", str(error)), ""
+    except Exception as error:
+        return _fault(name, error), ""
+    if made.interrupted:
+        raise KeyboardInterrupt
+    row = Row(
+        name,
+        "changed" if made.changed else "unchanged",
+        made.ends,
+        (made.before.idle_mm, made.after.idle_mm),
+        (made.before.time_s, made.after.time_s),
+    )
+    return row, made.program
+
+
+def _fault(name: str, error: BaseException) -> Row:
+    said = " ".join(str(error).split())[:200]
+    text = f"a fault of kerfwise itself: {type(error).__name__}: {said}; resequence it alone for a report"
+    return Row(name, "fault", text)
+
+
+def _recorded(out: Path) -> dict[str, Row]:
+    """What was finished before; nothing where the record is gone, or is none."""
+    try:
+        data = json.loads(contents(out / RECORD))
+        if data["format"] != _FORMAT:
+            return {}
+        return {
+            row["name"]: Row(**{**row, "idle_mm": tuple(row["idle_mm"]), "time_s": tuple(row["time_s"])})
+            for row in data["programs"]
+        }
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+        return {}
+
+
+def _as_json(record: Mapping[str, Row]) -> str:
+    rows = [asdict(record[name]) for name in sorted(record)]
+    return json.dumps({"format": _FORMAT, "programs": rows}, indent=1) + "\n"
+
+
+def _table(made: Archive) -> Iterator[str]:
+    """What a plant manager wants: minutes saved a program, and in all."""
+    read = [row for row in made.rows if row.read]
+    width = min(max([7, *(len(shown(row.name)) for row in made.rows)]), _WIDEST)
+    yield f"{'program':{width}}  {'idle m':>9} {'now':>9}  {'min':>8} {'now':>8}  {'saved':>8} {'%':>6}"
+    for row in made.rows:
+        name = shown(row.name)[-_WIDEST:]
+        if row.read:
+            yield f"{name:{width}}  {_figures(row.idle_mm, row.time_s)}"
+        else:
+            yield f"{name:{width}}  {row.ended}"
+    idle = sum(row.idle_mm[0] for row in read), sum(row.idle_mm[1] for row in read)
+    times = sum(row.time_s[0] for row in read), sum(row.time_s[1] for row in read)
+    yield f"{'in all':{width}}  {_figures(idle, times)}"
+    for row in made.rows:
+        if not row.read:
+            yield f"{row.ended}: {row.told}"
+    counts = [f"{len(read)} of {len(made.rows)} programs read", f"{sum(r.ended == 'changed' for r in read)} changed"]
+    if made.again:
+        counts.append(f"{made.again} finished before")
+    yield ", ".join(counts)
+    if made.interrupted:
+        yield "interrupted: the same command goes on from here"
+
+
+def _figures(idle_mm: tuple[float, float], time_s: tuple[float, float]) -> str:
+    saved_s = time_s[0] - time_s[1]
+    share = f"{saved_s / time_s[0]:.1%}" if time_s[0] > 0 else "-"
+    return (
+        f"{idle_mm[0] / 1000:9.3f} {idle_mm[1] / 1000:9.3f}  {time_s[0] / 60:8.2f} {time_s[1] / 60:8.2f}  "
+        f"{saved_s / 60:8.2f} {share:>6}"
+    )

@@ -1,0 +1,216 @@
+"""An old program without its nest: read, and its nest told from its burns where that can be done."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.postproc.check.reader.old import OldProgram, Trusted
+from kerfwise.postproc.check.reader.on_machine import moved, old_on_machine, stated_origin
+from kerfwise.postproc.check.reader.program import NcProgram
+from kerfwise.postproc.old.contours import NoNest, Told, Unclear, fits_kerf, nest_of
+from kerfwise.postproc.old.told_names import named_as_told
+from kerfwise.rules.profile.cuts_section import Links
+from kerfwise.rules.profile.profile import Profile
+
+from .given import Given, Tell, program_text, silent
+
+_OF_SHEET = re.compile(r"\(\s*(?:ORIGIN|START SIDE)\b", re.IGNORECASE)
+
+_COMMENT = re.compile(r"^\s*\((?!\s*o\s*=)[^()]*\)\s*$")
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What the user says of old programs: mm, mm/min; None for what the program, or else the profile, says."""
+
+    feed_mm_min: float | None = None
+    kerf_mm: float | None = None
+    sheet_mm: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class OldJob:
+    """An old program, and what is known of it.
+
+    Attributes
+    ----------
+    name
+        Of its file.
+    old
+        The program, line by line, in its own coordinates.
+    program
+        The same in the coordinates of the drawing that it states.
+    profile
+        The plant's, with the feeds, the pierce time, the origin and the kerf of the program.
+    told
+        The nest told from the burns; None where they make none.
+    unclear
+        Then the burns at fault.
+    trusted
+        What is taken as the program says it.
+    text
+        What is judged: the program, without comments that name another nest's contours.
+    notes
+        What the user should know.
+    """
+
+    name: str
+    old: OldProgram
+    program: NcProgram
+    profile: Profile
+    told: Told | None
+    unclear: tuple[Unclear, ...]
+    trusted: Trusted
+    text: str
+    notes: tuple[str, ...]
+
+    @property
+    def home(self) -> Point:
+        """Where the torch starts, in the coordinates of the drawing."""
+        (x, y), (left, low) = self.profile.machine.home, self.program.zero or (0.0, 0.0)
+        return x + left, y + low
+
+    @property
+    def nest(self) -> Nest:
+        """The nest told from the burns.
+
+        Raises
+        ------
+        InputError
+            If they make none, with the lines of those at fault.
+        """
+        if self.told is not None:
+            return self.told.nest
+        first = self.unclear[0]
+        raise InputError(
+            f"no nest can be told from the program: {_few(len(self.unclear))} cut or mark the contour of a part",
+            file=self.name,
+            line=first.line,
+            details=tuple(map(str, self.unclear)),
+        )
+
+    @property
+    def given(self) -> Given:
+        """Nest and profile, for jobs that need both."""
+        return Given(self.nest, self.profile)
+
+
+def _few(count: int) -> str:
+    return "1 burn does not" if count == 1 else f"{count} burns do not"
+
+
+def read_old_job(
+    path: str | Path, profile: Profile, asked: Asked | None = None, *, afresh: bool = False, tell: Tell = silent
+) -> OldJob:
+    """Read an old program; `afresh` keeps the profile's feeds and the kerf, since all paths will be new.
+
+    Raises
+    ------
+    InputError
+        With file and line, for what cannot be read or be sure of.
+    """
+    asked, file = asked or Asked(), str(path)
+    text = program_text(path)
+    trusted = Trusted(asked.feed_mm_min or profile.machine.cut_feed_mm_s * 60)
+    old = old_on_machine(text, profile, trusted, file)
+    if not old.program.burns:
+        raise InputError("the program cuts nothing: the torch is never on", file=file)
+    notes: list[str] = []
+    if old.fed_by and asked.feed_mm_min is None:
+        notes.append(
+            f"the program leaves its feed to the machine's material (line {old.fed_by[0]}): it is taken as the "
+            f"profile's {trusted.feed_mm_min:g} mm/min (--feed gives another)"
+        )
+    origin, zero = stated_origin(old.program)
+    program = replace(moved(old.program, zero or (0.0, 0.0)), origin=origin, zero=zero)
+    profile = profile.at_origin(origin or "drawing")
+    kerf_mm = _kerf_mm(old, profile, asked)
+    if not afresh:
+        profile = _at_its_feeds(profile, program)
+    at_corner = zero if origin == "sheet-corner" else None
+    told: Told | None = None
+    unclear: tuple[Unclear, ...] = ()
+    try:
+        told = nest_of(program.burns, kerf_mm, asked.sheet_mm, at_corner, Path(path).name)
+        if not afresh and kerf_mm > 0 and not fits_kerf(told, kerf_mm):
+            raise NoNest(())
+    except NoNest as none:
+        unclear = none.unclear
+        if not afresh and kerf_mm > 0:
+            told, unclear = _on_paths(program, asked, at_corner, Path(path).name)
+            if told is not None:
+                kerf_mm = 0.0
+                notes.append(
+                    "the burns do not run half a kerf beside contours with round corners: rules are judged on the "
+                    "torch's path itself, as if the kerf had no width"
+                )
+    profile = replace(profile, material=replace(profile.material, kerf_mm=kerf_mm))
+    judged = text
+    if told is not None:
+        named = named_as_told(told, program.burns)
+        if named is None:
+            judged = _without_comments(text)
+        else:
+            told = named
+        notes += [note.text for note in told.nest.notes]
+    for note in notes:
+        tell(note)
+    return OldJob(file, old, program, profile, told, tuple(unclear), trusted, judged, tuple(notes))
+
+
+def _on_paths(
+    program: NcProgram, asked: Asked, zero: tuple[float, float] | None, name: str
+) -> tuple[Told | None, tuple[Unclear, ...]]:
+    """The nest with contours on the torch's paths themselves."""
+    try:
+        return nest_of(program.burns, 0.0, asked.sheet_mm, zero, name), ()
+    except NoNest as none:
+        return None, none.unclear
+
+
+def _kerf_mm(old: OldProgram, profile: Profile, asked: Asked) -> float:
+    if asked.kerf_mm is not None:
+        return asked.kerf_mm
+    return max(old.kerfs_mm, default=profile.material.kerf_mm)
+
+
+def _at_its_feeds(profile: Profile, program: NcProgram) -> Profile:
+    """The profile with the feeds and the pierce time that most of the program has."""
+    machine = profile.machine
+    cut: dict[float, float] = defaultdict(float)
+    mark: dict[float, float] = defaultdict(float)
+    pierce: dict[float, float] = defaultdict(float)
+    for burn in program.burns:
+        for feed in burn.feeds_mm_s:
+            into = mark if burn.tool else cut
+            into[feed] = into[feed] + burn.path.length_mm / len(burn.feeds_mm_s)
+        if burn.tool == 0:
+            pierce[burn.held_s + burn.pierce_s] += 1
+    if cut:
+        machine = replace(machine, cut_feed_mm_s=_most(cut))
+    if mark:
+        machine = replace(machine, mark_feed_mm_s=_most(mark))
+    if pierce:
+        machine = replace(machine, pierce_time_s=_most(pierce))
+    holes = replace(profile.small_holes, under="refuse")
+    if len(cut) < 2:
+        holes = replace(holes, small_hole_feed=1.0)
+    cuts = replace(profile.cuts, narrow="refuse", links=Links())  # no way to cut but that of each burn
+    return replace(profile, machine=machine, small_holes=holes, cuts=cuts)
+
+
+def _most(counted: Mapping[float, float]) -> float:
+    return max(counted, key=lambda value: (counted[value], -value))
+
+
+def _without_comments(text: str) -> str:
+    """The program without comments that name contours of another nest; those on the sheet stay."""
+    rows = text.split("\n")
+    return "\n".join(row if _OF_SHEET.match(row) else _COMMENT.sub("", row) for row in rows)

@@ -1,0 +1,159 @@
+"""The round that a burn makes: the longest stretch of its path that ends where it began."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from scipy.spatial import cKDTree
+
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Segment
+
+CLOSED_MM = 0.02
+"""How far the two ends of a round may lie apart."""
+_LEAST_MM2 = 0.05
+_STRAIGHT_MM = 0.002
+"""How far a vertex may lie off the line or arc that goes on without it."""
+_MOST_PAIRS = 2_000_000
+
+
+class NoRound(Exception):
+    """Why a burn is not one round with its leads, as the end of a sentence."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Round:
+    """A closed ring with what leads to it and away from it; `lead_in` and `lead_out` may have no length."""
+
+    ring: Curve
+    lead_in: Curve
+    lead_out: Curve
+
+
+def round_of(path: Curve) -> Round:
+    """The round of an open torch-on path.
+
+    Block ends that coincide bound it; where a lead runs along the contour itself, the path's first or last point lies
+    within a block.
+
+    Raises
+    ------
+    NoRound
+        If the path is open, crosses itself, or goes round several contours.
+
+    Examples
+    --------
+    >>> square = [(-3, 5), (0, 5), (0, 10), (10, 10), (10, 0), (0, 0), (0, 5), (0, 7)]
+    >>> found = round_of(Curve.of(square, closed=False))
+    >>> found.lead_in.length_mm, found.ring.length_mm, found.lead_out.length_mm
+    (3.0, 40.0, 2.0)
+    """
+    if path.length_mm <= 0:
+        raise NoRound("it only pierces")
+    best = _longest(path)
+    if best is None:
+        raise NoRound("its path does not close")
+    begin_mm, end_mm = best
+    ring = _closed(path, begin_mm, end_mm)
+    lead_in = path.between(0.0, begin_mm)
+    lead_out = path.between(end_mm, path.length_mm - end_mm)
+    if abs(ring.signed_area_mm2) < _LEAST_MM2:
+        raise NoRound("its path does not close")
+    if not ring.polygon().is_valid:
+        raise NoRound("its round crosses itself")
+    if any(_encloses(lead) for lead in (lead_in, lead_out)):
+        raise NoRound("it goes round several contours")
+    return Round(ring, lead_in, lead_out)
+
+
+def tidied(ring: Curve) -> Curve:
+    """The same closed curve without vertices in the middle of a line or an arc; arcs turn by half a turn at the most.
+
+    Examples
+    --------
+    >>> tidied(Curve.of([(5, 0), (10, 0), (10, 10), (0, 10), (0, 0)])).as_rows()
+    [[10.0, 0.0], [10.0, 10.0], [0.0, 10.0], [0.0, 0.0]]
+    """
+    segments = list(ring.segments)
+    k, passed = 0, 0
+    while passed < len(segments) and len(segments) > 2:
+        one, then = segments[k % len(segments)], segments[(k + 1) % len(segments)]
+        joined = _joined(one, then)
+        if joined is None:
+            k, passed = k + 1, passed + 1
+            continue
+        segments[k % len(segments)] = joined
+        del segments[(k + 1) % len(segments)]
+        k, passed = k % len(segments), 0
+    return Curve.of([(*segment.start, segment.bulge) for segment in segments])
+
+
+def _joined(one: Segment, then: Segment) -> Segment | None:
+    """Two segments as one, if the second goes on as the first does."""
+    if one.is_arc != then.is_arc:
+        return None
+    if not one.is_arc:
+        (ax, ay), (bx, by) = one.tangent_at(1.0), then.tangent_at(0.0)
+        straight = abs(ax * by - ay * bx) * min(one.length_mm, then.length_mm) < _STRAIGHT_MM and ax * bx + ay * by > 0
+        return Segment(one.start, then.end) if straight else None
+    sweep = one.sweep_rad + then.sweep_rad
+    same = math.dist(one.centre, then.centre) < _STRAIGHT_MM and one.bulge * then.bulge > 0
+    if not same or abs(sweep) > math.pi + 1e-9:
+        return None
+    return Segment(one.start, then.end, math.tan(sweep / 4))
+
+
+def _encloses(lead: Curve) -> bool:
+    """Whether a lead goes round something itself."""
+    found = _longest(lead) if lead.length_mm > 0 else None
+    return found is not None and abs(_closed(lead, *found).signed_area_mm2) > _LEAST_MM2
+
+
+def _closed(path: Curve, begin_mm: float, end_mm: float) -> Curve:
+    rows = path.between(begin_mm, end_mm - begin_mm).vertices
+    return Curve(rows[:-1], closed=True)
+
+
+def _longest(path: Curve) -> tuple[float, float] | None:
+    """Path lengths at which the longest round begins and ends; of several alike, the first."""
+    points = np.array([path.segments[0].start, *(segment.end for segment in path.segments)])
+    at_mm = path.starts_mm
+    found: list[tuple[float, float]] = []
+    tree = cKDTree(points)
+    if tree.count_neighbors(tree, CLOSED_MM) > _MOST_PAIRS:
+        raise NoRound("its path touches itself too often")
+    pairs = tree.query_pairs(CLOSED_MM, output_type="ndarray")
+    if len(pairs):
+        low, high = at_mm[pairs.min(axis=1)], at_mm[pairs.max(axis=1)]
+        found += zip(low.tolist(), high.tolist(), strict=True)
+    last = len(path.segments)
+    for k in {0, min(1, last)}:
+        found += [(float(at_mm[k]), mm) for mm in _meets(path, points[k], k + 1, last)]
+    for k in {last, max(last - 1, 0)}:
+        found += [(mm, float(at_mm[k])) for mm in _meets(path, points[k], 0, k - 1)]
+    found = [pair for pair in found if pair[1] - pair[0] > 4 * CLOSED_MM]
+    return min(found, key=lambda pair: (round(pair[0] - pair[1], 3), pair[0]), default=None)
+
+
+def _meets(path: Curve, point: np.ndarray[tuple[int, ...], np.dtype[np.float64]], first: int, end: int) -> list[float]:
+    """Path lengths at which some of the segments come back to a point."""
+    segments = path.segments[max(first, 0) : max(end, 0)]
+    if not segments:
+        return []
+    lines = np.array([shapely.LineString(_chords(segment)) for segment in segments], dtype=object)
+    near = np.flatnonzero(shapely.dwithin(lines, shapely.Point(*point), 2 * CLOSED_MM))
+    met = []
+    for k in near.tolist():
+        share, off_mm = segments[k].project((float(point[0]), float(point[1])))
+        if off_mm <= CLOSED_MM:
+            met.append(float(path.starts_mm[first + k]) + share * segments[k].length_mm)
+    return met
+
+
+def _chords(segment: Segment) -> list[tuple[float, float]]:
+    if not segment.is_arc:
+        return [segment.start, segment.end]
+    return [segment.start, *map(tuple, segment.flatten(CLOSED_MM / 4).tolist())]

@@ -1,0 +1,157 @@
+"""Programs of the shapes that QtPlasmaC's own samples have, written for these tests, and programs that are refused."""
+
+from __future__ import annotations
+
+HEAD = """\
+G21 (metric units)
+G64 P0.125 (path tolerance)
+M52 P1 (adaptive feed)
+"""
+FEED = "F#<_hal[plasmac.cut-feed-rate]> (feed of the material)\n"
+END = "G0 X0 Y0\nM2 (end)\n"
+
+
+def line(x0: float, y0: float, x1: float, y1: float) -> str:
+    """A straight burn."""
+    return f"G0 X{x0} Y{y0}\nM3 $0 S1 (torch on)\nG1 X{x1} Y{y1}\nM5 $0 (torch off)\n"
+
+
+def square(x: float, y: float, side: float, direction: int = 1) -> str:
+    """A square, pierced 5 mm to the left of its lower left corner; 1 is counter-clockwise."""
+    corners = [(x + side, y), (x + side, y + side), (x, y + side)][::direction]
+    rows = [f"G0 X{x - 5} Y{y}", "M3 $0 S1", f"G1 X{x} Y{y}", *(f"G1 X{a} Y{b}" for a, b in corners), f"G1 X{x} Y{y}"]
+    return "\n".join([*rows, "M5 $0", ""])
+
+
+def circle(x: float, y: float, r: float) -> str:
+    """A hole as one block, pierced at its middle."""
+    return f"G0 X{x} Y{y}\nM3 $0 S1\nG1 X{x + r} Y{y}\nG3 X{x + r} Y{y} I{-r} J0\nM5 $0\n"
+
+
+ROWS = [(20, 20, 120, 20), (20, 40, 120, 40), (20, 60, 120, 60), (20, 80, 120, 80)]
+SCRIBE = "".join(f"G0 X{x} Y20\nM3 $1 S1\nG1 X{x} Y30\nG1 X{x + 6} Y25\nM5 $1\n" for x in (60, 20, 40))
+WRENCH = """\
+#<holes> = 4 (holes and arcs)
+G0 X140 Y30
+M3 $0 S1
+G3 X140 Y30 I-3 J0
+M5 $0
+G0 X10 Y38
+M3 $0 S1
+G1 X10 Y50
+G1 X160 Y50
+G1 X160 Y10
+G1 X10 Y10
+G1 X10 Y44
+M5 $0
+"""
+RAMP = """\
+ G40
+ G90
+ M65 P2 (height control)
+ M65 P3 (torch)
+ M68 E3 Q0 (all speed)
+ m159 p601 q2 (ramp)
+ m159 p605 q980
+ M67 E3 Q100
+ T0 M6
+ G43 H0
+ (o=0,kw=2, ph=4, pd=1, ch=1.5, fr=490, th=1)
+ F#<_hal[plasmac.cut-feed-rate]>
+ G0 X0 Y0
+ M3 $0 S1
+ M67 E3 Q50
+ G1 X0 Y60
+ m159 p609
+ M5 $0
+ M65 P2
+ M68 E3 Q0
+ M5 $-1
+ M30
+"""
+
+READ: dict[str, str] = {
+    "line": HEAD + FEED + line(*ROWS[0]) + END,
+    "rows": HEAD + FEED + "".join(line(*row) for row in ROWS) + END,
+    "rows there and back": HEAD + FEED + line(*ROWS[0]) + "G0 Y40\nM3 $0 S1\nG1 X20\nM5 $0\n" + END,
+    "in inches": HEAD.replace("G21", "G20").replace("0.125", "0.002")
+    + FEED
+    + line(1, 1, 5, 1)
+    + line(1, 2, 5, 2)
+    + END,
+    "scribe": HEAD + FEED + "M6 T1\nG43\n" + SCRIBE + "M6 T0\nG43\n" + END,
+    "materials": HEAD
+    + "".join(f"M190 P{k} (material)\nM66 P3 L3 Q1\n{FEED}{line(*row)}" for k, row in enumerate(ROWS, 1))
+    + "G0 X0 Y0\nM190 P-1\nM2\n",
+    "described materials": HEAD
+    + "".join(f"(o=0, na=Steel {k}, ph=3, fr={3000 + k}, kw=1.{k})\n{FEED}{line(*row)}" for k, row in enumerate(ROWS))
+    + END,
+    "wrench": HEAD + FEED + WRENCH + END,
+    "ramp": HEAD + RAMP,
+    "squares": HEAD + "F2500\n" + "".join(square(x, y, 40) for x, y in ((20, 20), (220, 20), (120, 20))) + END,
+    "squares with holes": HEAD
+    + "F2500\n"
+    + "".join(circle(x + 20, 40, 8) + square(x, 20, 40, -1) for x in (20, 220, 120))
+    + END,
+    "slow holes": HEAD
+    + "F2500\n"
+    + "".join(f"M67 E3 Q60\n{circle(x + 20, 40, 8)}M67 E3 Q0\n{square(x, 20, 40, -1)}" for x in (20, 220, 120))
+    + END,
+    "no way home": HEAD + "F2500\n" + line(*ROWS[1]) + line(*ROWS[0]) + "M2\n",
+    "numbered": "\n".join(
+        f"N{10 * k} {row}"
+        for k, row in enumerate((HEAD + "F2500\n" + line(*ROWS[1]) + line(*ROWS[0]) + END).splitlines(), 1)
+    )
+    + "\n",
+}
+"""Read, and put in order."""
+
+GOOD = HEAD + "F2500\n" + square(20, 20, 40) + square(120, 20, 40) + END
+REFUSED: dict[str, tuple[str, int, str]] = {
+    "a parameter": ("#1 = 50\n" + GOOD, 1, "parameters are not checked"),
+    "an unknown name": ("#<tube-cut>=1\n" + GOOD, 1, "not known here"),
+    "a loop": (
+        HEAD + "F2500\no100 repeat [3]\n" + square(20, 20, 40) + "o100 endrepeat\n" + END,
+        5,
+        "subroutines and loops",
+    ),
+    "an expression": (
+        HEAD + "F2500\nG0 X[20+3] Y20\nM3 $0 S1\nG1 X30\nM5 $0\n" + END,
+        5,
+        "a letter and a plain number",
+    ),
+    "kerf on the control": (HEAD + "F2500\nG41 D1\n" + square(20, 20, 40) + END, 5, "shift the path by its own kerf"),
+    "from place to place": (HEAD + "F2500\nG0 X20 Y20\nG91\nM3 $0 S1\nG1 X30\nM5 $0\nG90\n" + END, 6, "G91"),
+    "no units": (GOOD.replace("G21 (metric units)\n", ""), 4, "units"),
+    "no end": (GOOD.replace("M2 (end)\n", ""), 21, "has no end"),
+    "a rapid with the torch on": (
+        HEAD + "F2500\nG0 X1 Y1\nM3 $0 S1\nG1 X9\nG0 X20\nG1 X30\nM5 $0\n" + END,
+        8,
+        "torch on",
+    ),
+    "a halt": (GOOD.replace("G0 X115", "M0\nG0 X115"), 13, "halts here"),
+    "a wait before a travel": (GOOD.replace("G0 X115", "G4 P2\nG0 X115"), 13, "a wait with the torch off"),
+    "no feed": (HEAD + square(20, 20, 40) + END, 6, "no feed"),
+    "an arc that is none": (HEAD + "F2500\nG0 X0 Y0\nM3 $0 S1\nG2 X20 Y0 I3 J0\nM5 $0\n" + END, 7, "radius"),
+    "a height": (GOOD.replace("G0 X115", "G0 Z20\nG0 X115"), 13, "height"),
+    "an axis more": (GOOD.replace("G0 X115", "G0 A20\nG0 X115"), 13, "only the axes X and Y"),
+    "a material without its feed": (HEAD + "(o=0, kw=1)\n" + FEED + square(20, 20, 40) + END, 4, "without its feed"),
+    "a material of the file": (HEAD + "(o=1, fr=3000)\n" + FEED + square(20, 20, 40) + END, 4, "material file"),
+    "the torch out on the way": (HEAD + "F2500\nM64 P3\n" + square(20, 20, 40) + END, 5, "puts the torch out"),
+    "a wait for no material": (HEAD + "M66 P3 L3 Q1\n" + FEED + square(20, 20, 40) + END, 4, "none was chosen"),
+    "a speed of 5 %": (HEAD + "F2500\nM67 E3 Q5\n" + square(20, 20, 40) + END, 5, "10 to 100 %"),
+    "nothing is cut": (HEAD + "F2500\nG0 X5 Y5\n" + END, 0, "the torch is never on"),
+    "after a stop": ("(RESUME AFTER CUT 2)\n" + GOOD, 1, "goes on after a stop"),
+    "words nobody said before": (
+        HEAD.replace("M52 P1 (adaptive feed)\n", "")
+        + "F2500\n"
+        + square(220, 20, 40)
+        + "M52 P1\n"
+        + square(20, 20, 40)
+        + END,
+        5,
+        "comes later in the program",
+    ),
+    "a second program": (GOOD + GOOD, 23, "behind the program's end"),
+}
+"""A program, the line that the message names (0 for none), and some of its words."""
