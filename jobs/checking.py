@@ -38,7 +38,7 @@ def check_made(
         followed = read_plan(plan) if isinstance(plan, str | Path) else plan
         for text in differences(followed, given) if followed is not None else ():
             tell(text)
-        return check_program(given.nest, program_text(made), given.profile, str(made), followed, trusted)
+        return check_program(given.nest, program_text(made), given.profile, str(made), followed, trusted=trusted)
     if plan is not None:
         raise InputError("a plan is held against no other plan: expected an NC program, with the plan it was made from")
     judged = made if isinstance(made, Plan) else read_plan(made)
