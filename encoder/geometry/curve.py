@@ -147,8 +147,13 @@ class Curve:
         """Array (m, 2) of points whose chords stay within `tolerance_mm`; a closed curve does not repeat its first."""
         if not self.segments:
             return np.asarray(self.vertices[:1, :2])
-        parts = [np.array([self.segments[0].start])] + [s.flatten(tolerance_mm) for s in self.segments]
-        points = np.concatenate(parts)
+        rows: list[Sequence[float]] = [self.segments[0].start]
+        for segment in self.segments:
+            if segment.bulge == 0.0:
+                rows.append(segment.end)
+            else:
+                rows += segment.flatten(tolerance_mm).tolist()
+        points = np.array(rows)
         return points[:-1] if self.closed else points
 
     def line(self, tolerance_mm: float = 0.01) -> shapely.LineString:

@@ -60,7 +60,9 @@ class Segment:
     @property
     def length_mm(self) -> float:
         """Path length, mm."""
-        return self.radius_mm * abs(self.sweep_rad) if self.is_arc else self.chord_mm
+        b = self.bulge
+        chord_mm = math.dist(self.start, self.end)
+        return chord_mm if b == 0.0 else chord_mm * (1 + b * b) / (4 * abs(b)) * abs(4.0 * math.atan(b))
 
     @property
     def area_term_mm2(self) -> float:

@@ -54,7 +54,7 @@ def _same_cut(one: Cut, other: Cut) -> bool:
 
 
 def _words(cut: Cut) -> tuple[object, ...]:
-    return cut.contour, cut.direction, cut.zone, cut.excused, cut.linked, cut.span
+    return cut.contour, cut.direction, cut.zone, cut.excused, cut.linked, cut.span, cut.tabs
 
 
 def _numbers(cut: Cut) -> list[float]:

@@ -28,6 +28,8 @@ SLACK_MM = 0.01
 """What the chords of paths and contours may make of a distance."""
 _CHORD_MM = 0.002
 _STEP_MM = 0.05
+_AT_ONCE = 256
+"""Paths whose kerfs are made together; of all at once they would take more memory than all else."""
 NEARLY_MM = 0.01
 """Less than this the buffers of lines and of their pieces lie apart."""
 _SLOT_RAD = math.radians(15)
@@ -54,7 +56,9 @@ def features_lost(
     helped = _helped(cut, runs, within_mm)
     along = burns_by_contour(runs, opened)
     burns = [[run.loop, *run.leads, *along.get(run.name, ()), *helped.get(run.name, ())] for run in cut]
-    left = _left(contours, [shapely.multilinestrings(lines) for lines in burns], within_mm)
+    paths = [shapely.multilinestrings(lines) for lines in burns]
+    some = [slice(k, k + _AT_ONCE) for k in range(0, len(paths), _AT_ONCE)]
+    left = np.concatenate([_left(contours[s], paths[s], within_mm) for s in some])
     found: list[Violation] = []
     for k in np.flatnonzero(~shapely.is_empty(left)).tolist():
         path, spared = shapely.union_all(burns[k]), _spared(tabs, cut[k], within_mm)

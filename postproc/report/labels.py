@@ -45,9 +45,14 @@ def place_labels(
     places: dict[str, TextPlace] = {}
     for part in nest.parts:
         metal = _free_metal(part, wanted_mm, window)
-        tried = _place_part(part, metal, labels, wanted_mm, filled, window, outer_first=False)
-        if _smallest(tried) < _ENOUGH * wanted_mm:
-            again = _place_part(part, metal, labels, wanted_mm, filled, window, outer_first=True)
+        in_holes = {
+            hole.id: _in_hole(hole, labels[hole.id], wanted_mm, filled.get(hole.id), window)
+            for hole in part.holes
+            if hole.id in labels
+        }
+        tried = _place_part(part, metal, labels, wanted_mm, in_holes, outer_first=False)
+        if in_holes and _smallest(tried) < _ENOUGH * wanted_mm:  # without holes it would be the same again
+            again = _place_part(part, metal, labels, wanted_mm, in_holes, outer_first=True)
             tried = max(tried, again, key=_smallest)
         places |= tried
     return places
@@ -71,11 +76,13 @@ def _place_part(
     metal: shapely.Geometry,
     labels: Mapping[str, Label],
     wanted_mm: float,
-    filled: Mapping[str, shapely.Geometry],
-    window: shapely.Polygon | None,
+    in_holes: Mapping[str, TextPlace | None],
     outer_first: bool,
 ) -> dict[str, TextPlace]:
-    """The labels of one part, each in what the ones before it leave of the metal (or anywhere, if they leave none)."""
+    """The labels of one part, each in what the ones before it leave of the metal (or anywhere, if they leave none).
+
+    `in_holes` is where those of holes stand within them.
+    """
     whole, open_lines = metal, (*part.marks, *part.slits)
     contours = (part.outer, *part.holes, *open_lines) if outer_first else (*part.holes, part.outer, *open_lines)
     places: dict[str, TextPlace] = {}
@@ -88,10 +95,7 @@ def _place_part(
         elif not contour.encloses:
             place = find_room(whole if metal.is_empty else metal, label.text, wanted_mm, contour.line)
         else:
-            area = _seen(contour.polygon, wanted_mm, window)
-            if contour.id in filled:
-                area = area.difference(filled[contour.id])
-            place = _in_hole(area, label, wanted_mm)
+            place = in_holes[contour.id]
             if place is None or place.size_mm < _ENOUGH * wanted_mm:
                 beside = _beside(metal, contour, label, wanted_mm)
                 if beside is not None and (place is None or beside.size_mm > place.size_mm):
@@ -106,7 +110,17 @@ def _point(label: Label) -> shapely.Point | None:
     return None if label.near is None else shapely.Point(label.near)
 
 
-def _in_hole(area: shapely.Geometry, label: Label, wanted_mm: float) -> TextPlace | None:
+def _in_hole(
+    hole: Contour,
+    label: Label,
+    wanted_mm: float,
+    filled: shapely.Geometry | None,
+    window: shapely.Polygon | None,
+) -> TextPlace | None:
+    """The place in a hole, clear of what lies in it and of its lead."""
+    area = _seen(hole.polygon, wanted_mm, window)
+    if filled is not None:
+        area = area.difference(filled)
     leads = [curve.line(0.5).buffer(0.2 * wanted_mm, quad_segs=2) for curve in label.obstacles if curve.segments]
     clear = area.difference(shapely.union_all(leads)) if leads else area
     return find_room(area if clear.is_empty else clear, label.text, wanted_mm, _point(label))

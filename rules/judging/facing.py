@@ -19,6 +19,8 @@ from .placement import host_holes
 
 SOLID, EDGE = -1, -2
 """Faced by a boundary that looks at wide uncut metal, or at the end of the sheet."""
+AT_ONCE = 1 << 16
+"""Spots that are looked at together: more would take memory, and no less time."""
 CONTACT_MM = 0.05
 """Outlines that overlap by less touch; a contour's own line nearer than this is where one stands."""
 
@@ -94,9 +96,14 @@ class Facing:
 
     def faced(self, spots: Spots) -> Ints:
         """What each spot faces: the number of a part, EDGE or SOLID."""
+        count = len(spots.part)
+        some = (slice(k, min(k + AT_ONCE, count)) for k in range(0, count, AT_ONCE))
+        found = [self._faced(Spots(spots.part[s], spots.at[s], spots.normal[s])) for s in some]
+        return np.concatenate([np.empty(0, np.int64), *found])
+
+    def _faced(self, spots: Spots) -> Ints:
+        """See `faced`; of not too many spots."""
         found = np.full(len(spots.part), SOLID, dtype=np.int64)
-        if not len(found):
-            return found
         start = spots.at - CONTACT_MM * spots.normal
         rays = shapely.linestrings(
             np.stack([start, spots.at + (max(self.web_mm, self.edge_band_mm) + 1e-6) * spots.normal], axis=1)

@@ -12,7 +12,7 @@ _OBEYED = re.compile(
     re.IGNORECASE,
 )
 """What LinuxCNC's interpreter and its machine do not pass over; `msg,` only shows its text."""
-_COMMENTED, _BLANK, _SOLID = re.compile(r"[();]"), re.compile(r"[ \t]"), re.compile(r"[^ \t]")
+_COMMENTED = re.compile(r"[();]")
 _NO_BLANKS = str.maketrans("", "", " \t")
 COMMENT = " "
 """Stands for a comment between words: no number goes on behind it."""
@@ -52,9 +52,8 @@ def row_of(text: str, line: int) -> Row:
     'G1X10.5'
     """
     if text.isascii() and not _COMMENTED.search(text):  # most rows
-        columns_of = tuple(found.start() + 1 for found in _SOLID.finditer(text)) if _BLANK.search(text) else None
-        shown = text.translate(_NO_BLANKS).upper()
-        return Row(shown, tuple(range(1, len(text) + 1)) if columns_of is None else columns_of, ())
+        solid = [k for k, char in enumerate(text, 1) if char not in " \t"]
+        return Row(text.translate(_NO_BLANKS).upper(), tuple(solid), ())
     code: list[str] = []
     columns: list[int] = []
     comments: list[str] = []

@@ -1,13 +1,13 @@
 """A program is judged by the rules once with its plan where both make the same cuts, and on its own where not."""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cache
 
 import pytest
 
 from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.cut import Cut, CutSequence, Span, Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.jobs.given import Given
 from kerfwise.jobs.main_job import Finished, plan_nest
@@ -76,6 +76,9 @@ def bent(cut: Cut, by: float) -> Cut:
         (lambda cut: replace(cut, zone=cut.zone + 1), False),
         (lambda cut: replace(cut, direction="cw" if cut.direction == "ccw" else "ccw"), False),
         (lambda cut: replace(cut, excused=("part-rigidity",)), False),
+        (lambda cut: replace(cut, linked=True), False),
+        (lambda cut: replace(cut, tabs=(Tab((0.0, 0.0), 1.0),)), False),
+        (lambda cut: replace(cut, span=Span((0.0, 0.0), (1.0, 0.0))), False),
     ],
 )
 def test_what_makes_cuts_the_same(change: Callable[[Cut], Cut], alike: bool) -> None:
@@ -90,3 +93,12 @@ def test_cuts_are_not_the_same_where_temperatures_were_measured_or_some_are_miss
     assert not same(cuts, replace(cuts, cuts=cuts.cuts[:-1]))
     assert not same(cuts, replace(cuts, start_side="right" if cuts.start_side != "right" else "left"))
     assert not same(cuts, replace(cuts, made=1))
+
+
+def test_every_field_of_a_cut_is_looked_at() -> None:
+    """A new one is to be compared, too: see `judged_cuts`."""
+    points = {"entry", "pierce", "lead_in", "lead_out", "start_s", "end_s"}
+    words = {"contour", "direction", "zone", "excused", "linked", "span", "tabs"}
+    assert {field.name for field in fields(Cut)} == points | words
+    looked_at = {"cuts", "start_side", "home", "hot_spots", "made", "begun"}
+    assert {field.name for field in fields(CutSequence)} == looked_at

@@ -1,0 +1,29 @@
+"""Points and lengths of curves, made for all segments at once, are those of the segments one by one."""
+
+import math
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kerfwise.encoder.geometry.curve import Curve
+
+places = st.one_of(st.integers(-3, 3).map(float), st.floats(-50, 50))
+bulges = st.one_of(st.just(0.0), st.floats(0.01, 2), st.floats(-2, -0.01))
+curves = st.builds(Curve.of, st.lists(st.tuples(places, places, bulges), min_size=1, max_size=8), st.booleans())
+
+
+@given(curves, st.sampled_from([0.002, 0.01, 0.5]))
+def test_points_are_those_of_the_segments(curve: Curve, tolerance_mm: float) -> None:
+    if not curve.segments:
+        assert curve.flatten(tolerance_mm).tolist() == curve.vertices[:1, :2].tolist()
+        return
+    parts = [np.array([curve.segments[0].start]), *(s.flatten(tolerance_mm) for s in curve.segments)]
+    points = np.concatenate(parts).tolist()
+    assert curve.flatten(tolerance_mm).tolist() == (points[:-1] if curve.closed else points)
+
+
+@given(curves)
+def test_lengths_are_those_of_chords_and_arcs(curve: Curve) -> None:
+    for s in curve.segments:
+        assert s.length_mm == (s.radius_mm * abs(s.sweep_rad) if s.is_arc else math.dist(s.start, s.end))
