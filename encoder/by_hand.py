@@ -31,6 +31,11 @@ def part(name: str, outer: Rows, holes: Sequence[Rows] = (), marks: Sequence[Row
     )
 
 
-def nest(width: float, height: float, *parts: Part) -> Nest:
-    """A rectangular sheet at the origin with these parts."""
-    return Nest(Sheet.rectangle(width, height), parts)
+def nest(width: float, height: float, *parts: Part, scrap: Sequence[Rows] = ()) -> Nest:
+    """A rectangular sheet at the origin with these parts, and with these lines to cut up its skeleton."""
+    return Nest(Sheet.rectangle(width, height), parts, scrap=scrap_lines(scrap))
+
+
+def scrap_lines(lines: Sequence[Rows]) -> tuple[Contour, ...]:
+    """Scrap lines with ids as a reader gives them."""
+    return tuple(Contour(f"scrap{k}", "", "scrap", Curve.of(line, closed=False)) for k, line in enumerate(lines, 1))

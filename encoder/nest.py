@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal, get_args
 
@@ -13,19 +13,22 @@ from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.shown import shown
 
-Kind = Literal["outer", "hole", "mark", "slit"]
+Kind = Literal["outer", "hole", "mark", "slit", "scrap"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 Severity = Literal["warning", "repaired"]
 
 
 @dataclass(frozen=True, eq=False)
 class Contour:
-    """One curve that the torch follows once; `id` is `<part>.outer`, `<part>.hole1`…, `<part>.mark1`…, `<part>.slit1`…
+    """One curve that the torch follows once; `id` is `<part>.outer`, `<part>.hole1`…, `<part>.mark1`…, `<part>.slit1`.
+
+    A line in the skeleton is `scrap1`…, and belongs to no part: `part` is "".
 
     It is cut at `feed_share` of the machine's cut feed, which is less than 1 in small holes; slower corners take as
     long as `corner_mm` more of it would. Outer contours and holes
     enclose an area; a mark may be open and is not cut through; a slit is an open line that the torch's centre follows
-    as it is drawn, from its start, along the middle of a slot of the contour `slot_of`.
+    as it is drawn, from its start, along the middle of a slot of the contour `slot_of`. A scrap line is open too, and is
+    followed from either end.
     """
 
     id: str
@@ -40,6 +43,11 @@ class Contour:
     def encloses(self) -> bool:
         """Whether it goes round an area; the kerf is then beside it, else on it."""
         return self.kind in ("outer", "hole")
+
+    @property
+    def shapes_part(self) -> bool:
+        """Whether the torch cuts through a part, or round it, here: neither marks nor scrap lines do."""
+        return self.kind not in ("mark", "scrap")
 
     @cached_property
     def polygon(self) -> shapely.Polygon:
@@ -137,8 +145,9 @@ class Note:
 class Nest:
     """A sheet with its parts; made by a reader, which validates it once.
 
-    `contours` lists every contour, part by part in file order, each part's marks, slits, holes, then outer. A nest as
-    it is cut keeps the one that was read as `drawn` (see `small_holes.as_cut` and `slits.with_slits`).
+    `contours` lists every contour, part by part in file order, each part's marks, slits, holes, then outer, and after
+    all parts the lines that cut up the skeleton, `scrap`. A nest as it is cut keeps the one that was read as `drawn`
+    (see `small_holes.as_cut` and `slits.with_slits`).
     """
 
     sheet: Sheet
@@ -147,6 +156,7 @@ class Nest:
     sha256: str = ""
     notes: tuple[Note, ...] = ()
     drawn: Nest | None = None
+    scrap: tuple[Contour, ...] = ()
 
     @cached_property
     def kept(self) -> dict[Any, Any]:
@@ -156,7 +166,19 @@ class Nest:
     @cached_property
     def contours(self) -> tuple[Contour, ...]:
         """Every contour to cut or mark."""
-        return tuple(c for p in self.parts for c in p)
+        return (*(c for p in self.parts for c in p), *self.scrap)
+
+    @cached_property
+    def without_scrap(self) -> Nest:
+        """The nest without its scrap lines; all other contours keep their numbers."""
+        return replace(self, scrap=()) if self.scrap else self
+
+    @cached_property
+    def owners(self) -> tuple[int, ...]:
+        """The number of each contour's part, from 0 on; scrap lines, which have none, have numbers of their own."""
+        number = {part.id: k for k, part in enumerate(self.parts)}
+        own = tuple(number[c.part] for c in self.without_scrap.contours)
+        return (*own, *range(len(self.parts), len(self.parts) + len(self.scrap)))
 
     @cached_property
     def index(self) -> dict[str, int]:

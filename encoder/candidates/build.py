@@ -23,6 +23,7 @@ from .lead_out import lead_outs
 from .marks import mark_candidates
 from .older_kerfs import OlderKerfs, older_kerfs
 from .refusal import cannot_be_cut, refusal
+from .scrap import scrap_problems
 from .surroundings import Surroundings
 from .tab_places import TabPlaces
 from .tried import TriedLeads, try_options
@@ -77,6 +78,11 @@ def build_with_older_kerfs(
         return (), OlderKerfs.none()
     gone = already.contours.union(loose)
     left = [k for k, c in enumerate(nest.contours) if c.id not in gone]
+    near_parts = scrap_problems(nest, options.kerf_mm)
+    if near_parts:
+        raise InputError(
+            "the skeleton cannot be cut up as it is drawn", file=nest.file or None, details=tuple(near_parts)
+        )
     around = Surroundings.of(nest, Void.of(nest, already, options.kerf_mm, options.splash_mm or 0.0))
     held = TabPlaces.of(nest, left, options.tabs, options.kerf_mm, options.entry_points)
     options = replace(options, tab_places=held)
@@ -93,8 +99,8 @@ def build_with_older_kerfs(
     tried = replace(tried, bare=tuple(k for k in tried.bare if k not in redone), shut=shut)
     if tried.faulty:
         raise refusal(nest, tried, around, options)
-    to_mark = [(k, nest.contours[k]) for k in left if nest.contours[k].kind == "mark"]
-    marks = [c for k, m in to_mark for c in mark_candidates(k, m, options)]
+    bare_lines = [(k, nest.contours[k]) for k in left if nest.contours[k].kind in ("mark", "scrap")]
+    marks = [c for k, line in bare_lines for c in mark_candidates(k, line, options)]
     reached = [
         *within_reach(_candidates(tried.found, tried.outlines, around, options), options.reach),
         *tried.slits,

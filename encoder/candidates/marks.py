@@ -1,4 +1,4 @@
-"""Candidates of marks, which are neither compensated nor led into."""
+"""Candidates of marks and of scrap lines, which are neither compensated nor led into."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ CLOSED_ENTRIES = 4
 
 
 def mark_candidates(index: int, contour: Contour, options: LeadOptions) -> list[Candidate]:
-    """An open mark from either end ("ccw" along the line as drawn, "cw" against it), a closed one from a few points.
+    """An open line from either end ("ccw" along it as drawn, "cw" against it), a closed mark from a few points.
 
-    The lead-out of an open mark is its other end alone, so that a cut made of it knows where it ends.
+    The lead-out of an open line is its other end alone, so that a cut made of it knows where it ends.
     """
     curve, length_mm = contour.curve, contour.curve.length_mm
     found = []
@@ -28,10 +28,10 @@ def mark_candidates(index: int, contour: Contour, options: LeadOptions) -> list[
             at_mm = [curve.project(locked)[0], *at_mm]
         for s_mm in at_mm:
             at = curve.point_at(s_mm)
-            for direction in options.directions["mark"]:
+            for direction in options.directions[contour.kind]:
                 found.append(Candidate(index, s_mm, at, direction, at, None, None, at, length_mm))
         return found
-    for direction in options.directions["mark"]:
+    for direction in options.directions[contour.kind]:
         s_mm = 0.0 if direction == "ccw" else length_mm
         at, end = curve.point_at(s_mm), curve.point_at(length_mm - s_mm)
         off = Curve(np.array([[*end, 0.0]]), closed=False)

@@ -79,12 +79,12 @@ def older_kerfs(
     >>> older_kerfs(two, ways, 1.5, 0.5).leads[:2].tolist()
     [[2, 8], [2, 9]]
     """
-    burning = [k for k, c in enumerate(candidates) if nest.contours[c.contour].kind != "mark"]
+    burning = [k for k, c in enumerate(candidates) if nest.contours[c.contour].shapes_part]
     if not burning:
         return OlderKerfs.none()
-    number = {part.id: k for k, part in enumerate(nest.parts)}
+    nest = nest.without_scrap  # scrap lines are cut when no contour, and no lead, is left that their kerf could be in
     part = np.array(
-        [len(nest.parts) + k if c.kind == "slit" else number[c.part] for k, c in enumerate(nest.contours)],
+        [len(nest.parts) + k if c.kind == "slit" else nest.owners[k] for k, c in enumerate(nest.contours)],
         dtype=np.int64,
     )
     paths = _Paths.of(burning, candidates, part, kerf_mm)

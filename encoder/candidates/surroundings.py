@@ -45,7 +45,8 @@ class Surroundings:
 
     @staticmethod
     def of(nest: Nest, void: Void | None = None) -> Surroundings:
-        """The surroundings of all leads of a nest."""
+        """The surroundings of all leads of a nest; scrap lines hinder none, since they are cut last."""
+        nest = nest.without_scrap
         lines = np.array([c.line for c in nest.contours], dtype=object)
         points, of = shapely.get_coordinates(lines, return_index=True)
         follows = np.flatnonzero(of[1:] == of[:-1])
@@ -58,10 +59,9 @@ class Surroundings:
         shapely.prepare(sheet)
         edges = sheet.boundary
         shapely.prepare(edges)
-        number = {part.id: k for k, part in enumerate(nest.parts)}
         return Surroundings(
             nest.contours,
-            np.array([number[c.part] for c in nest.contours], dtype=np.int64),
+            np.array(nest.owners, dtype=np.int64),
             np.array([c.kind != "mark" for c in nest.contours], dtype=np.bool_),
             np.array([c.kind == "slit" for c in nest.contours], dtype=np.bool_),
             np.array([nest.index.get(c.slot_of, k) for k, c in enumerate(nest.contours)], dtype=np.int64),

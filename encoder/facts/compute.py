@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from kerfwise.arrays import Floats
+from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs, older_kerfs
+from kerfwise.encoder.cut import Side
 from kerfwise.encoder.nest import Nest
 
 from .cells import cells_of
@@ -19,8 +20,9 @@ from .hulls import in_hull
 from .long_parts import long_parts
 from .neighbours import outlook_of, surroundings_of
 from .offcut import edge_gaps, offcuts
-from .outlines import outlines_of
+from .outlines import Outlines, outlines_of
 from .shadows import level_ahead
+from .skeleton import skeleton_of
 from .start_side import start_side
 from .stretches import runs_of, stretch_of
 from .zones import respected_orders, zones_of
@@ -80,11 +82,11 @@ def compute_facts(
     ahead = level_ahead(outlines, parent, side)
     hull = in_hull(outlines, parent)
     respected = respected_orders(contains, ahead, hull, options)
-    zone = zones_of(nest, outlines, parent, side, respected, options, heat_kj)
+    zone = _zones(nest, outlines, parent, side, respected, options, heat_kj)
 
     outlook = outlook_of(outlines, parent, nest.sheet, cells_of(outlines), options)
     surroundings = surroundings_of(outlines, parent, outlook)
-    runs = runs_of(outlook)
+    runs, skeleton = runs_of(outlook), skeleton_of(nest, options.kerf_mm)
     contour = np.fromiter((c.contour for c in candidates), np.int64, len(candidates))
     return Facts(
         nest=nest,
@@ -111,7 +113,27 @@ def compute_facts(
         head=stretch_of(outlines, runs, candidates, options.head_share, "head"),
         tail=stretch_of(outlines, runs, candidates, options.tail_share, "tail"),
         older_kerfs=_older_kerfs(nest, options, candidates, met),
+        scrap_framed=skeleton.framed,
+        scrap_beside=skeleton.beside,
     )
+
+
+def _zones(
+    nest: Nest,
+    outlines: Outlines,
+    parent: Ints,
+    start_side: Side,
+    respected: Ints,
+    options: FactOptions,
+    heat_kj: Floats,
+) -> Ints:
+    """The zones of a nest: those of its parts, and after them one for the lines that cut up the skeleton."""
+    if not nest.scrap:
+        return zones_of(nest, outlines, parent, start_side, respected, options, heat_kj)
+    bare = nest.without_scrap
+    n = len(bare.contours)
+    of_parts = zones_of(bare, outlines_of(bare), parent[:n], start_side, respected, options, heat_kj[:n])
+    return np.append(of_parts, np.full(len(nest.scrap), int(of_parts.max(initial=0)) + 1))
 
 
 def _older_kerfs(

@@ -2,6 +2,7 @@
 
 Holes and marks lie in the outer contour of their part, as the nest says, and a slit in the contour that its slot is of.
 A part lies in the smallest hole of another part that its outer contour fits in. Marks and slits contain nothing.
+Scrap lines lie in no contour, and contain nothing.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ def parents_of(outlines: Outlines) -> Ints:
     One point inside each outer contour is looked up among the holes, near-linear in the number of contours. Parts
     may touch the hole they lie in: a point well inside decides, and the smaller area is the one inside.
     """
-    parent = np.where(outlines.is_outer, -1, outlines.around)
+    parent = np.where(outlines.is_outer | outlines.is_scrap, -1, outlines.around)
     outers, holes = outlines.outers, np.flatnonzero(~outlines.is_outer & outlines.encloses)
     inside = shapely.STRtree(shapely.point_on_surface(outlines.polygon[outers]))
     which_hole, which_outer = inside.query(outlines.polygon[holes], predicate="intersects")

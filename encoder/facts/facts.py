@@ -113,14 +113,15 @@ class Past:
 class Facts:
     """The facts of one nest. n contours, m candidates.
 
-    Pairs are arrays (k, 2) of contour indices. `contains[:, 0]` contains `contains[:, 1]` (closure), `parent` (n,)
-    the immediate container or -1. `level_ahead` and `in_hull` rows read (j, i): j lies ahead of, or in the hull of,
-    i. `edge_gap_mm`, `edge_length_mm` are (n, 4) in the order of `SIDES`. `zone` counts
-    from 1; a mark has the zone of its part. `torch_heat_kj` (n,) is the most heat that cutting a contour, however it
-    is entered, leaves in the sheet, 0 for a mark, nan where nobody has said. `offcut_mm`, `offcut_large`, `heat_mm`,
-    `heat_parts` follow `SIDES`. `first[i]` and `first[i + 1]` bound the candidates of contour i.
+    Pairs are arrays (k, 2) of contour indices. `contains[:, 0]` contains `contains[:, 1]` (closure), `parent` (n,) the
+    immediate container or -1. `level_ahead` and `in_hull` rows read (j, i): j lies ahead of, or in the hull of, i.
+    `edge_gap_mm`, `edge_length_mm` are (n, 4) in the order of `SIDES`. `zone` counts from 1; a mark has the zone of its
+    part, scrap lines the last. `torch_heat_kj` (n,) is the most heat that cutting a contour, however it is entered,
+    leaves in the sheet, 0 for a mark, nan where nobody has said. `offcut_mm`, `offcut_large`, `heat_mm`, `heat_parts`
+    follow `SIDES`. `first[i]` and `first[i + 1]` bound the candidates of contour i.
     `older_kerfs` says which candidates would meet the kerf of which contours and leads, were those cut before.
     `links` are ways from one contour to another with the torch on, where the profile wants any.
+    `scrap_framed` (n,) and the pairs `scrap_beside` are those of `skeleton.Skeleton`.
 
     Where some of the sheet is already cut, all this is of what is left (`nest` too); `past` is the rest of the story.
     """
@@ -149,6 +150,8 @@ class Facts:
     head: Stretch
     tail: Stretch
     older_kerfs: OlderKerfs
+    scrap_framed: Bools
+    scrap_beside: Ints
     past: Past | None = None
     links: tuple[LinkPath, ...] = ()
 

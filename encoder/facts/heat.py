@@ -15,14 +15,14 @@ from .sides import AWAY, AXIS
 def heat(outlines: Outlines, sheet_mm: Box) -> tuple[Floats, Ints]:
     """Cut length, mm, and number of small parts in the half of the sheet at each side, in the order of SIDES.
 
-    Marks are left out: they do not cut through. A part counts as small when its outer contour encloses no more than
-    the median part does, and lies in the half that has its centroid. What lies on the line between two halves belongs
-    half to each, a part to neither.
+    Marks are left out: they do not cut through. So are scrap lines: they are cut when all parts are out. A part counts
+    as small when its outer contour encloses no more than the median part does, and lies in the half that has its
+    centroid. What lies on the line between two halves belongs half to each, a part to neither.
     """
     outers = outlines.outers
     area = outlines.area_mm2[outers]
     small = outers[area <= np.median(area) * (1 + SAME_SHARE)] if len(outers) else outers
-    through = ~outlines.is_mark[outlines.chord_contour]
+    through = ~(outlines.is_mark | outlines.is_scrap)[outlines.chord_contour]
     start, end = outlines.chord_start[through], outlines.chord_end[through]
     length_mm = np.hypot(*(end - start).T)
     cut_mm, parts = [], []

@@ -26,8 +26,8 @@ class Outlines:
     """Contours flattened within 0.01 mm. n contours, indexed like `Nest.contours`; m chords, contour after contour.
 
     `polygon` is the area inside an outer contour or a hole, None for what encloses none; `centroid` its centre of mass
-    (Pristupov 2016), else nan. `own_outer` is the outer contour of the part that a contour belongs to, `around` for
-    a slit the contour that its slot is of, else the same.
+    (Pristupov 2016), else nan. `own_outer` is the outer contour of the part that a contour belongs to, itself for a
+    scrap line; `around` is for a slit the contour that its slot is of, else the same.
     `length_mm` is exact on arcs. `chord_start`, `chord_end` (m, 2) and `chord_contour` (m,) are the chords.
     """
 
@@ -40,6 +40,7 @@ class Outlines:
     is_ccw: Bools
     is_outer: Bools
     is_mark: Bools
+    is_scrap: Bools
     encloses: Bools
     own_outer: Ints
     around: Ints
@@ -77,6 +78,7 @@ def outlines_of(nest: Nest) -> Outlines:
     start, end, of = points[:-1][within], points[1:][within], contour_of_point[1:][within].astype(np.int64)
     cross = start[:, 0] * end[:, 1] - end[:, 0] * start[:, 1]
     outer_at = {p.id: nest.index[p.outer.id] for p in nest.parts}
+    own_outer = [outer_at.get(c.part, k) for k, c in enumerate(contours)]
     return Outlines(
         line=line,
         polygon=polygon,
@@ -87,9 +89,12 @@ def outlines_of(nest: Nest) -> Outlines:
         is_ccw=summed_by(of, cross, n) > 0,
         is_outer=np.array([c.kind == "outer" for c in contours], dtype=bool),
         is_mark=np.array([c.kind == "mark" for c in contours], dtype=bool),
+        is_scrap=np.array([c.kind == "scrap" for c in contours], dtype=bool),
         encloses=encloses,
-        own_outer=np.array([outer_at[c.part] for c in contours], dtype=np.int64),
-        around=np.array([nest.index.get(c.slot_of, outer_at[c.part]) for c in contours], dtype=np.int64),
+        own_outer=np.array(own_outer, dtype=np.int64),
+        around=np.array(
+            [nest.index.get(c.slot_of, own) for c, own in zip(contours, own_outer, strict=True)], dtype=np.int64
+        ),
         chord_start=start,
         chord_end=end,
         chord_contour=of,

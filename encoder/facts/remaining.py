@@ -86,6 +86,8 @@ def remaining(whole: Facts, already: AlreadyCut) -> Facts:
         first=np.searchsorted(np.array([c.contour for c in candidates], dtype=np.int64), np.arange(len(left) + 1)),
         head=stretch(whole.head),
         tail=stretch(whole.tail),
+        scrap_framed=whole.scrap_framed[left],
+        scrap_beside=pairs(whole.scrap_beside),
         older_kerfs=OlderKerfs(rings(whole.older_kerfs.rings), whole.older_kerfs.leads),
         past=Past(whole, already, number, tuple(loose.items())),
     )

@@ -25,8 +25,8 @@ HEADER = """\
 %
 %   n_contours                number of contours
 %   contour_id[i]             id of contour i, as in plans and reports
-%   part[i]                   number of the part of i, in the order of the nest
-%   kind[i]                   1 outer, 2 hole, 3 mark, 4 slit
+%   part[i]                   number of the part of i, in the order of the nest; each scrap line has its own
+%   kind[i]                   1 outer, 2 hole, 3 mark, 4 slit, 5 scrap
 %   parent[i]                 the contour that immediately contains i, 0 if none does
 %   zone[i]                   zone of i, from 1
 %   long[i]                   i is an outer contour, one side at least long_ratio times the other
@@ -50,7 +50,7 @@ HEADER = """\
 %   cand_contour[c]           the contour it cuts
 %   cand_x[c], cand_y[c]      where it pierces: idle travel arrives here
 %   cand_end_x[c], cand_end_y[c]   where the torch goes off: idle travel leaves from here
-%   cand_ccw[c]               it runs counter-clockwise (an open mark or a slit: along its line)
+%   cand_ccw[c]               it runs counter-clockwise (an open line: along it)
 %   cand_cut_length[c]        torch-on path, leads and overcut included
 %   cand_edge_start[c]        it comes in from the edge of the sheet and nothing is pierced
 %   head_length[c]            the first stretch of its path round the contour, of which
@@ -73,12 +73,11 @@ def facts_dzn(facts: Facts) -> str:
     if n > CONTOURS_MAX:
         raise InputError(f"{n} contours are too many for MiniZinc data (at most {CONTOURS_MAX}); write .json instead")
     contours = facts.nest.contours
-    part_number = {p.id: k for k, p in enumerate(facts.nest.parts, 1)}
     cands, near = facts.candidates, facts.neighbours
     fields: list[tuple[str, str]] = [
         ("n_contours", str(n)),
         ("contour_id", _list(json.dumps(c.id, ensure_ascii=False) for c in contours)),
-        ("part", _ints(part_number[c.part] for c in contours)),
+        ("part", _ints(k + 1 for k in facts.nest.owners)),
         ("kind", _ints(KINDS.index(c.kind) + 1 for c in contours)),
         ("parent", _ints(facts.parent + 1)),
         ("zone", _ints(facts.zone)),

@@ -31,10 +31,11 @@ around all zones, as they are with zones made by geometry."""
 
 
 def movable(facts: Facts) -> bool:
-    """Whether geometry alone has made the zones: no number, lock or budget of the plant has, and nothing is cut yet."""
+    """Whether geometry alone has made the zones: no number, lock or budget of the plant has, nothing is cut yet, and no
+    lines cut up the skeleton, whose zone is the last."""
     given = facts.options
     decided = given.zone_contours is not None or given.zone_heat_kj is not None or given.zone_fixed or given.zone_places
-    return not decided and facts.past is None
+    return not decided and facts.past is None and not facts.nest.scrap
 
 
 def zones_along(facts: Facts, order: Sequence[int]) -> Ints | None:

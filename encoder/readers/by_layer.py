@@ -14,14 +14,17 @@ from .layers import DEFAULT, Layers, Purpose, Use, counted, setting
 
 SOUNDS_LIKE = {"mark": "marks", "ignore": "something not to be cut", "sheet": "the sheet", "scrap": "scrap lines"}
 
+_BESIDES: tuple[Purpose, ...] = ("mark", "sheet", "scrap")
+
 
 @dataclass(frozen=True, eq=False)
 class ByLayer:
-    """What is cut, what is marked, what the sheet is drawn with, and a word on all that is left out."""
+    """What is cut, what is marked, what the sheet is drawn with, what cuts up the skeleton, and what is left out."""
 
     cut: tuple[DrawnCurve, ...]
     mark: tuple[DrawnCurve, ...]
     sheet: tuple[DrawnCurve, ...]
+    scrap: tuple[DrawnCurve, ...]
     notes: tuple[Note, ...]
 
 
@@ -48,18 +51,16 @@ def by_layer(pieces: Sequence[DrawnCurve], layers: Layers) -> ByLayer:
     if "cut" not in of:
         raise InputError(_nothing(pieces, uses))
     notes = [*_left_out(of), *_misheard([p for p in of["cut"] if not uses[p.names].stated])]
-    return ByLayer(tuple(of["cut"]), tuple(of.get("mark", ())), tuple(of.get("sheet", ())), tuple(notes))
+    mark, sheet, scrap = (tuple(of.get(purpose, ())) for purpose in _BESIDES)
+    return ByLayer(tuple(of["cut"]), mark, sheet, scrap, tuple(notes))
 
 
 def _left_out(of: dict[Purpose | None, list[DrawnCurve]]) -> list[Note]:
-    notes = []
-    if ignored := of.get("ignore"):
-        text = f"left out, as drawing.layers.ignore matches their layers: {counted(p.layer for p in ignored)}"
-        notes.append(Note("warning", text))
-    if scrap := of.get("scrap"):
-        text = "left out, as lines that cut up scrap (drawing.layers.scrap) are not planned yet"
-        notes.append(Note("warning", f"{text}: {counted(p.layer for p in scrap)}"))
-    return notes
+    ignored = of.get("ignore")
+    if not ignored:
+        return []
+    text = f"left out, as drawing.layers.ignore matches their layers: {counted(p.layer for p in ignored)}"
+    return [Note("warning", text)]
 
 
 def _misheard(cut: Sequence[DrawnCurve]) -> list[Note]:

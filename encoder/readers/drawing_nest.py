@@ -13,6 +13,7 @@ from .join import Joined, join
 from .open_ends import REPAIR_FACTOR, ends, open_end_problems
 from .open_lines import settled
 from .options import ReadOptions
+from .scrap_lines import scrap_of_drawing
 from .sheet import choose_sheet
 from .units import doubts
 
@@ -42,10 +43,11 @@ def nest_of(drawing: Drawing, options: ReadOptions) -> Nest:
     if not rings:
         raise InputError("nothing to cut: the drawing holds no closed contour")
     parts, mark_notes = with_marks(parts, [*marks.rings, *marks.chains, *open_lines.marks])
+    scrap, scrap_notes = scrap_of_drawing(told_apart.scrap, options)
     sheet, choice_notes = choose_sheet(outline, rings, drawing.page, options)
     notes = [*drawing.notes, *told_apart.notes, *joined_notes, *sheet_notes, *frame_notes, *open_lines.notes]
-    notes += [*part_notes, *mark_notes, *choice_notes, *doubts(sheet, drawing.units)]
-    return Nest(sheet, parts, notes=tuple(notes))
+    notes += [*part_notes, *mark_notes, *scrap_notes, *choice_notes, *doubts(sheet, drawing.units)]
+    return Nest(sheet, parts, notes=tuple(notes), scrap=scrap)
 
 
 def _frame(

@@ -40,7 +40,8 @@ def read_json(data: bytes, options: ReadOptions) -> Nest:
     _check_ids(document["parts"], text)
     parts = tuple(_part(given, scale) for given in document["parts"])
     sheet = _sheet(document["sheet"], scale)
-    return Nest(sheet, parts, notes=(*_typing_slips(document["parts"]), *doubts(sheet, units)))
+    notes = (*_typing_slips(document["parts"]), *doubts(sheet, units))
+    return Nest(sheet, parts, notes=notes, scrap=_scrap(document.get("scrap", ()), scale))
 
 
 def _parsed(data: bytes) -> tuple[str, Any]:
@@ -99,6 +100,13 @@ def _part(given: Mapping[str, Any], scale: float) -> Part:
 def _tab(given: Mapping[str, Any], scale: float) -> Tab:
     x, y = given["at"]
     return Tab((x * scale, y * scale), given.get("width", 0.0) * scale)
+
+
+def _scrap(lines: Sequence[Sequence[Sequence[float]]], scale: float) -> tuple[Contour, ...]:
+    ids = [f"scrap{k}" for k in range(1, len(lines) + 1)]
+    return tuple(
+        Contour(name, "", "scrap", _curve(name, rows, False, scale)) for name, rows in zip(ids, lines, strict=True)
+    )
 
 
 def _curve(name: str, rows: Sequence[Sequence[float]], closed: bool, scale: float) -> Curve:

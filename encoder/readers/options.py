@@ -13,6 +13,7 @@ from .units import MM_PER
 
 FrameName = Literal["sheet", "part"]
 OpenLines = Literal["mark", "ignore", "refuse"]
+ScrapLines = Literal["ignore", "cut"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +32,8 @@ class ReadOptions:
         What one rectangle around everything is, where no layer is the sheet's. None: nobody has said; it is asked.
     open_lines
         What happens to open lines on a layer that `layers.cut` names.
+    scrap_lines
+        What happens to open lines on a layer that `layers.scrap` names: left out, or cut when all parts are out.
     margin_mm
         Room left around the parts when the sheet has to be their bounding box.
     join_tolerance_mm
@@ -41,7 +44,7 @@ class ReadOptions:
     Raises
     ------
     InputError
-        For an unknown unit, a size that is not positive, or an unknown word for `frame` or `open_lines`.
+        For an unknown unit, a size that is not positive, or an unknown word for `frame`, `open_lines` or `scrap_lines`.
 
     Examples
     --------
@@ -54,6 +57,7 @@ class ReadOptions:
     layers: Layers = DEFAULT
     frame: FrameName | None = None
     open_lines: OpenLines = "mark"
+    scrap_lines: ScrapLines = "ignore"
     margin_mm: float = 10.0
     join_tolerance_mm: float = 0.1
     repair: bool = False
@@ -64,6 +68,7 @@ class ReadOptions:
         for name, given, words in (
             ("frame", self.frame or "sheet", get_args(FrameName)),
             ("open_lines", self.open_lines, get_args(OpenLines)),
+            ("scrap_lines", self.scrap_lines, get_args(ScrapLines)),
         ):
             _require(given in words, f"unknown {name} '{given}': expected one of {', '.join(words)}")
         for side in self.sheet_size_mm or ():

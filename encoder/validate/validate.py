@@ -11,6 +11,7 @@ from .duplicates import drop_duplicates
 from .inside import hole_problems, mark_notes
 from .overlaps import overlap_problems, sheet_problems
 from .rings import contour_problems, sheet_ring_problems
+from .scrap import scrap_problems
 
 MOST_DETAILS = 200
 
@@ -24,7 +25,7 @@ def validated(nest: Nest) -> Nest:
     ------
     InputError
         One error for all that is wrong, with a line each in `details`: rings that cross themselves or enclose
-        nothing, holes outside their part, parts that overlap or lie off the sheet.
+        nothing, holes outside their part, parts that overlap or lie off the sheet, scrap lines through parts.
 
     Examples
     --------
@@ -44,6 +45,7 @@ def validated(nest: Nest) -> Nest:
         notes += said
     if not sheet_ring_problems(nest.sheet):
         problems += sheet_problems(sound, nest.sheet)
+        problems += scrap_problems(nest.scrap, sound, nest.sheet)
     if problems:
         raise wrong("the nest cannot be cut as it is drawn", problems)
     return replace(nest, parts=parts, notes=(*nest.notes, *notes, *mark_notes(parts)))

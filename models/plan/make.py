@@ -166,5 +166,5 @@ def close_calls(contours: list[Contour], radius_mm: float = 50.0) -> float:
     Pristupov and Petunin ask that neighbours not be cut one after the other. `kerfwise heat` measures better: it
     simulates the temperatures.
     """
-    through = [c for c in contours if c.kind != "mark"]
+    through = [c for c in contours if c.shapes_part]
     return float(sum(a.part != b.part and a.line.distance(b.line) < radius_mm for a, b in pairwise(through)))

@@ -22,6 +22,7 @@ from .judge import judge
 from .judged_cuts import JudgedCuts
 from .links import bad_links
 from .loose_metal import burnt_loose
+from .loose_skeleton import off_the_frame
 from .metal import Pairs, gouges, off_sheet
 from .planned import Planned, strays_from
 from .program_rules import in_steps_of, judgement, tolerance_mm
@@ -180,7 +181,7 @@ def _judge_paths(
         *([judgement("tabs", cut_tabs(several))] if tabs else []),
         judgement("burnt-twice", burnt_twice(several, _overcut_mm(profile))),
         judgement("links", bad_links(runs, kerf_mm, profile.cuts.links.longest_mm)),
-        judgement("loose-metal", burnt_loose(nest, runs, kerf_mm)),
+        judgement("loose-metal", [*burnt_loose(nest, runs, kerf_mm), *off_the_frame(nest, runs, made, kerf_mm)]),
         judgement("small-holes", small_holes(judged_by, cuts, whole, profile)),
         judgement("contour-geometry", _of("contour-geometry", faults)),
         judgement(

@@ -74,7 +74,7 @@ def _wrong(
 
 
 def _direction(contour: Contour, loop: Curve) -> Direction:
-    """As seen with y up; along an open mark "ccw", against it "cw"."""
+    """As seen with y up; along an open line "ccw", against it "cw"."""
     if contour.curve.closed:
         return "ccw" if loop.is_ccw else "cw"
     first, last = _xy(contour.curve, 0), _xy(contour.curve, -1)

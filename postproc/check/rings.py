@@ -19,7 +19,7 @@ def torch_rings(
     """The line the torch's centre follows around each contour; None where the kerf leaves nothing.
 
     "right" is half the kerf outside an outer contour and inside a hole, "wrong" the other way round, "on" the contour
-    itself. Marks and slits are their own lines. Chords lie within 0.006 mm of the true curve.
+    itself. Marks, slits and scrap lines are their own lines. Chords lie within 0.006 mm of the true curve.
 
     Examples
     --------

@@ -139,12 +139,12 @@ def _faults(
         geometry(f"the entry is {off_mm:.3f} mm off the contour")
     if cut.lead_in is not None and math.dist(_xy(cut.lead_in, 0), cut.pierce) > allowed:
         geometry("the lead-in does not start at the pierce")
-    if contour.kind == "mark":
+    if not contour.shapes_part:
         if cut.lead_in is not None and cut.lead_in.segments:
-            geometry("a mark has no lead-in")
+            geometry(f"a {contour.kind if contour.kind == 'mark' else 'scrap line'} has no lead-in")
         begins = cut.entry if contour.curve.closed else _xy(contour.curve, 0 if cut.direction == "ccw" else -1)
         if math.dist(cut.pierce, begins) > allowed:
-            geometry("marking does not start where the line does")
+            geometry(f"{'marking' if contour.kind == 'mark' else 'the torch'} does not start where the line does")
         return found
     if contour.kind == "slit":
         begins = cut.pierce if cut.lead_in is None else _xy(cut.lead_in, -1)

@@ -15,7 +15,13 @@ from kerfwise.rules.profile.profile import Profile
 
 from .plan_paths import Toolpath, toolpaths
 
-LAYERS: Mapping[str, str] = {"outer": "CUT_OUTER", "hole": "CUT_HOLE", "slit": "CUT_SLIT", "mark": "MARK"}
+LAYERS: Mapping[str, str] = {
+    "outer": "CUT_OUTER",
+    "hole": "CUT_HOLE",
+    "slit": "CUT_SLIT",
+    "mark": "MARK",
+    "scrap": "CUT_SCRAP",
+}
 """The layer of each kind of contour."""
 
 

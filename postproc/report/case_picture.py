@@ -59,7 +59,7 @@ def _panel(panel: Panel, top: float) -> tuple[list[str], float]:
     lines.append(_path(panel.nest.sheet.outline.line(), place, INK, METAL, 1))
     for contour in _largest_first(panel.nest):
         ink = RED if contour.id in wrong else INK
-        fill = {"outer": "#ffffff", "hole": METAL, "mark": "none", "slit": "none"}[contour.kind]
+        fill = {"outer": "#ffffff", "hole": METAL, "mark": "none", "slit": "none", "scrap": "none"}[contour.kind]
         lines.append(_path(contour.line, place, ink, fill, 2 if contour.id in wrong else 1))
     for contour in panel.nest.contours:
         if contour.id in at:

@@ -20,6 +20,7 @@ from .view import View
 
 INKS: Mapping[str, str] = {
     "outer": colours.OUTER, "hole": colours.HOLE, "mark": colours.MARK, "slit": colours.SLIT,
+    "scrap": colours.SCRAP,
 }  # fmt: skip
 _ARROW_EVERY = 260.0  # page units along a contour
 

@@ -37,9 +37,10 @@ def place_labels(
     """The place of every label by contour id; contours outside the window have none.
 
     An outer contour's label lies in the part's metal; a hole's lies in the hole, clear of parts nested there and of
-    its lead, or in the metal beside the hole where that is roomier; a mark's lies in the metal beside the mark.
-    No two overlap. Font sizes are `wanted_mm` where there is room; in a crowded part the holes' labels are placed
-    before the outer contour's or after it, whichever leaves the smallest of them larger.
+    its lead, or in the metal beside the hole where that is roomier; a mark's lies in the metal beside the mark, a scrap
+    line's in the skeleton beside the line. No two overlap. Font sizes are `wanted_mm` where there is room; in a crowded
+    part the holes' labels are placed before the outer contour's or after it, whichever leaves the smallest of them
+    larger.
     """
     filled = _nested_metal(nest, [h for p in nest.parts for h in p.holes if h.id in labels])
     places: dict[str, TextPlace] = {}
@@ -55,6 +56,27 @@ def place_labels(
             again = _place_part(part, metal, labels, wanted_mm, in_holes, outer_first=True)
             tried = max(tried, again, key=_smallest)
         places |= tried
+    return places | _in_the_skeleton(nest, labels, wanted_mm, window)
+
+
+def _in_the_skeleton(
+    nest: Nest, labels: Mapping[str, Label], wanted_mm: float, window: shapely.Polygon | None
+) -> dict[str, TextPlace]:
+    """The labels of scrap lines, each beside its line, between the parts."""
+    lines = [line for line in nest.scrap if line.id in labels]
+    if not lines:
+        return {}
+    free = shapely.make_valid(nest.sheet.polygon).difference(shapely.union_all([p.outer.polygon for p in nest.parts]))
+    free = free.difference(shapely.union_all([line.line for line in lines]).buffer(0.15 * wanted_mm))
+    free = free if window is None else free.intersection(window)
+    places: dict[str, TextPlace] = {}
+    for line in lines:
+        band = free.intersection(line.line.buffer(_BESIDE * wanted_mm, quad_segs=4))
+        middle = shapely.line_interpolate_point(line.line, 0.5, normalized=True)
+        place = find_room(band, labels[line.id].text, wanted_mm, middle)
+        if place is not None:
+            places[line.id] = place
+            free = free.difference(place.box().buffer(0.12 * place.size_mm, join_style="mitre"))
     return places
 
 

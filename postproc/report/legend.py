@@ -200,6 +200,7 @@ def _key(items: list[Item], x: float, end: float, y: float, kinds: frozenset[str
         ("hole", "hole"),
         ("mark", "mark"),
         ("slit", "slit along a narrow slot"),
+        ("scrap", "scrap line"),
         ("small", "small hole, not cut"),
         ("home", "home"),
         ("out", "out already"),

@@ -34,7 +34,7 @@ class CutDirectionOptions:
 
     def allowed(self, kind: Kind) -> tuple[Direction, ...]:
         """The directions that a kind of contour may be cut in."""
-        if kind == "slit":  # along its line, by its candidates
+        if kind in ("slit", "scrap"):  # along its line, by its candidates
             return ("cw", "ccw")
         way = cast(WayRound, getattr(self, kind))
         return ("cw", "ccw") if way == "free" else (way,)

@@ -41,7 +41,7 @@ class HeatLag(Rule[HeatLagOptions]):
 
     Between the cuts of two contours of different parts that lie nearer than `heat_radius` there are `lag_cuts` other
     cuts, and `lag` seconds from the end of the one to the start of the other. Contours of one part are left out: they
-    belong together (see part-contiguous). Marks are left out: they heat little. Nothing is asked between a cut made
+    belong together (see part-contiguous). Marks are left out: they heat little. So are scrap lines: they bend no part. Nothing is asked between a cut made
     before a stop and one made after it: metal cools while the machine stands. Parts that are linked follow each other
     at once, so that the rule, where it is hard, rules out the link. Tabs change nothing: the metal beside them is as
     hot.
@@ -71,7 +71,7 @@ class HeatLag(Rule[HeatLagOptions]):
         if not options.lag_cuts and not options.lag_s:
             return
         contours = facts.nest.contours
-        hot = [k for k, contour in enumerate(contours) if contour.kind != "mark"]
+        hot = [k for k, contour in enumerate(contours) if contour.shapes_part]
         for a, b in _near([contours[k] for k in hot], options.heat_radius_mm):
             first, second = hot[a], hot[b]
             ids = (contours[first].id, contours[second].id)
@@ -85,7 +85,7 @@ class HeatLag(Rule[HeatLagOptions]):
     def violations(self, nest: Nest, cuts: CutSequence, options: HeatLagOptions) -> list[Violation]:
         timed = self.unjudged(nest, cuts, options) is None
         at = cuts.positions()
-        cut = [c for c in nest.contours if c.kind != "mark" and c.id in at]
+        cut = [c for c in nest.contours if c.shapes_part and c.id in at]
         found = []
         for a, b in _near(cut, options.heat_radius_mm):
             k, later = sorted((at[cut[a].id], at[cut[b].id]))

@@ -106,7 +106,7 @@ class Pierce(Rule[PierceOptions]):
         """What is pierced in the waste of a hole goes before that hole."""
         contours = facts.nest.contours
         holes = [k for k, c in enumerate(contours) if c.kind == "hole"]
-        pierced = [k for k, c in enumerate(facts.candidates) if contours[c.contour].kind != "mark"]
+        pierced = [k for k, c in enumerate(facts.candidates) if contours[c.contour].shapes_part]
         if not holes or not pierced:
             return
         points = shapely.points([facts.candidates[k].pierce for k in pierced])

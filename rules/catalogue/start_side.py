@@ -168,8 +168,8 @@ def _halves(nest: Nest, first: Side) -> tuple[Box, Box]:
 
 
 def _cut_lengths(nest: Nest, first: Side) -> tuple[float, float]:
-    """Length, mm, that is cut through in each half; marks are not."""
-    lines = [c.line for c in nest.contours if c.kind != "mark"]
+    """Length, mm, that is cut through in each half; marks are not, and scrap lines do not count."""
+    lines = [c.line for c in nest.contours if c.shapes_part]
     one, other = (float(shapely.length(shapely.clip_by_rect(lines, *half)).sum()) for half in _halves(nest, first))
     return one, other
 

@@ -56,7 +56,7 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
     what is left is longer than wide by more than `square_ratio`, then off whichever side leaves it most square. Every
     hole and outer contour of a zone is cut before any of the next. A host and what it contains share a zone; no zone
     goes against the order rules. Marks do not count towards `zone_contours` and have no zone order: they neither free
-    metal nor heat it.
+    metal nor heat it. Scrap lines are a zone of their own, the last, and no budget of heat is asked of it.
 
     Small zones make long ways, and so do thin strips of a large sheet. With `zone_contours: auto` strips are wide, and
     divided along their length into pieces of about 8 contours. These are cut one after the other, from the end where
@@ -130,8 +130,9 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
         if budget_kj is None:
             return
         outers = [facts.nest.index[part.outer.id] for part in facts.nest.parts]
+        of_scrap = {int(facts.zone[facts.nest.index[line.id]]) for line in facts.nest.scrap}
         for zone, kj in enumerate(facts.zone_heat_kj.tolist(), 1):
-            if kj > budget_kj * (1 + ALLOWANCE):
+            if kj > budget_kj * (1 + ALLOWANCE) and zone not in of_scrap:
                 names = [facts.nest.contours[k].id for k in outers if facts.parent[k] < 0 and facts.zone[k] == zone]
                 yield self.about(names, f"zone {zone} takes up {_too_much(kj, budget_kj)}: {', '.join(names)}")
 

@@ -65,7 +65,6 @@ def missing(cuts: CutSequence, text: str) -> str | None:
 def measured_data(nest: Nest, cuts: CutSequence, limits: Limits, text: str) -> Fields:
     """Every field of `facts.mzn`, and of the cuts what `judged.mzn` reads; what the text does not name is empty."""
     n, contours, named = len(nest.contours), nest.contours, _words(text)
-    number = {part.id: k for k, part in enumerate(nest.parts, 1)}
     parent = _parents(nest, cuts)
     at, sheet = cuts.positions(), nest.sheet.polygon
     own = [cuts[at[c.id] - 1] if c.id in at else None for c in contours]
@@ -73,7 +72,7 @@ def measured_data(nest: Nest, cuts: CutSequence, limits: Limits, text: str) -> F
     fields: Fields = [
         ("n_contours", str(n)),
         ("contour_id", _texts(c.id for c in contours)),
-        ("part", numbers(number[c.part] for c in contours)),
+        ("part", numbers(k + 1 for k in nest.owners)),
         ("kind", numbers(KINDS.index(c.kind) + 1 for c in contours)),
         ("parent", numbers(parent[k] + 1 for k in range(n))),
         ("zone", numbers(max(1, known.zones.get(c.id, _zone_of_part(nest, known.zones, c.part))) for c in contours)),
@@ -196,7 +195,7 @@ def _sides(nest: Nest, limits: Limits) -> Fields:
     far = x1 - x0 + y1 - y0
     a, b, c, d, mx, my = x0 - far, y0 - far, x1 + far, y1 + far, (x0 + x1) / 2, (y0 + y1) / 2
     halves = ((a, b, mx, d), (mx, b, c, d), (a, b, c, my), (a, my, c, d))
-    lines = [contour.line for contour in nest.contours if contour.kind != "mark"]
+    lines = [contour.line for contour in nest.contours if contour.shapes_part]
     outers = [part.outer.polygon for part in nest.parts]
     middle = sorted(o.area for o in outers)[(len(outers) - 1) // 2] if outers else 0.0
     small = [o.centroid for o in outers if o.area <= middle * (1 + 1e-9)]

@@ -84,7 +84,7 @@ def over_older_kerfs(nest: Nest, cuts: CutSequence, kerf_mm: float, splash_mm: f
 
 
 def _burns(nest: Nest, cut: Cut) -> bool:
-    return nest.contour(cut.contour).kind != "mark"
+    return nest.contour(cut.contour).shapes_part
 
 
 def _pierces(nest: Nest, cut: Cut) -> bool:

@@ -19,7 +19,7 @@ SLACK_MM = 0.03
 
 
 class PiercePlaces:
-    """The cuts (marks aside) of one sequence with the contours around them, each looked up in a tree.
+    """The cuts (marks and scrap lines aside) of one sequence with the contours around them, each looked up in a tree.
 
     Linked cuts are not pierced: the torch is on already.
 
@@ -30,9 +30,9 @@ class PiercePlaces:
         self.nest = nest
         self.at = cuts.positions()
         self.cuts: list[tuple[int, Cut, Contour]] = [
-            (k, cut, contour) for k, cut in cuts.burns if (contour := nest.contour(cut.contour)).kind != "mark"
+            (k, cut, contour) for k, cut in cuts.burns if (contour := nest.contour(cut.contour)).shapes_part
         ]
-        self.through = [c for c in nest.contours if c.kind != "mark"]
+        self.through = [c for c in nest.contours if c.shapes_part]
         self.rings = [c for c in nest.contours if c.encloses]
         self.pierced = [row for row in self.cuts if not row[1].linked]
         self.points: Any = shapely.points(np.array([cut.pierce for _, cut, _ in self.pierced]).reshape(-1, 2))

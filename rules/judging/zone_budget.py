@@ -30,10 +30,13 @@ class HotZone:
 
 
 def hot_zones(nest: Nest, cuts: CutSequence, absorbed_power_w: float, budget_kj: float) -> Iterator[HotZone]:
-    """The zones whose cuts, while the torch is on, leave more heat in the sheet than the budget; marks leave none."""
+    """The zones whose cuts, while the torch is on, leave more heat in the sheet than the budget.
+
+    Marks leave none, and scrap lines, which are cut when all parts are out, are not asked about.
+    """
     members: dict[int, list[int]] = defaultdict(list)
     for k, cut in enumerate(cuts.new, cuts.made + 1):
-        if cut.zone and nest.contour(cut.contour).kind != "mark":
+        if cut.zone and nest.contour(cut.contour).shapes_part:
             members[cut.zone].append(k)
     for zone, positions in sorted(members.items()):
         on_s = sum(cuts[k - 1].end_s - cuts[k - 1].start_s for k in positions)

@@ -93,7 +93,7 @@ def depths(m: MeasuredNest) -> list[int]:
             part, depth = host[part].part, depth + 2
         return depth
 
-    return [of_part(c.part) + (c.kind != "outer") for c in m.nest.contours]
+    return [of_part(c.part) + (c.kind not in ("outer", "scrap")) for c in m.nest.contours]
 
 
 def neighbour_counts(m: MeasuredNest) -> list[int]:
@@ -120,7 +120,7 @@ def zones(m: MeasuredNest) -> list[int | None]:
 
 def attributes(nest: Nest, name: str) -> list[Any]:
     """What the nest's file says of every contour's part under that name, None where it says nothing."""
-    return [nest.part_of[c.part].attributes.get(name) for c in nest.contours]
+    return [nest.part_of[c.part].attributes.get(name) if c.part else None for c in nest.contours]
 
 
 def _bounds_mm(nest: Nest) -> Floats:

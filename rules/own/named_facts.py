@@ -53,7 +53,7 @@ def _edge_gap(side: str, column: int) -> NamedFact:
 def _hosts(facts: Facts) -> list[str]:
     contours, index = facts.nest.contours, facts.nest.index
     hole = {p.id: int(facts.parent[index[p.outer.id]]) for p in facts.nest.parts}
-    return [contours[hole[c.part]].part if hole[c.part] >= 0 else "" for c in contours]
+    return [contours[hole[c.part]].part if hole.get(c.part, -1) >= 0 else "" for c in contours]
 
 
 def _depths(facts: Facts) -> list[int]:
@@ -71,9 +71,14 @@ def _neighbour_counts(facts: Facts) -> list[int]:
 
 _TABLE = (
     _own("kind", WordKind(KINDS), "what the contour is", lambda n: [c.kind for c in n.contours]),
-    _own("part", TextKind(), "id of its part", lambda n: [c.part for c in n.contours]),
-    _own("id", TextKind(), "its own id, `<part>.outer`, `<part>.hole1` …", lambda n: [c.id for c in n.contours]),
-    _own("area_mm2", AREAS, "area inside it, 0 for a mark or a slit", measures.areas_mm2),
+    _own("part", TextKind(), "id of its part, empty for a scrap line", lambda n: [c.part for c in n.contours]),
+    _own(
+        "id",
+        TextKind(),
+        "its own id, `<part>.outer`, `<part>.hole1` …, `scrap1` …",
+        lambda n: [c.id for c in n.contours],
+    ),
+    _own("area_mm2", AREAS, "area inside it, 0 for an open line", measures.areas_mm2),
     _own("length_mm", LENGTHS, "its length", measures.lengths_mm),
     _own("width_mm", LENGTHS, "its extent along x", lambda n: measures.sizes_mm(n, 0)),
     _own("height_mm", LENGTHS, "its extent along y", lambda n: measures.sizes_mm(n, 1)),

@@ -314,7 +314,7 @@ class Profile:
         found: dict[str, int] = {}
         ends = {"first": 1, "last": len(nest.contours)}
         for lock in self.locks:
-            if lock.contour in nest.index and lock.position is not None:
+            if lock.contour in nest.without_scrap.index and lock.position is not None:
                 at = lock.position if isinstance(lock.position, int) else ends[lock.position]
                 found.setdefault(nest.contour(lock.contour).part, at)
         return tuple(found.items())
@@ -327,6 +327,7 @@ class Profile:
             layers=Layers(**{o.name: getattr(drawing.layers, o.name) for o in options_of(drawing.layers)}),
             frame=drawing.frame,
             open_lines=drawing.open_lines,
+            scrap_lines=drawing.scrap_lines,
             margin_mm=drawing.margin_mm,
             join_tolerance_mm=drawing.join_tolerance_mm,
         )

@@ -8,7 +8,7 @@ from typing import get_args
 
 from kerfwise.encoder.candidates.candidate import LeadKind
 from kerfwise.encoder.readers.layers import DEFAULT as LAYERS
-from kerfwise.encoder.readers.options import FrameName, OpenLines
+from kerfwise.encoder.readers.options import FrameName, OpenLines, ScrapLines
 from kerfwise.encoder.readers.units import MM_PER
 from kerfwise.rules.options.by_thickness import LENGTH_BY_THICKNESS, ByThickness
 from kerfwise.rules.options.members import Members
@@ -62,7 +62,7 @@ class LayerMap:
     mark: str = field(default=LAYERS.mark, metadata=option(_LAYER, "layers that are marked, not cut through"))
     ignore: str = field(default=LAYERS.ignore, metadata=option(_LAYER, "layers that are left out"))
     sheet: str = field(default=LAYERS.sheet, metadata=option(_LAYER, "layers that hold the sheet"))
-    scrap: str = field(default=LAYERS.scrap, metadata=option(_LAYER, "layers of lines that cut up scrap; left out"))
+    scrap: str = field(default=LAYERS.scrap, metadata=option(_LAYER, "layers of lines that cut up scrap"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +88,10 @@ class DrawingSection:
     open_lines: OpenLines = field(
         default="mark",
         metadata=option(Choice(get_args(OpenLines)), "what becomes of open lines on layers that layers.cut names"),
+    )
+    scrap_lines: ScrapLines = field(
+        default="ignore",
+        metadata=option(Choice(get_args(ScrapLines)), "what becomes of lines on layers that layers.scrap names"),
     )
     margin_mm: float = field(
         default=10.0, metadata=option(LENGTH, "room around the parts where the drawing has no sheet")

@@ -64,10 +64,13 @@ class RoutePaths:
     def _points(self, number: int, candidate: Candidate) -> Floats:
         if number not in self._made:
             contour = self._facts.nest.contours[candidate.contour]
-            ring = compensated(contour, self._kerf_mm).towards(candidate.direction)
-            joins = candidate.pierce if candidate.lead_in is None else candidate.lead_in.vertices[-1, :2].tolist()
-            x, y = joins
-            way, _ = once_round(ring, (x, y), candidate.tabs, self._kerf_mm)
+            if contour.curve.closed:
+                ring = compensated(contour, self._kerf_mm).towards(candidate.direction)
+                joins = candidate.pierce if candidate.lead_in is None else candidate.lead_in.vertices[-1, :2].tolist()
+                x, y = joins
+                way, _ = once_round(ring, (x, y), candidate.tabs, self._kerf_mm)
+            else:
+                way = contour.curve if candidate.direction == "ccw" else contour.curve.reversed()
             paths = (candidate.lead_in, way, candidate.lead_out)
             self._made[number] = np.concatenate([path.flatten(CHORD_MM) for path in paths if path is not None])
         return self._made[number]

@@ -41,7 +41,7 @@ class HeatLagTwin(Twin[HeatLagOptions]):
 
 def heating_pairs(nest: Nest, radius_mm: float) -> list[tuple[int, int]]:
     """Contours of different parts, cut through, that are nearer than the radius, in order."""
-    cut = [(k, c) for k, c in enumerate(nest.contours) if c.kind != "mark"]
+    cut = [(k, c) for k, c in enumerate(nest.contours) if c.shapes_part]
     lines = np.array([c.line for _, c in cut], dtype=object)
     one, other = shapely.STRtree(lines).query(lines, "dwithin", distance=radius_mm)
     near = (one < other) & (shapely.distance(lines[one], lines[other]) < radius_mm - 1e-6)

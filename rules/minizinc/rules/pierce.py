@@ -36,7 +36,7 @@ def pierced_waste(facts: Facts) -> list[tuple[int, int]]:
     """Candidates that pierce inside another contour's hole, and that hole."""
     contours = facts.nest.contours
     holes = [k for k, c in enumerate(contours) if c.kind == "hole"]
-    pierced = [k for k, c in enumerate(facts.candidates) if contours[c.contour].kind != "mark"]
+    pierced = [k for k, c in enumerate(facts.candidates) if contours[c.contour].shapes_part]
     points = shapely.points(np.array([facts.candidates[k].pierce for k in pierced]).reshape(-1, 2))
     rows, inside = shapely.STRtree([contours[h].polygon for h in holes]).query(points, "intersects")
     found = sorted((pierced[row], holes[h]) for row, h in zip(rows.tolist(), inside.tolist(), strict=True))
@@ -46,12 +46,12 @@ def pierced_waste(facts: Facts) -> list[tuple[int, int]]:
 def met_kerfs(facts: Facts, kerf_mm: float, splash_mm: float) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
     """Candidates that would meet the kerf of a contour, with that contour; and of a candidate's lead, with that one."""
     contours = facts.nest.contours
-    drawn = [c for c, candidate in enumerate(facts.candidates) if contours[candidate.contour].kind != "mark"]
+    drawn = [c for c, candidate in enumerate(facts.candidates) if contours[candidate.contour].shapes_part]
     met = _Met(facts, drawn, kerf_mm, splash_mm)
     lines = [
         (k, contour.line, kerf_mm if contour.encloses else kerf_mm / 2)
         for k, contour in enumerate(contours)
-        if contour.kind != "mark"
+        if contour.shapes_part
     ]
     leads = [(d, lead, kerf_mm / 2) for d in drawn for lead in _leads(facts.candidates[d], 0.0)]
     owner = [candidate.contour for candidate in facts.candidates]

@@ -1,0 +1,67 @@
+"""Burns in pieces of the skeleton that scrap lines have cut off, seen from the kerfs themselves.
+
+From the first burn along a scrap line on, the sheet is looked at before each burn. What every kerf of the program
+together leaves of the skeleton tells the frame: the largest piece. Before each burn it is part of some larger piece of
+metal, and only in that may be cut.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import shapely
+
+from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.rules.rule import Violation
+
+from .rings import torch_rings
+from .torch_run import TorchRun
+
+_RULE = "loose-metal"
+_AS_LARGE = 0.999
+_LEAST_MM = 1.0
+
+
+def off_the_frame(nest: Nest, runs: Sequence[TorchRun], made: Sequence[Contour], kerf_mm: float) -> Iterator[Violation]:
+    """Contours that are cut, from the first scrap line on, in metal that does not hold to the frame.
+
+    `made` were cut before a stop: their kerfs are there from the start.
+    """
+    torch = [run for run in runs if not run.marks]
+    of_scrap = [run.contour is not None and run.contour.kind == "scrap" for run in torch]
+    if kerf_mm <= 0 or not any(of_scrap):
+        return
+    lines = np.array([shapely.union_all([run.loop, *run.leads]) for run in torch], dtype=object)
+    kerfs = shapely.buffer(lines, kerf_mm / 2, quad_segs=4)
+    begin = of_scrap.index(True) if not any(c.kind == "scrap" for c in made) else 0
+    older = [ring.buffer(kerf_mm / 2, quad_segs=4) for ring in torch_rings(made, kerf_mm) if ring is not None]
+    metal = shapely.make_valid(nest.sheet.polygon) - shapely.union_all([*older, *kerfs[:begin]])
+    parts = shapely.union_all(shapely.make_valid([part.outer.polygon for part in nest.parts]))
+    last = _pieces(metal - shapely.union_all(kerfs[begin:]) - parts, kerf_mm)
+    if not last:
+        return
+    inside = shapely.point_on_surface(_frame(last))
+    for run, line, kerf in zip(torch[begin:], lines[begin:].tolist(), kerfs[begin:].tolist(), strict=True):
+        held = next((piece for piece in _pieces(metal, kerf_mm) if piece.intersects(inside)), None)
+        on_it_mm = 0.0 if held is None else held.buffer(kerf_mm / 2).intersection(line).length
+        if on_it_mm <= min(_LEAST_MM + kerf_mm, line.length / 4) and run.contour is not None:
+            x, y = shapely.line_interpolate_point(run.loop, 0.5, normalized=True).coords[0]
+            text = (
+                f"{run.where}: {run.contour.id} is cut at ({x:z.1f}, {y:z.1f}) in metal that is cut off the skeleton, "
+                "and loose"
+            )
+            yield Violation(_RULE, (run.contour.id,), text, (run.position,) if run.position else ())
+        metal -= kerf
+
+
+def _frame(pieces: Sequence[shapely.Polygon]) -> shapely.Polygon:
+    """The largest piece; of those as large the lowest, then the leftmost."""
+    most = max(piece.area for piece in pieces)
+    large = [piece for piece in pieces if piece.area >= _AS_LARGE * most]
+    return min(large, key=lambda piece: (round(piece.bounds[1]), round(piece.bounds[0])))
+
+
+def _pieces(metal: shapely.Geometry, kerf_mm: float) -> list[shapely.Polygon]:
+    """What holds together; crumbs are none."""
+    return [piece for piece in shapely.get_parts(metal) if piece.area > kerf_mm**2]

@@ -1,0 +1,52 @@
+"""Scrap lines that are cut in loose metal, by plain geometry: the judging half of rule scrap-last.
+
+Line after line is taken out of the skeleton, in the order of the cuts, and what is left falls into pieces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import shapely
+
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
+
+AS_LARGE = 0.999
+"""Pieces of so much of the largest one count as large as it."""
+END_MM = 1.0
+"""A line that ends on another may go on so far beyond it."""
+
+
+def cut_loose(nest: Nest, cuts: CutSequence, kerf_mm: float) -> Iterator[tuple[str, int]]:
+    """The scrap lines that lie outside the frame when they are cut, and the positions of their cuts."""
+    lines = [
+        (k, nest.contour(cut.contour)) for k, cut in enumerate(cuts, 1) if nest.contour(cut.contour).kind == "scrap"
+    ]
+    if not lines:
+        return
+    metal = shapely.make_valid(nest.sheet.polygon)
+    metal -= shapely.union_all([part.outer.polygon.buffer(kerf_mm, quad_segs=4) for part in nest.parts])
+    burnt = {line.id: line.line.buffer(kerf_mm / 2, quad_segs=4) for line in nest.scrap}
+    pieces = _pieces(metal - shapely.union_all(list(burnt.values())), kerf_mm)
+    if not pieces:
+        return
+    inside = shapely.point_on_surface(frame(pieces))
+    for k, line in lines:
+        held = next((piece for piece in _pieces(metal, kerf_mm) if piece.intersects(inside)), None)
+        asked_mm = min(END_MM + kerf_mm, line.line.length / 4)
+        if held is None or held.buffer(kerf_mm / 2).intersection(line.line).length <= asked_mm:
+            yield line.id, k
+        metal -= burnt[line.id]
+
+
+def frame(pieces: Sequence[shapely.Polygon]) -> shapely.Polygon:
+    """The largest piece; of those as large the lowest, then the leftmost."""
+    most = max(piece.area for piece in pieces)
+    large = [piece for piece in pieces if piece.area >= AS_LARGE * most]
+    return min(large, key=lambda piece: (round(piece.bounds[1]), round(piece.bounds[0])))
+
+
+def _pieces(metal: shapely.Geometry, kerf_mm: float) -> list[shapely.Polygon]:
+    """What holds together; crumbs are none."""
+    return [piece for piece in shapely.get_parts(metal) if piece.area > kerf_mm**2]

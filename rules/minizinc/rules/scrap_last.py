@@ -1,0 +1,20 @@
+"""The Python side of `scrap_last.mzn`."""
+
+from __future__ import annotations
+
+from kerfwise.rules.catalogue.scrap_last import ScrapLastOptions
+from kerfwise.rules.minizinc.dzn import Fields, flags, numbers
+from kerfwise.rules.minizinc.twin import Twin, TwinCase
+
+
+class ScrapLastTwin(Twin[ScrapLastOptions]):
+    """Which lines bound the frame, and which the same piece."""
+
+    def data(self, case: TwinCase, options: ScrapLastOptions) -> Fields:
+        beside = case.facts.scrap_beside
+        return [
+            ("scrap_framed", flags(case.facts.scrap_framed.tolist())),
+            ("n_scrap_beside", str(len(beside))),
+            ("scrap_one", numbers((beside[:, 0] + 1).tolist())),
+            ("scrap_other", numbers((beside[:, 1] + 1).tolist())),
+        ]
