@@ -20,15 +20,13 @@ Severity = Literal["warning", "repaired"]
 
 @dataclass(frozen=True, eq=False)
 class Contour:
-    """One curve that the torch follows once; `id` is `<part>.outer`, `<part>.hole1`…, `<part>.mark1`…, `<part>.slit1`.
-
-    A line in the skeleton is `scrap1`…, and belongs to no part: `part` is "".
+    """One curve that the torch follows once; `id` is `<part>.outer`, `<part>.hole1`…, `<part>.mark1`…, `<part>.slit1`…
 
     It is cut at `feed_share` of the machine's cut feed, which is less than 1 in small holes; slower corners take as
-    long as `corner_mm` more of it would. Outer contours and holes
-    enclose an area; a mark may be open and is not cut through; a slit is an open line that the torch's centre follows
-    as it is drawn, from its start, along the middle of a slot of the contour `slot_of`. A scrap line is open too, and is
-    followed from either end.
+    long as `corner_mm` more of it would. Outer contours and holes enclose an area; a mark may be open and is not cut
+    through; a slit is an open line that the torch's centre follows as it is drawn, from its start, along the middle of
+    a slot of the contour `slot_of`. A scrap line, `scrap1`…, is an open line that is followed from either end, and
+    belongs to no part: `part` is "".
     """
 
     id: str

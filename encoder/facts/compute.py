@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -130,7 +131,8 @@ def _zones(
     """The zones of a nest: those of its parts, and after them one for the lines that cut up the skeleton."""
     if not nest.scrap:
         return zones_of(nest, outlines, parent, start_side, respected, options, heat_kj)
-    bare = nest.without_scrap
+    bare, lines = nest.without_scrap, {line.id for line in nest.scrap}
+    options = replace(options, zone_pairs=tuple(pair for pair in options.zone_pairs if not lines.intersection(pair)))
     n = len(bare.contours)
     of_parts = zones_of(bare, outlines_of(bare), parent[:n], start_side, respected, options, heat_kj[:n])
     return np.append(of_parts, np.full(len(nest.scrap), int(of_parts.max(initial=0)) + 1))

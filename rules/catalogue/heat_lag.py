@@ -41,10 +41,10 @@ class HeatLag(Rule[HeatLagOptions]):
 
     Between the cuts of two contours of different parts that lie nearer than `heat_radius` there are `lag_cuts` other
     cuts, and `lag` seconds from the end of the one to the start of the other. Contours of one part are left out: they
-    belong together (see part-contiguous). Marks are left out: they heat little. So are scrap lines: they bend no part. Nothing is asked between a cut made
-    before a stop and one made after it: metal cools while the machine stands. Parts that are linked follow each other
-    at once, so that the rule, where it is hard, rules out the link. Tabs change nothing: the metal beside them is as
-    hot.
+    belong together (see part-contiguous). Marks are left out: they heat little. So are scrap lines: they bend no part.
+    Nothing is asked between a cut made before a stop and one made after it: metal cools while the machine stands. Parts
+    that are linked follow each other at once, so that the rule, where it is hard, rules out the link. Tabs change
+    nothing: the metal beside them is as hot.
 
     ## Why
 

@@ -10,10 +10,12 @@ from collections.abc import Iterator, Sequence
 import shapely
 
 from kerfwise.encoder.cut import CutSequence
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Contour, Nest
 
 AS_LARGE = 0.999
 """Pieces of so much of the largest one count as large as it."""
+NEAR_MM = 0.02
+"""Chords and kerfs may lie so far apart where they meet."""
 END_MM = 1.0
 """A line that ends on another may go on so far beyond it."""
 
@@ -34,10 +36,32 @@ def cut_loose(nest: Nest, cuts: CutSequence, kerf_mm: float) -> Iterator[tuple[s
     inside = shapely.point_on_surface(frame(pieces))
     for k, line in lines:
         held = next((piece for piece in _pieces(metal, kerf_mm) if piece.intersects(inside)), None)
-        asked_mm = min(END_MM + kerf_mm, line.line.length / 4)
-        if held is None or held.buffer(kerf_mm / 2).intersection(line.line).length <= asked_mm:
+        if held is None or held.buffer(kerf_mm / 2).intersection(line.line).length <= _asked_mm(line, kerf_mm):
             yield line.id, k
         metal -= burnt[line.id]
+
+
+def bounding(nest: Nest, kerf_mm: float) -> tuple[set[str], set[tuple[str, str]]]:
+    """The scrap lines that bound the frame, and the pairs of lines that bound one piece, each both ways round."""
+    if not nest.scrap:
+        return set(), set()
+    gone = [part.outer.polygon.buffer(kerf_mm, quad_segs=4) for part in nest.parts]
+    gone += [line.line.buffer(kerf_mm / 2, quad_segs=4) for line in nest.scrap]
+    pieces = _pieces(shapely.make_valid(nest.sheet.polygon) - shapely.union_all(gone), kerf_mm)
+    framed: set[str] = set()
+    pairs: set[tuple[str, str]] = set()
+    for piece in pieces:
+        near = piece.buffer(kerf_mm / 2 + NEAR_MM)
+        own = [line for line in nest.scrap if near.intersection(line.line).length > _asked_mm(line, kerf_mm)]
+        pairs |= {(a.id, b.id) for a in own for b in own if a is not b}
+        if piece is frame(pieces):
+            framed = {line.id for line in own}
+    return framed, pairs
+
+
+def _asked_mm(line: Contour, kerf_mm: float) -> float:
+    """How much of a line lies at a piece that it bounds, at the least: more than an end that merely touches it."""
+    return float(min(END_MM + kerf_mm, line.line.length / 4))
 
 
 def frame(pieces: Sequence[shapely.Polygon]) -> shapely.Polygon:

@@ -69,7 +69,7 @@ class Followed:
     """Which contour a path follows: the one on whose own path it stays the longest."""
 
     def __init__(self, drawing: Drawing, kerf_mm: float) -> None:
-        self.contours = drawing.closed
+        self.contours = (*drawing.closed, *drawing.scrap)
         self.lines = [c.path(kerf_mm) for c in self.contours]
         shapely.prepare(self.lines)
         self.tree = shapely.STRtree(self.lines)

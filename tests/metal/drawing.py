@@ -16,7 +16,7 @@ if TYPE_CHECKING:  # only the shape of it is used, so that nothing of the projec
 
 @dataclass(frozen=True, eq=False)
 class Meant:
-    """One contour: `line` as drawn, `area` inside it (None for a mark)."""
+    """One contour: `line` as drawn, `area` inside it (None for a mark or a scrap line)."""
 
     id: str
     part: str
@@ -25,7 +25,9 @@ class Meant:
     area: shapely.Polygon | None
 
     def path(self, kerf_mm: float) -> shapely.Geometry:
-        """The line or lines on which the torch's centre burns exactly up to this contour."""
+        """The line or lines on which the torch's centre burns exactly up to this contour; a scrap line is its own."""
+        if self.kind == "scrap":
+            return self.line
         assert self.area is not None
         return self.area.buffer(kerf_mm / 2 if self.kind == "outer" else -kerf_mm / 2, quad_segs=32).boundary
 
@@ -52,7 +54,12 @@ class Drawing:
     @cached_property
     def marks(self) -> tuple[Meant, ...]:
         """The contours that are only marked."""
-        return tuple(c for c in self.contours if c.area is None)
+        return tuple(c for c in self.contours if c.kind == "mark")
+
+    @cached_property
+    def scrap(self) -> tuple[Meant, ...]:
+        """The lines that cut up the skeleton."""
+        return tuple(c for c in self.contours if c.kind == "scrap")
 
 
 def drawing_of(nest: Nest) -> Drawing:
@@ -65,6 +72,7 @@ def drawing_of(nest: Nest) -> Drawing:
         outer = own[-1].area
         assert outer is not None
         parts[part.id] = shapely.Polygon(outer.exterior, holes)
+    contours += [_meant(c) for c in nest.scrap]
     outline = bulged(nest.sheet.outline.vertices, True)
     sheet = shapely.Polygon(outline, [bulged(h.vertices, True) for h in nest.sheet.holes])
     return Drawing(sheet, tuple(contours), parts)
@@ -73,6 +81,6 @@ def drawing_of(nest: Nest) -> Drawing:
 def _meant(contour: Contour) -> Meant:
     closed = contour.curve.closed
     points = bulged(contour.curve.vertices, closed)
-    area = shapely.Polygon(points) if contour.kind != "mark" else None
+    area = shapely.Polygon(points) if contour.kind not in ("mark", "scrap") else None
     line = shapely.LineString(points) if len(points) > 1 else shapely.Point(points[0])
     return Meant(contour.id, contour.part, contour.kind, line, area)

@@ -23,7 +23,13 @@ class OlderKerfs:
         self.tree = shapely.STRtree(self.lines)
 
     def judge(self, k: int) -> Iterator[Finding]:
-        """What is wrong with the pierce and the leads of burn `k`, all before it having been burnt."""
+        """What is wrong with the pierce and the leads of burn `k`, all before it having been burnt.
+
+        A scrap line goes from one void to another: it is asked for neither.
+        """
+        own = self.burns[k].contour
+        if own is not None and own.kind == "scrap":
+            return
         yield from self._pierce(k)
         for lead in _leads(self.burns[k], self.kerf_mm / 2):
             yield from self._lead(k, lead)

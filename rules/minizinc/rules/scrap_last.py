@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.nest import Nest
 from kerfwise.rules.catalogue.scrap_last import ScrapLastOptions
+from kerfwise.rules.judging.skeleton import bounding
 from kerfwise.rules.minizinc.dzn import Fields, flags, numbers
 from kerfwise.rules.minizinc.twin import Twin, TwinCase
 
@@ -17,4 +20,14 @@ class ScrapLastTwin(Twin[ScrapLastOptions]):
             ("n_scrap_beside", str(len(beside))),
             ("scrap_one", numbers((beside[:, 0] + 1).tolist())),
             ("scrap_other", numbers((beside[:, 1] + 1).tolist())),
+        ]
+
+    def measured(self, nest: Nest, cuts: CutSequence, options: ScrapLastOptions) -> Fields:
+        framed, pairs = bounding(nest, options.kerf_mm)
+        beside = sorted((nest.index[one], nest.index[other]) for one, other in pairs)
+        return [
+            ("scrap_framed", flags(contour.id in framed for contour in nest.contours)),
+            ("n_scrap_beside", str(len(beside))),
+            ("scrap_one", numbers(one + 1 for one, _ in beside)),
+            ("scrap_other", numbers(other + 1 for _, other in beside)),
         ]

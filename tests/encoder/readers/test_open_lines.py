@@ -161,19 +161,30 @@ def test_an_outline_of_the_sheet_that_is_open_is_no_sheet(tmp_path: Path) -> Non
         read_dxf(tmp_path, draw)
 
 
-def test_scrap_lines_are_named_and_not_cut(tmp_path: Path) -> None:
-    def draw(space: Any) -> None:
-        sheet(space)
-        lines(space, square(10, 10, 50))
-        space.add_line((200, 0), (200, 300), dxfattribs={"layer": "Scrap cuts"})
-        lines(space, square(210, 10, 80), "OFFCUT")
+def with_scrap_lines(space: Any) -> None:
+    sheet(space)
+    lines(space, square(10, 10, 50))
+    space.add_line((200, 0), (200, 150), dxfattribs={"layer": "Scrap cuts"})
+    space.add_line((200, 150), (200, 300), dxfattribs={"layer": "Scrap cuts"})
+    lines(space, square(210, 10, 80), "OFFCUT")
 
-    nest = read_dxf(tmp_path, draw)
+
+def test_scrap_lines_are_named_and_not_cut(tmp_path: Path) -> None:
+    nest = read_dxf(tmp_path, with_scrap_lines)
     assert areas(nest) == {"P1.outer": 2500}
     assert texts(nest.notes) == [
-        "left out, as lines that cut up scrap (drawing.layers.scrap) are not planned yet: 4 on 'OFFCUT', 1 on "
-        "'Scrap cuts'"
+        "left out, as lines that cut up scrap: 4 on 'OFFCUT', 2 on 'Scrap cuts'; drawing: {scrap_lines: cut} has them "
+        "cut"
     ]
+
+
+def test_scrap_lines_are_cut_where_a_profile_says_so(tmp_path: Path) -> None:
+    nest = read_dxf(tmp_path, with_scrap_lines, scrap_lines="cut")
+    assert [(c.id, c.part, c.kind, c.curve.as_rows()) for c in nest.scrap] == [
+        ("scrap1", "", "scrap", [[200, 0], [200, 150], [200, 300]])
+    ]
+    assert [c.id for c in nest.contours] == ["P1.outer", "scrap1"]
+    assert texts(nest.notes) == ["left out, as a line that cuts up scrap has two ends, and these close: 1 on 'OFFCUT'"]
 
 
 def test_a_layer_that_a_profile_says_nothing_of_is_asked_about(tmp_path: Path) -> None:

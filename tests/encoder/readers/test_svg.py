@@ -177,11 +177,13 @@ def test_the_innermost_label_says_what_a_shape_is_for(tmp_path: Path) -> None:
     <g inkscape:label="Bemaßung"><line x1="0" y1="0" x2="9" y2="9"/></g>
     <g inkscape:label="Scrap"><line x1="300" y1="0" x2="300" y2="200"/></g>
     <line inkscape:label="Gravur" id="cut2" x1="210" y1="30" x2="230" y2="30"/></g>"""
+    nest = read(tmp_path, body, layers=Layers(cut="^(cut|job)$"), scrap_lines="cut")
+    assert [c.curve.as_rows() for c in nest.scrap] == [[[150, 100], [150, 0]]]
     nest = read(tmp_path, body, layers=Layers(cut="^(cut|job)$"))
     assert [c.id for c in nest.contours] == ["P1.outer", "P2.mark1", "P2.outer"]
     assert texts(nest.notes) == [
         "left out, as drawing.layers.ignore matches their layers: 1 on 'job/Bemaßung'",
-        "left out, as lines that cut up scrap (drawing.layers.scrap) are not planned yet: 1 on 'job/Scrap'",
+        "left out, as lines that cut up scrap: 1 on 'job/Scrap'; drawing: {scrap_lines: cut} has them cut",
     ]
 
 
