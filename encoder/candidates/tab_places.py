@@ -53,7 +53,7 @@ class Room:
         drawn = SegmentArrays.of(contour.curve)
         clear_mm = 2 * kerf_mm + STAYS_MM
         own = {nest.index[c.id] for c in nest.part_of[contour.part]}
-        own |= {k for k, c in enumerate(nest.contours) if c.kind == "mark"}
+        own |= {k for k, c in enumerate(nest.contours) if not c.shapes_part}
         near = sorted(set(tree.query(contour.line, "dwithin", distance=clear_mm).tolist()) - own)
         return Room(
             contour.curve,

@@ -146,8 +146,7 @@ def _places(facts: Facts, place: Callable[[Candidate], tuple[Point, object]]) ->
 
 
 def _part_numbers(facts: Facts) -> Ints:
-    number = {part.id: k for k, part in enumerate(facts.nest.parts)}
-    return np.array([number[c.part] for c in facts.nest.contours], dtype=np.int64)
+    return np.array(facts.nest.owners, dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -168,7 +167,7 @@ class _InTheWay:
     def of(facts: Facts, options: LinkOptions, cut_before: Sequence[Cut]) -> _InTheWay:
         """The leads of all candidates, and those that were burnt before anything is planned."""
         nest = facts.nest
-        burning = [c for c in facts.candidates if nest.contours[c.contour].kind != "mark"]
+        burning = [c for c in facts.candidates if nest.contours[c.contour].shapes_part]
         leads = [(c.contour, line) for c in burning for line in _leads(c)]
         leads += [(_NOBODY, line) for cut in cut_before for line in _lines((cut.lead_in, cut.lead_out))]
         holes = [(c.contour, c.pierce) for c in burning if not c.edge_start]
@@ -182,7 +181,7 @@ class _InTheWay:
             options,
             sheet,
             shapely.STRtree(metal),
-            np.array([c.line for c in nest.contours], dtype=object),
+            np.array([c.line for c in nest.without_scrap.contours], dtype=object),
             shapely.STRtree([line for _, line in leads]),
             np.array([contour for contour, _ in leads], dtype=np.int64),
             shapely.STRtree([shapely.Point(at) for _, at in holes]),

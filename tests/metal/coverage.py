@@ -35,6 +35,12 @@ def uncut(
             shapely.Point(x, y).buffer((width + kerf_mm) / 2 + RING_MM) for x, y, width in tabs.get(contour.id, ())
         ]
         yield from _of_one(contour, [lines[k] for k in near], kerf_mm, cut, shapely.union_all(spared))
+    for line in drawing.scrap:
+        near = sorted(tree.query(line.line, predicate="dwithin", distance=kerf_mm).tolist())
+        left = _beyond(line.line, [lines[k] for k in near], RING_MM)
+        if left.length > NUMERIC_MM:
+            cut = burns[own[line.id]].cut if line.id in own else 0
+            yield _finding("left-uncut", line, cut, left, "the scrap line is not cut for")
 
 
 def _of_one(
