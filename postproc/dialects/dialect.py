@@ -124,6 +124,13 @@ class Dialect:
         ),
     )
 
+    torch_station: tuple[str, ...] = field(
+        default=(),
+        metadata=option(Blocks(none=True), "selects the torch, before the first cut and where a mark came before"),
+    )
+    mark_station: tuple[str, ...] = field(
+        default=(), metadata=option(Blocks(none=True), "selects what marks, before a mark where a cut came before")
+    )
     scale: float = field(
         default=1.0, metadata=option(Number(0.001, 1000), "what 1 mm is in a program: 10 where it counts in 0.1 mm")
     )

@@ -101,6 +101,9 @@ def parse_dialect(text: str, file: str) -> Dialect:
     dialect = Dialect(**values)  # type: ignore[arg-type]
     if bool(dialect.mark_on) != bool(dialect.mark_off):
         raise InputError("mark_on and mark_off: expected blocks for both, or null for both", file=file)
+    if dialect.marks and bool(dialect.torch_station) != bool(dialect.mark_station):
+        at = problems.place(deepest(root, "torch_station" if dialect.torch_station else "mark_station"))
+        raise wrong_at(at, "torch_station and mark_station: expected blocks for both, or for neither")
     if dialect.step_mm > _COARSEST_MM * (1 + 1e-9):
         at = problems.place(deepest(root, "decimals"))
         raise wrong_at(

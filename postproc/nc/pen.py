@@ -46,6 +46,14 @@ class Pen:
         # Where positions count from the last one, the first is where the torch stands, whatever its digits.
         self._zero = at if dialect.positions == "incremental" else (0.0, 0.0)
         self.at = self._rounded(at)
+        self._marks: bool | None = None
+
+    def select(self, marks: bool) -> tuple[str, ...]:
+        """Select the torch, or what marks, where the other was in use."""
+        if marks == self._marks:
+            return ()
+        self._marks = marks
+        return self.dialect.mark_station if marks else self.dialect.torch_station
 
     def rapid(self, point: Point) -> str:
         """Travel to a point with the torch off."""

@@ -168,6 +168,7 @@ def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: Pen, stay
     yield cut_comment(order, name, cut, mark, dialect)
     feed_mm_s = machine.mark_feed_mm_s if mark else machine.cut_feed_mm_s * made.feed_share
     if not made.linked:
+        yield from pen.select(mark)
         yield pen.rapid(made.path.point_at(0.0))
         if made.planned.dwell_s > 0:  # metal cools, the torch being off
             yield pen.wait(made.planned.dwell_s)

@@ -108,6 +108,7 @@ def _header(dialect: Dialect) -> Iterator[_Line]:
 def _run(tool: str, path: Curve, pen: Pen) -> Iterator[_Line]:
     """Travel to a path, the tool on, a wait, the path, the tool off."""
     marks, wait = tool == "mark", pen.wait(_DWELL_S)
+    yield from (_Line(f"{tool}_station", block) for block in pen.select(marks))
     yield _Line("rapid", pen.rapid(path.point_at(0.0)))
     yield from (
         _Line("dwell" if block == wait else f"{tool}_on", block) for block in pen.start(marks, _DWELL_S, _FEED_MM_S)

@@ -54,8 +54,8 @@ def in_unit(column: str, text: str, unit: str | None) -> str:
     if isinstance(kind, Text) or not units:
         return text
     own = text.lstrip("+-.0123456789eE").strip()
-    if "," in own:
-        return text  # a decimal comma: the kind says what to write
+    if "," in own or not any(char.isdigit() for char in text):
+        return text  # a decimal comma, or no number at all: the kind says what is expected
     if unit is not None and own and own != unit:
         raise Unfit(f"{text!r} stands in a column of {unit}: give one unit")
     if unit is None and not own and len(units) > 1:

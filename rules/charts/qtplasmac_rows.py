@@ -50,7 +50,8 @@ def qtplasmac_rows(text: str, problems: Problems, units: str) -> list[ChartRow]:
             problems.add(node_at("", line), f"material number {number} is there twice, first in line {seen[number]}")
         seen.setdefault(number, line)
         values, lines = _values(body, problems, units)
-        for key in _NEEDED:
+        sound = all(key in _READ or key in _NOT_READ for _, key, _ in body)
+        for key in _NEEDED if sound else ():
             if _READ[key][0] not in values and not any(name == key for _, name, _ in body):
                 problems.add(node_at("", line), f"material number {number} lacks {key}")
         names = tuple(str(values[key]) for key in ("name",) if key in values)

@@ -31,6 +31,8 @@ class Control:
     number of bytes of a line, `longest_code` that without blanks and comments. `obeyed` are characters that it obeys
     wherever they stand, and with which none beyond ASCII may stand either.
 
+    `process` is the M word that selects by T what `starts` and `stops` switch; the processes `marking` mark.
+
     `arcs` says that programs are ESSI (ISO 6582), blocks of signed numbers without letters, and how arcs are told
     there, by centre or by radius. `step_mm` is what 1 means there; feeds are whole, in steps of `feed_step_mm_min`.
     """
@@ -57,6 +59,8 @@ class Control:
     longest: int = LONGEST
     longest_code: int = LONGEST
     obeyed: str = ""
+    process: float | None = None
+    marking: frozenset[float] = frozenset()
     arcs: Literal["", "centre", "radius"] = ""
     step_mm: float = 0.0
     feed_step_mm_min: float = 0.0
@@ -104,7 +108,9 @@ CONTROLS: Mapping[str, Control] = {
     "eia": Control(
         "Hypertherm EDGE with Phoenix",
         known_g=frozenset({0.0, 1.0, 2.0, 3.0, 4.0, 20.0, 21.0, 40.0, 90.0, 91.0}),
-        known_m=frozenset({0.0, 1.0, 2.0, 7.0, 8.0, 9.0, 10.0, 15.0, 16.0, 30.0, 50.0, 51.0}),
+        known_m=frozenset({0.0, 1.0, 2.0, 7.0, 8.0, 9.0, 10.0, 15.0, 16.0, 30.0, 36.0, 37.0, 38.0, 50.0, 51.0}),
+        process=36.0,
+        marking=frozenset({3.0, 4.0}),
         refused_m={65.0: _LOADS},
         starts={7.0: 0, 15.0: 0, 9.0: 1},
         stops={8.0: 0, 16.0: 0, 10.0: 1},

@@ -34,13 +34,15 @@ _M_GROUPS: Mapping[str, frozenset[float]] = {
     "torch": frozenset({3.0, 4.0, 5.0}),
     "gas": frozenset({7.0, 8.0, 9.0, 10.0, 15.0, 16.0}),
     "height": frozenset({14.0}),
+    "process": frozenset({36.0}),
+    "stations": frozenset({37.0, 38.0}),
     "overrides": frozenset({48.0, 49.0, 50.0, 51.0, 52.0, 53.0}),
 }
 _GROUP_OF_G = {code: name for name, codes in _G_GROUPS.items() for code in codes}
 _GROUP_OF_M = {code: name for name, codes in _M_GROUPS.items() for code in codes}
 _USES_M: Mapping[float, str] = {
     3.0: "S$", 4.0: "S", 5.0: "$", 50.0: "P", 51.0: "P", 52.0: "P", 53.0: "P",
-    64.0: "P", 65.0: "P", 67.0: "EQ", 68.0: "EQ",
+    36.0: "T", 37.0: "T", 38.0: "T", 64.0: "P", 65.0: "P", 67.0: "EQ", 68.0: "EQ",
 }  # fmt: skip
 _USES_MOTION: Mapping[float | None, str] = {None: "", 0.0: "XY", 1.0: "XY", 2.0: "XYIJRP", 3.0: "XYIJRP"}
 

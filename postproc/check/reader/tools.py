@@ -13,7 +13,9 @@ _OUTPUTS = frozenset({67.0, 68.0})
 
 @dataclass(slots=True)
 class Tools(ToolsOn):
-    """The tools of a control that starts and stops each by M words."""
+    """The tools of a control that starts and stops each by M words; `marking` says that a process that marks is on."""
+
+    marking: bool = False
 
     def switch(self, block: Block, motion: float | None, modal: float | None) -> None:
         """Do what comes before a block's wait and motion, outputs first, as the control does.
@@ -28,12 +30,22 @@ class Tools(ToolsOn):
                 self._bit(word, block)
             elif word.value in _OUTPUTS:
                 self._output(word, block)
+            elif word.value == self.control.process:
+                self._process(word, block)
             elif word.value in self.control.starts:
-                self.start(self.control.starts[word.value], block.line)
+                self.start(1 if self.marking else self.control.starts[word.value], block.line)
             elif word.value in self.control.stops:
-                self.stop(self.control.stops[word.value])
+                self.stop(1 if self.marking else self.control.stops[word.value])
             elif word.value in (_START, _STOP):
                 self._torch(word, block)
+
+    def _process(self, word: Word, block: Block) -> None:
+        """Select what the words that start and stop tools switch from here on."""
+        if "T" not in block.words:
+            raise block.refused(f"{word.text} without T is not supported here: expected a process, such as T1", word)
+        if self.on:
+            self.track.fault(block.line, "program-state", f"{word.text} selects another process while a tool is on")
+        self.marking = block.of("T") in self.control.marking
 
     def _torch(self, word: Word, block: Block) -> None:
         named = block.words.get("$")

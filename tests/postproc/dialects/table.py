@@ -59,7 +59,7 @@ Reader = Callable[[], Heard]
 def main() -> None:
     """Print the page; exit code 1 where a reader disagrees."""
     rows, wrong = [], 0
-    for name, nest in _nests():
+    for name, nest in nests():
         profile = load_profile(DEFAULT)
         made = produce(ask(facts_of(nest, profile), profile), profile, options_for(nest, profile, work=4.0))
         for dialect in dialect_names():
@@ -76,7 +76,7 @@ def main() -> None:
     sys.exit(wrong > 0)
 
 
-def _nests() -> Iterator[tuple[str, Nest]]:
+def nests() -> Iterator[tuple[str, Nest]]:
     for name in ("e1x_6", "s8877"):
         yield name, kerfwise.read_nest(EXAMPLES / f"{name}.dxf")
     yield "a made plate of 115 contours", read_json(json.dumps(make_sheet(1, 115)).encode(), ReadOptions())

@@ -84,6 +84,8 @@ def test_a_beam_left_on_at_the_end_is_told() -> None:
         ("G0 X1 (" + "A" * 130 + ")", "more than 127 are not supported"),
         ("G1 X" + "1" * 5 + "." + "2" * 30 + " Y" + "1" * 5 + "." + "3" * 40, "GRBL in laser mode takes 79"),
         ("M3 $0 S1", r"\$"),
+        ("G4 S0.5", "G4 without its time: expected P and seconds"),  # Marlin's seconds; its P are milliseconds
+        ("M4 I S800", "cannot read 'IS800'"),  # and its power in line
     ],
 )
 def test_grbl_refuses(body: str, message: str) -> None:
@@ -96,10 +98,21 @@ def test_eia_cuts_by_m07_and_marks_by_m09() -> None:
     assert [(burn.tool, burn.path.length_mm) for burn in eia(body).burns] == [(0, 10.0), (1, 3.0)]
 
 
+def test_eia_marks_by_m07_where_a_process_that_marks_is_selected() -> None:
+    body = "M36 T3\nM37 T2\nG00 X5 Y5\nM07\nG01 X15 F600\nM08\nM36 T1\nG00 X0 Y0\nM07\nG01 X3\nM08"
+    assert [(burn.tool, burn.path.length_mm) for burn in eia(body).burns] == [(1, 10.0), (0, 3.0)]
+    (fault, *_) = eia("G00 X5 Y5\nM07\nM36 T3\nG01 X15 F600\nM08\nM36 T1\nM08").faults
+    assert "selects another process while a tool is on" in fault.text
+
+
 @pytest.mark.parametrize(
     ("body", "message"),
     [
         ("G00 X5 Y5\nM3 S1", "M3 is not understood"),  # spindle words of others
+        ("G00 X5 Y5\nM04", "M04 is not understood"),  # Phoenix maps a whole program, or none of it
+        ("G00 X5 Y5\nM06", "M06 is not understood"),
+        ("M36", "M36 without T"),
+        ("G04 S0.5", "S without a word that uses it|S without"),  # Marlin's seconds
         ("M65", "it loads another program"),
         ("G41\nM07", "the control would shift the path by its own kerf"),
         ("G04 P0.5", "the time of a wait is given by X"),
