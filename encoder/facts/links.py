@@ -2,7 +2,7 @@
 
 A link is a straight line from where the torch leaves one part to where it joins another. It keeps off all metal of
 parts as the cut itself does; off third contours, and the leads to them, by so much that no kerf meets another; and off
-what the torch has just burnt, but for the first two kerfs. No two links that a plan could use both come near each
+what the torch has just burnt, but for the first kerf. No two links that a plan could use both come near each
 other, so that nobody has to remember which have been burnt.
 """
 
@@ -26,8 +26,8 @@ from .facts import Facts, LinkPath
 
 _OFF_MM = 0.01
 """What chords may make of a distance."""
-_OWN_KERFS = 2.0
-"""Kerfs from its beginning in which a link may be in what the torch has just burnt."""
+_OWN_KERFS = 1.0
+"""Kerfs from its beginning in which a link may be in what the torch has just burnt: it leaves at 30° or more."""
 _AT_ONCE = 20_000
 _NOBODY = -1
 _CHORD_MM = 0.02
@@ -215,12 +215,12 @@ class _InTheWay:
         kerf_mm, candidates = self.options.kerf_mm, self.facts.candidates
         begin, end = leave.at[one], reach.at[other]
         onward = _trimmed(begin, end, _OWN_KERFS * kerf_mm)
-        clear = shapely.distance(onward, self.rings[leave.contour[one]]) >= kerf_mm
+        clear = shapely.distance(onward, self.rings[leave.contour[one]]) >= kerf_mm - _OFF_MM
         burnt = [shapely.union_all(_leads(candidates[of[0]])) for of in leave.members]
         to_burn = [shapely.union_all(_leads(candidates[of[0]])[1:]) for of in reach.members]
-        clear &= _far(onward, np.array(burnt, dtype=object)[one], kerf_mm)
+        clear &= _far(onward, np.array(burnt, dtype=object)[one], kerf_mm / 2)
         inward = _trimmed(end, begin, _OWN_KERFS * kerf_mm)
-        return np.asarray(clear & _far(inward, np.array(to_burn, dtype=object)[other], kerf_mm))
+        return np.asarray(clear & _far(inward, np.array(to_burn, dtype=object)[other], kerf_mm / 2))
 
 
 def _far(lines: Lines, others: Lines, least_mm: float) -> Bools:
@@ -263,7 +263,7 @@ def _without_meetings(leave: _Places, one: Ints, reach: _Places, other: Ints, ke
         rows = np.flatnonzero(of[p] == to[q])  # q leads to where p leaves: by the same way of cutting it alone
         same = np.array([not left[i].isdisjoint(entered[j]) for i, j in zip(one[p[rows]], other[q[rows]], strict=True)])
         rows = rows[same] if len(rows) else rows
-        apart[rows] = shapely.distance(onward[p[rows]], lines[q[rows]]) < kerf_mm
+        apart[rows] = shapely.distance(onward[p[rows]], lines[q[rows]]) < kerf_mm / 2
         for a, b in zip(p[apart].tolist(), q[apart].tolist(), strict=True):
             rivals[a].add(b)
             rivals[b].add(a)

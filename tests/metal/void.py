@@ -71,9 +71,9 @@ class OlderKerfs:
 def _leads(burn: Burn, end_mm: float) -> Iterator[shapely.LineString]:
     """The leads and strays of a burn, each without its last half kerf at the burn's own ring.
 
-    A link is without its first half kerf too, at the ring that it comes from.
+    A link is without its first kerf too: it may leave the ring that it comes from at 30° or more.
     """
-    begin_mm = end_mm if burn.linked else 0.0
+    begin_mm = 2 * end_mm if burn.linked else 0.0
     if burn.lead_in is not None and burn.lead_in.length > begin_mm + end_mm:
         yield substring(burn.lead_in, begin_mm, burn.lead_in.length - end_mm)
     if burn.lead_out is not None and burn.lead_out.length > end_mm:
