@@ -1,5 +1,7 @@
 """Cases of rule locks."""
 
+from dataclasses import replace
+
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.rules.case import Case, cut, in_order
@@ -75,6 +77,15 @@ CASES = (
         ("A.outer",),
         "A.outer (cut 1) is cut cw, not ccw",
         1,
+    ),
+    Case("pierced, as it must be", "passes", ROW, ABC, options=locked(Lock(contour="B.outer", linked=False))),
+    fails(
+        "linked",
+        Lock(contour="B.outer", linked=False),
+        CutSequence((ABC[0], replace(ABC[1], linked=True), ABC[2])),
+        ("B.outer",),
+        "B.outer (cut 2) is linked with the cut before, not pierced",
+        2,
     ),
     fails(
         "zone",

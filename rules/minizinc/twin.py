@@ -29,10 +29,11 @@ OptionsT = TypeVar("OptionsT")
 
 @dataclass(frozen=True, slots=True)
 class TwinCase:
-    """One nest under one profile."""
+    """One nest under one profile; `linked` are moves (from, to) with the torch on, by candidates counted from 1."""
 
     facts: Facts
     home_mm: Point
+    linked: tuple[tuple[int, int], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

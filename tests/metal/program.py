@@ -7,7 +7,7 @@ test holds it against LinuxCNC's own interpreter.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -36,6 +36,8 @@ class Path:
 
     `order` and `label` are those of the comment before it (CUT n contour), else its place in the program and nothing.
     One that `goes_on` is lit again after the path before, to which only a move at a feed leads, as over a tab.
+    `later` are the comments within it, as where the torch stays on from one cut to the next: the number of the cut, and
+    the number of the point from which on it is.
     """
 
     order: int
@@ -44,11 +46,19 @@ class Path:
     points: Floats
     line: int
     goes_on: bool = False
+    later: tuple[tuple[int, int], ...] = ()
 
     @property
     def burns(self) -> bool:
         """Whether the torch is the tool."""
         return self.tool == 0
+
+    def upto(self, order: int) -> Path | None:
+        """What of it was made once the cut of that number was; None for nothing."""
+        if self.order > order:
+            return None
+        stop = next((at for number, at in self.later if number > order), len(self.points) - 1)
+        return replace(self, points=self.points[: stop + 1])
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -88,6 +98,7 @@ class _Reader:
     points: list[Floats] = field(default_factory=list)
     order: int = 0
     label: str = ""
+    later: list[tuple[int, int]] = field(default_factory=list)
     paths: list[Path] = field(default_factory=list)
     idle: list[tuple[Point, Point]] = field(default_factory=list)
     resumed_after: int | None = None
@@ -109,7 +120,10 @@ class _Reader:
 
     def _comment(self, said: str) -> None:
         if found := _CUT.match(said):
-            self.order, self.label = int(found[1]), found[2]
+            if self.on is None:
+                self.order, self.label = int(found[1]), found[2]
+            else:
+                self.later.append((int(found[1]), sum(map(len, self.points)) - 1))
         elif found := _RESUMED.match(said):
             self.resumed_after = int(found[1])
         elif _CORNER.match(said):
@@ -167,8 +181,10 @@ class _Reader:
         points = np.concatenate(self.points)
         moves = np.concatenate([[True], np.any(np.diff(points, axis=0) != 0, axis=1)])
         order = self.order or len(self.paths) + 1
-        self.paths.append(Path(order, self.label, self.on, points[moves], self.started, self.unlit))
-        self.on, self.order, self.label, self.unlit = None, 0, "", True
+        kept = np.cumsum(moves) - 1
+        later = tuple((number, int(kept[at])) for number, at in self.later)
+        self.paths.append(Path(order, self.label, self.on, points[moves], self.started, self.unlit, later))
+        self.on, self.order, self.label, self.later, self.unlit = None, 0, "", [], True
 
 
 def _plain(value: str) -> str:

@@ -81,7 +81,8 @@ def simulate(
         upto = now.resumed_after
         if upto is None:
             return [_resumed("the program does not say after which cut it takes up the work")]
-        history = _on_drawing(read_program(before), drawing)[:upto]
+        old = (path.upto(upto) for path in _on_drawing(read_program(before), drawing))
+        history = tuple(path for path in old if path is not None)
         if now.paths and now.paths[0].order != upto + 1:
             findings.append(_resumed(f"the work stopped after cut {upto}, the program begins with", now.paths[0].order))
     elif now.resumed_after:

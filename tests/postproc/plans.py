@@ -111,12 +111,15 @@ def plan_of(nest: Nest, cuts: Sequence[Cut], profile: Profile) -> Plan:
         feed, wait = (
             (machine.mark_feed_mm_s, machine.mark_time_s) if mark else (machine.cut_feed_mm_s, machine.pierce_time_s)
         )
+        wait = 0.0 if cut.linked else wait
         now_s, at, idle = start_s + wait + length / feed, cut.end, idle + travel
         timed = dataclasses.replace(cut, start_s=start_s, end_s=now_s)
         planned.append(PlannedCut(timed, contour.part, contour.kind, length))
     back = math.dist(at, home)
     stock = nest.sheet.polygon
-    pierces = sum(p.kind != "mark" and stock.contains(shapely.Point(p.cut.pierce)) for p in planned)
+    pierces = sum(
+        p.kind != "mark" and not p.cut.linked and stock.contains(shapely.Point(p.cut.pierce)) for p in planned
+    )
     cut_mm = sum(p.length_mm for p in planned)
     return Plan(
         {"file": nest.file, "sha256": nest.sha256},

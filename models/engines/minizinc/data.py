@@ -43,10 +43,12 @@ def data_text(facts: Facts, profile: Profile, stated: Stated, options: SolveOpti
             "set cuts.links.longest to 0 mm, or take another engine, such as portfolio"
         )
     price = sum(s.weight for s in kinds.idle_travel)
-    fields: Fields = [("travel", table_from_0(travel_um(facts, price, home_mm, kinds.link)))]
+    idle, travel = travel_um(facts, price, home_mm), travel_um(facts, price, home_mm, kinds.link)
+    fields: Fields = [("travel", table_from_0(travel))]
     if clock:
         fields += _clock(facts, options)
-    case, book = TwinCase(facts, home_mm), profile.rulebook()
+    linked = tuple((a, b) for a, b in np.argwhere(travel < idle).tolist())
+    case, book = TwinCase(facts, home_mm, linked), profile.rulebook()
     words: dict[str, None] = {}
     for rule, setting in rules_in_files(profile, stated).items():
         own = book[rule]

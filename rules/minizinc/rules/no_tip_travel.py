@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import shapely
 
@@ -18,7 +20,7 @@ class NoTipTravelTwin(Twin[NoOptions]):
     """Moves over parts."""
 
     def data(self, case: TwinCase, options: NoOptions) -> Fields:
-        over = tip_moves(case.facts, case.home_mm)
+        over = tip_moves(case.facts, case.home_mm, case.linked)
         last = len(case.facts.candidates)
         moves = flags(leads for _, table in over for leads in table.ravel().tolist())
         return [
@@ -28,11 +30,11 @@ class NoTipTravelTwin(Twin[NoOptions]):
         ]
 
 
-def tip_moves(facts: Facts, home_mm: Point) -> list[tuple[int | None, Bools]]:
+def tip_moves(facts: Facts, home_mm: Point, linked: Sequence[tuple[int, int]] = ()) -> list[tuple[int | None, Bools]]:
     """Outer contours, and which moves lead over the part of each: from each stop (row) to each, home being number 0.
 
     Parts that no move leads over are left out. A contour of None is out from the start; no other is when the torch
-    leaves home.
+    leaves home. A move that is linked is no idle travel.
     """
     left = facts.nest.index
     held, parts = facts.held_by_tabs, facts.whole_nest.parts
@@ -47,6 +49,8 @@ def tip_moves(facts: Facts, home_mm: Point) -> list[tuple[int | None, Bools]]:
         leads[part, stop, reached] = True
     leads[~gone, 0] = False
     leads[:, 0, 0] = False
+    for move in linked:
+        leads[:, move[0], move[1]] = False
     return [(outer, leads[k]) for k, (outer, _) in enumerate(over) if leads[k].any()]
 
 

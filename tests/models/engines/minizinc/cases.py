@@ -6,10 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.facts.links import with_links
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.trials.nests import random_nest
 from kerfwise.models.engines.solution import SolveOptions
@@ -26,6 +28,7 @@ from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
 from kerfwise.rules.catalogue.pierce import PierceOptions
 from kerfwise.rules.catalogue.zone_order import ZoneOrderOptions
 from kerfwise.rules.lock import Lock
+from kerfwise.rules.profile.cuts_section import Cuts, Links
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.registry import RULES
@@ -62,6 +65,38 @@ def drawn_case(seed: int, contours: int = 6) -> Case | None:
     heat_kj = contour_heat_kj(drawn, candidates, profile)
     facts = compute_facts(drawn, profile.fact_options(drawn), candidates, heat_kj)
     return Case(facts, profile, SolveOptions(work=60, home_mm=profile.machine.home, feeds=feeds_of(profile)))
+
+
+def linked_case(seed: int, contours: int = 5) -> Case:
+    """As `case`, with links wherever 2 s a pierce make them worth it; no rule counts seconds."""
+    drawn = _near_parts(np.random.default_rng([seed, 31]), contours)
+    profile = random_profile(np.random.default_rng([seed, 37]), drawn)
+    lags = replace(profile.rules["heat-lag"].options, lag_s=0.0)
+    profile = replace(
+        profile,
+        rules={**profile.rules, "heat-lag": replace(profile.rules["heat-lag"], options=lags)},
+        machine=replace(profile.machine, pierce_time_s=2.0),
+        cuts=Cuts(links=Links(longest_mm=90.0)),
+        leads=replace(profile.leads, entries=2),
+    )
+    candidates = build_candidates(drawn, lead_options(profile, seed))
+    heat_kj = contour_heat_kj(drawn, candidates, profile)
+    facts = compute_facts(drawn, profile.fact_options(drawn), candidates, heat_kj)
+    facts = with_links(facts, profile.link_options())
+    return Case(facts, profile, SolveOptions(work=60, home_mm=profile.machine.home, feeds=feeds_of(profile)))
+
+
+def _near_parts(rng: np.random.Generator, contours: int) -> Nest:
+    """Rectangles and a disc in rows of three, few millimetres apart; the first has a hole now and then."""
+    parts = []
+    for k in range(contours - 1):
+        x, y = 8 + 55 * (k % 3) + int(rng.integers(0, 4)), 8 + 55 * (k // 3)
+        w, h = (int(side) for side in rng.integers(38, 49, 2))
+        if k == 0:
+            parts.append(part("P0", rect(x, y, w, h), [circle(x + 19, y + 19, 9)] if rng.random() < 0.5 else []))
+        else:
+            parts.append(part(f"P{k}", circle(x + 22, y + 22, 20) if rng.random() < 0.2 else rect(x, y, w, h)))
+    return nest(190, 130, *parts)
 
 
 def lead_options(profile: Profile, seed: int) -> LeadOptions:

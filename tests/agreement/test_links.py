@@ -1,0 +1,72 @@
+"""With links, trying every plan, the proofs and MiniZinc find the same cost, in nests whose best plan takes a link."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from kerfwise.models.engines.ideals import prove
+from kerfwise.models.engines.rounds import solve
+from kerfwise.models.engines.search import search
+from kerfwise.models.problem.compile import make_problem
+from kerfwise.models.problem.links import links_on
+from kerfwise.rules.by_kind import by_kind
+from kerfwise.rules.statements import Statement
+from kerfwise.rules.stating.state_rules import state_rules
+from kerfwise.tests.models.engines.minizinc.agree import disagreements
+from kerfwise.tests.models.engines.minizinc.cases import Case, linked_case
+
+LINKED = (0, 1, 3, 9, 14, 17, 19, 23)
+"""Seeds of nests whose best plan takes a link."""
+OTHERS = (2, 4, 7, 24, 26, 27)
+"""Seeds of nests where it takes none, or where there is no plan."""
+
+
+def asked(case: Case) -> tuple[Statement, ...]:
+    return state_rules(case.facts, case.profile).statements
+
+
+def taken(case: Case, route: tuple[int, ...]) -> int:
+    links = links_on(case.facts.candidates, asked(case), route, case.options.home_mm)
+    return sum(link is not None for link in links)
+
+
+@pytest.mark.minizinc
+@pytest.mark.parametrize("seed", LINKED)
+def test_every_plan_the_proofs_and_minizinc_agree(seed: int) -> None:
+    assert disagreements(linked_case(seed)) == ("solved", [])
+
+
+@pytest.mark.minizinc
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", OTHERS)
+def test_they_agree_where_no_link_is_taken(seed: int) -> None:
+    assert disagreements(linked_case(seed))[1] == []
+
+
+@pytest.mark.parametrize("seed", LINKED[:3])
+def test_the_best_plan_takes_a_link_and_costs_more_without(seed: int) -> None:
+    case = linked_case(seed)
+    options = replace(case.options, work=0.3)
+    found = solve(case.facts, asked(case), options)
+    assert found.status == "optimal"
+    assert taken(case, found.route) > 0
+    without = solve(case.facts, tuple(s for s in asked(case) if not by_kind([s]).link), options)
+    assert without.objective > found.objective + 0.01
+
+
+@pytest.mark.parametrize("seed", LINKED[:2])
+def test_the_search_finds_what_is_proven_also_where_it_keeps_no_matrix(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = linked_case(seed)
+    problem = make_problem(case.facts, asked(case), case.options.home_mm, case.options.feeds)
+    proof = prove(problem, None, work=10)
+    assert proof is not None
+    assert proof.incumbent is not None
+    for sites in (3000, 0):
+        monkeypatch.setattr("kerfwise.models.engines.search.legs.MATRIX_SITES", sites)
+        found = search(problem, replace(case.options, work=0.2))
+        assert found is not None
+        assert found.cost == proof.incumbent.cost
