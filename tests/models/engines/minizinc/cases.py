@@ -70,11 +70,10 @@ def drawn_case(seed: int, contours: int = 6) -> Case | None:
 def linked_case(seed: int, contours: int = 5) -> Case:
     """As `case`, with links wherever 2 s a pierce make them worth it; no rule counts seconds."""
     drawn = _near_parts(np.random.default_rng([seed, 31]), contours)
-    profile = random_profile(np.random.default_rng([seed, 37]), drawn)
-    lags = replace(profile.rules["heat-lag"].options, lag_s=0.0)
+    profile = load_profile()
     profile = replace(
         profile,
-        rules={**profile.rules, "heat-lag": replace(profile.rules["heat-lag"], options=lags)},
+        rules=_rules_of_moves(np.random.default_rng([seed, 37]), profile),
         machine=replace(profile.machine, pierce_time_s=2.0),
         cuts=Cuts(links=Links(longest_mm=90.0)),
         leads=replace(profile.leads, entries=2),
@@ -84,6 +83,22 @@ def linked_case(seed: int, contours: int = 5) -> Case:
     facts = compute_facts(drawn, profile.fact_options(drawn), candidates, heat_kj)
     facts = with_links(facts, profile.link_options())
     return Case(facts, profile, SolveOptions(work=60, home_mm=profile.machine.home, feeds=feeds_of(profile)))
+
+
+MOVED_BY = ("cut-direction", "heat-lag", "hull-before", "level-ahead", "no-tip-travel", "part-rigidity", "pierce")
+"""Rules that decide which contours are linked; their list is fixed, so that a new rule changes no seed."""
+
+
+def _rules_of_moves(rng: np.random.Generator, profile: Profile) -> dict[str, RuleSetting]:
+    """These rules hard, soft or off, part-contiguous and inner-before-outer hard, all others off."""
+    rules = {name: RuleSetting("off", None, setting.options) for name, setting in profile.rules.items()}
+    for name in ("inner-before-outer", "part-contiguous"):
+        rules[name] = profile.rules[name]
+    for name in MOVED_BY:
+        strength = str(rng.choice(["hard", "soft", "off", "off"]))
+        if strength in RULES[name].strengths:
+            rules[name] = RuleSetting(strength, 40.0 if strength == "soft" else None, profile.rules[name].options)  # type: ignore[arg-type]
+    return rules
 
 
 def _near_parts(rng: np.random.Generator, contours: int) -> Nest:
