@@ -34,9 +34,12 @@ DENSE = 0.15
 """Share of the pairs of contours that hard orders decide, from which on the sets that can occur are few."""
 BEAM_DENSE, BEAM_SPARSE = 0.5, 0.1
 """Share of what is left for the beam, which proves where orders are dense and guides where they are not."""
-FLOW, FLOW_PLAIN = 0.4, 0.15
-"""Share of what is left, where nothing is proven, for the bound by flows; less where only orders bind, or where there
-are so many sites that it does not come near the plan anyway."""
+FLOW_FIRST, FLOW_FEW, FLOW_CARRIED, FLOW_PLAIN = 0.15, 80, 0.4, 0.15
+"""Share of what is left, where nothing is proven, for the bound by flows, before more search: where contours are no
+more than so many, as it may prove the plan at once; where CP-SAT alone holds all that is asked; and where only orders
+bind, or where there are so many sites that it does not come near the plan anyway."""
+SEARCH_NEST, FLOW = 0.4, 0.9
+"""For nests share of what is left for more search, and then for the bound: the better the plan, the more it closes."""
 SEARCH, SEARCH_PLAIN = 0.6, 0.9
 """Share of what is left, where nothing is proven, for more search; CP-SAT has the rest.
 
@@ -109,13 +112,22 @@ class _Run:
             share = BEAM_DENSE if self._density() >= DENSE else BEAM_SPARSE
             self._beam(self._left() * (1.0 if self.options.member else share))
         if not self._over() and self.options.member is None:
-            self._flow(self._left() * (FLOW if self._bounded_well() else FLOW_PLAIN))
-        if not self._over() and self.options.member is None:
-            self._search(self._left() * (SEARCH if self._carried() else SEARCH_PLAIN))
-            self._windows(self._left() * WINDOWS)
+            self._improve_and_bound()
         if not self._over() and self._takes("cp-sat", "nothing is proven yet"):
             self._cpsat(self._left())
         return self.known
+
+    def _improve_and_bound(self) -> None:
+        """A better plan and a higher bound, where nothing is proven yet."""
+        well = self._bounded_well() and not self._carried()
+        few = FLOW_FIRST if self.problem.n <= FLOW_FEW else 0.0
+        self._flow(self._left() * (few if well else FLOW_CARRIED if self._bounded_well() else FLOW_PLAIN))
+        if not self._over():
+            share = SEARCH_NEST if well else SEARCH if self._carried() else SEARCH_PLAIN
+            self._search(self._left() * share)
+            self._windows(self._left() * WINDOWS)
+        if well and not self._over():
+            self._flow(self._left() * FLOW)
 
     def _takes(self, member: Member, why: str) -> bool:
         forced = self.options.member
@@ -262,7 +274,7 @@ class _Run:
             self.known.raise_bound(outcome.bound, "beam")
 
     def _flow(self, share: float) -> None:
-        if self.known.incumbent is None or self.known.proved_by == "flow":
+        if self.known.incumbent is None or share <= 0.0:
             return
         found = bounds.flow_bound(self.problem, self.known.incumbent, share, self._within(share))
         self.known.work += found.work

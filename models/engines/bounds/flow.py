@@ -25,13 +25,17 @@ from .network import Network, network_of
 from .restricted_master import restricted_master
 from .separation import Flow, Separation
 
-NEAREST = 5
+NEAREST = 3
 """Moves from and to every site that are looked at from the start."""
 MORE = 8000
 """Moves that are added at once at the most."""
+EVERY, EVERY_WIDE, WIDE = 1, 2, 2000
+"""Rounds of cuts from one look at all moves to the next; and where there are more sites than so many."""
+MARGIN_UM = 0.5
+"""Plans cost whole numbers: one that is cheaper than the known one costs 1 less."""
 LEAST_GAIN = 3e-4
 """Share of the bound that the last few rounds must bring."""
-PATIENCE = 12
+PATIENCE = 20
 CROWD = 3
 """Inequalities per contour, beyond which those are dropped that nothing is paid for."""
 RISEN = 1e-5
@@ -40,7 +44,7 @@ ADDITIONS_PER_S = 3.6e7
 """Moves times rounds of the simplex method that a second is counted for."""
 FEW = 1000
 """Rounds of the simplex method that there is always time for."""
-PRODUCTS_PER_S = 6e9
+PRODUCTS_PER_S = 1.2e10
 """Of multipliers and moves, in the same way."""
 MOST_SITES, MOST_CONTOURS = 3000, 1500
 """With more sites contours stand for all of theirs; with more contours there is no bound (it takes too long)."""
@@ -76,9 +80,13 @@ def flow_bound(problem: Problem, plan: Incumbent, work: float, progress: Progres
     demands = DemandColumns(problem)
     separation = Separation(network, demands)
     blocks = block_inequalities(problem, len(demands.cost))
-    flow, best, seen = _Flow(network, blocks, demands.cost), 0.0, [0.0] * PATIENCE
+    flow, best, seen = _Flow(network, blocks, demands.cost, plan.cost), 0.0, [0.0] * PATIENCE
     dropped_at = 0.0
-    while flow.cheapest(work):
+    rounds, found, every = 0, None, EVERY_WIDE if problem.m > WIDE else EVERY
+    while flow.solve(work):
+        if rounds % every == 0 or (found is not None and not len(found)):
+            flow.look_at_all()
+        rounds += 1
         best = max(best, flow.bound)
         if best > plan.cost - 1 or flow.work > work or (progress and not progress("bound", plan.cost, _whole(best))):
             break
@@ -92,6 +100,8 @@ def flow_bound(problem: Problem, plan: Incumbent, work: float, progress: Progres
             flow.drop_idle(len(blocks))
             dropped_at = best
         flow.ask(found)
+    flow.look_at_all()
+    best = max(best, flow.bound)
     return FlowBound(max(0, min(plan.cost, _whole(best))), flow.work)
 
 
@@ -107,12 +117,12 @@ class _Flow:
     then the inequalities.
     """
 
-    def __init__(self, network: Network, inequalities: Inequalities, beside: Floats) -> None:
+    def __init__(self, network: Network, inequalities: Inequalities, beside: Floats, plan_um: int) -> None:
         problem = network.problem
         n, m = problem.n, problem.m
         self._n, self._m = n, m
         self._owner = np.append(problem.site_contour, n)
-        self._cost = network.cost
+        self._cost, self._plan_um = network.cost, plan_um
         self._open = np.isfinite(self._cost)
         self._used = np.zeros_like(self._open)
         self._leave, self._reach = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
@@ -121,7 +131,8 @@ class _Flow:
         wanted[everywhere[:, None], np.argsort(self._cost, axis=1, kind="stable")[:, :most]] = True
         wanted[np.argsort(self._cost, axis=0, kind="stable")[:most], everywhere[None, :]] = True
         wanted &= self._open
-        wanted[[m, *network.plan], [*network.plan, m]] = True
+        self._own = (np.array([m, *network.plan]), np.array([*network.plan, m]))
+        wanted[self._own] = True
         once = np.repeat([1.0, 0.0], [n + 1, m + 1])
         self._program = restricted_master(once)
         self._beside_cost = beside
@@ -131,23 +142,30 @@ class _Flow:
         self.ask(inequalities)
         self.work, self.bound, self.complete = 0.0, 0.0, False
         self._idle = np.zeros(0, dtype=np.bool_)
+        self._prices: tuple[Floats, Floats, Inequalities] | None = None
 
-    def cheapest(self, work: float) -> bool:
-        """Solve; add the moves that would have made it cheaper. False where it cannot be solved within that work."""
+    def solve(self, work: float) -> bool:
+        """Find the cheapest flow over the moves in use. False where it cannot be found within that work."""
         left = max(0.0, work - self.work) * ADDITIONS_PER_S / len(self._leave)
         solved = self._program.solve(FEW + int(left))
         if solved is None:
             return False
         n = self._n
         self.work += len(self._leave) * (solved.iterations + 1) / ADDITIONS_PER_S
-        self.work += (len(self._inequalities) + 10) * self._open.size / PRODUCTS_PER_S
         paid = np.maximum(solved.multiplier[n + self._m + 2 :], 0.0)
         self._idle = paid <= 1e-9
         columns = len(self._beside_cost)
         self.beside = np.clip(solved.value[:columns], 0.0, 1.0)
         self.moves = Flow(self._leave, self._reach, np.maximum(solved.value[columns:], 0.0))
-        self._learn(solved.multiplier[n + 1 : n + self._m + 2], paid)
+        self._prices = (solved.multiplier[n + 1 : n + self._m + 2], paid, self._inequalities)
         return True
+
+    def look_at_all(self) -> None:
+        """The bound that the last multipliers prove over all moves; those that would make it cheaper come in."""
+        if self._prices is not None:
+            self.work += (len(self._prices[2]) + 10) * self._open.size / PRODUCTS_PER_S
+            self._learn(*self._prices)
+            self._prices = None
 
     def ask(self, found: Inequalities) -> None:
         """Ask for these inequalities, too."""
@@ -176,19 +194,36 @@ class _Flow:
         flow = csr_matrix((entry, (rows, np.tile(moves, 3))), shape=(n + self._m + 2, len(moves)))
         self._program.add_columns(self._cost[leave, reach], vstack([flow, self._inequalities.across(leave, reach)]))
 
-    def _learn(self, price: Floats, paid: Floats) -> None:
+    def _learn(self, price: Floats, paid: Floats, inequalities: Inequalities) -> None:
         """The bound that these multipliers prove over all moves, and the moves that are missing."""
         owner, m = self._owner, self._m
-        left = self._cost - price[None, :] + price[:, None] - self._inequalities.worth(paid)
+        left = self._cost - price[None, :] + price[:, None] - inequalities.worth(paid)
         first = np.append(np.searchsorted(owner, np.arange(self._n)), m)
         least = np.minimum.reduceat(left.min(axis=0), first)
-        beside = self._beside_cost - self._inequalities.beside.T @ paid  # between 0 and 1 each
-        self.bound = float(least.sum() + paid @ self._inequalities.least + np.minimum(beside, 0.0).sum())
+        beside = self._beside_cost - inequalities.beside.T @ paid  # between 0 and 1 each
+        self.bound = float(least.sum() + paid @ inequalities.least + np.minimum(beside, 0.0).sum())
         in_use = np.where(self._used, left, np.inf)
         known = np.minimum.reduceat(in_use.min(axis=0), first)
         missing = np.where(self._used | ~self._open, 0.0, left - known[owner][None, :])
         better = np.flatnonzero(missing.ravel() < -1.0)
         chosen = better[np.argsort(missing.ravel()[better], kind="stable")[:MORE]]
         self.complete = not len(better)
+        self._close(left - np.repeat(least, np.diff(np.append(first, m + 1)))[None, :])
+        chosen = chosen[self._open.ravel()[chosen]]
         if len(chosen):
             self._use(*np.divmod(chosen, m + 1))
+
+    def _close(self, dearer: Floats) -> None:
+        """Close the moves without which all plans are that cost less than the known one: they are `dearer` (m + 1,
+        m + 1) than what is left to it above the bound. The known plan's own stay, so that there is always a flow."""
+        closed = self._open & (self.bound + dearer > self._plan_um - MARGIN_UM)
+        closed[self._own] = False
+        if not closed.any():
+            return
+        self._open[closed] = False
+        self._cost[closed] = np.inf
+        stays = np.ones(self._m + 1, dtype=np.bool_)
+        stays[:-1] = self._open[:, :-1].any(axis=0) & self._open[:-1].any(axis=1)
+        self._open &= stays[:, None] & stays[None, :]
+        self._cost[~self._open] = np.inf
+        self._program.close(len(self._beside_cost) + np.flatnonzero(~self._open[self._leave, self._reach]))

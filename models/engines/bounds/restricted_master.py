@@ -45,6 +45,9 @@ class RestrictedMaster(Protocol):
     def drop_rows(self, rows: Ints) -> None:
         """Drop some of the rows that were added, counted from the first equation on; those after them move up."""
 
+    def close(self, columns: Ints) -> None:
+        """Keep these columns at 0 from now on."""
+
     def solve(self, most: int) -> MasterSolution | None:
         """The cheapest columns, None where no optimum is found in so many iterations."""
 
@@ -85,6 +88,11 @@ class GoesOn:
     def drop_rows(self, rows: Ints) -> None:
         if len(rows):
             self._told(self._highs.deleteRows(len(rows), rows.astype(np.int32)))
+
+    def close(self, columns: Ints) -> None:
+        if len(columns):
+            none = np.zeros(len(columns))
+            self._told(self._highs.changeColsBounds(len(columns), columns.astype(np.int32), none, none))
 
     def solve(self, most: int) -> MasterSolution | None:
         self._highs.setOptionValue("simplex_iteration_limit", min(most, MOST_ROUNDS))
@@ -128,6 +136,9 @@ class Anew:
         kept = np.ones(self._entries.shape[0], dtype=np.bool_)
         kept[rows] = False
         self._entries, self._least = self._entries[kept], self._least[kept[len(self._right) :]]
+
+    def close(self, columns: Ints) -> None:
+        self._most[columns] = 0.0
 
     def solve(self, most: int) -> MasterSolution | None:
         equations, rows = self._entries[: len(self._right)], self._entries[len(self._right) :]

@@ -26,9 +26,11 @@ UNIT = 1_000_000
 """Flows are whole millionths."""
 MUCH, LITTLE = 0.2, 0.05
 """What may be missing of a flow without a cut: less only where there is no cut by more."""
-MOST = 800
+MOST = 250
 """Inequalities in a round."""
-MOVES_PER_S = 2e6
+LOOKS = 64
+"""Ways from one look at whether to go on to the next."""
+MOVES_PER_S = 1.2e7
 """Moves of a flow that a second is counted for, every time that it is looked through."""
 
 
@@ -52,6 +54,26 @@ class _Way(NamedTuple):
     end_sites: Bools | None = None
     order: Order | None = None
 
+    @property
+    def through(self) -> Bools | None:
+        """The sites that count, None for all of the contour."""
+        return self.end_sites if self.start_sites is None else self.start_sites
+
+
+class _Missing(NamedTuple):
+    """How much is missing of what should go a way, and which of the nodes of a graph are on its start's side."""
+
+    amount: float
+    way: _Way
+    side: Bools
+
+    @property
+    def name(self) -> bytes:
+        """Equal for ways that are cut alike."""
+        way, sites = self.way, self.way.through
+        order = b"" if way.order is None else bytes(f"{way.order.column} {way.order.turned}", "ascii")
+        return self.side.tobytes() + way.barred.tobytes() + (b"" if sites is None else sites.tobytes()) + order
+
 
 class Separation:
     """Looks for inequalities of a problem that a flow breaks, and counts the deterministic seconds spent."""
@@ -70,21 +92,19 @@ class Separation:
         No more are looked for if `go` says no.
         """
         graph = _Graph(self._network, flow)
-        found: dict[tuple[object, ...], tuple[float, OrderCut]] = {}
-        for way in self._ways(graph.used, beside):
-            if not go():
+        found: dict[bytes, _Missing] = {}
+        for count, way in enumerate(self._ways(graph.used, beside)):
+            if count % LOOKS == 0 and not go():
                 break
             self.work += graph.size / MOVES_PER_S
             missing = graph.least_cut(way, beside)
             if missing is not None:
-                cut = missing[1]
-                through = None if cut.through is None else cut.through.tobytes()
-                found.setdefault((cut.tail.tobytes(), cut.head.tobytes(), through, cut.order), missing)
-        by_much = [cut for cut in found.values() if cut[0] > MUCH]
-        chosen = sorted(by_much or found.values(), key=lambda cut: -cut[0])[:MOST]
+                found.setdefault(missing.name, missing)
+        by_much = [missing for missing in found.values() if missing.amount > MUCH]
+        chosen = sorted(by_much or found.values(), key=lambda missing: -missing.amount)[:MOST]
         m, columns = self._problem.m, len(beside)
         covers = [cover for _, cover in self._demands.covers(graph.used, beside)]
-        return of_cuts([cut for _, cut in chosen], m, columns).joined(of_covers(covers, m, columns))
+        return of_cuts([graph.lifted(missing) for missing in chosen], m, columns).joined(of_covers(covers, m, columns))
 
     def _ways(self, used: Floats, beside: Floats) -> Iterator[_Way]:
         problem, wants_out, wants_in = self._problem, self._wants_out, self._wants_in
@@ -161,14 +181,13 @@ class _Graph:
         self.size = int(taken.sum())
         self.used: Floats = np.bincount(flow.reach, flow.amount, problem.m + 1).astype(np.float64)
 
-    def least_cut(self, way: _Way, beside: Floats) -> tuple[float, OrderCut] | None:
-        """The least cut on a way, if more than a little is missing of what should go across, and how much."""
-        through = way.end_sites if way.start_sites is None else way.start_sites
+    def least_cut(self, way: _Way, beside: Floats) -> _Missing | None:
+        """The least cut on a way, if more than a little is missing of what should go across."""
+        through = way.through
         need = 1.0 if through is None else float(self.used[through].sum())
         if way.order is not None:
             need = way.order.value(beside)
-        kept = ~way.barred
-        kept[-1] = self._n in (way.start, way.end)
+        kept = self._kept(way)
         start = (way.start_sites if way.start_sites is not None else self._owner == way.start)[self._sites]
         end = (way.end_sites if way.end_sites is not None else self._owner == way.end)[self._sites]
         side = np.empty(len(self._sites), dtype=np.bool_)
@@ -177,11 +196,19 @@ class _Graph:
             enough, start, end, kept[self._sites], self._leave, self._reach, self._room, self._first, self._arcs, side
         )
         amount = need - over / UNIT
-        if amount <= LITTLE:
-            return None
-        tail, head = self._sides(side, way)
-        kept &= ~self._lifted(tail, head, way)
-        return amount, OrderCut(tail & kept, head & kept, through, way.order)
+        return _Missing(amount, way, side) if amount > LITTLE else None
+
+    def lifted(self, missing: _Missing) -> OrderCut:
+        """What goes from one side to the other, meeting as little as can be."""
+        way = missing.way
+        tail, head = self._sides(missing.side, way)
+        kept = self._kept(way) & ~self._lifted(tail, head, way)
+        return OrderCut(tail & kept, head & kept, way.through, way.order)
+
+    def _kept(self, way: _Way) -> Bools:
+        kept = ~way.barred
+        kept[-1] = self._n in (way.start, way.end)
+        return kept
 
     def _lifted(self, tail: Bools, head: Bools, way: _Way) -> Bools:
         """Sites (m + 1,) that the move across meets as little as what the way bars, given all that is on its sides.

@@ -17,6 +17,7 @@ from kerfwise.models.engines.bounds.network import network_of
 from kerfwise.models.engines.bounds.separation import Flow, Separation
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.conditions import Condition
+from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import About
 from kerfwise.tests.models.brute import cheapest, lawful
@@ -39,6 +40,17 @@ def test_no_plan_costs_less(tiny: Problem) -> None:
     if best is not None:
         dear = replace(best, cost=best.cost + 10**9)  # nothing but the bound itself keeps it below
         assert flow_bound(tiny, dear, 1.0).bound <= best.cost
+
+
+@pytest.mark.slow
+@settings(max_examples=60, deadline=None)
+@given(problems(contours=5))
+def test_moves_that_are_closed_for_a_known_plan_are_not_those_of_a_better_one(tiny: Problem) -> None:
+    best = cheapest(tiny)
+    for route in list(lawful(tiny))[:4]:
+        assert best is not None
+        known = Incumbent(route, route_cost(tiny, route))
+        assert flow_bound(tiny, known, 1.0).bound <= best.cost
 
 
 @pytest.mark.slow

@@ -56,6 +56,16 @@ def test_going_on_and_starting_anew_find_the_same_cost(seed: int) -> None:
             assert solved.multiplier @ np.append(right, least) == pytest.approx(cost @ solved.value, abs=1e-6)
 
 
+@pytest.mark.parametrize("kind", [GoesOn, Anew])
+def test_a_column_that_is_closed_stays_at_0(kind: type[RestrictedMaster]) -> None:
+    program = kind(np.array([4.0]))  # type: ignore[call-arg]
+    program.add_columns(np.array([2.0, 3.0]), csr_matrix([[1.0, 1.0]]))
+    program.close(np.array([0]))
+    solved = program.solve(100)
+    assert solved is not None
+    assert solved.value.tolist() == [0.0, 4.0]
+
+
 def test_no_optimum_within_the_rounds_is_said() -> None:
     program = restricted_master(np.full(30, 2.0))
     random = np.random.default_rng(1)
