@@ -88,12 +88,12 @@ plan: there the gap is the bound's, not the plan's.
 - Looking at all moves every third round only: the same bound in the same time at 115 contours. Every second round is
   what is done from 2000 sites on, where a look takes long.
 - 800 cuts in a round instead of 250: at 115 contours a lower bound in the same time.
-- From 308 contours on it is time: there is enough for ten or twenty rounds, and the bound is still rising when the limit
-  is reached. What would be needed: cuts that come from a smaller program over contours first, compiled code that looks
-  for them on all cores, and programs that begin with fewer sites.
+- From 308 contours on it is time: there is enough for ten or twenty rounds, and the bound is still rising when the
+  limit is reached. What would be needed: cuts that come from a smaller program over contours first, compiled code that
+  looks for them on all cores, and programs that begin with fewer sites.
 - Beyond {sites} sites a contour stands for all of its own, conditions are not seen, and the bound stays far below.
-- Not built: branching on what the program leaves open (which of two contours is first, which move is made), the dynamic
-  program over sets pruned by the program's multipliers, and the closed moves taken out of search and CP-SAT.
+- Not built: branching on what the program leaves open (which of two contours is first, which move is made), the
+  dynamic program over sets pruned by the program's multipliers, and the closed moves taken out of search and CP-SAT.
 """
 AIMS = {115: 0.02, 308: 0.06, 1000: 0.15}
 ENDLESS = 1e6
