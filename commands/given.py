@@ -12,7 +12,7 @@ import click
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.faults import RuleFault
 from kerfwise.encoder.shown import shown
-from kerfwise.jobs.given import Given, drawn_nest, plant_of
+from kerfwise.jobs.given import Given, drawn_nest, plant_of, tabs_not_left
 from kerfwise.rules.profile.machine_section import ORIGINS, Origin
 from kerfwise.rules.profile.profile import DEFAULT, files_of
 
@@ -99,6 +99,8 @@ def read_given(
     read = drawn_nest(nest, plant, units=units, sheet_mm=size_mm, frame=frame, repair=repair)
     for note in read.notes:
         click.echo(f"{note.severity}: {note.text}", err=True)
+    if cut_all_the_same := tabs_not_left(read, plant):
+        click.echo(f"warning: {cut_all_the_same}", err=True)
     return Given(plant.as_cut(read), plant)
 
 

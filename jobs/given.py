@@ -96,6 +96,18 @@ def given_of(nest: NestLike, profile: ProfileLike = DEFAULT, origin: Origin | No
     return Given(plant.as_cut(drawn_nest(nest, plant)), plant)
 
 
+def tabs_not_left(nest: Nest, plant: Profile) -> str:
+    """That the nest draws tabs and the profile leaves none, in a sentence; "" where it is not so."""
+    drawn = [part.outer.id for part in nest.parts if part.tabs]
+    if not drawn or plant.tabs() is not None:
+        return ""
+    shown = ", ".join(drawn[:3]) + (", …" if len(drawn) > 3 else "")
+    return (
+        f"the nest draws tabs ({shown}), and the profile's rule that leaves tabs is off: they are cut; "
+        "`kerfwise rules` says which rule it is"
+    )
+
+
 def differences(plan: Plan, given: Given) -> Iterator[str]:
     """A sentence for each thing that is not as it was when the plan was made: nest, profile, the machine's zero."""
     for what, stands, now in (("nest", plan.nest, given.nest.sha256), ("profile", plan.profile, given.profile.sha256)):

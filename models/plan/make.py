@@ -16,6 +16,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour
 from kerfwise.encoder.slits import slit_because
 from kerfwise.encoder.small_holes import not_cut_because
+from kerfwise.encoder.tabs import off_mm
 from kerfwise.models.engines.solution import Solution
 from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.physics.timing.constant import Leg, idle_mm, schedule
@@ -156,6 +157,7 @@ def _made(facts: Facts, cut: Cut, kerf_mm: float) -> PlannedCut:
         around_mm = contour.curve.length_mm if contour.kind == "mark" else compensated(contour, kerf_mm).length_mm
     except InputError:  # made with another kerf
         around_mm = contour.curve.length_mm
+    around_mm -= sum(off_mm(tab, kerf_mm) for tab in cut.tabs)
     leads_mm = sum(lead.length_mm for lead in (cut.lead_in, cut.lead_out) if lead is not None)
     return PlannedCut(cut, contour.part, contour.kind, around_mm + leads_mm)
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.cut import Cut, Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
@@ -35,6 +35,10 @@ _LEAD = re.compile(
 )
 
 
+_TAB = re.compile(
+    rf"(?P<how>OUT|BROKEN) (?P<order>\d{{1,9}}) TAB (?P<x>{_NUMBER}) (?P<y>{_NUMBER}) (?P<width>{_NUMBER})",
+    re.IGNORECASE,
+)
 _SLIT = re.compile(r"\.slit\d+$", re.IGNORECASE)
 
 
@@ -60,6 +64,10 @@ def read_resumed(nest: Nest, comments: Iterable[str]) -> Resumed:
         key = (found["how"].upper(), int(found["order"]), found["which"].upper())
         leads[key] += [float(word) for word in found["rows"].split()]
         linked |= {key} if found["what"].upper() == "LINK" else set()
+    tabs: dict[tuple[str, int], tuple[Tab, ...]] = defaultdict(tuple)
+    for found in filter(None, map(_TAB.fullmatch, said)):
+        tab = Tab((float(found["x"]), float(found["y"])), float(found["width"]))
+        tabs[found["how"].upper(), int(found["order"])] += (tab,)
     cuts: dict[int, Cut] = {}
     broken_off: Cut | None = None
     wrong: list[str] = []
@@ -75,7 +83,7 @@ def read_resumed(nest: Nest, comments: Iterable[str]) -> Resumed:
         entry = curve.point_at(curve.project(join)[0])
         way = "cw" if found["way"].upper() == "CW" else "ccw"
         cut = Cut(name, entry, "cw" if way == "cw" else "ccw", pierce, lead_in, lead_out, int(found["zone"]))
-        cut = replace(cut, linked=(how, order, "IN") in linked)
+        cut = replace(cut, linked=(how, order, "IN") in linked, tabs=tabs[how, order])
         if how == "BROKEN":
             broken_off = cut
         else:

@@ -5,10 +5,11 @@
     (OUT 1 LEAD IN 30 42 0 30 36.75 0)
     (OUT 1 LEAD OUT 30 36.75 0 31 36.75 0)
     (OUT 2 P1.outer ZONE 1 CW PIERCE 8 3.25)
+    (OUT 2 TAB 40 12 0.5)
 
 Each vertex of a lead is x, y and the bulge of the segment that begins there. A lead that has no room on one line goes
-on in the next comment with the same words. A cut that was linked with the one before has LINK IN instead of LEAD IN. A
-cut that broke off, and is made again, is told as BROKEN instead of OUT.
+on in the next comment with the same words. A cut that was linked with the one before has LINK IN instead of LEAD IN. Of
+a tab the middle and the width are told. A cut that broke off, and is made again, is told as BROKEN instead of OUT.
 """
 
 from __future__ import annotations
@@ -50,6 +51,8 @@ def _cut(head: str, planned: PlannedCut, names: Mapping[str, str], dialect: Dial
             what = "LINK" if cut.linked and name == "IN" else "LEAD"
             for words in _lines(lead, room_for(dialect, f"{head} {what} {name}")):
                 yield comment(dialect, f"{head} {what} {name}", " ".join(words))
+    for tab in cut.tabs:
+        yield comment(dialect, f"{head} TAB", " ".join(number(v, DECIMALS) for v in (*tab.at, tab.width_mm)))
 
 
 def _lines(lead: Curve, room: int) -> Iterator[Sequence[str]]:

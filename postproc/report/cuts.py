@@ -125,6 +125,20 @@ def pierce_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> SceneLayer:
     return SceneLayer("pierces", tuple(items))
 
 
+def tab_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> SceneLayer:
+    """A bar across the contour where a tab stays, or all of the tab where that is wider."""
+    items: list[Item] = []
+    for k, cut in enumerate(cuts, 1):
+        for tab in cut.tabs:
+            curve = nest.contour(cut.contour).curve
+            dx, dy = curve.tangent_at(curve.project(tab.at)[0])
+            (x, y), half = view.point(tab.at), 3.5 * view.line_width
+            bar = np.array([(x - half * dy, y - half * dx), (x + half * dy, y + half * dx)])
+            width = max(2.2 * view.line_width, tab.width_mm * view.scale)
+            items.append(Shape((bar,), Style(stroke=colours.TAB, width=width), closed=False, cut=k))
+    return SceneLayer("tabs", tuple(items))
+
+
 def travel_layer(view: View, cuts: Sequence[Cut], home: Point, shares: Sequence[float]) -> SceneLayer:
     """Idle travel as dashed arrows, coloured by `shares`: when each begins, 0 … 1; the last leads home."""
     stops = [(home, cuts[0].pierce), *((a.end, b.pierce) for a, b in pairwise(cuts))]

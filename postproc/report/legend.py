@@ -201,6 +201,7 @@ def _key(items: list[Item], x: float, end: float, y: float, kinds: frozenset[str
         ("mark", "mark"),
         ("slit", "slit along a narrow slot"),
         ("scrap", "scrap line"),
+        ("tab", "tab that holds the part"),
         ("small", "small hole, not cut"),
         ("home", "home"),
         ("out", "out already"),
@@ -223,6 +224,10 @@ def _sample(kind: str, x: float, y: float) -> list[Item]:
             Dot(x + 11, y, 4.5, Style(fill=colours.PAGE, stroke=colours.INK, width=1.2)),
             Shape(cross, Style(stroke=colours.INK, width=1.2), closed=False),
         ]
+    if kind == "tab":
+        bar = np.array([(x + 11, y - 6), (x + 11, y + 6)])
+        outline = Shape((line,), Style(stroke=INKS["outer"], width=1.4), closed=False)
+        return [outline, Shape((bar,), Style(stroke=colours.TAB, width=3), closed=False)]
     if kind == "edge":
         return [Dot(x + 11, y, 3, Style(fill=colours.PAGE, stroke=colours.PIERCE, width=1.5))]
     if kind == "wait":

@@ -13,7 +13,16 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
 
-from .cuts import contour_layer, direction_layer, home_layer, lead_layer, number_layer, pierce_layer, travel_layer
+from .cuts import (
+    contour_layer,
+    direction_layer,
+    home_layer,
+    lead_layer,
+    number_layer,
+    pierce_layer,
+    tab_layer,
+    travel_layer,
+)
 from .labels import Label, place_labels
 from .legend import Clock, footer_layer, header_layer, nest_name
 from .metal import out_layer, part_layer, sheet_layer, zone_layer, zone_map
@@ -71,7 +80,11 @@ def make_scene(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), s
             pierce_layer(nest, view, cuts),
             home_layer(view, home),
         ]
+    if any(cut.tabs for cut in cuts):
+        layers.append(tab_layer(nest, view, cuts))
     kinds = {"pierce", "home", *(nest.contour(c.contour).kind for c in cuts)}
+    if any(cut.tabs for cut in cuts):
+        kinds.add("tab")
     if nest.not_cut:
         kinds.add("small")
     torch = [c.pierce for c in cuts if nest.contour(c.contour).kind != "mark"]

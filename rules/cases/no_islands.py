@@ -1,6 +1,9 @@
 """Cases of rule no-islands."""
 
+from dataclasses import replace
+
 from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder.cut import CutSequence, Tab
 from kerfwise.rules.case import Case, in_order
 from kerfwise.rules.catalogue.no_islands import NoIslandsOptions
 from kerfwise.rules.rule import Violation
@@ -26,6 +29,12 @@ def island(after: str, at: int, *left: str) -> Violation:
     return Violation("no-islands", ids, text, (at,))
 
 
+def held(names: str) -> CutSequence:
+    """The parts of the grid in order, all with tabs."""
+    sequence = in_order(GRID, " ".join(f"{name}.outer" for name in names))
+    return replace(sequence, cuts=tuple(replace(one, tabs=(Tab(one.entry, 1.0),)) for one in sequence))
+
+
 def order(names: str) -> str:
     return " ".join(f"{name}.outer" for name in names)
 
@@ -33,6 +42,7 @@ def order(names: str) -> str:
 CASES = (
     Case("row after row", "passes", GRID, in_order(GRID, order("ABCDMEFGH"))),
     Case("the middle last", "fails", GRID, in_order(GRID, order("ABCDEFGHM")), (island("G", 7, "M"),)),
+    Case("the middle last, with a tab", "fails", GRID, held("ABCDEFGHM"), (island("G", 7, "M"),)),
     Case("two in the middle", "fails", RING, in_order(RING, order("STWEMN")), (island("E", 4, "M", "N"),)),
     Case(
         "two in the middle, one after the other",

@@ -1,7 +1,9 @@
 """Cases of rule no-tip-travel."""
 
+from dataclasses import replace
+
 from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.cut import CutSequence, Tab
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.rules.case import Case, cut
 from kerfwise.rules.rule import Violation
@@ -19,7 +21,27 @@ def over(text: str, part: str, at: tuple[int, ...]) -> Violation:
     return Violation("no-tip-travel", (f"{part}.outer",), text, at)
 
 
+def held(sequence: CutSequence, name: str) -> CutSequence:
+    """The cuts, that of one part with a tab."""
+    of = f"{name}.outer"
+    cuts = (replace(one, tabs=(Tab(one.entry, 1.0),)) if one.contour == of else one for one in sequence)
+    return replace(sequence, cuts=tuple(cuts))
+
+
 CASES = (
+    Case(
+        "over a part that a tab holds",
+        "passes",
+        ROW,
+        held(travel(("A", (5, 50)), ("B", (75, 50)), home=(75.0, 0.0)), "A"),
+    ),
+    Case(
+        "over two parts, one of them held by a tab",
+        "fails",
+        ROW,
+        held(travel(("A", (75, 95)), ("B", (145, 95)), home=(0.0, 50.0)), "A"),
+        (over("travel from B.outer (cut 2) home leads over B, cut out as cut 2", "B", (2,)),),
+    ),
     Case("towards home along the row", "passes", ROW, travel(("C", (210, 5)), ("B", (140, 5)), ("A", (70, 5)))),
     Case("over what is still in", "passes", ROW, travel(("A", (75, 50)), ("C", (145, 50)), home=(145.0, 0.0))),
     Case(

@@ -1,9 +1,10 @@
 """Cases of rule part-rigidity."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.encoder.cut import CutSequence, Direction
+from kerfwise.encoder.cut import CutSequence, Direction, Tab
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.case import Case, cut
@@ -45,7 +46,26 @@ def ends_on(name: str, at: int, share: str) -> Violation:
     return Violation("part-rigidity", (f"{name}.outer",), text, (at,))
 
 
+def held(sequence: CutSequence, *at: int) -> CutSequence:
+    """The cuts, those at these places with a tab."""
+    cuts = (replace(one, tabs=(Tab(one.entry, 1.0),)) if k in at else one for k, one in enumerate(sequence, 1))
+    return replace(sequence, cuts=tuple(cuts))
+
+
 CASES = (
+    Case(
+        "a part that a tab holds ends along the edges of the sheet",
+        "passes",
+        FIGURE_1,
+        held(ways(FIGURE_1, point("A", 2, "cw"), point("B", 4, "cw"), point("C", 7, "cw")), 1),
+    ),
+    Case(
+        "the tab of another part does not hold it",
+        "fails",
+        FIGURE_1,
+        held(ways(FIGURE_1, point("A", 2, "cw"), point("B", 4, "cw"), point("C", 7, "cw")), 2),
+        (ends_on("A", 1, "0%"),),
+    ),
     Case(
         "each part ends where it is held",
         "passes",

@@ -1,0 +1,137 @@
+"""Programs with tabs, damaged by hand: a tab that is missing, too narrow, too wide, or in a corner is found."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder.cut import Tab
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.produce import Produced, produce
+from kerfwise.jobs.solve_options import options_for
+from kerfwise.models.plan.reader import read_plan
+from kerfwise.postproc.check import CheckResult, report
+from kerfwise.postproc.verdict.checking import check_plan, check_program
+from kerfwise.rules.catalogue.hold_small_parts import HoldSmallPartsOptions
+from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.rule import RuleSetting
+
+PLATE = nest(200, 120, part("A", rect(40, 30, 80, 50)))
+LASER, PLASMA = "laser-st10kp-2mm", "plasma-carbon-steel"
+TAB = r"N\d+ M5\n((?:N\d+ G[123] .*\n)+)N\d+ M3 S1\n"
+"""How a laser's program goes over a tab."""
+WHY = "its centroid is 40.0 mm from one end, and slats lie 60 mm apart"
+
+
+def profile(name: str, strength: str = "hard") -> Profile:
+    base, options = load_profile(name), HoldSmallPartsOptions(width_mm=0.8)
+    return replace(base, rules=dict(base.rules) | {"hold-small-parts": RuleSetting(strength, None, options)})  # type: ignore[arg-type]
+
+
+@cache
+def made(name: str) -> Produced:
+    plant = profile(name)
+    return produce(ask(facts_of(PLATE, plant), plant), plant, options_for(PLATE, plant, work=1))
+
+
+def judged(name: str, program: str, strength: str = "hard") -> CheckResult:
+    assert program != made(name).program or strength == "off"
+    return check_program(PLATE, program, profile(name, strength))
+
+
+def moved(text: str, of: str, by_mm: float) -> str:
+    """The program with one X word moved."""
+    assert text.count(of) == 1
+    return text.replace(of, f"X{float(of[1:]) + by_mm:g}")
+
+
+def _filed(tab: Tab) -> Tab:
+    return Tab((round(tab.at[0], 6), round(tab.at[1], 6)), tab.width_mm)
+
+
+@pytest.mark.parametrize(("name", "count"), [(LASER, 2), (PLASMA, 1)])
+def test_plan_and_program_hold(name: str, count: int, tmp_path: object) -> None:
+    planned = made(name)
+    assert planned.verdict.ok
+    assert len(planned.plan.cuts[0].cut.tabs) == count
+    assert any(text.startswith("A is held by") for text in planned.plan.cuts[0].because)
+    file = tmp_path / "plan.json"  # type: ignore[operator]
+    file.write_text(planned.plan.to_json())
+    again = read_plan(file)
+    assert again.cuts[0].cut.tabs == tuple(map(_filed, planned.plan.cuts[0].cut.tabs))
+    assert check_plan(PLATE, again, profile(name)).ok
+
+
+def test_a_missing_tab() -> None:
+    once = re.sub(TAB, r"\1", made(LASER).program, count=1)
+    result = judged(LASER, once)
+    assert result.broken() == ("hold-small-parts",)
+    assert f"A.outer (cut 1) has 1 tab, not 2: {WHY}" in report(result)
+    none = re.sub(TAB, r"\1", made(LASER).program)
+    assert f"A.outer (cut 1) has no tab: {WHY}" in report(judged(LASER, none))
+
+
+def test_a_missing_tab_at_the_end() -> None:
+    program = made(PLASMA).program
+    (tab,) = made(PLASMA).plan.cuts[0].cut.tabs
+    cut = made(PLASMA).plan.cuts[0].cut
+    assert cut.lead_in is not None
+    x, y = cut.lead_in.vertices[-1, :2].tolist()
+    closed = program.replace("M5 $0\n", f"G1 X{x:.4f} Y{y:.4f}\nM5 $0\n", 1).replace("N130 G1 X", "G1 X", 1)
+    closed = re.sub(r"(?m)^N\d+ (G1 X[\d.]+ Y[\d.]+)$", r"\1", closed)
+    result = judged(PLASMA, re.sub(r"N\d+ (G1 X[\d.]+ Y[\d.]+\nM5)", r"\1", closed))
+    assert result.broken() == ("hold-small-parts",)
+    assert "A.outer (cut 1) has no tab" in report(result)
+    assert tab.width_mm == 0.8
+
+
+@pytest.mark.parametrize(("by_mm", "is_mm"), [(-0.3, 0.5), (0.3, 1.1)])
+def test_a_tab_too_narrow_or_too_wide(by_mm: float, is_mm: float) -> None:
+    program = made(LASER).program
+    off = re.search(TAB, program)
+    assert off is not None
+    (x,) = re.findall(r"X([\d.]+)", off[1])  # where it is lit again
+    start = re.findall(r"X([\d.]+)", program[: off.start()])[-1]
+    onwards = 1 if float(x) > float(start) else -1
+    wrong = program[: off.start()] + off[0].replace(f"X{x}", f"X{float(x) + onwards * by_mm:g}") + program[off.end() :]
+    result = judged(LASER, wrong)
+    assert result.broken() == ("hold-small-parts",)
+    assert f"that is {is_mm:.2f} mm wide, not 0.8 mm" in report(result)
+
+
+def test_a_tab_in_a_corner() -> None:
+    program = re.sub(TAB, r"\1", made(LASER).program, count=1)
+    row = re.compile(r"(?m)^N\d+ (G1 X([\d.]+) Y([\d.]+)).*$")
+    corner = next(found for found in row.finditer(program) if program[found.end() :].split()[1] == "G2")
+    x, y = float(corner[2]), float(corner[3])
+    *_, before = re.findall(r"X([\d.]+) Y([\d.]+)", program[: corner.start()])
+    away = np.array([float(before[0]) - x, float(before[1]) - y])
+    (a, b), (c, d) = ((np.array([x, y]) + away / np.hypot(*away) * mm).round(4).tolist() for mm in (1.4, 0.4))
+    turn = f"G1 X{a:g} Y{b:g}\nM5\nG1 X{c:g} Y{d:g}\nM3 S1\n{corner[1]}"
+    result = judged(LASER, program[: corner.start()] + turn + program[corner.end() :])
+    assert result.broken() == ("hold-small-parts",)
+    assert "that lies in a corner, or less than 3 mm from one" in report(result)
+
+
+@pytest.mark.parametrize("name", [LASER, PLASMA])
+def test_tabs_that_no_rule_asks_for_are_uncut(name: str) -> None:
+    result = judged(name, made(name).program, strength="off")
+    assert not result.ok
+    assert {"every-contour-once", "contour-geometry"} & set(result.broken())
+    found = check_plan(PLATE, made(name).plan, profile(name, "off"))
+    assert "every-contour-once" in found.broken()
+
+
+def test_a_plan_that_says_another_width() -> None:
+    plan = made(LASER).plan
+    cut = plan.cuts[0].cut
+    wide = replace(cut, tabs=(cut.tabs[0], Tab(cut.tabs[1].at, 2.0)))
+    changed = replace(plan, cuts=(replace(plan.cuts[0], cut=wide),))
+    result = check_plan(PLATE, changed, profile(LASER))
+    assert "hold-small-parts" in result.broken()
+    assert "that is 2.00 mm wide, not 0.8 mm" in report(result)
