@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import yaml
 
 Path = Sequence[str | int]
-_ONE_OF = {"holes": "hole", "marks": "mark", "scrap": "scrap line"}
+_ONE_OF = {"holes": "hole", "marks": "mark", "scrap": "scrap line", "tabs": "tab"}
 
 
 def places(text: str, paths: Sequence[Path]) -> list[tuple[int | None, int | None]]:
@@ -54,12 +54,14 @@ def spoken(path: Path, part_ids: Sequence[object]) -> str:
     elif steps and steps[0] == "sheet":
         words.append("the sheet")
         steps = steps[1:]
-    if len(steps) > 1 and steps[0] in ("holes", "marks", "scrap") and isinstance(steps[1], int):
+    if len(steps) > 1 and steps[0] in _ONE_OF and isinstance(steps[1], int):
         words.append(f"{_ONE_OF[str(steps[0])]} {steps[1] + 1}")
         steps = steps[2:]
     elif steps:
         words.append(f"{steps[0]}")
         steps = steps[1:]
+    if steps and steps[0] in ("at", "width"):
+        return ", ".join([*words, str(steps[0])])
     if steps and isinstance(steps[0], int):
         words.append(f"vertex {steps[0] + 1}")
         steps = steps[1:]

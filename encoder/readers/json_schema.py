@@ -70,7 +70,7 @@ def _refusal(found: list[tuple[list[str | int], str]], text: str, ids: list[obje
 
 def _plain(part: object) -> bool:
     """True for a part that the schema has nothing to say about."""
-    if not isinstance(part, dict) or not isinstance(part.get("id"), str) or not part["id"]:
+    if not isinstance(part, dict) or not isinstance(part.get("id"), str) or not part["id"] or "tabs" in part:
         return False
     many = [part.get(key, []) for key in ("holes", "marks")]
     return _plain_ring(part.get("outer")) and all(isinstance(m, list) and all(map(_plain_ring, m)) for m in many)

@@ -107,12 +107,13 @@ def test_a_tab_too_narrow_or_too_wide(by_mm: float, is_mm: float) -> None:
 def test_a_tab_in_a_corner() -> None:
     program = re.sub(TAB, r"\1", made(LASER).program, count=1)
     row = re.compile(r"(?m)^N\d+ (G1 X([\d.]+) Y([\d.]+)).*$")
-    corner = next(found for found in row.finditer(program) if program[found.end() :].split()[1] == "G2")
+    corner = [found for found in row.finditer(program) if program[found.end() :].split()[1] == "G2"][1]
     x, y = float(corner[2]), float(corner[3])
     *_, before = re.findall(r"X([\d.]+) Y([\d.]+)", program[: corner.start()])
     away = np.array([float(before[0]) - x, float(before[1]) - y])
     (a, b), (c, d) = ((np.array([x, y]) + away / np.hypot(*away) * mm).round(4).tolist() for mm in (1.4, 0.4))
-    turn = f"G1 X{a:g} Y{b:g}\nM5\nG1 X{c:g} Y{d:g}\nM3 S1\n{corner[1]}"
+    feed = re.findall(r"F[\d.]+", program)[0]
+    turn = f"G1 X{a:g} Y{b:g} {feed}\nM5\nG1 X{c:g} Y{d:g}\nM3 S1\n{corner[1]}"
     result = judged(LASER, program[: corner.start()] + turn + program[corner.end() :])
     assert result.broken() == ("hold-small-parts",)
     assert "that lies in a corner, or less than 3 mm from one" in report(result)

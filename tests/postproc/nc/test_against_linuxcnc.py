@@ -2,13 +2,14 @@
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kerfwise.encoder.by_hand import nest, part
+from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
@@ -20,7 +21,9 @@ from kerfwise.postproc.dialects import load_dialect
 from kerfwise.postproc.nc.pen import Pen
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.nc.toolpath import torch_path
+from kerfwise.rules.catalogue.hold_small_parts import HoldSmallPartsOptions
 from kerfwise.rules.profile.profile import Profile, load_profile, shipped_profiles
+from kerfwise.rules.rule import RuleSetting
 from kerfwise.tests.postproc.dialects.reading import apart_mm
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 from kerfwise.tests.tools import canon
@@ -135,6 +138,23 @@ def test_linuxcnc_reads_a_program_with_slits() -> None:
     assert [planned.kind for planned in made.plan.cuts] == ["slit", "outer"]
     assert differences(made.plan, plant.as_cut(drawn), plant, run) == []
     assert run.burns[0].points[-1] == pytest.approx((60, 60.75), abs=1e-3)
+
+
+@pytest.mark.parametrize(("name", "burns"), [("laser-st10kp-2mm", 6), ("plasma-carbon-steel", 2)])
+def test_linuxcnc_reads_a_program_with_tabs(name: str, burns: int) -> None:
+    """A plate and a disc with tabs: the torch is on for as long as the plan says, and off over each tab."""
+    base = load_profile(name)
+    tabs = RuleSetting("hard", None, HoldSmallPartsOptions(width_mm=0.8))
+    plant = replace(base, rules=dict(base.rules) | {"hold-small-parts": tabs})
+    drawn = nest(250, 120, part("A", rect(40, 30, 80, 50)), part("C", circle(170, 60, 30)))
+    made = produce(ask(facts_of(drawn, plant), plant), plant, SolveOptions(work=1, home_mm=plant.machine.home))
+    run = canon.run(made.program)
+    assert (run.error, run.warnings, len(run.burns)) == (None, [], burns)
+    assert sum(burn.length_mm for burn in run.burns) == pytest.approx(made.plan.totals.cut_mm, abs=0.1)
+    off_mm = plant.material.kerf_mm + 0.8
+    gaps = [math.dist(a.points[-1], b.pierce) for a, b in pairwise(run.burns)]
+    at_tabs = [gap for gap in gaps if gap < 5]
+    assert at_tabs == pytest.approx([off_mm] * (burns - 2), abs=0.01)
 
 
 bulges = st.one_of(
