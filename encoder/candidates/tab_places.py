@@ -31,6 +31,8 @@ ON_CONTOUR_MM = 0.5
 """A drawn tab that is further from its contour is not on it."""
 SAME_MM = 0.05
 _STEPS, _STEP_MM = 400, 1.0
+_FAR = 0.75
+"""Tabs this share of an even share apart are far enough that the longer straight counts."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,8 +267,9 @@ def _spread(room: Room, options: TabOptions, entry_mm: float | None) -> list[flo
         able = apart >= least_mm
         if not able.any():
             break
-        far = np.minimum(apart, 0.9 * around_mm / options.count)
-        score = np.where(able, np.round(far, 3) * around_mm * 10 + np.round(length_mm, 3), -1.0)
+        far = np.minimum(apart, _FAR * around_mm / options.count)
+        score = np.round(far, 3) * around_mm * 10 + np.round(length_mm, 3)
+        score = np.where(able, score + np.where(np.isfinite(apart), np.round(apart, 3), 0.0) / (10 * around_mm), -1.0)
         k = int(np.argmax(score))
         chosen.append(float(every[k]))
         apart = np.minimum(apart, _apart(every, chosen[-1], around_mm))
