@@ -1,4 +1,5 @@
 import json
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -8,7 +9,7 @@ from jsonschema import Draft202012Validator
 
 from kerfwise.encoder.errors import REPAIR, InputError
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.readers import ReadOptions, read_nest
+from kerfwise.encoder.readers import ReadOptions, json_schema, read_nest
 from kerfwise.encoder.readers.json_schema import validator
 from kerfwise.tests.encoder.readers.drawings import areas, texts
 
@@ -225,3 +226,23 @@ def test_an_arc_wider_than_the_world_names_its_contour(tmp_path: Path) -> None:
     given["parts"][1]["outer"][0][2] = 1e6
     with pytest.raises(InputError, match=r"P2\.outer: an arc of bulge 1e\+06 is wider than a kilometre$"):
         read(tmp_path, given)
+
+
+def test_the_schema_sees_few_vertices_of_plain_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It takes a tenth of a second for a thousand of them."""
+    shown: list[Any] = []
+    checked = json_schema.validator()
+
+    class Noted:
+        def iter_errors(self, document: Any) -> Any:
+            shown.append(document)
+            return checked.iter_errors(document)
+
+    monkeypatch.setattr(json_schema, "validator", Noted)
+    ring = [[100 + 50 * math.cos(k / 500), 100 + 50 * math.sin(k / 500)] for k in range(3000)]
+    part = {"id": "A", "outer": ring, "holes": [ring], "marks": [ring]}
+    document = {"format": "kerfwise-nest/1", "units": "mm", "sheet": {"width": 200, "height": 200}, "parts": [part]}
+    json_schema.check_schema(document, json.dumps(document))
+    assert len(shown[0]["parts"][0]["outer"]) == json_schema.FEW
+    assert len(json.dumps(shown)) < 1000
+    assert part["holes"] == [ring]
