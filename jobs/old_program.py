@@ -16,6 +16,7 @@ from kerfwise.postproc.check.reader.on_machine import moved, old_on_machine, sta
 from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.postproc.old.contours import NoNest, Told, Unclear, fits_kerf, nest_of
 from kerfwise.postproc.old.told_names import named_as_told
+from kerfwise.rules.profile.corners_section import Corners
 from kerfwise.rules.profile.cuts_section import Links
 from kerfwise.rules.profile.profile import Profile
 
@@ -188,9 +189,8 @@ def _at_its_feeds(profile: Profile, program: NcProgram) -> Profile:
     mark: dict[float, float] = defaultdict(float)
     pierce: dict[float, float] = defaultdict(float)
     for burn in program.burns:
-        for feed in burn.feeds_mm_s:
-            into = mark if burn.tool else cut
-            into[feed] = into[feed] + burn.path.length_mm / len(burn.feeds_mm_s)
+        for segment, feed in zip(burn.path.segments, burn.step_feeds_mm_s, strict=False):
+            (mark if burn.tool else cut)[feed] += segment.length_mm
         if burn.tool == 0:
             pierce[burn.held_s + burn.pierce_s] += 1
     if cut:
@@ -200,10 +200,11 @@ def _at_its_feeds(profile: Profile, program: NcProgram) -> Profile:
     if pierce:
         machine = replace(machine, pierce_time_s=_most(pierce))
     holes = replace(profile.small_holes, under="refuse")
+    corners = profile.corners
     if len(cut) < 2:
-        holes = replace(holes, small_hole_feed=1.0)
+        holes, corners = replace(holes, small_hole_feed=1.0), Corners()
     cuts = replace(profile.cuts, narrow="refuse", links=Links())  # no way to cut but that of each burn
-    return replace(profile, machine=machine, small_holes=holes, cuts=cuts)
+    return replace(profile, machine=machine, small_holes=holes, corners=corners, cuts=cuts)
 
 
 def _most(counted: Mapping[float, float]) -> float:

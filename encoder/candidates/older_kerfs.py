@@ -117,18 +117,25 @@ class _Paths:
         pierced = np.array([not candidates[k].edge_start for k in burning], dtype=np.bool_)
         pierces = shapely.points(np.array([candidates[k].pierce for k in burning]).reshape(-1, 2))
         ends = [end for k in burning for end in _lead_ends(k, candidates[k])]
-        of = np.array([k for k, _ in ends], dtype=np.int64)
-        rows = np.array([row for _, row in ends], dtype=np.float64).reshape(-1, 6)
+        of = np.array([k for k, _, _ in ends], dtype=np.int64)
+        rows = np.array([row for _, row, _ in ends], dtype=np.float64).reshape(-1, 6)
+        joins = np.array([at_contour for _, _, at_contour in ends], dtype=np.bool_)
         leads = Leads(rows[:, 0:2], rows[:, 2:4], rows[:, 4], rows[:, 5])
-        long = leads.length_mm > kerf_mm / 2 + EXACT_MM
+        long = joins & (leads.length_mm > kerf_mm / 2 + EXACT_MM)
+        before = ~joins  # the rest of a lead of several lines and arcs, as old programs have them
         return _Paths(
             part[[c.contour for c in candidates]],
             pierces[pierced],
             numbers[pierced],
             shapely.linestrings(leads.points()),
             of,
-            shapely.linestrings(leads.take(long).points(kerf_mm / 2, most=1.0)),
-            of[long],
+            np.concatenate(
+                [
+                    shapely.linestrings(leads.take(long).points(kerf_mm / 2, most=1.0)),
+                    shapely.linestrings(leads.take(before).points()),
+                ]
+            ),
+            np.concatenate([of[long], of[before]]),
         )
 
     def met(
@@ -160,15 +167,18 @@ def _sorted(rows: Ints) -> Ints:
     return np.asarray(np.unique(rows, axis=0), dtype=np.int64).reshape(-1, 2)
 
 
-def _lead_ends(number: int, candidate: Candidate) -> list[tuple[int, tuple[float, ...]]]:
-    """The lead-in and the lead-out as rows: outer end, end at the contour, bulge, length. Overcuts are no leads."""
-    found: list[tuple[int, tuple[float, ...]]] = []
+def _lead_ends(number: int, candidate: Candidate) -> list[tuple[int, tuple[float, ...], bool]]:
+    """The lead-in and the lead-out as rows: outer end, end at the contour, bulge, length. Overcuts are no leads.
+
+    A lead-in of several lines and arcs has a row for each; only the last of them ends at the contour.
+    """
+    found: list[tuple[int, tuple[float, ...], bool]] = []
     if candidate.lead_in is not None:
-        (x0, y0, bulge), (x1, y1, _) = candidate.lead_in.vertices.tolist()
-        found.append((number, (x0, y0, x1, y1, bulge, candidate.lead_in.segments[0].length_mm)))
+        segments = candidate.lead_in.segments
+        found += [(number, (*s.start, *s.end, s.bulge, s.length_mm), s is segments[-1]) for s in segments]
     if candidate.lead_out is not None and candidate.leaves:
         last = candidate.lead_out.segments[-1]
-        found.append((number, (*last.end, *last.start, -last.bulge, last.length_mm)))
+        found.append((number, (*last.end, *last.start, -last.bulge, last.length_mm), True))
     return found
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import re
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.checking import check_plan, check_program
 from kerfwise.rules.profile.corners_section import Corners
 from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.tests.commands.run_cli import kerfwise
 
 PLATE = nest(
     400,
@@ -111,3 +113,22 @@ def test_a_program_without_slow_corners_is_refused_and_the_other_way_round() -> 
     flat = dataclasses.replace(plant(), corners=Corners())
     assert wrong_feeds(written(flat), plant())
     assert wrong_feeds(written(plant()), flat)
+
+
+def test_an_old_program_keeps_its_slow_corners(tmp_path: Path) -> None:
+    (tmp_path / "old.nc").write_text(made().program)
+    (tmp_path / "shop.yaml").write_text(
+        "based_on: plasma-carbon-steel\ncorners: {corner_feed: 0.6, corner_reach: 3 mm}\n"
+    )
+    words = ("-p", tmp_path / "shop.yaml", "--sheet", "400x240", "-o", tmp_path / "new.nc", "--work", 1)
+    ended = kerfwise("resequence", tmp_path / "old.nc", *words)
+    assert ended.code == 0, ended.err
+    assert re.search(r"^hard feeds +holds +holds$", ended.out, re.MULTILINE)
+    moves = [
+        re.findall(r"^(?:N\d+ )?(G[123] .*)", text, re.MULTILINE) for text in (made().program, written_in(tmp_path))
+    ]
+    assert sorted(moves[0]) == sorted(moves[1])
+
+
+def written_in(folder: Path) -> str:
+    return (folder / "new.nc").read_text()
