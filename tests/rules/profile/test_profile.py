@@ -181,7 +181,8 @@ def test_options_of_the_encoder_follow_the_rules(tmp_path: Path) -> None:
     more = "  hull-before: off\n  cut-direction: {outer: cw}\n  start-side: {side: top}\n"
     profile = load_profile(write(tmp_path, PLANT.replace("  hull-before: off\n", more)))
     leads, facts = profile.lead_options(), profile.fact_options()
-    assert leads.directions == {"outer": ("cw",), "hole": ("cw", "ccw"), "mark": ("cw", "ccw"), "slit": ("cw", "ccw")}
+    both = dict.fromkeys(("hole", "mark", "slit", "scrap"), ("cw", "ccw"))
+    assert leads.directions == {"outer": ("cw",), **both}
     assert leads.entry_points == {"P2.hole1": (3.0, 4.0)}
     assert (leads.pierce_clearance_mm, leads.kerf_mm) == (0.5, 0.2)
     assert facts.zone_respects == {"contains"}
