@@ -80,6 +80,7 @@ def command(
     from kerfwise.jobs.summary import summary
     from kerfwise.postproc.files import write_files
     from kerfwise.postproc.nc.dxf_out import write_dxf
+    from kerfwise.postproc.nc.remnant import remnant_files, remnant_names
     from kerfwise.postproc.report import draw
 
     from .conflict import tell_conflict
@@ -97,7 +98,8 @@ def command(
     if named_after:
         expect_own(file, Path(str(output)), Path(str(plan_path)), Path(str(picture)))
     given = read_given(**options)
-    protect(given, options["nest"], outputs, lock_from)
+    beside_program = remnant_names(output, given.profile) if output else ()
+    protect(given, options["nest"], (*outputs, *beside_program), lock_from)
     note_placing(given)
     already = already_cut(given, lock_from, upto, redo_last, tell_note)
     limits = options_for(
@@ -119,6 +121,7 @@ def command(
     if made.verdict.ok:
         if output:
             files[Path(output)] = made.program
+            files |= remnant_files(output, given.nest, given.profile)
         if plan_path:
             files[Path(plan_path)] = made.plan.to_json()
         if dxf:

@@ -35,6 +35,9 @@ def read_json(data: bytes, options: ReadOptions) -> Nest:
     if isinstance(document, dict) and isinstance(parts := document.get("parts"), list):
         so_much(len(parts), "part", "parts")
     check_schema(document, text)
+    if not document["parts"]:
+        [(line, column)] = places(text, [["parts"]])
+        raise InputError("the nest has no parts: a sheet alone is there to nest parts on", line=line, column=column)
     units = options.units or document.get("units", "mm")
     scale = MM_PER[units]
     _check_ids(document["parts"], text)

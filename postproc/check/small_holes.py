@@ -15,6 +15,7 @@ import shapely
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.encoder.scrap import with_scrap
 from kerfwise.encoder.small_holes import HoleLimits
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
@@ -79,7 +80,10 @@ def judged_nest(nest: Nest, profile: Profile) -> Judged:
                 marks.append(_cross(hole, area, limits))
         changed = len(holes) != len(part.holes)
         parts.append(replace(part, holes=tuple(holes), marks=tuple(marks)) if changed else part)
-    return Judged(replace(drawn, parts=tuple(parts), drawn=drawn) if small else drawn, tuple(small), shares)
+    scrap = profile.cuts.scrap
+    lined = with_scrap(drawn, profile.material.kerf_mm, scrap.grid_mm, scrap.remnant)
+    changed_parts = replace(lined, parts=tuple(parts), drawn=drawn) if small else lined
+    return Judged(changed_parts, tuple(small), shares)
 
 
 def _across_mm(area: shapely.Geometry, enough_mm: float) -> float:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import get_args
 
 from kerfwise.encoder.candidates.candidate import Narrow
+from kerfwise.encoder.cut import Side
 from kerfwise.rules.options.members import Members
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.plain_values import Choice
-from kerfwise.rules.options.quantities import LENGTH
+from kerfwise.rules.options.quantities import LENGTH, OrWord, over_zero
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,6 +18,24 @@ class Links:
     """Ways through waste from one contour to the next with the torch on."""
 
     longest_mm: float = field(default=0.0, metadata=option(LENGTH, "longest link; 0 mm: none"))
+
+
+@dataclass(frozen=True, slots=True)
+class Scrap:
+    """Lines in the skeleton that are made, not drawn."""
+
+    grid_mm: float | None = field(
+        default=None,
+        metadata=option(
+            OrWord(over_zero(LENGTH), "off"), "cut the skeleton into pieces no larger than this, either way"
+        ),
+    )
+    remnant: Side | None = field(
+        default=None,
+        metadata=option(
+            Choice(("off", *get_args(Side)), none="off"), "save the largest unused rectangle along this side"
+        ),
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +49,7 @@ class Cuts:
             "a slot narrower than the kerf: refuse the nest, or open it by one pass along its middle, a kerf wide",
         ),
     )
+    scrap: Scrap = field(default=Scrap(), metadata=option(Members(Scrap), "lines that cut up the skeleton, made"))
     links: Links = field(
         default=Links(), metadata=option(Members(Links), "ways through waste from one contour to the next, torch on")
     )

@@ -23,6 +23,7 @@ from kerfwise.encoder.geometry.segment import Box, Point
 from kerfwise.encoder.nest import Kind, Nest
 from kerfwise.encoder.readers.layers import Layers
 from kerfwise.encoder.readers.options import ReadOptions
+from kerfwise.encoder.scrap import with_scrap
 from kerfwise.encoder.shown import shown
 from kerfwise.encoder.slits import with_slits
 from kerfwise.encoder.small_holes import HoleLimits, as_cut
@@ -272,9 +273,13 @@ class Profile:
         return self.small_holes.limits(self.material.thickness_mm, clearance_mm)
 
     def as_cut(self, nest: Nest) -> Nest:
-        """The nest as this plant cuts it: small holes are marks or gone, others know their feed, slots have slits."""
+        """The nest as this plant cuts it: small holes are marks or gone, others know their feed, slots have slits.
+
+        So has the skeleton its lines, where the profile has them made.
+        """
         made = as_cut(nest, self.hole_limits())
         made = with_slits(made, self.material.kerf_mm) if self.cuts.narrow == "slit" else made
+        made = with_scrap(made, self.material.kerf_mm, self.cuts.scrap.grid_mm, self.cuts.scrap.remnant)
         law = self.corner_feed()
         return made if law is None else with_corners(made, law, self.material.kerf_mm)
 

@@ -6,8 +6,10 @@ import json
 from pathlib import Path
 from typing import Any
 
+import ezdxf
 import pytest
 
+from kerfwise.encoder.readers import read_nest
 from kerfwise.rules.profile.profile import load_profile
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 from kerfwise.tests.tools import canon
@@ -163,3 +165,73 @@ def test_a_drawing_of_the_paths_has_a_layer_for_them(tmp_path: Path) -> None:
 
 def test_nothing_is_asked_of_them_by_default() -> None:
     assert load_profile().drawing.scrap_lines == "ignore"
+
+
+STEPPED = [{"id": "A", "outer": [[20, 20], [220, 20], [220, 280], [20, 280]]},
+           {"id": "B", "outer": [[240, 20], [340, 20], [340, 80], [240, 80]]}]  # fmt: skip
+
+
+def made_lines(folder: Path, parts: list[Any], scrap: str) -> Ended:
+    nest = {"format": "kerfwise-nest/1", "sheet": {"width": 500, "height": 300}, "parts": parts}
+    (folder / "nest.json").write_text(json.dumps(nest), encoding="utf-8")
+    (folder / "plant.yaml").write_text(f"cuts: {{scrap: {scrap}}}\n", encoding="utf-8")
+    return solve(folder / "nest.json", "-p", folder / "plant.yaml")
+
+
+def test_a_grid_and_a_remnant_are_made_and_the_remnant_is_written(tmp_path: Path) -> None:
+    done = made_lines(tmp_path, STEPPED, "{grid: 150 mm, remnant: right}")
+    assert done.code == 0, done.err
+    assert "nest.remnant.json" in done.out
+    assert "nest.remnant.dxf" in done.out
+    rest = json.loads((tmp_path / "nest.remnant.json").read_text(encoding="utf-8"))
+    # 500 - 220 less the kerf of A and half that of the line; 300 - 80 less as much
+    assert rest["sheet"] == {"width": 277.74, "height": 217.74}
+    judged = kerfwise("check", tmp_path / "nest.json", tmp_path / "nest.nc", "-p", tmp_path / "plant.yaml")
+    assert judged.code == 0, judged.out
+    rest["parts"] = [{"id": "C", "outer": [[20, 20], [120, 20], [120, 120], [20, 120]]}]
+    for name in ("next.json", "next.dxf"):
+        if name.endswith("json"):
+            (tmp_path / name).write_text(json.dumps(rest), encoding="utf-8")
+            sheet = read_nest(tmp_path / name).sheet
+        else:
+            drawing = ezdxf.readfile(tmp_path / "nest.remnant.dxf")
+            drawing.modelspace().add_circle((100, 100), 20, dxfattribs={"layer": "parts"})
+            drawing.saveas(tmp_path / name)
+            sheet = read_nest(tmp_path / name).sheet
+        assert sheet.bounds == pytest.approx((0, 0, 277.74, 217.74))
+        assert sheet.stated
+
+
+FULL = [*STEPPED[:1], {"id": "B", "outer": [[240, 20], [480, 20], [480, 280], [240, 280]]}]
+
+
+@pytest.mark.parametrize(
+    ("parts", "scrap", "told"),
+    [
+        (FULL, "{remnant: right}", "cuts.scrap.remnant: right leaves nothing to save: the largest unused rectangle"),
+        (FULL, "{grid: 0 mm}", "cuts.scrap.grid"),
+        (FULL, "{remnant: west}", "cuts.scrap.remnant"),
+    ],
+)
+def test_what_cannot_be_made_is_refused_and_nothing_is_written(
+    tmp_path: Path, parts: list[Any], scrap: str, told: str
+) -> None:
+    done = made_lines(tmp_path, parts, scrap)
+    assert (done.code, "Traceback" in done.err) == (2, False)
+    assert told in done.err.replace("'", "")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["nest.json", "plant.yaml"]
+
+
+def test_a_remnant_alone_is_no_nest(tmp_path: Path) -> None:
+    assert made_lines(tmp_path, STEPPED, "{remnant: right}").code == 0
+    done = kerfwise("solve", tmp_path / "nest.remnant.json")
+    assert (done.code, "the nest has no parts: a sheet alone is there to nest parts on" in done.err) == (2, True)
+
+
+def test_the_remnant_of_a_nest_is_not_written_over_it(tmp_path: Path) -> None:
+    nest = {"format": "kerfwise-nest/1", "sheet": {"width": 500, "height": 300}, "parts": STEPPED}
+    (tmp_path / "a.remnant.json").write_text(json.dumps(nest), encoding="utf-8")
+    (tmp_path / "plant.yaml").write_text("cuts: {scrap: {remnant: right}}\n", encoding="utf-8")
+    done = kerfwise("solve", tmp_path / "a.remnant.json", "-p", tmp_path / "plant.yaml", "-o", tmp_path / "a.nc")
+    assert done.code == 2
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.remnant.json", "plant.yaml"]

@@ -119,7 +119,6 @@ REFUSED = "not a kerfwise-nest/1 file: "
         (put("sheet", value={}), "the sheet: expected either 'width' and 'height', or 'outline'", 4),
         (put("sheet", "width", value=0), "the sheet, width: 0 given, expected over 0", 5),
         (put("sheet", "height", value="50"), 'the sheet, height: "50" given, expected a number', 6),
-        (put("parts", value=[]), "parts: nothing in it", 8),
         (put("parts", value={}), "parts: an object given, expected a list", 8),
         (drop("parts", 1, "id"), "part number 2: 'id' missing", 80),
         (put("parts", 1, "id", value=""), "part number 2, id: nothing in it", 81),
