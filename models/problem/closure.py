@@ -24,17 +24,17 @@ def close(n: int, pairs: Sequence[tuple[int, int]] | Ints, block: Ints) -> Bools
     >>> close(3, [(0, 1)], np.array([0, 1, 1]))[0].tolist()
     [False, True, True]
     """
-    between = np.zeros((n, n), dtype=np.bool_)
-    inside = np.zeros((n, n), dtype=np.bool_)
     sooner, later = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
     together = block[sooner] == block[later]
-    inside[sooner[together], later[together]] = True
-    between[sooner[~together], later[~together]] = True
     names, member = np.unique(block, return_inverse=True)
     lifted = np.zeros((len(names), len(names)), dtype=np.bool_)
-    rows, columns = np.nonzero(between)
-    lifted[member[rows], member[columns]] = True
-    return np.asarray(transitive(lifted)[np.ix_(member, member)] | transitive(inside))
+    lifted[member[sooner[~together]], member[later[~together]]] = True
+    before = transitive(lifted)[np.ix_(member, member)]
+    linked, place = np.unique(np.concatenate([sooner[together], later[together]]), return_inverse=True)
+    inside = np.zeros((len(linked), len(linked)), dtype=np.bool_)
+    inside[tuple(place.reshape(2, -1))] = True
+    before[np.ix_(linked, linked)] |= transitive(inside)
+    return before
 
 
 def transitive(direct: Bools) -> Bools:

@@ -17,6 +17,9 @@ from .result import Judgement
 SAME = 1e-3
 """Millimetres and seconds that two cuts may differ by and be the same: what a program's decimals make of a plan's."""
 
+MIDWAY_MM = 5e-3
+"""The same of the middle of a lead's arc: programs have a line for an arc so flat."""
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class JudgedCuts:
@@ -64,7 +67,9 @@ def _numbers(cut: Cut) -> list[float]:
 def _same_lead(one: Curve | None, other: Curve | None) -> bool:
     """Two leads by their ends and by how far their arcs stand off; one that goes nowhere is none."""
     first, second = _stretches(one), _stretches(other)
-    return len(first) == len(second) and all(map(_near, first, second))
+    return len(first) == len(second) and all(
+        _near(a[:4], b[:4]) and _near(a[4:], b[4:], MIDWAY_MM) for a, b in zip(first, second, strict=True)
+    )
 
 
 def _stretches(lead: Curve | None) -> list[list[float]]:
@@ -78,5 +83,5 @@ def _stretches(lead: Curve | None) -> list[list[float]]:
     ]
 
 
-def _near(one: Sequence[float], other: Sequence[float]) -> bool:
-    return all(abs(a - b) <= SAME for a, b in zip(one, other, strict=True))
+def _near(one: Sequence[float], other: Sequence[float], by: float = SAME) -> bool:
+    return all(abs(a - b) <= by for a, b in zip(one, other, strict=True))

@@ -14,7 +14,9 @@ from kerfwise.tests.rules.test_statements_agree import sheets
 @given(sheets(), st.integers(1, 90))
 def test_spots_face_the_same_some_at_a_time(sheet: Nest, some: int) -> None:
     assume(sheet.parts)
-    spots = Spots.joined([spots_along(k, p.outer.line, 0.0, p.outer.line.length, 40) for k, p in enumerate(sheet.parts)])
+    spots = Spots.joined(
+        [spots_along(k, p.outer.line, 0.0, p.outer.line.length, 40) for k, p in enumerate(sheet.parts)]
+    )
     outlines = Facing(sheet, 25.0, 25.0)
     all_at_once = outlines.faced(spots)
     assert len(all_at_once) == 40 * len(sheet.parts)

@@ -1,0 +1,50 @@
+"""The closed order, block by block and block in block, is the plain closure of all that blocks ask for."""
+
+import numpy as np
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from kerfwise.models.problem.closure import close
+
+
+def plainly(n: int, pairs: list[tuple[int, int]], block: list[int]) -> np.ndarray:
+    """Handed on until nothing changes: within a block from contour to contour, else from block to block."""
+    before = np.zeros((n, n), dtype=bool)
+    for a, b in pairs:
+        if block[a] == block[b]:
+            before[a, b] = True
+        else:
+            before |= np.logical_and.outer(np.array(block) == block[a], np.array(block) == block[b])
+    for _ in range(n):
+        further = (before.astype(int) @ before.astype(int)) > 0
+        same = np.equal.outer(block, block)
+        lifted = np.array([[further[i, j] and not same[i, j] for j in range(n)] for i in range(n)], dtype=bool)
+        before |= lifted.reshape(n, n) | (further & same)
+    return before
+
+
+@st.composite
+def orders(draw: st.DrawFn) -> tuple[int, list[tuple[int, int]], list[int]]:
+    """Contours, pairs that follow one order of the blocks and of the contours in them, and the block of each."""
+    n = draw(st.integers(1, 8))
+    block = sorted(draw(st.lists(st.integers(0, n - 1), min_size=n, max_size=n)))
+    block = [block.index(b) for b in block]
+    later = draw(st.lists(st.tuples(st.integers(0, n - 1), st.integers(0, n - 1)), max_size=12))
+    return n, [(a, b) for a, b in later if a < b], block
+
+
+@given(orders())
+@example((1, [], [0]))
+@example((4, [(0, 1), (1, 3)], [0, 1, 1, 3]))
+def test_closed_as_it_is_handed_on(given: tuple[int, list[tuple[int, int]], list[int]]) -> None:
+    n, pairs, block = given
+    assert close(n, pairs, np.array(block)).tolist() == plainly(n, pairs, block).tolist()
+
+
+def test_nothing_to_close() -> None:
+    assert close(0, [], np.zeros(0, dtype=np.int64)).shape == (0, 0)
+
+
+def test_orders_that_go_round_have_a_true_diagonal() -> None:
+    assert close(3, [(0, 1), (1, 0)], np.array([0, 0, 2])).diagonal().tolist() == [True, True, False]
+    assert close(4, [(0, 2), (3, 1)], np.array([0, 0, 2, 2])).diagonal().all()
