@@ -17,8 +17,8 @@ from .result import Judgement
 SAME = 1e-3
 """Millimetres and seconds that two cuts may differ by and be the same: what a program's decimals make of a plan's."""
 
-MIDWAY_MM = 5e-3
-"""The same of the middle of a lead's arc: programs have a line for an arc so flat."""
+MIDWAY_MM = 3e-3
+"""The same of the middle of a lead's arc: programs have a line for an arc that rises less."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
