@@ -16,6 +16,7 @@ import numpy as np
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import Crossings
+from kerfwise.models.problem.links import Links
 from kerfwise.models.problem.problem import Problem
 
 from .moves import least_moves
@@ -79,6 +80,7 @@ def network_of(problem: Problem, route: Sequence[int], most: int, most_sites: in
         site_cost=problem.site_cost[sites] + paid,
         conditions=(*wide, *(replace(c, when=k) for k, split in enumerate(splits) for c in split.left)),
         crossings=Crossings(),
+        links=Links(),
         matrix=None,
     )
     none = np.zeros((1, problem.n), dtype=np.bool_)

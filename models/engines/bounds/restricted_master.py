@@ -45,8 +45,11 @@ class RestrictedMaster(Protocol):
     def drop_rows(self, rows: Ints) -> None:
         """Drop some of the rows that were added, counted from the first equation on; those after them move up."""
 
-    def close(self, columns: Ints) -> None:
-        """Keep these columns at 0 from now on."""
+    def limit(self, columns: Ints, most: Floats) -> None:
+        """Keep these columns at no more than so much each from now on."""
+
+    def price(self, columns: Ints, cost: Floats) -> None:
+        """What these columns cost from now on."""
 
     def solve(self, most: int) -> MasterSolution | None:
         """The cheapest columns, None where no optimum is found in so many iterations."""
@@ -89,10 +92,14 @@ class GoesOn:
         if len(rows):
             self._told(self._highs.deleteRows(len(rows), rows.astype(np.int32)))
 
-    def close(self, columns: Ints) -> None:
+    def limit(self, columns: Ints, most: Floats) -> None:
         if len(columns):
-            none = np.zeros(len(columns))
-            self._told(self._highs.changeColsBounds(len(columns), columns.astype(np.int32), none, none))
+            chosen, none = columns.astype(np.int32), np.zeros(len(columns))
+            self._told(self._highs.changeColsBounds(len(columns), chosen, none, most))
+
+    def price(self, columns: Ints, cost: Floats) -> None:
+        if len(columns):
+            self._told(self._highs.changeColsCost(len(columns), columns.astype(np.int32), cost))
 
     def solve(self, most: int) -> MasterSolution | None:
         self._highs.setOptionValue("simplex_iteration_limit", min(most, MOST_ROUNDS))
@@ -137,8 +144,11 @@ class Anew:
         kept[rows] = False
         self._entries, self._least = self._entries[kept], self._least[kept[len(self._right) :]]
 
-    def close(self, columns: Ints) -> None:
-        self._most[columns] = 0.0
+    def limit(self, columns: Ints, most: Floats) -> None:
+        self._most[columns] = most
+
+    def price(self, columns: Ints, cost: Floats) -> None:
+        self._cost[columns] = cost
 
     def solve(self, most: int) -> MasterSolution | None:
         equations, rows = self._entries[: len(self._right)], self._entries[len(self._right) :]

@@ -57,13 +57,22 @@ def test_going_on_and_starting_anew_find_the_same_cost(seed: int) -> None:
 
 
 @pytest.mark.parametrize("kind", [GoesOn, Anew])
-def test_a_column_that_is_closed_stays_at_0(kind: type[RestrictedMaster]) -> None:
+def test_columns_can_be_limited_and_priced_anew(kind: type[RestrictedMaster]) -> None:
     program = kind(np.array([4.0]))  # type: ignore[call-arg]
     program.add_columns(np.array([2.0, 3.0]), csr_matrix([[1.0, 1.0]]))
-    program.close(np.array([0]))
+    program.limit(np.array([0]), np.zeros(1))
     solved = program.solve(100)
     assert solved is not None
     assert solved.value.tolist() == [0.0, 4.0]
+    program.limit(np.array([0]), np.array([3.0]))
+    program.price(np.array([0, 1]), np.array([5.0, 3.0]))
+    solved = program.solve(100)
+    assert solved is not None
+    assert solved.value.tolist() == [0.0, 4.0]
+    program.price(np.array([1]), np.array([9.0]))
+    solved = program.solve(100)
+    assert solved is not None
+    assert solved.value.tolist() == [3.0, 1.0]
 
 
 def test_no_optimum_within_the_rounds_is_said() -> None:
