@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.compensation import compensated
+from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.physics.timing.acceleration import Accelerated
 from kerfwise.models.physics.timing.choose import machine_feeds, motion_of
@@ -33,7 +34,7 @@ def contour_heat_kj(nest: Nest, candidates: Sequence[Candidate], profile: Profil
     """The most heat that cutting each contour leaves in the sheet, kJ, (n,); none for marks.
 
     No plan of these candidates, and no program of it, leaves more. At constant feeds it is exact for the entry that
-    takes longest.
+    takes longest, where there are no links; with them a link as long as may be counts, for outer contours.
     """
     motion, machine = _slowest(nest, candidates, profile), profile.machine
     # On an axis that takes time to stop, a path that begins elsewhere stops there instead of where it was timed from.
@@ -43,6 +44,8 @@ def contour_heat_kj(nest: Nest, candidates: Sequence[Candidate], profile: Profil
     # The corner at which a ring is opened here, and the one that a lead makes with it, which no part of it shows.
     corner_mm = 0.0 if law is None else 4 * law.reach_mm * (1 / law.share - 1)
     stop_s = motion.feeds.cut_mm_s / motion.acceleration_mm_s2 if isinstance(motion, Accelerated) else 0.0
+    links = profile.link_options()
+    link_s = 0.0 if links is None else motion.run_s(_straight(links.longest_mm), False)
     rounds_s: dict[int, float] = {}
     longest_s = np.zeros(len(nest.contours))
     for candidate in candidates:
@@ -56,8 +59,15 @@ def contour_heat_kj(nest: Nest, candidates: Sequence[Candidate], profile: Profil
         leads = (lead for lead in (candidate.lead_in, candidate.lead_out) if lead is not None)
         leads_s = sum(motion.run_s(lead, False, contour.feed_share) for lead in leads)
         on_s = rounds_s[number] + leads_s + (machine.edge_preheat_s if candidate.edge_start else machine.pierce_time_s)
+        if contour.kind == "outer" and links is not None:
+            out_s = 0.0 if candidate.lead_out is None else motion.run_s(candidate.lead_out, False, contour.feed_share)
+            on_s = max(on_s, rounds_s[number] + out_s + link_s / contour.feed_share)
         longest_s[number] = max(longest_s[number], on_s)
     return np.asarray(profile.heat.absorbed_power_w * longest_s / J_PER_KJ)
+
+
+def _straight(length_mm: float) -> Curve:
+    return Curve.of([(0.0, 0.0), (length_mm, 0.0)], closed=False)
 
 
 def _slowest(nest: Nest, candidates: Sequence[Candidate], profile: Profile) -> Motion:

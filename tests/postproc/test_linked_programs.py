@@ -132,6 +132,13 @@ def test_clock_and_heat_of_plan_and_program_are_the_same() -> None:
             assert burns[before.cut.contour].at_s[-1] == pytest.approx(burns[after.cut.contour].at_s[0])
 
 
+def test_no_linked_cut_leaves_more_heat_than_its_zone_counts_with() -> None:
+    facts = facts_of(SHEET, given())
+    power_kw = given().heat.absorbed_power_w / 1000
+    for cut in (planned.cut for planned in planned().cuts):
+        assert power_kw * (cut.end_s - cut.start_s) <= facts.torch_heat_kj[SHEET.index[cut.contour]] + 1e-6
+
+
 @pytest.mark.parametrize("name", dialect_names())
 def test_every_dialect_stays_on_along_a_link(name: str) -> None:
     profile = with_dialect(given(), name)

@@ -1,0 +1,143 @@
+"""What links save: the best plan with them against the plain one, by what a pierce takes.
+
+Usage: python -m kerfwise.benchmarks.chains [--contours 115 308] [--pierce 0.5 1 2] [--work 20] > chains.md
+
+Made plates (examples/gen_sheet.py, seed 1) under the default profile, plasma, once as it is and once with
+`cuts: {links: {longest: 100 mm}}`. Each program is checked; one that fails ends the run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import platform
+import sys
+import time
+from dataclasses import dataclass, replace
+
+import kerfwise
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.readers import ReadOptions
+from kerfwise.encoder.readers.json_nest import read_json
+from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.produce import produce
+from kerfwise.jobs.solve_options import options_for
+from kerfwise.models.plan.plan import Plan
+from kerfwise.rules.profile.cuts_section import Cuts, Links
+from kerfwise.rules.profile.profile import Profile, load_profile
+
+LONGEST_MM = 100.0
+PAGE = """\
+# What chains save
+
+Made by `python -m kerfwise.benchmarks.chains --contours {contours} --pierce {pierce} --work {work:g} > docs/chains.md`
+with kerfwise {kerfwise}, Python {python}: plates of `examples/gen_sheet.py`, seed 1, under the default profile (plasma,
+feed 2.5 m/min, travel 15 m/min), once as it is and once with links of up to {longest:g} mm ([chains](links.md)).
+
+A plan without links has the least idle travel; one with links has the least time. Beside the time of the whole
+program stands the part of it that plans differ in by pierces and ways: idle travel, pierces and links, leads left out.
+The gap is what is not proven, of a plan's own cost. The processor's seconds are those of the whole run: facts, plan,
+program and check.
+
+| plate | pierce, s | links | pierces | cut, m | idle, m | idle, pierces, links, s | program, s | gap | processor, s |
+|---|---:|---|---:|---:|---:|---:|---:|---:|---:|
+{rows}
+"""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One plan: what it is of, and what it comes to."""
+
+    plate: str
+    pierce_s: float
+    links: int | None
+    pierces: int
+    cut_mm: float
+    idle_mm: float
+    between_s: float
+    program_s: float
+    gap: float | None
+    spent_s: float
+
+    def __str__(self) -> str:
+        cells = (
+            self.plate, f"{self.pierce_s:g}", "–" if self.links is None else str(self.links), str(self.pierces),
+            f"{self.cut_mm / 1000:.2f}", f"{self.idle_mm / 1000:.2f}", f"{self.between_s:.1f}", f"{self.program_s:.0f}",
+            "–" if self.gap is None else "0" if self.gap == 0 else f"{self.gap:.2%}", f"{self.spent_s:.0f}",
+        )  # fmt: skip
+        return f"| {' | '.join(cells)} |"
+
+
+def plant(pierce_s: float, linked: bool) -> Profile:
+    """The default profile with a pierce of so many seconds."""
+    profile = load_profile()
+    cuts = Cuts(links=Links(longest_mm=LONGEST_MM)) if linked else Cuts()
+    return replace(profile, machine=replace(profile.machine, pierce_time_s=pierce_s), cuts=cuts)
+
+
+def between_s(plan: Plan, profile: Profile) -> float:
+    """The time of idle travel, pierces and links."""
+    machine = profile.machine
+    links_mm = sum(p.cut.lead_in.length_mm for p in plan.cuts if p.cut.linked and p.cut.lead_in is not None)
+    pierces_s = plan.totals.pierces * machine.pierce_time_s
+    return plan.totals.idle_mm / machine.travel_mm_s + pierces_s + links_mm / machine.cut_feed_mm_s
+
+
+def row(nest: Nest, name: str, pierce_s: float, linked: bool, work: float) -> Row:
+    """Plan and check a plate.
+
+    Raises
+    ------
+    SystemExit
+        If its program does not pass the check.
+    """
+    profile, began_s = plant(pierce_s, linked), time.process_time()
+    asked = ask(facts_of(nest, profile), profile)
+    made = produce(asked, profile, options_for(nest, profile, work=work), and_zones=True)
+    if not made.verdict.ok:
+        raise SystemExit(f"{name}: the program fails the check: {', '.join(made.verdict.broken())}")
+    plan = made.plan
+    return Row(
+        name,
+        pierce_s,
+        sum(p.cut.linked for p in plan.cuts) if linked else None,
+        plan.totals.pierces,
+        plan.totals.cut_mm,
+        plan.totals.idle_mm,
+        between_s(plan, profile),
+        plan.totals.time_s,
+        plan.solve.gap,
+        time.process_time() - began_s,
+    )
+
+
+def main() -> None:
+    """Print the page."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--contours", type=int, nargs="+", default=[115, 308])
+    parser.add_argument("--pierce", type=float, nargs="+", default=[0.5, 1.0, 2.0])
+    parser.add_argument("--work", type=float, default=20.0)
+    given = parser.parse_args()
+    rows = []
+    for contours in given.contours:
+        nest = read_json(json.dumps(make_sheet(1, contours)).encode(), ReadOptions())
+        for pierce_s in given.pierce:
+            for linked in (False, True):
+                rows.append(str(row(nest, f"{len(nest.contours)} contours", pierce_s, linked, given.work)))
+                print(rows[-1], file=sys.stderr, flush=True)
+    page = PAGE.format(
+        contours=" ".join(map(str, given.contours)),
+        pierce=" ".join(f"{p:g}" for p in given.pierce),
+        work=given.work,
+        longest=LONGEST_MM,
+        kerfwise=kerfwise.__version__,
+        python=platform.python_version(),
+        rows="\n".join(rows),
+    )
+    print(page, end="")
+
+
+if __name__ == "__main__":
+    main()

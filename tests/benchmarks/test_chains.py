@@ -1,0 +1,29 @@
+"""The page on what chains save, tried on a small plate."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from kerfwise.benchmarks.chains import Row, row
+from kerfwise.encoder.readers import ReadOptions
+from kerfwise.encoder.readers.json_nest import read_json
+from kerfwise.examples.gen_sheet import make_sheet
+
+
+def test_a_row_tells_plain_plans_and_gaps_apart() -> None:
+    plain = Row("plate", 2.0, None, 12, 20_500.0, 4_250.0, 41.04, 512.3, 0.0, 1.4)
+    assert str(plain) == "| plate | 2 | – | 12 | 20.50 | 4.25 | 41.0 | 512 | 0 | 1 |"
+    assert " | 3 | " in str(Row("plate", 0.5, 3, 9, 1.0, 1.0, 1.0, 1.0, 0.0123, 1.0))
+    assert " | 1.23% | " in str(Row("plate", 0.5, 3, 9, 1.0, 1.0, 1.0, 1.0, 0.0123, 1.0))
+
+
+@pytest.mark.slow
+def test_links_save_pierces_and_time() -> None:
+    nest = read_json(json.dumps(make_sheet(1, 30)).encode(), ReadOptions())
+    plain, linked = (row(nest, "plate", 2.0, on, 2.0) for on in (False, True))
+    assert plain.gap == linked.gap == 0
+    assert linked.links
+    assert linked.pierces == plain.pierces - linked.links
+    assert linked.program_s < plain.program_s
