@@ -140,7 +140,7 @@ def resequence(
     InputError
         With file and line, for what cannot be read, or what nobody can be sure of.
     RulesConflict
-        If no order keeps the hard rules.
+        If contours are planned afresh, and no plan keeps the hard rules.
     """
     plant, listener = plant_of(profile), listener or Listener()
     job = read_old_job(path, plant, asked, afresh=paths == "new", tell=tell)
@@ -198,7 +198,11 @@ def _by_rules(job: OldJob, told: Told, apart: TakenApart, limits: SolveOptions, 
     facts = facts_of_burns(job, told)
     old = check_program(told.nest, job.text, job.profile, job.name, trusted=job.trusted, side=facts.start_side)
     before = _measured(job, told, None, old)
-    made = plan_order(job, facts, told, apart, limits, listener)
+    try:
+        made = plan_order(job, facts, told, apart, limits, listener)
+    except RulesConflict as conflict:  # a lead that crosses another part is in the way of every order
+        ends = f"the old order stays: no order of these burns keeps the hard rules ({conflict.message})"
+        return _stays(job, before, told.nest, False, ends, listener)
     plan = made.plan
     proven = plan.solve.status == "optimal"
     ends = "proven: no order is better by these rules" if proven else "found, not proven"

@@ -170,6 +170,24 @@ def test_a_burn_round_several_contours_is_moved_as_one(tmp_path: Path) -> None:
     assert made.proven
 
 
+def test_a_lead_through_another_part_leaves_the_old_order(tmp_path: Path) -> None:
+    text = READ["squares with holes"]
+    through = text.replace("G0 X240 Y40\nM3 $0 S1\n", "M3 $0 S1\n", 1)  # from the square before, with the torch on
+    assert through != text
+    made = again(through, tmp_path)
+    assert not made.changed
+    assert "no order of these burns keeps the hard rules" in made.ends
+
+
+def test_leads_of_several_pieces_stay_as_they_are(tmp_path: Path) -> None:
+    bent = READ["squares"].replace("G1 X120 Y20\n", "G1 X116 Y24\nG1 X117 Y22\nG1 X120 Y20\n", 1)
+    made = again(bent, tmp_path)
+    assert made.nest is not None
+    assert made.after.cut_mm == pytest.approx(made.before.cut_mm)
+    burn = next(b for b in made.after.burns if b.path.vertices[0, 0] == 115)
+    assert burn.path.vertices[:4, :2].tolist() == [[115, 20], [116, 24], [117, 22], [120, 20]]
+
+
 def test_links_and_small_holes_of_the_profile_change_no_burn(tmp_path: Path) -> None:
     links = dataclasses.replace(PLAIN.cuts, links=Links(80.0), narrow="slit")
     holes = dataclasses.replace(PLAIN.small_holes, under="skip", min_hole=40.0)

@@ -106,6 +106,11 @@ def read_old(
             )
         if not machine.tools.ended:
             raise InputError("the program has no end: expected M2 or M30", line=machine.line or None)
+        if machine.track.open is not None:
+            raise InputError(
+                "the program ends with the torch on, and nobody can be sure where it should have gone out; put it out",
+                line=machine.line or None,
+            )
     except InputError as error:
         raise InputError(error.message, file=file or None, line=error.line, column=error.column) from None
     program = machine.done()
@@ -138,7 +143,7 @@ def _note(block: Block, further: OldWords, control: Control) -> None:
     for word in block.m:
         switches = word.value in control.starts or word.value in control.stops
         group = group_of(word)
-        if group != "stops" and not switches and (group != "torch" or control.beam):
+        if group not in ("stops", "outputs") and not switches and (group != "torch" or control.beam):
             state[_set_by(word, block)] = (_with(word, block, "P" if group == "overrides" else ""),)
     feed = block.words.get("F")
     waits = control.dwell == "F" and block.has_g(DWELL)

@@ -129,6 +129,8 @@ REFUSED: dict[str, tuple[str, int, str]] = {
         8,
         "torch on",
     ),
+    "the torch left on": (GOOD.replace("M5 $0\nG0 X0", "G0 X0"), 21, "torch on"),
+    "nothing puts it out": (HEAD + "F2500\nG0 X1 Y1\nM3 $0 S1\nG1 X9\nM2\n", 8, "ends with the torch on"),
     "a halt": (GOOD.replace("G0 X115", "M0\nG0 X115"), 13, "halts here"),
     "a wait before a travel": (GOOD.replace("G0 X115", "G4 P2\nG0 X115"), 13, "a wait with the torch off"),
     "no feed": (HEAD + square(20, 20, 40) + END, 6, "no feed"),
