@@ -177,7 +177,7 @@ def _with_tabs(rng: np.random.Generator, profile: Profile, drawn: Nest) -> Profi
     tabs = str(rng.choice(["tipping", "all"]))
     options = HoldSmallPartsOptions(tabs, width_mm=0.5, count=int(rng.integers(1, 3)), corner_mm=0.5)  # type: ignore[arg-type]
     rules = dict(profile.rules) | {LAST_DRAWN[1]: RuleSetting("hard", None, options)}
-    machine = replace(profile.machine, process=str(rng.choice(["laser", "plasma"])))  # type: ignore[arg-type]
+    machine = replace(profile.machine, dialect="linuxcnc", process=str(rng.choice(["laser", "plasma"])))  # type: ignore[arg-type]
     made = replace(profile, rules=rules, machine=machine)
     try:
         for seed in (0, 1):

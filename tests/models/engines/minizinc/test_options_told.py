@@ -43,6 +43,8 @@ ENOUGH = 2
 STATE_NOTHING = {"no-narrow-strips", "t-max"}
 """Rules whose options are looked at by geometry or by simulation alone, once there is an order."""
 NOT_SHOWN = {
+    ("hold-small-parts", "count"): "a torch of plasma leaves one tab, where its cut ends",
+    ("hold-small-parts", "slats"): "all parts of these nests are short both ways",
     ("locks", "entry_tolerance"): "the locked point is among the entries, and no other is so near",
     ("start-side", "long_ratio"): "no part of these nests is so long",
     ("zone-order", "square_ratio"): "so few parts make the same zones; every engine gets them from the facts",
