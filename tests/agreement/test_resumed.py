@@ -11,6 +11,8 @@ from kerfwise.tests.agreement.engines import Answer
 from kerfwise.tests.agreement.resumed import Going, resumed_agreement, stopped_case
 
 SOLVED = (209, 203, 211, 213)
+DEAR = 203
+"""Seed of a nest that may be gone on with in ways of several prices."""
 
 
 @pytest.mark.slow
@@ -35,7 +37,7 @@ def test_the_old_program_is_out_and_the_rest_is_left() -> None:
 
 def test_a_dearer_answer_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """An engine that goes on in the dearest lawful way there is."""
-    case = stopped_case(SOLVED[0])
+    case = stopped_case(DEAR)
     assert case is not None
     judge = Going(case, case.profile)
     least = judge.cheapest_mm()
@@ -44,4 +46,4 @@ def test_a_dearer_answer_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     assert min(prices.values()) == pytest.approx(least)
     assert mm > least + 1
     monkeypatch.setattr(resumed, "_answers", lambda case, stated: [("dear", Answer("optimal", mm, route))])
-    assert len(resumed_agreement(SOLVED[0]).differ) == 1
+    assert len(resumed_agreement(DEAR).differ) == 1
