@@ -38,8 +38,9 @@ FLOW_FIRST, FLOW_FEW, FLOW_CARRIED, FLOW_PLAIN = 0.15, 80, 0.4, 0.15
 """Share of what is left, where nothing is proven, for the bound by flows, before more search: where contours are no
 more than so many, as it may prove the plan at once; where CP-SAT alone holds all that is asked; and where only orders
 bind, or where there are so many sites that it does not come near the plan anyway."""
-SEARCH_NEST, FLOW = 0.4, 0.9
-"""For nests share of what is left for more search, and then for the bound: the better the plan, the more it closes."""
+SEARCH_NEST, WINDOWS_NEST, FLOW = 0.3, 0.1, 0.95
+"""For nests share of what is left for more search, then for windows of the plan, and then for the bound: the better the
+plan, the more it closes."""
 SEARCH, SEARCH_PLAIN = 0.6, 0.9
 """Share of what is left, where nothing is proven, for more search; CP-SAT has the rest.
 
@@ -125,7 +126,7 @@ class _Run:
         if not self._over():
             share = SEARCH_NEST if well else SEARCH if self._carried() else SEARCH_PLAIN
             self._search(self._left() * share)
-            self._windows(self._left() * WINDOWS)
+            self._windows(self._left() * (WINDOWS_NEST if well else WINDOWS))
         if well and not self._over():
             self._flow(self._left() * FLOW)
 
