@@ -57,10 +57,14 @@ def drawn_case(seed: int, contours: int = 6) -> Case | None:
     """As `case`, with each option of each rule drawn from what it declares; None where no contour could be entered."""
     rng = np.random.default_rng([seed, 11])
     drawn = random_nest(rng, contours)
-    profile = with_drawn_options(random_profile(rng, drawn), rng)
-    try:
-        candidates = build_candidates(drawn, lead_options(profile, seed))
-    except InputError:
+    first = with_drawn_options(random_profile(rng, drawn), rng)
+    for profile in (first, without_tabs(first)):
+        try:
+            candidates = build_candidates(drawn, lead_options(profile, seed))
+            break
+        except InputError:
+            continue
+    else:
         return None
     heat_kj = contour_heat_kj(drawn, candidates, profile)
     facts = compute_facts(drawn, profile.fact_options(drawn), candidates, heat_kj)
@@ -168,6 +172,12 @@ def random_profile(rng: np.random.Generator, drawn: Nest) -> Profile:
     rules[tabs] = base.rules[tabs]
     made = replace(base, rules=rules, objective=objective, leads=leads, machine=machine, locks=locks)
     return _with_tabs(rng, made, drawn)
+
+
+def without_tabs(profile: Profile) -> Profile:
+    """The same without tabs, for which a nest may have no room."""
+    tabs = profile.rules[LAST_DRAWN[1]]
+    return replace(profile, rules=dict(profile.rules) | {LAST_DRAWN[1]: replace(tabs, strength="off")})
 
 
 def _with_tabs(rng: np.random.Generator, profile: Profile, drawn: Nest) -> Profile:
