@@ -70,6 +70,7 @@ def _contour_rows(facts: Facts) -> list[dict[str, Any]]:
     contains = _listed(facts.contains[:, 1], facts.contains[:, 0], ids)
     level_ahead = _listed(facts.level_ahead[:, 0], facts.level_ahead[:, 1], ids)
     in_hull = _listed(facts.in_hull[:, 0], facts.in_hull[:, 1], ids)
+    beside = _listed(facts.scrap_beside[:, 1], facts.scrap_beside[:, 0], ids)
     neighbours: list[list[dict[str, Any]]] = [[] for _ in ids]
     for row, other, length_mm, gap_mm in _facing_rows(facts.neighbours):
         neighbours[row].append({"contour": ids[other], "length_mm": _mm(length_mm), "gap_mm": _mm(gap_mm)})
@@ -90,6 +91,7 @@ def _contour_rows(facts: Facts) -> list[dict[str, Any]]:
             "edge_gap_mm": _by_side(facts.edge_gap_mm[i]),
             "edge_length_mm": _by_side(facts.edge_length_mm[i]),
             "solid_mm": _mm(facts.solid_mm[i]),
+            **({"scrap_framed": bool(facts.scrap_framed[i]), "scrap_beside": beside[i]} if c.kind == "scrap" else {}),
             **({"feed_share": round(c.feed_share, 6)} if c.feed_share < 1 else {}),
         }
         for i, c in enumerate(contours)

@@ -47,7 +47,8 @@ class Pierce(Rule[PierceOptions]):
     The pierce of an outer contour lies outside every part, that of a hole inside the hole; both at least `clearance`
     from every contour. It is not on a part, and not over metal that has fallen out: a pierce in the waste of a hole is
     made before that hole is cut. A lead crosses no contour. From the sheet edge nothing is pierced, so that there the
-    clearance does not apply. Marks are not pierced.
+    clearance does not apply. Marks are not pierced. Scrap lines begin in a void, when all parts are out: nothing is
+    asked of them.
 
     The kerf of every older cut, its leads included, is void. The middle of a pierce keeps half the kerf and `splash`
     from it, and a lead does not cross it, but for the last half kerf beside its own contour. Entries are made so that

@@ -69,6 +69,13 @@ def test_parts_are_cut_as_without_them(tmp_path: Path) -> None:
     for key in ("start_side", "start_side_because", "sides"):
         assert facts["with"][key] == facts["without"][key]
     assert facts["with"]["contours"][:5] == facts["without"]["contours"]
+    beside = {row["id"]: row["scrap_beside"] for row in facts["with"]["contours"][5:]}
+    assert beside == {
+        "scrap1": ["scrap2", "scrap3"],
+        "scrap2": ["scrap1", "scrap4"],
+        "scrap3": ["scrap1"],
+        "scrap4": ["scrap2"],
+    }
     own = [row for row in facts["with"]["candidates"] if not row["contour"].startswith("scrap")]
     assert own == facts["without"]["candidates"]
 
