@@ -8,6 +8,7 @@ from typing import Any
 
 import ezdxf
 import pytest
+from jsonschema import Draft202012Validator
 
 from kerfwise.encoder.readers import read_nest
 from kerfwise.rules.profile.profile import load_profile
@@ -242,3 +243,10 @@ def test_the_remnant_of_a_nest_is_not_written_over_it(tmp_path: Path) -> None:
     done = kerfwise("solve", tmp_path / "a.remnant.json", "-p", tmp_path / "plant.yaml", "-o", tmp_path / "a.nc")
     assert done.code == 2
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.remnant.json", "plant.yaml"]
+
+
+def test_the_plan_is_of_its_published_form(tmp_path: Path) -> None:
+    assert solve(nest_file(tmp_path, LINES)).code == 0
+    form = json.loads((Path(__file__).parents[2] / "models" / "plan" / "plan.schema.json").read_text(encoding="utf-8"))
+    plan = json.loads((tmp_path / "nest.plan.json").read_text(encoding="utf-8"))
+    assert [error.message for error in Draft202012Validator(form).iter_errors(plan)] == []

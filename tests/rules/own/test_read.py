@@ -44,7 +44,8 @@ MISTAKES = {
         "1:41: own_rules[1].select.not: unknown fact 'deep': did you mean 'depth'?"
     ),
     "- {name: r, first: true, select: {kind: holes}}": (
-        "1:41: own_rules[1].select.kind: expected one of outer, hole, mark, slit, scrap, got 'holes': did you mean 'hole'?"
+        "1:41: own_rules[1].select.kind: expected one of outer, hole, mark, slit, scrap, got 'holes': did you mean "
+        "'hole'?"
     ),
     "- {name: r, first: true, select: {width_mm: wide}}": f"1:45: own_rules[1].select.width_mm: expected {NUMBER}, got",
     "- {name: r, first: true, select: {depth: '< '}}": f"1:42: own_rules[1].select.depth: expected {COUNT}, got '< '",
