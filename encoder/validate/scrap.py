@@ -33,8 +33,8 @@ def scrap_problems(scrap: Sequence[Contour], parts: Sequence[Part], sheet: Sheet
     >>> from kerfwise.encoder.by_hand import nest, part, rect
     >>> plate = nest(200, 100, part("A", rect(50, 20, 50, 50)), scrap=[[(0, 40), (70, 40)], [(150, 0), (150, 110)]])
     >>> print(*scrap_problems(plate.scrap, plate.parts, plate.sheet), sep="\\n")
-    scrap1 runs through part A at (60.0, 40.0): end it before the part, or lead it round
     scrap2 runs 10.000 mm off the sheet at (150.0, 105.0): end it at the edge
+    scrap1 runs through part A at (60.0, 40.0): end it before the part, or lead it round
     """
     problems = {line.id: text for line in scrap if (text := _by_itself(line))}
     sound = [line for line in scrap if line.id not in problems]
