@@ -82,14 +82,16 @@ that are not in the tables, and brought much:
   cut. 25 contours of four entries without any order are proven in a second.
 - The plan is improved before it is bounded, since a better plan closes more moves.
 
-On the plates it was tuned on (two of 115 contours, one of 60), search for 12 s and for 60 s, twice, found the same
-plan: there the gap is the bound's, not the plan's.
+On the plates it was tuned on (two of 115 contours, one of 60), search for 12 s and for 60 s found the same plan: there
+the gap is most likely the bound's, not the plan's.
 
 ## What was tried and brings little, and what would be needed
 
-- Looking at all moves every third round only: the same bound in the same time at 115 contours. Every second round is
-  what is done from 2000 sites on, where a look takes long.
-- 800 cuts in a round instead of 250: at 115 contours a lower bound in the same time.
+The first two were measured on one plate of 115 contours, on a busy machine.
+
+- Looking at all moves every third round only: the same bound in the same time. Every second round is what is done from
+  2000 sites on, where a look takes long.
+- 800 cuts in a round instead of 250: a lower bound in the same time.
 - From 308 contours on it is time: there is enough for ten or twenty rounds, and the bound is still rising when the
   limit is reached. What would be needed: cuts that come from a smaller program over contours first, compiled code that
   looks for them on all cores, and programs that begin with fewer sites.
