@@ -30,6 +30,9 @@ STAYS_MM = 1.0
 ON_CONTOUR_MM = 0.5
 """A drawn tab that is further from its contour is not on it."""
 SAME_MM = 0.05
+_BESIDE_MM = 0.01
+"""A corner in which the torch joins is in the way of a tab that ends there: round it the torch's ring is longer or
+shorter than the contour, and the tab would come to lie in the corner."""
 _STEPS, _STEP_MM = 400, 1.0
 _FAR = 0.75
 """Tabs this share of an even share apart are far enough that the longer straight counts."""
@@ -187,7 +190,8 @@ class TabPlaces:
         count = max(_STEPS // 4, 8)
         more = around_mm * np.arange(count) / count
         every, rank = np.concatenate([at_mm, more]), np.concatenate([ranks, np.full(count, ANYWHERE)])
-        fits = tabbed.room.fits(every - half_mm, 2 * half_mm) | tabbed.room.fits(every + half_mm, 2 * half_mm)
+        long_mm = 2 * half_mm + _BESIDE_MM
+        fits = tabbed.room.fits(every - half_mm, long_mm) | tabbed.room.fits(every + half_mm, long_mm)
         return every[fits], rank[fits]
 
     def lawful(self, ways: Ways, outlines: Mapping[int, Outline]) -> Bools:
@@ -206,7 +210,7 @@ class TabPlaces:
             if tabbed.drawn_mm is not None:
                 good[rows] = np.abs((middles - tabbed.drawn_mm + around_mm / 2) % around_mm - around_mm / 2) <= SAME_MM
             else:
-                good[rows] = tabbed.room.fits(middles, 2 * half_mm)
+                good[rows] = tabbed.room.fits(middles, 2 * half_mm + _BESIDE_MM)
         return good
 
     def on(self, number: int, outline: Outline, join_mm: float, ccw: bool) -> Left | None:

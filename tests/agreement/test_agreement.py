@@ -119,7 +119,7 @@ def test_a_lost_statement_is_noticed() -> None:
 
 @pytest.mark.slow
 def test_no_plan_drawn_at_random_is_cheaper_than_the_cheapest() -> None:
-    case = judged_case(5)
+    case = judged_case(15)
     judge = Judge(Trial.of(case), frozenset())
     least = judge.cheapest_mm()
     assert least is not None

@@ -79,7 +79,7 @@ def problem(
 def linked(sites: int, rows: Sequence[tuple[int, int, int, int]]) -> Links:
     """Links (leave, reach, cost, ms) between so many sites; of several between the same two the last."""
     once = sorted({(leave, reach): (leave, reach, cost, ms) for leave, reach, cost, ms in rows}.values())
-    leave, reach, cost, ms = np.array(once, dtype=np.int64).reshape(-1, 4).T
+    leave, reach, cost, ms = np.array(once, dtype=np.int64).reshape(-1, 4).T.copy()
     return Links(leave, reach, cost, ms, np.arange(len(once)), sites)
 
 

@@ -32,6 +32,7 @@ MOUTH = nest(420, 200, part("U", HOOK), part("V", rect(120, 85, 60, 30)), part("
 MARKED_ONE = part("A", rect(20, 20, 100, 100), [rect(40, 40, 20, 20)], [[(90, 80), (110, 80)]])
 MARKED = nest(300, 140, MARKED_ONE, part("B", rect(160, 20, 100, 100)))
 HOST = nest(200, 200, part("H", rect(20, 20, 150, 150), [rect(40, 40, 100, 100)]), part("G", rect(70, 70, 40, 40)))
+CUT_UP = nest(460, 140, part("A", rect(200, 20, 100, 100)), scrap=[[(100, 0), (100, 140)], [(180, 0), (180, 140)]])
 OFF = (
     "heat-lag, no-islands, no-narrow-strips, no-tip-travel, part-rigidity, zone-order, level-ahead, hull-before, "
     "part-contiguous"
@@ -91,6 +92,7 @@ CHANGES = [
     Change("no-islands", "> 1];", "> 99];", "weakened"),
     Change("part-rigidity", ">= part_rigidity_needed[c]\n", ">= part_rigidity_needed[c] div 2\n", "weakened"),
     Change("nested-before-host-holes", "kind[guest] = OUTER", "kind[guest] = MARK", "weakened", HOST),
+    Change("scrap-last", "kind[i] != SCRAP /\\", "kind[i] = HOLE /\\", "weakened", CUT_UP),
     falling(Change("inner-before-outer", "before(i, parent[i])", "before(parent[i], i)", "reversed")),
 ]
 

@@ -21,12 +21,12 @@ def test_a_look_takes_about_as_long_as_its_beginning_tells(monkeypatch: pytest.M
     profile = load_profile()
     facts = facts_of(row, profile)
     looked = [0]
-    cut = strips.Metal.cut
+    cut = strips.Uncut.cut
 
-    def counted(metal: strips.Metal, p: int) -> Iterator[tuple[str, list[int], list[int]]]:
+    def counted(uncut: strips.Uncut, p: int) -> Iterator[tuple[str, list[int], list[int]]]:
         looked[0] += 1
-        return cut(metal, p)
+        return cut(uncut, p)
 
-    monkeypatch.setattr(strips.Metal, "cut", counted)
+    monkeypatch.setattr(strips.Uncut, "cut", counted)
     assert parts <= look_takes_s(facts, profile, lambda: looked[0]) <= 2 * parts
     assert looked[0] < parts / 2
