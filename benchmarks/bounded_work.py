@@ -167,10 +167,13 @@ def unpacking(megabytes: int) -> Callable[[Path], None]:
 
 FACTS = ("facts", "nest.json", "-o", "facts.json")
 SMALL = ("facts", "nest.json", "-p", "shop.yaml", "-o", "facts.json")
+SOLVE = ("solve", "nest.json")
 HEAT = ("heat", "nest.json", "nest.nc")
 CASES = (
     Case("a traced contour of 20,000 vertices, 0.05 mm of noise", one_part(ring(20_000, 0.05)), FACTS),
     Case("a contour of 20,000 vertices, 2 mm of noise", one_part(ring(20_000, 2.0)), FACTS),
+    Case("a contour of 20,000 vertices, 0.05 mm of noise", one_part(ring(20_000, 0.05)), SOLVE),
+    Case("a contour of 20,000 vertices, 2 mm of noise", one_part(ring(20_000, 2.0)), SOLVE),
     Case("a star of 2,000 vertices", one_part(star(1000)), FACTS),
     Case("3,000 equal parts side by side", grid(3000), FACTS),
     Case("one part with 3,600 holes", perforated(3600, 12), SMALL),
