@@ -23,22 +23,18 @@ def links_on(
     kinds = by_kind(statements)
     if not kinds.link:
         return [None] * len(route)
-    steps = set(pairwise(route))
-    left, reached = {a for a, _ in steps}, {b for _, b in steps}
-    taken: dict[tuple[int, int], Link] = {}
-    for link in kinds.link:
-        for a in left.intersection(link.leave):
-            for b in reached.intersection(link.reach):
-                if (a, b) in steps and ((a, b) not in taken or link.weight < taken[a, b].weight):
-                    taken[a, b] = link
+    place = np.full(len(candidates), -1, dtype=np.int64)
+    place[list(route)] = np.arange(len(route))
+    offered, steps = Links.of(kinds.link, place, len(route)), np.arange(len(route) - 1)
+    taken = offered.rows_of(steps, steps + 1).tolist()
     price = sum(s.weight for s in kinds.idle_travel)
     timed = {frozenset((lag.first, lag.second)) for lag in kinds.lag if lag.seconds > 0}
     found: list[Link | None] = [None] * len(route)
-    for k, (a, b) in enumerate(pairwise(route), 1):
-        if (a, b) in taken and frozenset((candidates[a].contour, candidates[b].contour)) not in timed:
+    for k, ((a, b), row) in enumerate(zip(pairwise(route), taken, strict=True), 1):
+        if row >= 0 and frozenset((candidates[a].contour, candidates[b].contour)) not in timed:
             leave, reach = points_um([candidates[a].end, candidates[b].pierce], home_mm).astype(np.float64)
             idle = int(np.rint(price * np.sqrt(((leave - reach) ** 2).sum())))
-            found[k] = taken[a, b] if cost_um(taken[a, b].weight) < idle else None
+            found[k] = kinds.link[offered.path[row]] if offered.cost[row] < idle else None
     return found
 
 

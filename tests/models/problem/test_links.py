@@ -97,6 +97,14 @@ def test_a_link_dearer_than_idle_travel_is_not_taken() -> None:
         assert (links_on(facts.candidates, statements, [0, 2], HOME)[1] is not None) is taken
 
 
+def test_of_two_links_of_one_cost_the_plan_has_the_one_that_was_compiled() -> None:
+    """They cost the same to the micrometre, and the time of a plan is that of the one that was compiled."""
+    facts = row(2)
+    statements = (TRAVEL, offer((0,), (2,), -9.0, 1.0), offer((0,), (2,), -9.0000001, 2.0))
+    assert make_problem(facts, statements, HOME).links.ms.tolist() == [1000]
+    assert links_on(facts.candidates, statements, [0, 2], HOME)[1] is statements[1]
+
+
 def test_a_lag_in_seconds_keeps_two_contours_from_being_linked() -> None:
     facts = row(2)
     statements = (TRAVEL, offer((0,), (2,), -9.0), Lag(1, 0, ABOUT, seconds=1.0, weight=5.0))
