@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from .given import given_options, read_given, tell_note
-from .old_given import FEED, KERF, asked_of, program_alone, read_alone, trusted_if
+from .old_given import FEED, KERF, program_alone, read_alone, trusted_if
 
 
 @click.command()
@@ -27,8 +27,7 @@ def command(made: str | None, plan: str | None, feed: float | None, kerf: float 
     if program_alone(given["nest"], made):
         if plan is not None:
             raise click.UsageError("--plan is held against a program of a nest: give the nest too")
-        asked = asked_of(feed, kerf, given["sheet"])
-        result = check_old(read_alone(given["nest"], given["profile"], given["trust"], asked, given))
+        result = check_old(read_alone(feed, kerf, given))
     else:
         result = check_made(read_given(**given), str(made), tell_note, plan, trusted_if(feed))
     click.echo(report(result))

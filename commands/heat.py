@@ -11,7 +11,7 @@ import click
 from kerfwise.encoder.errors import InputError
 
 from .given import given_options, protect, read_given, tell_note
-from .old_given import FEED, KERF, asked_of, program_alone, read_alone, trusted_if
+from .old_given import FEED, KERF, program_alone, read_alone, trusted_if
 
 FRAMES = 60
 
@@ -52,8 +52,7 @@ def command(
 
     count = FRAMES if frames else 0
     if program_alone(given["nest"], made):
-        alone = asked_of(feed, kerf, given["sheet"])
-        job = read_alone(given["nest"], given["profile"], given["trust"], alone, given)
+        job = read_alone(feed, kerf, given)
         asked = job.given
         protect(asked, given["nest"], [output])
         found = simulate_old(job, model, tell_note, count)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.readers.read import SUFFIXES
 
 from .given import size_of, tell_note
 from .numbers import AMOUNT, AMOUNT_OVER_ZERO
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
     from kerfwise.postproc.check.reader.old import Trusted
 
 Verb = Callable[..., Any]
-
-NESTS = (".dxf", ".svg", ".json")
 
 FEED = click.option("--feed", type=AMOUNT_OVER_ZERO, metavar="F",
                     help="Feed in mm/min where an old program leaves it to the machine's material.")  # fmt: skip
@@ -44,13 +43,13 @@ def program_alone(nest: str, made: str | None) -> bool:
     """
     if made is not None:
         return False
-    if Path(nest).suffix.lower() in NESTS:
+    if Path(nest).suffix.lower() in SUFFIXES:
         raise click.UsageError("Missing argument 'PLAN.json|OUT.nc'.")
     return True
 
 
-def read_alone(nest: str, profile: str, trust: bool, asked: Asked, options: Mapping[str, Any]) -> OldJob:
-    """An old program without its nest; options that are about a drawing are refused.
+def read_alone(feed: float | None, kerf: float | None, given: Mapping[str, Any]) -> OldJob:
+    """An old program in the place of the nest; options that are about a drawing are refused.
 
     Raises
     ------
@@ -60,9 +59,10 @@ def read_alone(nest: str, profile: str, trust: bool, asked: Asked, options: Mapp
     from kerfwise.jobs.given import plant_of
     from kerfwise.jobs.old_program import read_old_job
 
-    if named := [name for name in ("units", "frame", "repair", "origin") if options.get(name)]:
-        raise InputError(f"--{named[0]} is for drawings; {nest} is read as a program", file=nest)
-    return read_old_job(nest, plant_of(profile, trust), asked, tell=tell_note)
+    asked, program = asked_of(feed, kerf, given["sheet"]), given["nest"]
+    if named := [name for name in ("units", "frame", "repair", "origin") if given[name]]:
+        raise InputError(f"--{named[0]} is for drawings; {program} is read as a program", file=program)
+    return read_old_job(program, plant_of(given["profile"], given["trust"]), asked, tell=tell_note)
 
 
 def trusted_if(feed: float | None) -> Trusted | None:

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from kerfwise.encoder.readers.read import SUFFIXES
 from kerfwise.encoder.shown import shown
 
 from .given import given_options, protect, read_given, tell_note
-from .old_given import FEED, KERF, NESTS, asked_of, read_alone
+from .old_given import FEED, KERF, read_alone
 
 if TYPE_CHECKING:
     from kerfwise.encoder.readers.read import BrokenNest
@@ -36,7 +37,7 @@ def command(plan: str | None, output: str, feed: float | None, kerf: float | Non
 
     expect_picture(Path(output).suffix, output)
     expect_outputs([Path(output)], [Path(given["nest"])])
-    if plan is None and Path(given["nest"]).suffix.lower() not in (*NESTS, ""):
+    if plan is None and Path(given["nest"]).suffix.lower() not in (*SUFFIXES, ""):
         _draw_program(output, feed, kerf, given)
         return
     try:
@@ -58,8 +59,7 @@ def _draw_program(output: str, feed: float | None, kerf: float | None, given: di
     from kerfwise.postproc.report.burns import Panel, draw_burns, expect_kind
 
     expect_kind(output)
-    asked = asked_of(feed, kerf, given["sheet"])
-    job = read_alone(given["nest"], given["profile"], given["trust"], asked, given)
+    job = read_alone(feed, kerf, given)
     name = Path(given["nest"]).name
     told = f"idle {job.program.idle_mm / 1000:.3f} m, {len(job.program.burns)} burns"
     panel = Panel(name, told, job.program.burns, job.home)

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from .given import given_options, read_given, tell_note
-from .old_given import FEED, KERF, asked_of, program_alone, read_alone, trusted_if
+from .old_given import FEED, KERF, program_alone, read_alone, trusted_if
 
 
 @click.command()
@@ -25,8 +25,7 @@ def command(made: str | None, as_json: bool, feed: float | None, kerf: float | N
     from kerfwise.jobs.times import time_made, time_old
 
     if program_alone(given["nest"], made):
-        asked = asked_of(feed, kerf, given["sheet"])
-        times = time_old(read_alone(given["nest"], given["profile"], given["trust"], asked, given))
+        times = time_old(read_alone(feed, kerf, given))
     else:
         times = time_made(read_given(**given), str(made), tell_note, trusted_if(feed))
     click.echo(json.dumps(times.as_json()) if as_json else times)
