@@ -17,7 +17,7 @@ from typing import Any, Literal
 from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.shown import shown
-from kerfwise.postproc.files import write_files
+from kerfwise.postproc.files import make_folder, write_files
 from kerfwise.rules.profile.profile import Profile, files_of
 
 from .given import Tell, silent
@@ -31,6 +31,8 @@ PROGRAMS = (".nc", ".ngc", ".cnc", ".tap", ".gcode", ".gc", ".eia", ".iso", ".mp
 """Endings of the files that are taken for programs."""
 Ended = Literal["changed", "unchanged", "refused", "no order", "fault"]
 _WIDEST = 48
+_UNREADABLE = (OSError, ValueError, InputError)
+"""What `contents` raises."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,11 +50,6 @@ class Row:
     time_s: tuple[float, float] = (0.0, 0.0)
     key: str = ""
     sha256: str = ""
-
-    @property
-    def saved_s(self) -> float:
-        """Seconds saved a run."""
-        return self.time_s[0] - self.time_s[1]
 
     @property
     def read(self) -> bool:
@@ -109,13 +106,13 @@ def resequence_folder(
         raise InputError(f"holds no program: no file ends in {', '.join(PROGRAMS)}", file=folder)
     if out.resolve() == folder.resolve():
         raise InputError("would be written over, and is read from: give the output another folder", file=out)
-    _make(out)
+    make_folder(out, parents=True)
     options = {"paths": paths, "asked": asked or Asked(), "work": work, "time_s": time_s, "seed": seed}
-    record = _recorded(out)
+    record, besides = _recorded(out), _besides(profile, options, version)
     rows: dict[str, Row] = {}
     waiting: dict[str, str] = {}
     for name in names:
-        key = _key(folder / name, profile, options, version)
+        key = _key(folder / name, besides)
         done = record.get(name)
         if done is not None and done.key == key and _is_there(out / name, done.sha256):
             rows[name] = done
@@ -128,12 +125,10 @@ def resequence_folder(
     work_of = _side_by_side if side_by_side else _in_turn
     try:
         for name, (row, text) in work_of(folder, waiting, profile, options, jobs):
-            row = replace(row, key=waiting[name])
-            rows[name] = row
+            row = rows[name] = replace(row, key=waiting[name])
             if row.read:
-                _make(out / Path(name).parent)
-                row = rows[name] = replace(row, sha256=hashlib.sha256(text.encode()).hexdigest())
-                record[name] = row
+                make_folder(out / Path(name).parent, parents=True)
+                record[name] = rows[name] = replace(row, sha256=hashlib.sha256(text.encode()).hexdigest())
                 write_files({out / name: text, out / RECORD: _as_json(record)})
             tell(f"{len(rows)} of {len(names)}: {name}: {row.ended}")
     except KeyboardInterrupt:
@@ -161,31 +156,29 @@ def _programs(folder: Path, out: Path) -> list[str]:
     return sorted(found)
 
 
-def _make(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"cannot make a folder there: {error.strerror}", file=folder) from None
+def _besides(profile: Profile, options: Mapping[str, Any], version: str) -> bytes:
+    """All that answers depend on besides the program."""
+    said = json.dumps({**options, "asked": asdict(options["asked"])}, sort_keys=True)
+    parts = [part.encode() for part in (version, profile.sha256, repr(profile.machine), said)]
+    for file in files_of(profile):  # a dialect's, above all
+        with contextlib.suppress(*_UNREADABLE):
+            parts.append(contents(file))
+    return b"\0".join(parts)
 
 
-def _key(path: Path, profile: Profile, options: Mapping[str, Any], version: str) -> str:
+def _key(path: Path, besides: bytes) -> str:
     """The sha256 of a program and of all else that its answer depends on; of its name where it cannot be read."""
     try:
         data = contents(path)
-    except (OSError, ValueError):
+    except _UNREADABLE:
         data = str(path).encode("utf-8", "surrogateescape")
-    said = json.dumps({**options, "asked": asdict(options["asked"])}, sort_keys=True)
-    parts = [data, *(part.encode() for part in (version, profile.sha256, repr(profile.machine), said))]
-    for file in files_of(profile):  # a dialect's, above all
-        with contextlib.suppress(OSError, ValueError):
-            parts.append(contents(file))
-    return hashlib.sha256(b"\0".join(parts)).hexdigest()
+    return hashlib.sha256(b"\0".join([data, besides])).hexdigest()
 
 
 def _is_there(path: Path, sha256: str) -> bool:
     try:
         return hashlib.sha256(contents(path)).hexdigest() == sha256
-    except (OSError, ValueError):
+    except _UNREADABLE:
         return False
 
 
@@ -212,7 +205,7 @@ def _side_by_side(
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
                     name = running.pop(future)
                     error = future.exception()
-                    yield name, (_fault(name, error), "") if error is not None else future.result()
+                    yield name, (_fault(name, error), "") if isinstance(error, Exception) else future.result()
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
 
@@ -239,8 +232,8 @@ def _one(folder: Path, name: str, profile: Profile, options: Mapping[str, Any]) 
     return row, made.program
 
 
-def _fault(name: str, error: BaseException) -> Row:
-    said = " ".join(str(error).split())[:200]
+def _fault(name: str, error: Exception) -> Row:
+    said = shown(" ".join(str(error).split()))[:200]
     text = f"a fault of kerfwise itself: {type(error).__name__}: {said}; resequence it alone for a report"
     return Row(name, "fault", text)
 
@@ -255,7 +248,7 @@ def _recorded(out: Path) -> dict[str, Row]:
             row["name"]: Row(**{**row, "idle_mm": tuple(row["idle_mm"]), "time_s": tuple(row["time_s"])})
             for row in data["programs"]
         }
-    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+    except (*_UNREADABLE, LookupError, TypeError, RecursionError):
         return {}
 
 

@@ -102,8 +102,8 @@ def expect_place(folder: Path) -> None:
         raise InputError("cannot make a folder there: it is a file", file=folder)
 
 
-def make_folder(path: Path) -> None:
-    """Make a folder, unless it is there.
+def make_folder(path: Path, parents: bool = False) -> None:
+    """Make a folder, unless it is there, and with `parents` those that it is in.
 
     Raises
     ------
@@ -111,7 +111,7 @@ def make_folder(path: Path) -> None:
         If it cannot be made.
     """
     try:
-        path.mkdir(exist_ok=True)
+        path.mkdir(parents=parents, exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot make a folder there: {error.strerror}", file=path) from None
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from kerfwise.encoder.contents import contents
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.postproc.old.programs import FEED, HEAD, READ, REFUSED
 
@@ -132,6 +133,17 @@ def test_a_fault_stops_no_other_program(tmp_path: Path, monkeypatch: pytest.Monk
     ended = kerfwise("resequence", "old", "-o", "new", "--work", 1)
     assert ended.code == 70
     assert "a fault of kerfwise itself: ZeroDivisionError: by nothing" in ended.out
+    assert "2 of 4 programs read" in ended.out
+
+
+def test_a_file_that_is_too_large_stops_no_other_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    archive(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    Path("old/rows.nc").write_text("(-)\n" * 10_000)
+    monkeypatch.setattr(contents, "__defaults__", (30_000,))
+    ended = kerfwise("resequence", "old", "-o", "new", "--work", 1)
+    assert ended.code == 2
+    assert "refused: old/rows.nc: holds over" in ended.out
     assert "2 of 4 programs read" in ended.out
 
 
