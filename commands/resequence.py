@@ -18,7 +18,7 @@ from .numbers import AMOUNT_OVER_ZERO
 from .old_given import asked_of, old_options
 
 if TYPE_CHECKING:
-    from kerfwise.jobs.resequence import Resequenced
+    from kerfwise.jobs.resequenced import Resequenced
     from kerfwise.rules.profile.profile import Profile
 
 

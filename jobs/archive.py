@@ -22,7 +22,8 @@ from kerfwise.rules.profile.profile import Profile, files_of
 
 from .given import Tell, silent
 from .old_program import Asked
-from .resequence import Paths, resequence
+from .resequence import resequence
+from .resequenced import Paths
 
 RECORD = "resequence.json"
 """What is kept in the folder of the new programs, of what is finished there."""

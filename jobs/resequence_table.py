@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from kerfwise.encoder.shown import shown
 
 if TYPE_CHECKING:
-    from .resequence import Resequenced
+    from .resequenced import Resequenced
 
 _TOLD = 3
 

@@ -15,7 +15,7 @@ from kerfwise.models.physics.timing.run import Job
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.reader import read_plan
 from kerfwise.postproc.check.reader.old import Trusted
-from kerfwise.postproc.clock.timed import Timed, job_of_plan, job_of_program, time_job
+from kerfwise.postproc.clock.timed import Timed, job_of_plan, job_of_program, time_job, time_program
 from kerfwise.rules.profile.profile import Profile
 
 from .given import Given, Tell, differences, is_plan_file, read_program_of, silent
@@ -94,10 +94,8 @@ def time_made(given: Given, made: Plan | str | Path, tell: Tell = silent, truste
 
 def time_old(job: OldJob) -> Times:
     """The times of an old program, with or without its nest, by the time model of the profile."""
-    profile, nest = job.profile, job.told.nest if job.told is not None else None
-    own = profile if profile.time.model == "constant" else None
-    timed = time_job(job_of_program(job.program, nest, own), profile)
-    return Times(timed, cost_of(timed.times, profile.prices))
+    timed = time_program(job.program, job.told.nest if job.told is not None else None, job.profile)
+    return Times(timed, cost_of(timed.times, job.profile.prices))
 
 
 def _tell_if_its_times_differ(own: Job, job: Job, profile: Profile, taken: str, tell: Tell) -> None:

@@ -81,6 +81,11 @@ def job_of_program(program: NcProgram, nest: Nest | None, own: Profile | None = 
     return Job(tuple(runs), program.homing_mm, program.blocks)
 
 
+def time_program(program: NcProgram, nest: Nest | None, profile: Profile) -> Timed:
+    """The times of a program by the model of the profile: by its own words where that is the constant feed."""
+    return time_job(job_of_program(program, nest, profile if profile.time.model == "constant" else None), profile)
+
+
 def read_program(text: str, nest: Nest, profile: Profile, file: str = "", trusted: Trusted | None = None) -> NcProgram:
     """A program as the check reads it, on the profile's machine, in the coordinates of the nest's drawing.
 

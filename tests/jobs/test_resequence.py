@@ -13,7 +13,8 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.given import Given
 from kerfwise.jobs.main_job import plan_nest
 from kerfwise.jobs.old_program import Asked, read_old_job
-from kerfwise.jobs.resequence import Resequenced, resequence
+from kerfwise.jobs.resequence import resequence
+from kerfwise.jobs.resequenced import Resequenced
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.engines.baselines import Strategy
 from kerfwise.postproc.check.reader.controls import CONTROLS

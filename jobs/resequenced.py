@@ -1,0 +1,89 @@
+"""What became of an old program: what it does, and what the new one does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.plan.plan import Plan
+from kerfwise.postproc.check import CheckResult
+from kerfwise.postproc.check.reader.program import Burn, NcProgram
+from kerfwise.postproc.clock.timed import time_program
+from kerfwise.rules.profile.profile import Profile
+
+Paths = Literal["keep", "new"]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Measured:
+    """What a program does: mm, s, and each rule's verdict on it, None where there is no nest to judge by."""
+
+    idle_mm: float
+    cut_mm: float
+    pierces: int
+    time_s: float
+    verdict: CheckResult | None
+    burns: tuple[Burn, ...]
+
+    @staticmethod
+    def of(program: NcProgram, profile: Profile, nest: Nest | None, verdict: CheckResult | None) -> Measured:
+        """What a program does by the time model of the profile."""
+        timed = time_program(program, nest, profile)
+        on_mm, pierces = timed.job.on_mm, timed.job.pierces
+        return Measured(program.idle_mm, on_mm, pierces, timed.times.total_s, verdict, program.burns)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Resequenced:
+    """An old program and the new one.
+
+    Attributes
+    ----------
+    name
+        Of the old program's file.
+    paths
+        "keep" where every burn stays as it is, "new" where contours were planned afresh.
+    program
+        The new program; the old one's text where nothing was gained.
+    before, after
+        What both do.
+    nest
+        Told from the burns; None where they make none.
+    plan
+        Of the new program, where there is a nest.
+    proven
+        Whether no order has less travel by the same rules.
+    ends
+        In a sentence, how the new order was found.
+    notes
+        What the user should know.
+    home
+        Where the torch starts, in the coordinates of the drawing that the program states.
+    interrupted
+        Whether Ctrl-C ended the planning: the order is the best so far.
+    """
+
+    name: str
+    paths: Paths
+    program: str
+    before: Measured
+    after: Measured
+    nest: Nest | None
+    plan: Plan | None
+    proven: bool
+    ends: str
+    notes: tuple[str, ...]
+    home: Point = (0.0, 0.0)
+    interrupted: bool = False
+
+    @property
+    def changed(self) -> bool:
+        """Whether the new program is another than the old one."""
+        return self.before is not self.after
+
+    def __str__(self) -> str:
+        from .resequence_table import table
+
+        return table(self)
