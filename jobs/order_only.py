@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.components import strong_components
 from kerfwise.encoder.geometry.microns import UM_PER_MM
+from kerfwise.encoder.geometry.segment import Point
 from kerfwise.models.engines.solution import Progress, SolveOptions
 from kerfwise.models.routing import Instance, solve_instance
 from kerfwise.postproc.old.orders import orders_between
@@ -40,12 +41,12 @@ def route(job: OldJob, apart: TakenApart, limits: SolveOptions, progress: Progre
     home = job.profile.machine.home
     last = job.old.program
     tail = last.rapids[-len(last.homing_mm)][1] if last.homing_mm else None
+    starts, ends = np.array([piece.start for piece in pieces]), np.array([piece.end for piece in pieces])
     cost = np.zeros((n + 1, n + 1), dtype=np.int64)
-    for j, to in enumerate(pieces, 1):
-        cost[0, j] = _um(home, to.start)
-        cost[j, 0] = 0 if tail is None else _um(to.end, tail)
-        for i, origin in enumerate(pieces, 1):
-            cost[i, j] = 0 if i == j else _um(origin.end, to.start)
+    cost[0, 1:] = _um(home, starts)
+    cost[1:, 0] = 0 if tail is None else _um(ends, tail)
+    cost[1:, 1:] = _um(ends[:, None], starts)
+    np.fill_diagonal(cost, 0)
     instance = Instance(job.name, cost, tuple((k,) for k in range(n + 1)), orders + 1, start=0, closed=True)
     answer = solve_instance(instance, limits, progress)
     if not answer.tour:
@@ -53,5 +54,6 @@ def route(job: OldJob, apart: TakenApart, limits: SolveOptions, progress: Progre
     return Routed(tuple(vertex - 2 for vertex in answer.tour[1:]), answer.proven)
 
 
-def _um(a: tuple[float, float], b: tuple[float, float]) -> int:
-    return round(math.dist(a, b) * UM_PER_MM)
+def _um(one: Floats | Point, other: Floats | Point) -> Ints:
+    """Distances between points (…, 2) in mm, whole µm."""
+    return np.rint(np.linalg.norm(np.subtract(one, other), axis=-1) * UM_PER_MM).astype(np.int64)

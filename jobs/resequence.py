@@ -9,6 +9,7 @@ from kerfwise.models.engines.names import Engine
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.postproc.check.reader.on_machine import read_on_machine
 from kerfwise.postproc.verdict.checking import check_program
+from kerfwise.rules.profile.profile import DEFAULT
 
 from .best_order import in_best_order
 from .given import Given, ProfileLike, Tell, plant_of, silent
@@ -23,7 +24,7 @@ _TOLD = 3
 
 def resequence(
     path: str | Path,
-    profile: ProfileLike = "plasma-carbon-steel",
+    profile: ProfileLike = DEFAULT,
     *,
     paths: Paths = "keep",
     asked: Asked | None = None,
