@@ -56,4 +56,4 @@ def route(job: OldJob, apart: TakenApart, limits: SolveOptions, progress: Progre
 
 def _um(one: Floats | Point, other: Floats | Point) -> Ints:
     """Distances between points (…, 2) in mm, whole µm."""
-    return np.rint(np.linalg.norm(np.subtract(one, other), axis=-1) * UM_PER_MM).astype(np.int64)
+    return np.asarray(np.rint(np.linalg.norm(np.subtract(one, other), axis=-1) * UM_PER_MM), dtype=np.int64)
