@@ -52,7 +52,7 @@ def choose(at_mm: Floats, ranks: Ranks, around_mm: float, count: int, taken_mm: 
     """
     apart_mm = np.full(len(at_mm), np.inf)
     for place_mm in taken_mm.tolist():
-        apart_mm = np.minimum(apart_mm, _distance_mm(at_mm, place_mm, around_mm))
+        apart_mm = np.minimum(apart_mm, shorter_way_mm(at_mm, place_mm, around_mm))
     chosen: list[int] = []
     for rank in (CORNER, MIDDLE, ANYWHERE):
         of_rank = ranks == rank
@@ -62,11 +62,11 @@ def choose(at_mm: Floats, ranks: Ranks, around_mm: float, count: int, taken_mm: 
                 break
             k = int(np.argmax(of_rank & (apart_mm >= farthest_mm - TIED_MM)))
             chosen.append(k)
-            apart_mm = np.minimum(apart_mm, _distance_mm(at_mm, float(at_mm[k]), around_mm))
+            apart_mm = np.minimum(apart_mm, shorter_way_mm(at_mm, float(at_mm[k]), around_mm))
     return chosen
 
 
-def _distance_mm(at_mm: Floats, place_mm: float, around_mm: float) -> Floats:
+def shorter_way_mm(at_mm: Floats, place_mm: float, around_mm: float) -> Floats:
     """Shorter way round from a place to others."""
     ahead_mm = np.abs(at_mm - place_mm) % around_mm
     return np.minimum(ahead_mm, around_mm - ahead_mm)

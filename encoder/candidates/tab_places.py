@@ -1,4 +1,4 @@
-"""Where tabs have room on contours, and which ways to cut a contour leave them there."""
+"""The tabs of a nest, and which ways to cut a contour leave them where they have room."""
 
 from __future__ import annotations
 
@@ -6,98 +6,26 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-import shapely
 
 from kerfwise.arrays import Bools, Floats
 from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.geometry.segment_arrays import SegmentArrays
-from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.tabs import TabOptions, off_mm, unlit
 
 from .approaches import Ways
 from .candidate import IN_PROFILE
-from .entries import ANYWHERE, MIDDLE, Ranks
+from .entries import ANYWHERE, MIDDLE, Ranks, shorter_way_mm
 from .joints import Outline
+from .tab_room import Neighbours, Room, from_lead_mm, no_room, spread, wrong_places
 
-BENT_RAD = np.radians(40)
-"""Where a contour turns by more, a tab and what is beside it do not lie on a straight."""
-FROM_LEAD_MM = 2.0
-"""A tab keeps so far from the place where the torch joins, or two kerfs, if that is more."""
-STAYS_MM = 1.0
-"""Metal outside a tab, beyond its own kerf and that of a neighbour, at the least: else it would hold to nothing."""
-ON_CONTOUR_MM = 0.5
-"""A drawn tab that is further from its contour is not on it."""
 SAME_MM = 0.05
 _BESIDE_MM = 0.01
 """A corner in which the torch joins is in the way of a tab that ends there: round it the torch's ring is longer or
 shorter than the contour, and the tab would come to lie in the corner."""
-_STEPS, _STEP_MM = 400, 1.0
-_FAR = 0.75
-"""Tabs this share of an even share apart are far enough that the longer straight counts."""
-
-
-@dataclass(frozen=True, eq=False)
-class Room:
-    """Where on one contour a tab has room: on a straight, away from corners, beside metal that stays."""
-
-    curve: Curve
-    bends_mm: Floats
-    bends_rad: Floats
-    arcs_mm: Floats
-    arcs_rad: Floats
-    near: tuple[shapely.Geometry, ...]
-    clear_mm: float
-    corner_mm: float
-    kerf_mm: float
-
-    @staticmethod
-    def of(nest: Nest, contour: Contour, tree: shapely.STRtree, options: TabOptions, kerf_mm: float) -> Room:
-        """The room on a contour of the nest; `tree` holds the lines of all contours and then the sheet's edges."""
-        drawn = SegmentArrays.of(contour.curve)
-        clear_mm = 2 * kerf_mm + STAYS_MM
-        own = {nest.index[c.id] for c in nest.part_of[contour.part]}
-        own |= {k for k, c in enumerate(nest.contours) if not c.shapes_part}
-        near = sorted(set(tree.query(contour.line, "dwithin", distance=clear_mm).tolist()) - own)
-        return Room(
-            contour.curve,
-            drawn.starts_mm[1:],
-            np.abs(drawn.turn_rad),
-            drawn.starts_mm,
-            np.concatenate([[0.0], np.cumsum(4 * np.abs(np.arctan(drawn.bulge)))]),
-            tuple(tree.geometries[near]),
-            clear_mm,
-            options.corner_mm,
-            kerf_mm,
-        )
-
-    def straight(self, middles_mm: Floats, tab_mm: float) -> Bools:
-        """Whether tabs with these middles lie on a straight, `corner_mm` from its ends."""
-        half_mm, around_mm = tab_mm / 2 + self.corner_mm, self.curve.length_mm
-        if 2 * half_mm >= around_mm:
-            return np.full(len(middles_mm), False)
-        low, high = middles_mm % around_mm - half_mm, middles_mm % around_mm + half_mm
-        turn = np.zeros(len(middles_mm))
-        for shift in (-around_mm, 0.0, around_mm):
-            a, b = low + shift, high + shift
-            turn += np.interp(b, self.arcs_mm, self.arcs_rad) - np.interp(a, self.arcs_mm, self.arcs_rad)
-            within = (self.bends_mm > a[:, None] + 1e-6) & (self.bends_mm < b[:, None] - 1e-6)
-            turn += (within * self.bends_rad).sum(axis=1)
-        return np.asarray(turn <= BENT_RAD)
-
-    def held(self, middles_mm: Floats) -> Bools:
-        """Whether metal stays outside tabs with these middles."""
-        if not self.near:
-            return np.full(len(middles_mm), True)
-        points = shapely.points([self.curve.point_at(mm) for mm in middles_mm.tolist()])
-        return np.asarray(shapely.distance(shapely.union_all(self.near), points) >= self.clear_mm)
-
-    def fits(self, middles_mm: Floats, tab_mm: float) -> Bools:
-        """Whether tabs with these middles have room."""
-        good = self.straight(middles_mm, tab_mm)
-        good[good] = self.held(middles_mm[good])
-        return good
+_MORE = 100
+"""Entries more that are tried where tabs are at the end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +55,7 @@ class TabPlaces:
         contours: Collection[int],
         options: TabOptions | None,
         kerf_mm: float,
-        entries: Mapping[str, Sequence[float]] | None = None,
+        entries: Mapping[str, Point],
     ) -> TabPlaces:
         """Where tabs go on these contours; `entries` are those that an operator asks for.
 
@@ -138,39 +66,23 @@ class TabPlaces:
         """
         if options is None:
             return TabPlaces()
-        tree = shapely.STRtree([*(c.line for c in nest.contours), *shapely.get_rings(nest.sheet.polygon)])
+        neighbours, asked = Neighbours.of(nest), frozenset(contours)
         wanted: dict[int, Wanted] = {}
-        wrong: list[str] = []
-        for part in nest.parts:
-            number = nest.index[part.outer.id]
-            if number not in contours or options.reason(part) is None:
-                continue
-            room = Room.of(nest, part.outer, tree, options, kerf_mm)
-            drawn = options.drawn(part)
-            if drawn:
-                wrong += [f"{part.outer.id}: {text}" for text in _wrong(room, drawn, options)]
-                at_mm = tuple(part.outer.curve.project(tab.at)[0] for tab in drawn)
-                if options.at_end:
-                    wanted[number] = Wanted(room, drawn, drawn_mm=at_mm[0])
-                else:
-                    tabs = tuple(
-                        Tab(room.curve.point_at(mm), tab.width_mm) for mm, tab in zip(at_mm, drawn, strict=True)
-                    )
-                    wanted[number] = Wanted(room, tabs, at_mm)
-            elif options.at_end:
-                wanted[number] = Wanted(room, (Tab((0.0, 0.0), options.width_mm),))
-            else:
-                entry = (entries or {}).get(part.outer.id)
-                at_mm = tuple(_spread(room, options, None if entry is None else part.outer.curve.project(entry)[0]))
-                if len(at_mm) < options.count:
-                    wrong.append(f"{part.outer.id}: {_no_room(len(at_mm), options)}")
-                tabs = tuple(Tab(room.curve.point_at(mm), options.width_mm) for mm in at_mm)
-                wanted[number] = Wanted(room, tabs, at_mm)
+        wrong: dict[str, list[str]] = {}
+        for k, part in enumerate(nest.parts):
+            name = part.outer.id
+            number = nest.index[name]
+            if number in asked and options.reason(part) is not None:
+                room = Room.of(part.outer, k, neighbours, options.corner_mm, kerf_mm)
+                wanted[number], texts = _wanted(room, options.drawn(part), options, entries.get(name))
+                if texts:
+                    wrong[name] = texts
         if wrong:
-            count = len({text.partition(":")[0] for text in wrong})
-            parts = "a part has" if count == 1 else f"{count} parts have"
+            parts = "a part has" if len(wrong) == 1 else f"{len(wrong)} parts have"
             raise InputError(
-                f"{parts} no room for tabs ({IN_PROFILE['tabs']})", file=nest.file or None, details=tuple(wrong)
+                f"{parts} no room for tabs ({IN_PROFILE['tabs']})",
+                file=nest.file or None,
+                details=tuple(f"{name}: {text}" for name, texts in wrong.items() for text in texts),
             )
         return TabPlaces(wanted, options.at_end, kerf_mm)
 
@@ -187,9 +99,8 @@ class TabPlaces:
         if tabbed.drawn_mm is not None:
             both = np.array([tabbed.drawn_mm - half_mm, tabbed.drawn_mm + half_mm]) % around_mm
             return both, np.full(2, MIDDLE)
-        count = max(_STEPS // 4, 8)
-        more = around_mm * np.arange(count) / count
-        every, rank = np.concatenate([at_mm, more]), np.concatenate([ranks, np.full(count, ANYWHERE)])
+        more = around_mm * np.arange(_MORE) / _MORE
+        every, rank = np.concatenate([at_mm, more]), np.concatenate([ranks, np.full(_MORE, ANYWHERE)])
         long_mm = 2 * half_mm + _BESIDE_MM
         fits = tabbed.room.fits(every - half_mm, long_mm) | tabbed.room.fits(every + half_mm, long_mm)
         return every[fits], rank[fits]
@@ -208,7 +119,7 @@ class TabPlaces:
             onwards = ways.ccw[rows] == outlines[number].contour.curve.is_ccw
             middles = joints.entry_mm[rows] + np.where(onwards, -half_mm, half_mm)
             if tabbed.drawn_mm is not None:
-                good[rows] = np.abs((middles - tabbed.drawn_mm + around_mm / 2) % around_mm - around_mm / 2) <= SAME_MM
+                good[rows] = shorter_way_mm(middles, tabbed.drawn_mm, around_mm) <= SAME_MM
             else:
                 good[rows] = tabbed.room.fits(middles, 2 * half_mm + _BESIDE_MM)
         return good
@@ -235,8 +146,8 @@ class TabPlaces:
         """Which entries keep off the tabs of a contour."""
         away = np.full(len(entries_mm), True)
         for at_mm, tab in zip(tabbed.at_mm, tabbed.tabs, strict=True):
-            least_mm = off_mm(tab, self.kerf_mm) / 2 + max(FROM_LEAD_MM, 2 * self.kerf_mm)
-            away &= np.abs((entries_mm - at_mm + around_mm / 2) % around_mm - around_mm / 2) >= least_mm
+            least_mm = off_mm(tab, self.kerf_mm) / 2 + from_lead_mm(self.kerf_mm)
+            away &= shorter_way_mm(entries_mm, at_mm, around_mm) >= least_mm
         return away
 
 
@@ -250,84 +161,22 @@ class Left:
     stop: tuple[float, float] | None
 
 
-def _spread(room: Room, options: TabOptions, entry_mm: float | None) -> list[float]:
-    """Middles of `count` tabs, as many as have room: middles of straight edges first, each far from the others."""
-    around_mm = room.curve.length_mm
-    tab_mm = options.width_mm + room.kerf_mm
-    starts = room.arcs_mm
-    straight = np.diff(room.arcs_rad) == 0
-    edges = (starts[:-1] + np.diff(starts) / 2)[straight]
-    count = max(int(min(_STEPS, around_mm / _STEP_MM)), 16)
-    every = np.concatenate([edges, around_mm * np.arange(count) / count])
-    length_mm = np.concatenate([np.diff(starts)[straight], np.zeros(count)])
-    fits = room.fits(every, tab_mm)
-    every, length_mm = every[fits], length_mm[fits]
-    least_mm = 2 * (tab_mm + max(FROM_LEAD_MM, 2 * room.kerf_mm))
-    apart = np.full(len(every), np.inf)
-    if entry_mm is not None:
-        apart = _apart(every, entry_mm, around_mm)
-    chosen: list[float] = []
-    while len(chosen) < options.count:
-        able = apart >= least_mm
-        if not able.any():
-            break
-        far = np.minimum(apart, _FAR * around_mm / options.count)
-        score = np.round(far, 3) * around_mm * 10 + np.round(length_mm, 3)
-        score = np.where(able, score + np.where(np.isfinite(apart), np.round(apart, 3), 0.0) / (10 * around_mm), -1.0)
-        k = int(np.argmax(score))
-        chosen.append(float(every[k]))
-        apart = np.minimum(apart, _apart(every, chosen[-1], around_mm))
-    return sorted(chosen)
+def _wanted(room: Room, drawn: Sequence[Tab], options: TabOptions, entry: Point | None) -> tuple[Wanted, list[str]]:
+    """The tabs of a contour, `drawn` those whose places are given, and what is wrong with them."""
+    if drawn:
+        at_mm = [room.curve.project(tab.at)[0] for tab in drawn]
+        wrong = wrong_places(room, drawn, options)
+        if options.at_end:
+            return Wanted(room, tuple(drawn), drawn_mm=at_mm[0]), wrong
+        return _there(room, at_mm, [tab.width_mm for tab in drawn]), wrong
+    if options.at_end:
+        return Wanted(room, (Tab((0.0, 0.0), options.width_mm),)), []
+    at_mm = spread(room, options, None if entry is None else room.curve.project(entry)[0])
+    wrong = [no_room(len(at_mm), options)] if len(at_mm) < options.count else []
+    return _there(room, at_mm, [options.width_mm] * len(at_mm)), wrong
 
 
-def _apart(at_mm: Floats, place_mm: float, around_mm: float) -> Floats:
-    return np.abs((at_mm - place_mm + around_mm / 2) % around_mm - around_mm / 2)
-
-
-def _no_room(found: int, options: TabOptions) -> str:
-    """What to do where a contour has room for fewer tabs than it needs."""
-    have = "no room for a tab" if not found else f"room for {found} of {options.count} tabs"
-    fewer = f"lower width, corner{', or count' if found else ''}" if options.count > 1 else "lower width or corner"
-    return (
-        f"{have}: each needs a straight of {options.width_mm + 2 * options.corner_mm:g} mm and a kerf, beside "
-        f"metal that stays; {fewer} of {IN_PROFILE['tabs']}, draw its tabs in the nest, or "
-        "lock it to have none (tab: off)"
-    )
-
-
-def _wrong(room: Room, drawn: Sequence[Tab], options: TabOptions) -> list[str]:
-    """What is wrong with tabs whose places are given."""
-    found = []
-    if options.at_end and len(drawn) > 1:
-        found.append(f"{len(drawn)} tabs are asked for: each but the last would cost a pierce on the part; leave one")
-    middles: list[float] = []
-    for tab in drawn:
-        at_mm, away_mm = room.curve.project(tab.at)
-        place = f"the tab at ({tab.at[0]:g}, {tab.at[1]:g})"
-        one, tab_mm = np.array([at_mm]), off_mm(tab, room.kerf_mm)
-        if away_mm > ON_CONTOUR_MM:
-            found.append(f"{place} is {away_mm:.1f} mm from the contour: give a point on it")
-        elif not room.straight(one, tab_mm)[0]:
-            edge_mm = _edge_mm(room, at_mm)
-            if edge_mm < tab_mm:
-                told = f"is wider than its edge: {tab_mm:g} mm with the kerf, on an edge of {edge_mm:.1f} mm"
-                found.append(f"{place} {told}; make it narrower, or move it")
-            else:
-                told = f"lies in a corner, or less than {options.corner_mm:g} mm from one"
-                found.append(f"{place} {told}; move it along its edge, or lower corner of {IN_PROFILE['tabs']}")
-        elif not room.held(one)[0]:
-            told = f"has less than {room.clear_mm:g} mm of waste beside it: no metal would stay that holds it"
-            found.append(f"{place} {told}; move it to another edge")
-        elif any(
-            _apart(np.array([at_mm]), other, room.curve.length_mm)[0] < tab_mm + FROM_LEAD_MM for other in middles
-        ):
-            found.append(f"{place} meets another one; move it")
-        middles.append(at_mm)
-    return found
-
-
-def _edge_mm(room: Room, at_mm: float) -> float:
-    """How long the segment is on which a place lies."""
-    starts = room.arcs_mm
-    k = int(np.clip(np.searchsorted(starts, at_mm, side="right") - 1, 0, len(starts) - 2))
-    return float(starts[k + 1] - starts[k])
+def _there(room: Room, at_mm: Sequence[float], widths_mm: Sequence[float]) -> Wanted:
+    """Tabs with these middles along the contour."""
+    tabs = (Tab(room.curve.point_at(mm), width_mm) for mm, width_mm in zip(at_mm, widths_mm, strict=True))
+    return Wanted(room, tuple(tabs), tuple(at_mm))
