@@ -46,11 +46,15 @@ class LinkOptions:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Places:
-    """Candidates that no link tells apart, k places: their contour, and where links begin or end, (k, 2)."""
+    """Candidates that no link tells apart, k places: their contour, and where links begin or end, (k, 2).
+
+    `leads` (k,) are those of the place's own contour that a link from or to it keeps off, as one shape each.
+    """
 
     members: list[tuple[int, ...]]
     contour: Ints
     at: Floats
+    leads: Lines
 
 
 def with_links(facts: Facts, options: LinkOptions | None, cut_before: Iterable[Cut] = ()) -> Facts:
@@ -73,12 +77,12 @@ def with_links(facts: Facts, options: LinkOptions | None, cut_before: Iterable[C
 
 
 def _links(facts: Facts, options: LinkOptions, cut_before: Sequence[Cut]) -> list[LinkPath]:
-    leave, reach = _places(facts, _leaving), _places(facts, _joining)
+    leave, reach = _places(facts, _leaving, _leads), _places(facts, _joining, _lead_out)
     if not len(leave.contour):
         return []
     tree = shapely.STRtree(shapely.points(reach.at))
     one, other = tree.query(shapely.points(leave.at), "dwithin", distance=options.longest_mm)
-    parts = _part_numbers(facts)
+    parts = np.array(facts.nest.owners, dtype=np.int64)
     of, to = leave.contour[one], reach.contour[other]
     apart = (parts[of] != parts[to]) & (facts.parent[of] == facts.parent[to])
     gap = np.hypot(*(leave.at[one] - reach.at[other]).T)
@@ -130,7 +134,11 @@ def join_of(candidate: Candidate) -> Point:
     return x, y
 
 
-def _places(facts: Facts, place: Callable[[Candidate], tuple[Point, object]]) -> _Places:
+def _places(
+    facts: Facts,
+    place: Callable[[Candidate], tuple[Point, object]],
+    leads: Callable[[Candidate], list[shapely.LineString]],
+) -> _Places:
     members: dict[tuple[int, object], list[int]] = defaultdict(list)
     at: dict[tuple[int, object], Point] = {}
     for number, candidate in enumerate(facts.candidates):
@@ -141,23 +149,21 @@ def _places(facts: Facts, place: Callable[[Candidate], tuple[Point, object]]) ->
             at[key] = point
     contour = np.array([contour for contour, _ in members], dtype=np.int64)
     return _Places(
-        [tuple(of) for of in members.values()], contour, np.array(list(at.values()), dtype=np.float64).reshape(-1, 2)
+        [tuple(of) for of in members.values()],
+        contour,
+        np.array(list(at.values()), dtype=np.float64).reshape(-1, 2),
+        np.array([shapely.union_all(leads(facts.candidates[of[0]])) for of in members.values()], dtype=object),
     )
-
-
-def _part_numbers(facts: Facts) -> Ints:
-    return np.array(facts.nest.owners, dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _InTheWay:
     """What links keep off: metal of parts, contours, leads and pierces (`of_lead`, `of_hole`: of which contour)."""
 
-    facts: Facts
     options: LinkOptions
     sheet: shapely.Geometry
     metal: shapely.STRtree
-    rings: Lines
+    rings: shapely.STRtree
     leads: shapely.STRtree
     of_lead: Ints
     holes: shapely.STRtree
@@ -177,11 +183,10 @@ class _InTheWay:
         shapely.prepare(metal)
         shapely.prepare(sheet)
         return _InTheWay(
-            facts,
             options,
             sheet,
             shapely.STRtree(metal),
-            np.array([c.line for c in nest.without_scrap.contours], dtype=object),
+            shapely.STRtree([c.line for c in nest.without_scrap.contours]),
             shapely.STRtree([line for _, line in leads]),
             np.array([contour for contour, _ in leads], dtype=np.int64),
             shapely.STRtree([shapely.Point(at) for _, at in holes]),
@@ -196,9 +201,8 @@ class _InTheWay:
         clear = np.asarray(shapely.covers(self.sheet, lines))
         near_mm = max(kerf_mm / 2 - _OFF_MM - _CHORD_MM, 0.0)
         clear[self.metal.query(lines, "dwithin", distance=near_mm)[0]] = False
-        everyone = np.arange(len(self.rings))
         for tree, whose, off_mm in (
-            (shapely.STRtree(self.rings), everyone, 1.5 * kerf_mm),
+            (self.rings, np.arange(len(self.rings)), 1.5 * kerf_mm),
             (self.leads, self.of_lead, kerf_mm),
             (self.holes, self.of_hole, kerf_mm + self.options.splash_mm),
         ):
@@ -212,15 +216,13 @@ class _InTheWay:
 
     def _off_own(self, leave: _Places, one: Ints, reach: _Places, other: Ints) -> Bools:
         """Which links part from what has just been burnt, and keep off the lead-out of the contour that they reach."""
-        kerf_mm, candidates = self.options.kerf_mm, self.facts.candidates
+        kerf_mm = self.options.kerf_mm
         begin, end = leave.at[one], reach.at[other]
         onward = _trimmed(begin, end, _OWN_KERFS * kerf_mm)
-        clear = shapely.distance(onward, self.rings[leave.contour[one]]) >= kerf_mm - _OFF_MM
-        burnt = [shapely.union_all(_leads(candidates[of[0]])) for of in leave.members]
-        to_burn = [shapely.union_all(_leads(candidates[of[0]])[1:]) for of in reach.members]
-        clear &= _far(onward, np.array(burnt, dtype=object)[one], kerf_mm / 2)
+        clear = shapely.distance(onward, self.rings.geometries[leave.contour[one]]) >= kerf_mm - _OFF_MM
+        clear &= _far(onward, leave.leads[one], kerf_mm / 2)
         inward = _trimmed(end, begin, _OWN_KERFS * kerf_mm)
-        return np.asarray(clear & _far(inward, np.array(to_burn, dtype=object)[other], kerf_mm / 2))
+        return np.asarray(clear & _far(inward, reach.leads[other], kerf_mm / 2))
 
 
 def _far(lines: Lines, others: Lines, least_mm: float) -> Bools:
@@ -238,7 +240,12 @@ def _trimmed(begin: Floats, end: Floats, less_mm: float) -> Lines:
 
 def _leads(candidate: Candidate) -> list[shapely.LineString]:
     """The lead-in, if there is one, then the lead into the waste at the end."""
-    return _lines((candidate.lead_in, candidate.lead_out if candidate.leaves else None))
+    return [*_lines((candidate.lead_in,)), *_lead_out(candidate)]
+
+
+def _lead_out(candidate: Candidate) -> list[shapely.LineString]:
+    """The lead into the waste at the end, if there is one."""
+    return _lines((candidate.lead_out if candidate.leaves else None,))
 
 
 def _lines(leads: Iterable[Curve | None]) -> list[shapely.LineString]:

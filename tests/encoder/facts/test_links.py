@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 from itertools import combinations
+from typing import Literal
 
+import pytest
 import shapely
+from shapely.ops import substring
 
 from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
@@ -91,6 +94,18 @@ def test_a_link_leaves_the_kerf_behind_it_at_once() -> None:
         ring = found.nest.contours[_of(found, link.leave)].polygon
         begun = line(link).interpolate(KERF_MM)
         assert ring.distance(begun) >= KERF_MM - 0.02
+
+
+@pytest.mark.parametrize("lead_in", ["line", "none"])
+def test_a_link_keeps_off_the_lead_out_of_what_it_reaches(lead_in: Literal["line", "none"]) -> None:
+    ways = build_candidates(PAIR, LeadOptions(entries=8, kerf_mm=KERF_MM, lead=lead_in, lead_out="line"))
+    found = with_links(compute_facts(PAIR, FactOptions(), ways), LinkOptions(60.0, KERF_MM))
+    reached = [(link, ways[c].lead_out) for link in found.links for c in link.reach if ways[c].leaves]
+    assert reached
+    for link, lead_out in reached:
+        assert lead_out is not None
+        before = substring(line(link), 0.0, max(link.length_mm - KERF_MM, 0.0))
+        assert before.distance(lead_out.line()) >= KERF_MM / 2 - 1e-6
 
 
 def test_of_links_that_one_plan_could_use_no_two_meet() -> None:
