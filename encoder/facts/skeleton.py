@@ -14,12 +14,11 @@ import shapely
 
 from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.validate.scrap import OVERSHOOT_MM
 
 _TOUCH_MM = 0.02
 _SAME_SHARE = 1e-3
 """Pieces that differ by less than this share of the largest are equally large."""
-OVERSHOOT_MM = 1.0
-"""A line that ends on another may go on so far beyond it."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -27,13 +27,11 @@ def cut_loose(nest: Nest, cuts: CutSequence, kerf_mm: float) -> Iterator[tuple[s
     ]
     if not lines:
         return
-    metal = shapely.make_valid(nest.sheet.polygon)
-    metal -= shapely.union_all([part.outer.polygon.buffer(kerf_mm, quad_segs=4) for part in nest.parts])
-    burnt = {line.id: line.line.buffer(kerf_mm / 2, quad_segs=4) for line in nest.scrap}
+    metal, burnt = _without_parts(nest, kerf_mm), _burnt(nest, kerf_mm)
     pieces = _pieces(metal - shapely.union_all(list(burnt.values())), kerf_mm)
     if not pieces:
         return
-    inside = shapely.point_on_surface(frame(pieces))
+    inside = shapely.point_on_surface(_frame(pieces))
     for k, line in lines:
         held = next((piece for piece in _pieces(metal, kerf_mm) if piece.intersects(inside)), None)
         if held is None or held.buffer(kerf_mm / 2).intersection(line.line).length <= _asked_mm(line, kerf_mm):
@@ -43,20 +41,31 @@ def cut_loose(nest: Nest, cuts: CutSequence, kerf_mm: float) -> Iterator[tuple[s
 
 def bounding(nest: Nest, kerf_mm: float) -> tuple[set[str], set[tuple[str, str]]]:
     """The scrap lines that bound the frame, and the pairs of lines that bound one piece, each both ways round."""
-    if not nest.scrap:
-        return set(), set()
-    gone = [part.outer.polygon.buffer(kerf_mm, quad_segs=4) for part in nest.parts]
-    gone += [line.line.buffer(kerf_mm / 2, quad_segs=4) for line in nest.scrap]
-    pieces = _pieces(shapely.make_valid(nest.sheet.polygon) - shapely.union_all(gone), kerf_mm)
     framed: set[str] = set()
     pairs: set[tuple[str, str]] = set()
+    if not nest.scrap:
+        return framed, pairs
+    left = _without_parts(nest, kerf_mm) - shapely.union_all(list(_burnt(nest, kerf_mm).values()))
+    pieces = _pieces(left, kerf_mm)
+    largest = _frame(pieces) if pieces else None
     for piece in pieces:
         near = piece.buffer(kerf_mm / 2 + NEAR_MM)
         own = [line for line in nest.scrap if near.intersection(line.line).length > _asked_mm(line, kerf_mm)]
         pairs |= {(a.id, b.id) for a in own for b in own if a is not b}
-        if piece is frame(pieces):
+        if piece is largest:
             framed = {line.id for line in own}
     return framed, pairs
+
+
+def _without_parts(nest: Nest, kerf_mm: float) -> shapely.Geometry:
+    """The skeleton before any line is cut."""
+    gone = shapely.union_all([part.outer.polygon.buffer(kerf_mm, quad_segs=4) for part in nest.parts])
+    return shapely.make_valid(nest.sheet.polygon) - gone
+
+
+def _burnt(nest: Nest, kerf_mm: float) -> dict[str, shapely.Geometry]:
+    """What each line burns away."""
+    return {line.id: line.line.buffer(kerf_mm / 2, quad_segs=4) for line in nest.scrap}
 
 
 def _asked_mm(line: Contour, kerf_mm: float) -> float:
@@ -64,7 +73,7 @@ def _asked_mm(line: Contour, kerf_mm: float) -> float:
     return float(min(END_MM + kerf_mm, line.line.length / 4))
 
 
-def frame(pieces: Sequence[shapely.Polygon]) -> shapely.Polygon:
+def _frame(pieces: Sequence[shapely.Polygon]) -> shapely.Polygon:
     """The largest piece; of those as large the lowest, then the leftmost."""
     most = max(piece.area for piece in pieces)
     large = [piece for piece in pieces if piece.area >= AS_LARGE * most]
