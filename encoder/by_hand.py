@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from kerfwise.encoder.geometry.curve import Curve
 
-from .nest import Contour, Nest, Part, Sheet
+from .nest import Contour, Nest, Part, Sheet, as_scrap
 
 Rows = Sequence[Sequence[float]]
 
@@ -38,4 +38,4 @@ def nest(width: float, height: float, *parts: Part, scrap: Sequence[Rows] = ()) 
 
 def scrap_lines(lines: Sequence[Rows]) -> tuple[Contour, ...]:
     """Scrap lines with ids as a reader gives them."""
-    return tuple(Contour(f"scrap{k}", "", "scrap", Curve.of(line, closed=False)) for k, line in enumerate(lines, 1))
+    return as_scrap(Curve.of(line, closed=False) for line in lines)

@@ -8,7 +8,7 @@ from .compensation import compensated
 from .corner_feed import CornerFeed
 from .errors import InputError
 from .kept import kept_with_nest
-from .nest import Contour, Nest, Part
+from .nest import Contour, Nest, Part, with_parts
 
 
 @kept_with_nest(most=4)
@@ -24,9 +24,7 @@ def with_corners(nest: Nest, law: CornerFeed, kerf_mm: float) -> Nest:
     >>> with_corners(plate, CornerFeed(0.5, 45.0, 3.0), 0.0).contour("A.outer").corner_mm
     18.0
     """
-    parts = tuple(_part(part, law, kerf_mm) for part in nest.parts)
-    same = all(new is old for new, old in zip(parts, nest.parts, strict=True))
-    return nest if same else replace(nest, parts=parts, drawn=nest.drawn or nest)
+    return with_parts(nest, tuple(_part(part, law, kerf_mm) for part in nest.parts))
 
 
 def _part(part: Part, law: CornerFeed, kerf_mm: float) -> Part:

@@ -207,3 +207,17 @@ class Nest:
     def contour(self, contour_id: str) -> Contour:
         """The contour of that id (KeyError if there is none)."""
         return self.contours[self.index[contour_id]]
+
+
+def as_scrap(curves: Iterable[Curve]) -> tuple[Contour, ...]:
+    """Open curves as the lines that cut up a skeleton: `scrap1`, `scrap2`…"""
+    return tuple(Contour(f"scrap{k}", "", "scrap", curve) for k, curve in enumerate(curves, 1))
+
+
+def with_parts(nest: Nest, parts: tuple[Part, ...]) -> Nest:
+    """The nest with these parts in place of its own, each in its place; it keeps the nest as drawn.
+
+    Where every part is the one that was there, it is the nest itself.
+    """
+    same = all(new is old for new, old in zip(parts, nest.parts, strict=True))
+    return nest if same else replace(nest, parts=parts, drawn=nest.drawn or nest)

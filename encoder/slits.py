@@ -20,7 +20,7 @@ from kerfwise.encoder.geometry.segment import Point
 
 from .kept import kept_with_nest
 from .narrow import CHORD_MM, CORNER_RAD, NEAR_MM, Lost, lost_walls, ring_of
-from .nest import Contour, Nest, Part
+from .nest import Contour, Nest, Part, with_parts
 from .slot_middle import STRAIGHT_MM, Middle, middle_of_slot
 from .tolerance import tolerance_mm
 
@@ -77,9 +77,7 @@ def with_slits(nest: Nest, kerf_mm: float) -> Nest:
     >>> [(c.id, c.slot_of) for c in made.contours], made.contour("A.slit1").curve.as_rows()[-1]
     ([('A.slit1', 'A.outer'), ('A.outer', '')], [80.5, 60.75])
     """
-    parts = tuple(_slit(part, kerf_mm) for part in nest.parts)
-    same = all(new is old for new, old in zip(parts, nest.parts, strict=True))
-    return nest if same else replace(nest, parts=parts, drawn=nest.drawn or nest)
+    return with_parts(nest, tuple(_slit(part, kerf_mm) for part in nest.parts))
 
 
 def _slit(part: Part, kerf_mm: float) -> Part:

@@ -19,7 +19,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.inscribed import largest_circle, middle_of, wider_than
 
 from .kept import kept_with_nest
-from .nest import Contour, Nest, Part
+from .nest import Contour, Nest, Part, with_parts
 
 Under = Literal["refuse", "spot", "skip"]
 
@@ -99,9 +99,7 @@ def as_cut(nest: Nest, limits: HoleLimits) -> Nest:
 
 @kept_with_nest(most=8)
 def _as_cut(nest: Nest, limits: HoleLimits) -> Nest:
-    parts = tuple(_part(nest, part, limits) for part in nest.parts)
-    same = all(new is old for new, old in zip(parts, nest.parts, strict=True))
-    return nest if same else replace(nest, parts=parts, drawn=nest)
+    return with_parts(nest, tuple(_part(nest, part, limits) for part in nest.parts))
 
 
 def _part(nest: Nest, part: Part, limits: HoleLimits) -> Part:

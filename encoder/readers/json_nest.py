@@ -10,7 +10,7 @@ from typing import Any
 from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Contour, Kind, Nest, Note, Part, Sheet
+from kerfwise.encoder.nest import Contour, Kind, Nest, Note, Part, Sheet, as_scrap
 from kerfwise.encoder.still_going import so_much
 from kerfwise.encoder.strict_json import strict_json
 
@@ -44,7 +44,8 @@ def read_json(data: bytes, options: ReadOptions) -> Nest:
     parts = tuple(_part(given, scale) for given in document["parts"])
     sheet = _sheet(document["sheet"], scale)
     notes = (*_typing_slips(document["parts"]), *doubts(sheet, units))
-    return Nest(sheet, parts, notes=notes, scrap=_scrap(document.get("scrap", ()), scale))
+    scrap = (_curve(f"scrap{k}", rows, False, scale) for k, rows in enumerate(document.get("scrap", ()), 1))
+    return Nest(sheet, parts, notes=notes, scrap=as_scrap(scrap))
 
 
 def _parsed(data: bytes) -> tuple[str, Any]:
@@ -103,13 +104,6 @@ def _part(given: Mapping[str, Any], scale: float) -> Part:
 def _tab(given: Mapping[str, Any], scale: float) -> Tab:
     x, y = given["at"]
     return Tab((x * scale, y * scale), given.get("width", 0.0) * scale)
-
-
-def _scrap(lines: Sequence[Sequence[Sequence[float]]], scale: float) -> tuple[Contour, ...]:
-    ids = [f"scrap{k}" for k in range(1, len(lines) + 1)]
-    return tuple(
-        Contour(name, "", "scrap", _curve(name, rows, False, scale)) for name, rows in zip(ids, lines, strict=True)
-    )
 
 
 def _curve(name: str, rows: Sequence[Sequence[float]], closed: bool, scale: float) -> Curve:

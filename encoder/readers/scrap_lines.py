@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from kerfwise.encoder.nest import Contour, Note
+from kerfwise.encoder.nest import Contour, Note, as_scrap
 
 from .drawing import DrawnCurve
 from .join import join
@@ -21,10 +21,9 @@ def scrap_of_drawing(pieces: Sequence[DrawnCurve], options: ReadOptions) -> tupl
         text = f"left out, as lines that cut up scrap: {layers}; drawing: {{scrap_lines: cut}} has them cut"
         return (), [Note("warning", text)]
     joined = join(pieces, options.join_tolerance_mm)
-    lines = tuple(Contour(f"scrap{k}", "", "scrap", p.curve) for k, p in enumerate(joined.chains, 1))
     notes = [Note("warning", f"the scrap line {p.place} is drawn twice; it is cut once") for p in joined.repeats]
     notes += [Note("warning", f"the scrap line {p.place} has no length: left out") for p in joined.specks]
     if joined.rings:
         text = "left out, as a line that cuts up scrap has two ends, and these close"
         notes.append(Note("warning", f"{text}: {counted(p.layer for p in joined.rings)}"))
-    return lines, notes
+    return as_scrap(p.curve for p in joined.chains), notes

@@ -12,6 +12,7 @@ import numpy as np
 import shapely
 
 from kerfwise.arrays import Floats
+from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.validate.tolerances import TOUCH_MM
 
 _TRIED = 20
@@ -19,7 +20,7 @@ _TRIED = 20
 _PIERCE_MM = 30.0
 """What a line more costs, in mm of lines."""
 
-Row = list[tuple[float, float]]
+Row = list[Point]
 Span = tuple[float, float]
 
 

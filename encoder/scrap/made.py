@@ -9,9 +9,9 @@ import shapely
 from kerfwise.encoder.cut import Side
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.geometry.segment import Box
+from kerfwise.encoder.geometry.segment import Box, Point
 from kerfwise.encoder.kept import kept_with_nest
-from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.encoder.nest import Nest, as_scrap
 
 from .grid import grid_lines
 from .rectangle import saved
@@ -27,7 +27,7 @@ class Remnant:
     """The rectangle of unused sheet that is saved, mm in the nest's coordinates, and the line that cuts it off."""
 
     bounds: Box
-    line: tuple[tuple[float, float], ...]
+    line: tuple[Point, ...]
 
     @property
     def size_mm(self) -> tuple[float, float]:
@@ -61,7 +61,7 @@ def with_scrap(nest: Nest, kerf_mm: float, grid_mm: float | None, remnant: Side 
             file=nest.file or None,
         )
     metal = _skeleton(nest, kerf_mm)
-    rows: list[list[tuple[float, float]]] = []
+    rows: list[list[Point]] = []
     if remnant is not None:
         kept = remnant_of(nest, kerf_mm, remnant)
         rows.append(list(kept.line))
@@ -70,7 +70,7 @@ def with_scrap(nest: Nest, kerf_mm: float, grid_mm: float | None, remnant: Side 
         metal = metal.difference(shapely.box(x0 - half, y0 - half, x1 + half, y1 + half))
     if grid_mm is not None:
         rows += grid_lines(metal, grid_mm)
-    lines = tuple(Contour(f"scrap{k}", "", "scrap", Curve.of(row, closed=False)) for k, row in enumerate(rows, 1))
+    lines = as_scrap(Curve.of(row, closed=False) for row in rows)
     return replace(nest, scrap=lines, drawn=nest.drawn or nest) if lines else nest
 
 

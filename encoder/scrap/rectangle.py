@@ -7,9 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from kerfwise.encoder.cut import Side
-from kerfwise.encoder.geometry.segment import Box
-
-Point = tuple[float, float]
+from kerfwise.encoder.geometry.segment import Box, Point
 
 
 def saved(sheet: Box, blocks: Sequence[Box], side: Side, half_kerf_mm: float) -> tuple[Box, tuple[Point, ...]]:
