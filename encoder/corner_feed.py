@@ -54,7 +54,7 @@ class CornerFeed:
         """The path as lines and arcs, cut where the feed changes."""
         slow = list(self._slow(path))
         if not slow:
-            return tuple((segment, 1.0) for segment in path.segments)
+            return paced(path, None)
         found: list[Paced] = []
         for segment, begin in zip(path.segments, path.starts_mm.tolist(), strict=False):
             length = segment.length_mm

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Floats
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs, older_kerfs
-from kerfwise.encoder.cut import Side
 from kerfwise.encoder.nest import Nest
 
 from .cells import cells_of
@@ -21,7 +19,7 @@ from .hulls import in_hull
 from .long_parts import long_parts
 from .neighbours import outlook_of, surroundings_of
 from .offcut import edge_gaps, offcuts
-from .outlines import Outlines, outlines_of
+from .outlines import outlines_of
 from .shadows import level_ahead
 from .skeleton import skeleton_of
 from .start_side import start_side
@@ -83,7 +81,7 @@ def compute_facts(
     ahead = level_ahead(outlines, parent, side)
     hull = in_hull(outlines, parent)
     respected = respected_orders(contains, ahead, hull, options)
-    zone = _zones(nest, outlines, parent, side, respected, options, heat_kj)
+    zone = zones_of(nest, outlines, parent, side, respected, options, heat_kj)
 
     outlook = outlook_of(outlines, parent, nest.sheet, cells_of(outlines), options)
     surroundings = surroundings_of(outlines, parent, outlook)
@@ -117,25 +115,6 @@ def compute_facts(
         scrap_framed=skeleton.framed,
         scrap_beside=skeleton.beside,
     )
-
-
-def _zones(
-    nest: Nest,
-    outlines: Outlines,
-    parent: Ints,
-    start_side: Side,
-    respected: Ints,
-    options: FactOptions,
-    heat_kj: Floats,
-) -> Ints:
-    """The zones of a nest: those of its parts, and after them one for the lines that cut up the skeleton."""
-    if not nest.scrap:
-        return zones_of(nest, outlines, parent, start_side, respected, options, heat_kj)
-    bare, lines = nest.without_scrap, {line.id for line in nest.scrap}
-    options = replace(options, zone_pairs=tuple(pair for pair in options.zone_pairs if not lines.intersection(pair)))
-    n = len(bare.contours)
-    of_parts = zones_of(bare, outlines_of(bare), parent[:n], start_side, respected, options, heat_kj[:n])
-    return np.append(of_parts, np.full(len(nest.scrap), int(of_parts.max(initial=0)) + 1))
 
 
 def _older_kerfs(

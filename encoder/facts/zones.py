@@ -12,6 +12,7 @@ has few sets of contours that may be out.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 
 from .facts import FactOptions, OrderFact
-from .outlines import Outlines
+from .outlines import Outlines, outlines_of
 from .zone_blocks import Blocks, blocks_of, locked_pairs
 from .zone_heat import divided
 from .zone_joined import joined
@@ -58,7 +59,7 @@ def zones_of(
     options: FactOptions,
     heat_kj: Floats,
 ) -> Ints:
-    """Array (n,): the zone of each contour, 1…m without holes.
+    """Array (n,): the zone of each contour, 1…m without holes; the lines that cut up the skeleton are the last.
 
     `respected` (k, 2) are pairs of contours (before, after). `heat_kj` (n,) is what cutting each contour leaves in the
     sheet; nan counts as nothing. A part in `options.zone_fixed` stays where it is put, whatever heat that brings
@@ -72,6 +73,12 @@ def zones_of(
     """
     if not outlines.n:
         return np.empty(0, dtype=np.int64)
+    if nest.scrap:
+        bare, lines = nest.without_scrap, {line.id for line in nest.scrap}
+        n, locked = len(bare.contours), (pair for pair in options.zone_pairs if not lines.intersection(pair))
+        options = replace(options, zone_pairs=tuple(locked))
+        of_parts = zones_of(bare, outlines_of(bare), parent[:n], start_side, respected, options, heat_kj[:n])
+        return np.append(of_parts, np.full(len(nest.scrap), int(of_parts.max(initial=0)) + 1))
     blocks = blocks_of(nest, outlines, parent, respected, options, heat_kj)
     if options.zone_contours is None and not options.zone_fixed:
         orders = np.concatenate([respected, locked_pairs(nest, options)])

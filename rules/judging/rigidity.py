@@ -25,7 +25,6 @@ def rigid_at_the_end(
     nest: Nest, cuts: CutSequence, tail_share: float, web_mm: float, edge_band_mm: float
 ) -> Iterator[tuple[int, float]]:
     """Position of the cut of each outer contour, and the share of its end that faces solid metal or parts still in."""
-    number = part_numbers(nest)
     cut_at = np.full(len(nest.parts), len(cuts) + 1)
     judged: list[tuple[int, int]] = []
     tails: list[Spots] = []
@@ -33,7 +32,7 @@ def rigid_at_the_end(
         contour = nest.contour(cut.contour)
         if contour.kind != "outer":
             continue
-        part = number[contour.part]
+        part = nest.owners[nest.index[cut.contour]]
         cut_at[part] = k
         around_mm = contour.line.length
         tail_mm = tail_share * around_mm
@@ -57,17 +56,11 @@ def _rounds(nest: Nest, web_mm: float, edge_band_mm: float) -> dict[int, Ints]:
     return {}
 
 
-@kept_with_nest(most=1)
-def part_numbers(nest: Nest) -> dict[str, int]:
-    """Part id → its number."""
-    return {part.id: k for k, part in enumerate(nest.parts)}
-
-
 def rigid_at_best(
     nest: Nest, contour: str, out: frozenset[str], tail_share: float, web_mm: float, edge_band_mm: float
 ) -> float:
     """The greatest share of rigid metal at the end of any way round from any entry, once the contours `out` are cut."""
-    part, rounds = part_numbers(nest)[nest.contour(contour).part], _rounds(nest, web_mm, edge_band_mm)
+    part, rounds = nest.owners[nest.index[contour]], _rounds(nest, web_mm, edge_band_mm)
     if part not in rounds:
         line = nest.parts[part].outer.line
         rounds[part] = facing(nest, web_mm, edge_band_mm).faced(spots_along(part, line, 0.0, line.length, ROUND))
