@@ -43,7 +43,8 @@ def data_text(facts: Facts, profile: Profile, stated: Stated, options: SolveOpti
             "set cuts.links.longest to 0 mm, or take another engine, such as portfolio"
         )
     price = sum(s.weight for s in kinds.idle_travel)
-    idle, travel = travel_um(facts, price, home_mm), travel_um(facts, price, home_mm, kinds.link)
+    idle = travel_um(facts, price, home_mm)
+    travel = _linked(idle, kinds.link)
     fields: Fields = [("travel", table_from_0(travel))]
     if clock:
         fields += _clock(facts, options)
@@ -69,14 +70,19 @@ def without_dropped(facts: Facts, stated: Stated, book: Mapping[str, Rule[Any]])
     return facts
 
 
-def travel_um(facts: Facts, price: float, home_mm: Point, links: Sequence[Link] = ()) -> Ints:
-    """Cost of the moves, µm, from the end of each candidate (row) to the pierce of each (column); home is number 0.
+def travel_um(facts: Facts, price: float, home_mm: Point) -> Ints:
+    """Cost of idle travel, µm, from the end of each candidate (row) to the pierce of each (column); home is number 0.
 
     Rounded as `Problem.travel` rounds, so that every engine finds the same optimum to the digit.
     """
     ends, pierces = _points_um(facts, home_mm)
     gap = ends[:, None, :] - pierces[None, :, :]
-    travel = np.asarray(np.rint(price * np.sqrt((gap**2).sum(axis=2))), dtype=np.int64)
+    return np.asarray(np.rint(price * np.sqrt((gap**2).sum(axis=2))), dtype=np.int64)
+
+
+def _linked(idle: Ints, links: Sequence[Link]) -> Ints:
+    """The same with links, where they cost less."""
+    travel = idle.copy()
     for link in links:
         moves = np.ix_(np.array(link.leave) + 1, np.array(link.reach) + 1)
         travel[moves] = np.minimum(travel[moves], cost_um(link.weight))
