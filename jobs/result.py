@@ -15,6 +15,7 @@ from kerfwise.models.plan.explain import Explanation
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.files import expect_outputs, make_folder, write_files
+from kerfwise.postproc.nc.remnant import remnant_files
 from kerfwise.postproc.report import draw
 from kerfwise.rules.profile.profile import Profile
 
@@ -126,6 +127,8 @@ class Result:
     def save(self, folder: str | Path, name: str | None = None) -> tuple[Path, Path, Path]:
         """Write NAME.nc, NAME.plan.json and NAME.svg to a folder, all of them or none; the name is the nest's.
 
+        Where the profile asks for a remnant, its two files are written beside the program.
+
         Raises
         ------
         RulesConflict
@@ -145,9 +148,11 @@ class Result:
             ".svg": self.picture().content,
         }
         paths = {suffix: folder / f"{name}{suffix}" for suffix in contents}
+        files = {paths[suffix]: content for suffix, content in contents.items()}
+        files |= remnant_files(paths[".nc"], self.nest, self.profile)
         make_folder(folder)
-        expect_outputs(paths.values(), ())
-        write_files({paths[suffix]: content for suffix, content in contents.items()})
+        expect_outputs(files, ())
+        write_files(files)
         return paths[".nc"], paths[".plan.json"], paths[".svg"]
 
     def __repr__(self) -> str:

@@ -37,6 +37,18 @@ def test_the_same_as_the_command_line_byte_by_byte(result: kerfwise.Result, tmp_
     assert said.out.startswith(str(result))
 
 
+def test_a_remnant_is_saved_beside_its_program_as_by_the_command_line(tmp_path: Path) -> None:
+    parts = [{"id": "A", "outer": [[20, 20], [220, 20], [220, 280], [20, 280]]}]
+    nest, plant = tmp_path / "one.json", tmp_path / "plant.yaml"
+    sheet = {"width": 500, "height": 300}
+    nest.write_text(json.dumps({"format": "kerfwise-nest/1", "sheet": sheet, "parts": parts}))
+    plant.write_text("cuts: {scrap: {remnant: right}}\n")
+    assert command_line("solve", nest, "-p", plant, "--work", "1", "-o", tmp_path / "one.nc").code == 0
+    kerfwise.solve(nest, plant, work=1).save(tmp_path / "out")
+    for name in ("one.nc", "one.remnant.json", "one.remnant.dxf"):
+        assert (tmp_path / "out" / name).read_bytes() == (tmp_path / name).read_bytes()
+
+
 def test_what_is_known_of_it(result: kerfwise.Result) -> None:
     assert result.ok
     assert not result.interrupted
