@@ -11,6 +11,7 @@ import shapely
 
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
+from kerfwise.postproc.check.reader.controls import Control
 from kerfwise.postproc.check.reader.on_machine import control_of
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.postproc.dialects import pierce_dwell_of
@@ -37,12 +38,13 @@ def judge_running(
 
     `runs` say which contour each burn follows, `shares` at which shares of the cut feed a small hole may be cut.
     """
+    control, _ = control_of(profile)
     found = {
         "torch-off-travel": [
             (hot.line, f"the torch is on during a rapid of {hot.length_mm:.1f} mm") for hot in program.hot_rapids
         ],
         "program-state": [],
-        "feeds": list(_feeds(program, profile, runs, shares or {})),
+        "feeds": list(_feeds(program, profile, control, runs, shares or {})),
         "pierce-delay": list(_waits(nest, program.burns, profile)),
         "returns-home": list(_home(program, profile.home_on(nest))),
     }
@@ -51,7 +53,7 @@ def judge_running(
         said, is_at = (f"({x:g}, {y:g})" for x, y in (program.zero, corner))
         text = f"it says that its zero is at {said} of the drawing, by its origin it is at {is_at}"
         found["program-state"].append((0, text))
-    found["program-state"] += _powers(program.burns, profile)
+    found["program-state"] += _powers(program.burns, profile, control)
     for fault in program.faults:
         found[fault.rule].append((fault.line, fault.text))
     return [
@@ -61,9 +63,13 @@ def judge_running(
 
 
 def _feeds(
-    program: NcProgram, profile: Profile, runs: Sequence[TorchRun], shares: Mapping[str, Shares]
+    program: NcProgram,
+    profile: Profile,
+    control: Control,
+    runs: Sequence[TorchRun],
+    shares: Mapping[str, Shares],
 ) -> Iterator[tuple[int, str]]:
-    machine = profile.machine
+    machine, slack = profile.machine, control.feed_step_mm_min / 120
     names: dict[str, list[str]] = defaultdict(list)
     for run in runs:
         names[run.where].append(run.contour.id if run.contour is not None else "")
@@ -73,7 +79,6 @@ def _feeds(
         asked = machine.cut_feed_mm_s if cuts else machine.mark_feed_mm_s
         allowed = [shares.get(one, (1.0, 1.0)) if cuts else (1.0, 1.0) for one in cut]
         low, high = asked * min(least for least, _ in allowed), asked * max(most for _, most in allowed)
-        slack = control_of(profile).feed_step_mm_min / 120
         if cuts and slow_at_corners(profile):
             for text in wrong_at_corners(burn, (low, high), profile, slack):
                 yield burn.line, text
@@ -87,9 +92,9 @@ def _feeds(
         yield slow.line, f"it travels {slow.length_mm:.1f} mm at cutting feed with the torch off"
 
 
-def _powers(burns: Sequence[Burn], profile: Profile) -> Iterator[tuple[int, str]]:
+def _powers(burns: Sequence[Burn], profile: Profile, control: Control) -> Iterator[tuple[int, str]]:
     """Powers of a laser that are not the profile's, where that says one."""
-    material, full = profile.material, control_of(profile).full_power
+    material, full = profile.material, control.full_power
     if not full:
         return
     pierces = material.power if material.pierce_power is None else material.pierce_power

@@ -8,10 +8,9 @@ from dataclasses import replace
 
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
-from kerfwise.postproc.dialects import fitting_dialect, load_dialect, pierce_dwell_of
+from kerfwise.postproc.dialects import fitting_dialect, pierce_dwell_of
 from kerfwise.rules.profile.frame import Frame
 from kerfwise.rules.profile.machine_section import Origin
-from kerfwise.rules.profile.material_section import Material
 from kerfwise.rules.profile.profile import Profile
 
 from .controls import CONTROLS, Control
@@ -41,8 +40,8 @@ def read_on_machine(
         With the line, for what is malformed or not understood; for a dialect that does not fit the profile's process.
     """
     machine = profile.machine
-    control, held_s = _control_of(profile), _held_s(profile)
     if trusted is None:
+        control, held_s = control_of(profile)
         tabs = profile.tabs()
         tab_mm = 0.0 if tabs is None or tabs.at_end else tabs.longest_mm
         program = read_nc(text, machine.travel_mm_s, file, machine.home, control, held_s, tab_mm)
@@ -62,35 +61,30 @@ def old_on_machine(text: str, profile: Profile, trusted: Trusted, file: str = ""
     InputError
         As `read_old` does; for a dialect that does not fit the profile's process.
     """
-    machine = profile.machine
-    control = _control_of(profile)
-    return read_old(text, control, trusted.feed_mm_min, machine.travel_mm_s, file, machine.home, _held_s(profile))
+    machine, (control, held_s) = profile.machine, control_of(profile)
+    return read_old(text, control, trusted.feed_mm_min, machine.travel_mm_s, file, machine.home, held_s)
 
 
-def _held_s(profile: Profile) -> tuple[float, float]:
-    """How long the control holds the torch by itself where it starts to cut, and to mark."""
-    machine = profile.machine
-    by_machine = pierce_dwell_of(profile, fitting_dialect(profile)) == "machine"
-    return (machine.pierce_time_s, machine.mark_time_s) if by_machine else (0.0, 0.0)
+def control_of(profile: Profile) -> tuple[Control, tuple[float, float]]:
+    """The control that runs the profile's programs, and how long it holds the torch by itself to cut, and to mark.
 
+    That of a laser tells marks from cuts by the profile's power, where it says one.
 
-def _control_of(profile: Profile) -> Control:
-    """The control that programs of the profile's dialect are for."""
-    return _with_powers(CONTROLS[fitting_dialect(profile).control], profile.material)
-
-
-def control_of(profile: Profile) -> Control:
-    """The control that runs the profile's programs."""
-    return CONTROLS[load_dialect(profile.machine.dialect).control]
-
-
-def _with_powers(control: Control, material: Material) -> Control:
-    """The control of a laser, which tells marks from cuts by the profile's power, where it says one."""
+    Raises
+    ------
+    InputError
+        For a dialect that does not fit the profile's process.
+    """
+    machine, material, dialect = profile.machine, profile.material, fitting_dialect(profile)
+    by_machine = pierce_dwell_of(profile, dialect) == "machine"
+    held_s = (machine.pierce_time_s, machine.mark_time_s) if by_machine else (0.0, 0.0)
+    control = CONTROLS[dialect.control]
     if not control.beam or material.power is None:
-        return control
+        return control, held_s
     cuts = material.power
     marks = 0.0 if material.mark_power is None else material.mark_power
-    return replace(control, marks_up_to=min(control.marks_up_to, (cuts + marks) / 200 * control.full_power))
+    marks_up_to = min(control.marks_up_to, (cuts + marks) / 200 * control.full_power)
+    return replace(control, marks_up_to=marks_up_to), held_s
 
 
 def on_its_origin(program: NcProgram, profile: Profile) -> Profile:
