@@ -10,7 +10,7 @@ from kerfwise.encoder.cut import HotSpot, Side
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.shown import shown
-from kerfwise.encoder.still_going import long_job, so_much
+from kerfwise.encoder.still_going import long_job, so_much, told_if_long
 from kerfwise.models.plan.plan import Plan, RuleReport
 from kerfwise.postproc.check import CheckResult, Claims, Heating, JudgedCuts, Planned, Relaxed, Thermometer, check_cuts
 from kerfwise.postproc.check import check_program as check_nc
@@ -24,20 +24,6 @@ __all__ = ["check_plan", "check_program", "judge", "report_of", "thermometer_of"
 
 def _of_plan(nest: Nest, plan: Plan, profile: Profile) -> str:
     return f"checking the plan of {nest.file or 'the nest'}"
-
-
-def _of_program(
-    nest: Nest,
-    nc_text: str,
-    profile: Profile,
-    file: str = "",
-    plan: Plan | None = None,
-    known: JudgedCuts | None = None,
-    trusted: Trusted | None = None,
-    side: Side | None = None,
-) -> str:
-    program = file or f"the program of {nest.file or 'the nest'}"
-    return f"checking {program}"
 
 
 @long_job(_of_plan)
@@ -62,7 +48,6 @@ def check_plan(nest: Nest, plan: Plan, profile: Profile) -> CheckResult:
     return check_cuts(nest, plan.sequence(profile.home_on(nest)), profile, claims, relaxed, thermometer)
 
 
-@long_job(_of_program)
 def check_program(
     nest: Nest,
     nc_text: str,
@@ -84,19 +69,12 @@ def check_program(
     InputError
         With the line, for a program that is malformed or says something the reader does not understand.
     """
-    so_much(nc_text.count("\n"), "line", "lines")
     planned = None if plan is None else Planned(plan.sequence(), _relaxed_of(plan), plan.origin)
-    return check_nc(
-        nest,
-        nc_text,
-        profile,
-        file,
-        thermometer_of(nest, profile),
-        planned=planned,
-        known=known,
-        trusted=trusted,
-        side=side,
-    )
+    program = file or f"the program of {nest.file or 'the nest'}"
+    with told_if_long(f"checking {program}"):
+        so_much(nc_text.count("\n"), "line", "lines")
+        heat = thermometer_of(nest, profile)
+        return check_nc(nest, nc_text, profile, file, heat, planned=planned, known=known, trusted=trusted, side=side)
 
 
 def _relaxed_of(plan: Plan) -> tuple[Relaxed, ...]:
