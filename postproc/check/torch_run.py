@@ -57,15 +57,20 @@ class TorchRun:
 
     @property
     def lit(self) -> tuple[TorchRun, ...]:
-        """The run as it burns: a run for each stretch between two tabs, the leads with the first and the last."""
+        """The run as it burns: a run for each stretch between two tabs, the leads with the first and the last.
+
+        None where tabs are as wide as all of its loop.
+        """
         if not self.unlit:
             return (self,)
         length_mm = float(self.loop.length)
         off = at_tabs(self.loop, self.unlit, 0.0)
         begin_mm = 0.0 if self.lead_in is None else float(self.loop.project(shapely.get_point(self.lead_in, -1)))
         on = [(low, high) for low, high in minus(np.array([[0.0, length_mm]]), off).tolist() if high - low > 1e-6]
+        if not on:
+            return ()
         pieces = [ops.substring(self.loop, low, high) for low, high in on]
-        first = min(range(len(on)), key=lambda k: 0.0 if on[k][0] - 1e-6 <= begin_mm <= on[k][1] + 1e-6 else 1.0)
+        first = next((k for k, (low, high) in enumerate(on) if low - 1e-6 <= begin_mm <= high + 1e-6), 0)
         made = [replace(self, loop=p, lead_in=None, lead_out=None, partial=True, linked=True, unlit=()) for p in pieces]
         made[first] = replace(made[first], lead_in=self.lead_in, linked=self.linked)
         made = [*made[first:], *made[:first]]

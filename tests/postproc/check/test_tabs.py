@@ -128,11 +128,12 @@ def test_tabs_that_no_rule_asks_for_are_uncut(name: str) -> None:
     assert "every-contour-once" in found.broken()
 
 
-def test_a_plan_that_says_another_width() -> None:
+@pytest.mark.parametrize("width_mm", [2.0, 1000.0])  # the contour is 260 mm long
+def test_a_plan_that_says_another_width(width_mm: float) -> None:
     plan = made(LASER).plan
     cut = plan.cuts[0].cut
-    wide = replace(cut, tabs=(cut.tabs[0], Tab(cut.tabs[1].at, 2.0)))
+    wide = replace(cut, tabs=(cut.tabs[0], Tab(cut.tabs[1].at, width_mm)))
     changed = replace(plan, cuts=(replace(plan.cuts[0], cut=wide),))
     result = check_plan(PLATE, changed, profile(LASER))
     assert "hold-small-parts" in result.broken()
-    assert "that is 2.00 mm wide, not 0.8 mm" in report(result)
+    assert f"that is {width_mm:.2f} mm wide, not 0.8 mm" in report(result)
