@@ -62,7 +62,7 @@ def _draw_program(output: str, feed: float | None, kerf: float | None, given: di
     job = read_alone(feed, kerf, given)
     name = Path(given["nest"]).name
     told = f"idle {job.program.idle_mm / 1000:.3f} m, {len(job.program.burns)} burns"
-    panel = Panel(name, told, job.program.burns, job.home)
+    panel = Panel(name, told, job.program.burns, job.home, job.program.end)
     write_files({Path(output): draw_burns([panel], Path(output).suffix, name)})
 
 

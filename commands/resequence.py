@@ -102,7 +102,7 @@ def _picture(made: Resequenced, suffix: str, plant: Profile) -> str | bytes:
     from kerfwise.postproc.report.burns import Panel, draw_burns
 
     panels = [
-        Panel(title, f"idle {of.idle_mm / 1000:.3f} m, {of.pierces} pierces", of.burns, made.home)
+        Panel(title, f"idle {of.idle_mm / 1000:.3f} m, {of.pierces} pierces", of.burns, made.home, of.end)
         for title, of in (("before", made.before), ("after", made.after))
     ]
     return draw_burns(panels, suffix, f"{Path(made.name).name} resequenced")

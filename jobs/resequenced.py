@@ -18,7 +18,10 @@ Paths = Literal["keep", "new"]
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Measured:
-    """What a program does: mm, s, and each rule's verdict on it, None where there is no nest to judge by."""
+    """What a program does: mm, s, its burns and where the torch ends, and each rule's verdict on it.
+
+    There is no verdict where there is no nest to judge by.
+    """
 
     idle_mm: float
     cut_mm: float
@@ -26,13 +29,14 @@ class Measured:
     time_s: float
     verdict: CheckResult | None
     burns: tuple[Burn, ...]
+    end: Point
 
     @staticmethod
     def of(program: NcProgram, profile: Profile, nest: Nest | None, verdict: CheckResult | None) -> Measured:
         """What a program does by the time model of the profile."""
         timed = time_program(program, nest, profile)
-        on_mm, pierces = timed.job.on_mm, timed.job.pierces
-        return Measured(program.idle_mm, on_mm, pierces, timed.times.total_s, verdict, program.burns)
+        on_mm, pierces, time_s = timed.job.on_mm, timed.job.pierces, timed.times.total_s
+        return Measured(program.idle_mm, on_mm, pierces, time_s, verdict, program.burns, program.end)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

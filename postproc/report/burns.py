@@ -27,12 +27,13 @@ _MOST_NUMBERS = 600
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """One program: its burns in order, where the torch starts, and two lines above the drawing."""
+    """One program: two lines above the drawing, its burns in order, where the torch starts and where it ends."""
 
     title: str
     told: str
     burns: Sequence[Burn]
-    home: Point = (0.0, 0.0)
+    home: Point
+    end: Point
 
 
 def draw_burns(panels: Sequence[Panel], suffix: str, title: str) -> str | bytes:
@@ -99,7 +100,7 @@ class _Place:
 
 def _bounds(panels: Sequence[Panel]) -> Box:
     paths = [burn.path.flatten(_CHORD_MM) for panel in panels for burn in panel.burns]
-    points = np.concatenate([*paths, np.array([panel.home for panel in panels])])
+    points = np.concatenate([*paths, np.array([p for panel in panels for p in (panel.home, panel.end)])])
     (x0, y0), (x1, y1) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
     margin = 0.03 * max(x1 - x0, y1 - y0, 1.0)
     return x0 - margin, y0 - margin, x1 + margin, y1 + margin
@@ -112,16 +113,15 @@ def _headings(panel: Panel, place: _Place) -> Iterator[Item]:
 
 def _items(panel: Panel, place: _Place) -> Iterator[Item]:
     burns = panel.burns
-    at = panel.home
-    for k, burn in enumerate(burns):
+    for k, burn in enumerate(burns, 1):
         path = np.array([place.at(p) for p in burn.path.flatten(_CHORD_MM).tolist()])
-        yield Shape((path,), Style(stroke=MARK if burn.tool else OUTER, width=1.2), closed=False, cut=k + 1)
-        start, end = burn.path.vertices[0, :2].tolist(), burn.path.vertices[-1, :2].tolist()
-        if math.dist(at, start) > 0:
-            way = np.array([place.at(at), place.at(start)])
-            colour = time_colour(k / max(len(burns) - 1, 1))
-            yield Shape((way,), Style(stroke=colour, width=1.0, dash=(5.0, 3.0)), closed=False, cut=k + 1)
-        at = (end[0], end[1])
+        yield Shape((path,), Style(stroke=MARK if burn.tool else OUTER, width=1.2), closed=False, cut=k)
+    stops = [panel.home, *(p for burn in burns for p in burn.path.vertices[[0, -1], :2].tolist()), panel.end]
+    for k, (begin, end) in enumerate(zip(stops[::2], stops[1::2], strict=True)):
+        if math.dist(begin, end) > 0:
+            way = np.array([place.at(begin), place.at(end)])
+            style = Style(stroke=time_colour(k / max(len(burns), 1)), width=1.0, dash=(5.0, 3.0))
+            yield Shape((way,), style, closed=False, cut=min(k + 1, len(burns)))
     size = min(max(90.0 / math.sqrt(len(burns)), _NUMBER_PX[0]), _NUMBER_PX[1])
     for k, burn in enumerate(burns, 1):
         x, y = place.at(burn.path.vertices[0, :2].tolist())
