@@ -13,6 +13,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.postproc.check.reader.old import OldProgram, Traced
 from kerfwise.postproc.check.reader.old_words import State
 from kerfwise.postproc.check.reader.program import Burn
+from kerfwise.postproc.nc.blocks import number
 
 SAME_MM = 0.0005
 """How far a point of a burn may lie, in the new program, from where it was."""
@@ -214,8 +215,7 @@ def _words(state: State, wanted: State) -> list[str]:
 
 def _travel(to: Point, state: State, rapid: str) -> str:
     inch = state.get("units") in (("G20",), ("G70",))
-    x, y = (f"{v / 25.4 if inch else v:.6f}".rstrip("0").rstrip(".") for v in to)
-    x, y = ("0" if text in ("-0", "") else text for text in (x, y))
+    x, y = (number(v / 25.4 if inch else v, 6) for v in to)
     return f"{rapid} X{x} Y{y}".strip()
 
 
