@@ -11,14 +11,12 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kerfwise.arrays import Floats
 from kerfwise.encoder.geometry.segment import Segment
 from kerfwise.postproc.check.reader.program import Burn
 from kerfwise.rules.options.by_thickness import length_at
 from kerfwise.rules.profile.profile import Profile
-
-Floats = NDArray[np.float64]
 
 _LEAST_MM, _MOST_MM = 0.01, 0.03
 """Shorter lines and arcs make no corners; what lies between the two may."""

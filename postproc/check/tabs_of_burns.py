@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
+from kerfwise.arrays import Floats
 from kerfwise.encoder.cut import Cut, Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
@@ -39,9 +40,7 @@ def up_to_tabs(burns: Sequence[Burn], nest: Nest, matcher: Matcher) -> tuple[Bur
     return tuple(made)
 
 
-def _rest(
-    path: Curve, ring: shapely.LineString, within_mm: float
-) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]] | None:
+def _rest(path: Curve, ring: shapely.LineString, within_mm: float) -> Floats | None:
     """The vertices along a ring from the end of a path to where it joined; None where it ends elsewhere, or far off."""
     points = shapely.points(path.vertices[:, :2])
     on = shapely.distance(ring, points) <= within_mm

@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from scipy.spatial import cKDTree
 
+from kerfwise.arrays import Floats
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Segment
 
@@ -138,7 +139,7 @@ def _longest(path: Curve) -> tuple[float, float] | None:
     return min(found, key=lambda pair: (round(pair[0] - pair[1], 3), pair[0]), default=None)
 
 
-def _meets(path: Curve, point: np.ndarray[tuple[int, ...], np.dtype[np.float64]], first: int, end: int) -> list[float]:
+def _meets(path: Curve, point: Floats, first: int, end: int) -> list[float]:
     """Path lengths at which some of the segments come back to a point."""
     segments = path.segments[max(first, 0) : max(end, 0)]
     if not segments:
