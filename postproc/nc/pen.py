@@ -197,8 +197,9 @@ def _split(pieces: Iterable[Paced], at_mm: Sequence[float]) -> Iterator[Paced]:
     for segment, share in pieces:
         length_mm = segment.length_mm
         inner = [mm - begin_mm for mm in at_mm if SPECK_MM < mm - begin_mm < length_mm - SPECK_MM]
-        for low, high in pairwise([0.0, *inner, length_mm]) if inner else ():
-            yield segment.between(low / length_mm, high / length_mm), share
-        if not inner:
+        if inner:
+            ends = pairwise([0.0, *inner, length_mm])
+            yield from ((segment.between(low / length_mm, high / length_mm), share) for low, high in ends)
+        else:
             yield segment, share
         begin_mm += length_mm
