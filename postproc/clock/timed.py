@@ -56,10 +56,18 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
     runs, at = [], home
     for made in paths:
         travels_mm = () if made.linked else (math.dist(at, _start(made.path)),)
-        waits_s, share, linked = made.planned.dwell_s, made.feed_share, made.linked
-        off_mm = sum(high - low for low, high in made.unlit)
-        run = Run(made.path, made.marks, not made.edge_start, travels_mm, waits_s, feed_share=share, linked=linked)
-        runs.append(replace(run, unlit_mm=off_mm))
+        runs.append(
+            Run(
+                made.path,
+                made.marks,
+                not made.edge_start,
+                travels_mm,
+                made.planned.dwell_s,
+                feed_share=made.feed_share,
+                linked=made.linked,
+                unlit_mm=sum(high - low for low, high in made.unlit),
+            )
+        )
         at = _end(made.path)
     return Job(tuple(runs), (math.dist(at, home),), count_blocks(paths, nest, profile))
 

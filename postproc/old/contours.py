@@ -185,9 +185,6 @@ def _part(
     own = sorted(k for k, part in part_of.items() if part == outer and k != outer)
     holes = [k for k in own if kinds.get(k) == "hole"]
     marks = [k for k in own if k not in kinds]
-    named = {f"{name}.outer": outer}
-    named |= {f"{name}.hole{n}": k for n, k in enumerate(holes, 1)}
-    named |= {f"{name}.mark{n}": k for n, k in enumerate(marks, 1)}
     part = Part(
         name,
         _contour(f"{name}.outer", name, "outer", tagged[outer], kerf_mm),
@@ -197,7 +194,8 @@ def _part(
             for n, k in enumerate(marks, 1)
         ),
     )
-    return part, named
+    made = (part.outer, *part.holes, *part.marks)
+    return part, {contour.id: k for contour, k in zip(made, (outer, *holes, *marks), strict=True)}
 
 
 def _contour(contour_id: str, part: str, kind: Kind, of: _Tagged, kerf_mm: float) -> Contour:

@@ -80,11 +80,10 @@ def make_scene(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), s
             pierce_layer(nest, view, cuts),
             home_layer(view, home),
         ]
-    if any(cut.tabs for cut in cuts):
-        layers.append(tab_layer(nest, view, cuts))
     kinds = {"pierce", "home", *(nest.contour(c.contour).kind for c in cuts)}
     if any(cut.tabs for cut in cuts):
         kinds.add("tab")
+        layers.append(tab_layer(nest, view, cuts))
     if nest.not_cut:
         kinds.add("small")
     torch = [c.pierce for c in cuts if nest.contour(c.contour).kind != "mark"]
