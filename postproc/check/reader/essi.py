@@ -30,7 +30,7 @@ from kerfwise.encoder.geometry.segment import Point, Segment
 from .arcs import arc_by_centre, arc_by_radius
 from .controls import Control
 from .program import NcProgram
-from .rows import rows_of
+from .rows import in_file, rows_of
 from .tools_on import ToolsOn, what_was_done
 from .track import Track
 from .words import Block
@@ -196,8 +196,7 @@ def read_essi(
     """
     track = Track(travel_mm_s, home)
     program = _Program(track, _Tools(track, control, held_s), control)
-    line = 0
-    try:
+    with in_file(file):
         blocks = list(_blocks(text, control))
         if not blocks or blocks[-1][1] not in map(str, _ENDS):
             last = blocks[-1][0] if blocks else None
@@ -207,9 +206,7 @@ def read_essi(
                 raise _refused(line, "words behind the program's end, which no control runs: not supported here")
             program.run(line, block)
         line = blocks[-1][0]
-    except InputError as error:
-        raise InputError(error.message, file=file or None, line=error.line, column=error.column) from None
-    return what_was_done(track, program.tools, line, [], program.blocks + 1, control.step_mm)
+        return what_was_done(track, program.tools, line, [], program.blocks + 1, control.step_mm)
 
 
 def _blocks(text: str, control: Control) -> Iterator[tuple[int, str]]:

@@ -12,6 +12,7 @@ from .grammar import DWELL, MOTION, NO_MOTION, ROUNDING, group_of
 from .old_words import OldWords, State
 from .program import NcProgram
 from .reader import Machine, blocks, read_nc
+from .rows import in_file
 from .tools_on import HALTS
 from .words import Block, Word
 
@@ -84,7 +85,7 @@ def read_old(
     further = OldWords(control.filtered, feed_mm_min)
     machine = Machine(travel_mm_s, control, held_s, home, further=further)
     traced: list[Traced] = []
-    try:
+    with in_file(file):
         for block in blocks(text, machine):
             idle_mm, at, waited_s = machine.track.idle_mm, machine.track.at, machine.track.wait_s
             machine.run(block)
@@ -104,17 +105,14 @@ def read_old(
                     next((word.text for word in block.g if word.value == 0.0), ""),
                 )
             )
-        if not machine.tools.ended:
-            raise InputError("the program has no end: expected M2 or M30", line=machine.line or None)
+        machine.expect_end()
         if machine.track.open is not None:
             raise InputError(
                 "the program ends with the torch on, and nobody can be sure where it should have gone out; put it out",
                 line=machine.line or None,
             )
-    except InputError as error:
-        raise InputError(error.message, file=file or None, line=error.line, column=error.column) from None
-    program = machine.done()
-    _expect_cold_rapids(program, file)
+        program = machine.done()
+        _expect_cold_rapids(program)
     return OldProgram(program, tuple(traced), tuple(sorted(further.kerfs_mm)), tuple(further.used), text)
 
 
@@ -165,10 +163,9 @@ def _with(word: Word, block: Block, letters: str) -> str:
     return " ".join((word.text, *(block.words[letter].text for letter in letters if letter in block.words)))
 
 
-def _expect_cold_rapids(program: NcProgram, file: str) -> None:
+def _expect_cold_rapids(program: NcProgram) -> None:
     if program.hot_rapids:
         raise InputError(
             "a rapid (G0) with the torch on: nobody can be sure what it cuts; post the program without",
-            file=file or None,
             line=program.hot_rapids[0].line,
         )

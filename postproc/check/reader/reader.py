@@ -21,7 +21,7 @@ from .grammar import refuse_conflicts
 from .moves import ModalState
 from .old_words import OldWords
 from .program import NcProgram
-from .rows import rows_of
+from .rows import in_file, rows_of
 from .tools import Tools
 from .tools_on import ToolsOn, what_was_done
 from .track import Track
@@ -56,14 +56,11 @@ def read_nc(
     if control.arcs:
         return read_essi(text, travel_mm_s, file, home, control, held_s)
     machine = Machine(travel_mm_s, control, held_s, home, tab_mm)
-    try:
+    with in_file(file):
         for block in blocks(text, machine):
             machine.run(block)
-        if not machine.tools.ended:
-            raise InputError("the program has no end: expected M2 or M30", line=machine.line or None)
-    except InputError as error:
-        raise InputError(error.message, file=file or None, line=error.line, column=error.column) from None
-    return machine.done()
+        machine.expect_end()
+        return machine.done()
 
 
 class Machine:
@@ -110,6 +107,11 @@ class Machine:
         """Whether a block only gives the program's number, as some controls want it to."""
         alone = not (block.g or block.m) and list(block.words) == [self.control.program]
         return alone and not self.track.burns and self.track.open is None
+
+    def expect_end(self) -> None:
+        """Refuse a program that has come to no end."""
+        if not self.tools.ended:
+            raise InputError("the program has no end: expected M2 or M30", line=self.line or None)
 
     def done(self) -> NcProgram:
         """What the program did."""

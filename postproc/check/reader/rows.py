@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import unicodedata
 from collections.abc import Iterator
+from contextlib import contextmanager
 
 from kerfwise.encoder.errors import InputError
 
@@ -11,6 +12,15 @@ LONGEST = 252
 """Bytes of a row without its LF: LinuxCNC stops at a longer one, in the middle of a sheet (`LINELEN` in its source)."""
 _NEVER_SHOWN = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})
 """Unicode categories of controls, of marks that turn or join text, of halves of characters, and of separators."""
+
+
+@contextmanager
+def in_file(file: str) -> Iterator[None]:
+    """What is refused meanwhile is refused with the file's name, where it has one."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(error.message, file=file or None, line=error.line, column=error.column) from None
 
 
 def rows_of(text: str, longest: int = LONGEST, obeyed: str = "") -> Iterator[tuple[int, str]]:
