@@ -108,7 +108,7 @@ class Separation:
 
     def _ways(self, used: Floats, beside: Floats) -> Iterator[_Way]:
         problem, wants_out, wants_in = self._problem, self._wants_out, self._wants_in
-        n, before = problem.n, problem.before
+        n, before, block = problem.n, problem.before, np.append(problem.block, -1)[self._owner]
         for j in range(n):
             yield _Way(n, j, wants_out[j])
             yield _Way(j, n, wants_in[j])
@@ -123,7 +123,6 @@ class Separation:
             for order in (pair, pair.other_way_round):
                 if order.value(beside) > LITTLE:
                     i, j = order.first, order.then
-                    block = np.append(problem.block, -1)[self._owner]
                     sooner, later = block == problem.block[i], block == problem.block[j]
                     yield _Way(n, i, wants_out[i] | wants_out[j] | later, order=order)
                     yield _Way(i, j, wants_in[i] | wants_out[j], order=order)
