@@ -96,14 +96,13 @@ def without(burn: TorchOn, unlit_mm: Sequence[tuple[float, float]]) -> tuple[Tor
         return (burn,)
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(burn.xy, axis=0).T))])
     ends = [0.0, *(mm for stretch in unlit_mm for mm in stretch), float(along[-1])]
+    table = np.column_stack([burn.xy, burn.at_s])
     made = []
     for number, (low, high) in enumerate(zip(ends[::2], ends[1::2], strict=True)):
-        first = 0 if not number else int(np.searchsorted(along, low, side="right"))
+        first = int(np.searchsorted(along, low, side="right")) if number else 0
         last = int(np.searchsorted(along, high, side="left"))
-        cut = [np.interp([low, high], along, column) for column in (burn.xy[:, 0], burn.xy[:, 1], burn.at_s)]
-        rows = np.column_stack([burn.xy, burn.at_s])[first:last]
-        begins = [] if not number else [[c[0] for c in cut]]
-        rows = np.vstack([*begins, *rows[:, None], [c[1] for c in cut]]).reshape(-1, 3)
+        begin, end = np.column_stack([np.interp([low, high], along, column) for column in table.T])
+        rows = np.vstack([*([begin] if number else []), table[first:last], end])
         made.append(TorchOn(burn.contour, rows[:, :2], rows[:, 2]))
     return tuple(made)
 
