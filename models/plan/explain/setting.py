@@ -123,11 +123,11 @@ def _candidate_of(facts: Facts, problem: Problem, cut: Cut, notes: list[str]) ->
 
     A cut that is linked is told by where it joins.
     """
-    linked = cut.linked and cut.lead_in is not None
-    begins = cut.lead_in.segments[-1].end if linked and cut.lead_in is not None else cut.pierce
+    link = cut.lead_in if cut.linked else None
+    begins = cut.pierce if link is None else link.segments[-1].end
 
     def away_mm(c: int) -> tuple[float, float]:
-        begin = join_of(facts.candidates[c]) if linked else facts.candidates[c].pierce
+        begin = facts.candidates[c].pierce if link is None else join_of(facts.candidates[c])
         return math.dist(begin, begins), math.dist(facts.candidates[c].end, cut.end)
 
     span = facts.candidates_of(facts.nest.index[cut.contour])
