@@ -119,13 +119,15 @@ def protect(given: Given, nest: str, outputs: Iterable[str | Path | None], *othe
 
 
 def note_placing(given: Given) -> None:
-    """Say on standard error what a planner would want to know of where the sheet lies, and of the material chart."""
+    """Say on standard error what a planner would want to know of where the sheet lies, of the material chart and links."""
     from kerfwise.rules.profile.placing import placing_notes
 
     for text in placing_notes(given.nest, given.profile):
         click.echo(f"warning: {text}", err=True)
     for text in given.profile.chart_notes():
         click.echo(f"note: {text}", err=True)
+    if given.profile.cuts.links.longest_mm > 0 and (why := given.profile.no_links(given.nest)):
+        click.echo(f"note: cuts.links: the torch stays on nowhere: {why}", err=True)
 
 
 def size_of(text: str) -> tuple[float, float]:

@@ -81,7 +81,8 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) ->
         raise
     heat_kj = contour_heat_kj(nest, candidates, profile)
     facts = compute_facts(nest, profile.fact_options(nest), candidates, heat_kj, met)
-    return _left(with_links(facts, profile.link_options(), _burnt(already)), already)
+    links = None if profile.no_links(nest) else profile.link_options()
+    return _left(with_links(facts, links, _burnt(already)), already)
 
 
 def _burnt(already: AlreadyCut) -> tuple[Cut, ...]:

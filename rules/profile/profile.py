@@ -216,21 +216,27 @@ class Profile:
         )
 
     def link_options(self) -> LinkOptions | None:
-        """How links are made: no longer than the profile allows, and than pays; None where there are none.
-
-        There are none where the torch may have to wait for metal to cool, which it does while it is off, and none
-        where corners are cut more slowly: the one where a link begins is of two cuts.
-        """
+        """How links are made: no longer than the profile allows, and than pays; None where there are none."""
         machine, leads = self.machine, self.leads
         longest_mm = self.cuts.links.longest_mm
-        limit = self.temperature_limit()
-        if longest_mm <= 0 or (limit is not None and limit.dwells) or self.corner_feed() is not None:
+        if longest_mm <= 0 or self.no_links() is not None:
             return None
         slower = 1 / machine.cut_feed_mm_s - 1 / machine.travel_mm_s
         if slower > 0:
             lead_s = self.length_mm(leads.lead_in_mm) * (1 / machine.cut_feed_mm_s + 1 / machine.travel_mm_s)
             longest_mm = min(longest_mm, (max(machine.pierce_time_s, machine.edge_preheat_s) + lead_s) / slower)
         return LinkOptions(longest_mm, self.material.kerf_mm, self._asked_of_leads().splash_mm or 0.0)
+
+    def no_links(self, nest: Nest | None = None) -> str | None:
+        """Why there can be no links, whatever length of them is allowed: a clause; None where there can."""
+        limit = self.temperature_limit()
+        if limit is not None and limit.dwells:
+            return "the rule t-max lets metal cool while the torch is off (dwells)"
+        if self.corner_feed() is not None:
+            return "corners are cut more slowly (corner_feed), and the one where a link begins is of two cuts"
+        if nest is not None and nest.scrap:
+            return "links would cut metal off the skeleton, in which scrap lines are cut afterwards"
+        return None
 
     def _asked_of_leads(self) -> LeadOptions:
         """What the sections and the rules ask of each lead, whatever the nest."""

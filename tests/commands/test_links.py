@@ -123,3 +123,22 @@ def test_a_length_below_nothing_is_refused(folder: Path) -> None:
     told = solve(profile="wrong.yaml")
     assert (told.code, told.err.count("\n")) == (2, 1)
     assert "cuts.links.longest" in told.err
+
+
+@pytest.mark.parametrize(
+    ("more", "why"),
+    [
+        ("rules: {t-max: {strength: hard, limit: 1300 °C, dwells: true}}\n", "the rule t-max lets metal cool"),
+        ("corners: {corner_feed: 0.5}\n", "corners are cut more slowly"),
+        ("", "links would cut metal off the skeleton"),
+    ],
+)
+def test_why_there_are_no_links_is_said(folder: Path, more: str, why: str) -> None:
+    (folder / "plant.yaml").write_text(LINKS + more, encoding="utf-8")
+    if not more:
+        drawn = NEST | {"scrap": [[[20, 0], [20, 260]]]}
+        (folder / "nest.json").write_text(json.dumps(drawn), encoding="utf-8")
+    told = solve()
+    assert told.code == 0, told.err
+    assert f"note: cuts.links: the torch stays on nowhere: {why}" in told.err
+    assert linked(folder) == []
