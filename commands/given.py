@@ -119,7 +119,7 @@ def protect(given: Given, nest: str, outputs: Iterable[str | Path | None], *othe
 
 
 def note_placing(given: Given) -> None:
-    """Say on standard error what a planner would want to know of where the sheet lies, of the material chart and links."""
+    """Say on standard error what a planner would want to know: where the sheet lies, what the chart lacks, no links."""
     from kerfwise.rules.profile.placing import placing_notes
 
     for text in placing_notes(given.nest, given.profile):

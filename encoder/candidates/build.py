@@ -78,10 +78,10 @@ def build_with_older_kerfs(
         return (), OlderKerfs.none()
     gone = already.contours.union(loose)
     left = [k for k, c in enumerate(nest.contours) if c.id not in gone]
-    near_parts = scrap_problems(nest, options.kerf_mm)
-    if near_parts:
+    uncuttable = scrap_problems(nest, options.kerf_mm)
+    if uncuttable:
         raise InputError(
-            "the skeleton cannot be cut up as it is drawn", file=nest.file or None, details=tuple(near_parts)
+            "the skeleton cannot be cut up as it is drawn", file=nest.file or None, details=tuple(uncuttable)
         )
     around = Surroundings.of(nest, Void.of(nest, already, options.kerf_mm, options.splash_mm or 0.0))
     held = TabPlaces.of(nest, left, options.tabs, options.kerf_mm, options.entry_points)

@@ -15,6 +15,7 @@ from kerfwise.encoder.nest import Nest, as_scrap
 
 from .grid import grid_lines
 from .rectangle import saved
+from .whole import skeleton, taken_apart
 
 LEAST_MM = 50.0
 """A remnant with a shorter side is not worth keeping."""
@@ -60,7 +61,8 @@ def with_scrap(nest: Nest, kerf_mm: float, grid_mm: float | None, remnant: Side 
             "the nest has scrap lines of its own, and the profile asks for others (cuts.scrap): leave one of them out",
             file=nest.file or None,
         )
-    metal = _skeleton(nest, kerf_mm)
+    whole = skeleton(nest.sheet.polygon, [part.outer.polygon for part in nest.parts], kerf_mm + _CLEAR_MM)
+    metal = _largest(whole, kerf_mm)
     rows: list[list[Point]] = []
     if remnant is not None:
         kept = remnant_of(nest, kerf_mm, remnant)
@@ -70,6 +72,7 @@ def with_scrap(nest: Nest, kerf_mm: float, grid_mm: float | None, remnant: Side 
         metal = metal.difference(shapely.box(x0 - half, y0 - half, x1 + half, y1 + half))
     if grid_mm is not None:
         rows += grid_lines(metal, grid_mm)
+        rows = taken_apart(rows, whole, kerf_mm)
     lines = as_scrap(Curve.of(row, closed=False) for row in rows)
     return replace(nest, scrap=lines, drawn=nest.drawn or nest) if lines else nest
 
@@ -104,9 +107,7 @@ def remnant_of(nest: Nest, kerf_mm: float, side: Side) -> Remnant:
     return remnant
 
 
-def _skeleton(nest: Nest, kerf_mm: float) -> shapely.Geometry:
-    """The sheet without its parts and their kerfs: the largest piece, since others come loose with the parts."""
-    gone = shapely.buffer([part.outer.polygon for part in nest.parts], kerf_mm + _CLEAR_MM, quad_segs=16)
-    metal = shapely.make_valid(nest.sheet.polygon).difference(shapely.union_all(gone))
+def _largest(metal: shapely.Geometry, kerf_mm: float) -> shapely.Geometry:
+    """The largest piece of a skeleton: others come loose with the parts."""
     pieces = [piece for piece in shapely.get_parts(metal) if piece.area > kerf_mm**2]
     return max(pieces, key=lambda piece: piece.area, default=shapely.Polygon())
