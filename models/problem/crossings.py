@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
@@ -46,6 +46,11 @@ class Crossings:
     def only(self, kept: Bools) -> Crossings:
         """Some of the rows."""
         return Crossings(self.leave[kept], self.reach[kept], self.over[kept], self.cost[kept], self.statement[kept])
+
+    def renumbered(self, number: Ints) -> Crossings:
+        """The rows between sites that are left, and home: `number[s]` (m + 1,) is the new number of site s, or -1."""
+        left = self.only((number[self.leave] >= 0) & (number[self.reach] >= 0))
+        return replace(left, leave=number[left.leave], reach=number[left.reach])
 
 
 class TooManyMoves(InputError):

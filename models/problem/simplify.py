@@ -12,11 +12,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from kerfwise.arrays import Bools
+from kerfwise.arrays import Bools, Ints
 from kerfwise.rules.statements import Pick, plain
 
 from .conditions import Condition
 from .crossings import Crossings
+from .links import Links
 from .problem import Problem
 
 
@@ -70,8 +71,9 @@ def _spare(problem: Problem, unlawful: Bools) -> Bools:
     compared = np.zeros(problem.m + 1, dtype=np.bool_)
     compared[[s for sites in groups for s in sites]] = True
     asked = _conditions_by_site(problem, compared)
-    crossed, linked = _crossings_by_site(problem, compared), _links_by_site(problem, compared)
-    timed = _timed(problem)
+    crossings, links, timed = problem.crossings, problem.links, _timed(problem)
+    crossed = _moves_by_site(crossings, crossings.over, crossings.cost, compared)
+    linked = _moves_by_site(links, links.cost, links.ms, compared)  # cheaper than idle travel: none makes a site worse
     for sites in groups:
         for s in sites:
             for t in sites:
@@ -135,34 +137,22 @@ def _conditions_by_site(
     return asked
 
 
-def _crossings_by_site(problem: Problem, compared: Bools) -> dict[int, Counter[tuple[str, int, int, int]]]:
-    crossed: dict[int, Counter[tuple[str, int, int, int]]] = defaultdict(Counter)
-    rows = problem.crossings
-    for way, here, there in (("to", rows.leave, rows.reach), ("from", rows.reach, rows.leave)):
+def _moves_by_site(
+    moves: Crossings | Links, one: Ints, other: Ints, compared: Bools
+) -> dict[int, Counter[tuple[str, int, int, int]]]:
+    """The moves of each site, with two of their columns."""
+    found: dict[int, Counter[tuple[str, int, int, int]]] = defaultdict(Counter)
+    for way, here, there in (("to", moves.leave, moves.reach), ("from", moves.reach, moves.leave)):
         of = compared[here]
-        columns = (here[of].tolist(), there[of].tolist(), rows.over[of].tolist(), rows.cost[of].tolist())
-        for site, other, over, cost in zip(*columns, strict=True):
-            crossed[site][way, other, over, cost] += 1
-    return crossed
-
-
-def _links_by_site(problem: Problem, compared: Bools) -> dict[int, Counter[tuple[str, int, int, int]]]:
-    """The links of each site; they cost less than idle travel, so one more makes no site worse."""
-    linked: dict[int, Counter[tuple[str, int, int, int]]] = defaultdict(Counter)
-    rows = problem.links
-    for way, here, there in (("to", rows.leave, rows.reach), ("from", rows.reach, rows.leave)):
-        of = compared[here]
-        columns = (here[of].tolist(), there[of].tolist(), rows.cost[of].tolist(), rows.ms[of].tolist())
-        for site, other, cost, ms in zip(*columns, strict=True):
-            linked[site][way, other, cost, ms] += 1
-    return linked
+        columns = (here[of].tolist(), there[of].tolist(), one[of].tolist(), other[of].tolist())
+        for site, place, a, b in zip(*columns, strict=True):
+            found[site][way, place, a, b] += 1
+    return found
 
 
 def _with_sites(problem: Problem, kept: Bools) -> Problem:
     """The problem with these sites alone, numbered anew."""
     number = np.append(np.where(kept, np.cumsum(kept) - 1, -1), kept.sum())  # the last is home
-    rows = problem.crossings
-    there = (number[rows.leave] >= 0) & (number[rows.reach] >= 0)
     contours = problem.site_contour[kept]
     timed = len(problem.pace.cut_ms) > 0
     return replace(
@@ -179,13 +169,7 @@ def _with_sites(problem: Problem, kept: Bools) -> Problem:
             for c in problem.conditions
             if c.when is None or kept[c.when]
         ),
-        crossings=Crossings(
-            number[rows.leave[there]],
-            number[rows.reach[there]],
-            rows.over[there],
-            rows.cost[there],
-            rows.statement[there],
-        ),
+        crossings=problem.crossings.renumbered(number),
         links=problem.links.renumbered(number[:-1], int(kept.sum())),
         pace=replace(problem.pace, cut_ms=problem.pace.cut_ms[kept]) if timed else problem.pace,
         matrix=None if problem.matrix is None else problem.matrix[np.ix_(np.append(kept, True), np.append(kept, True))],
