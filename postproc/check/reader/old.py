@@ -28,13 +28,12 @@ class Trusted:
 class Traced:
     """One line that holds words: how many burns are over after it, and what it does while nothing burns.
 
-    `lit` says whether the torch is on after it. `state` is what is in force then: units, feed, material and so on.
+    `state` is what is in force after it: units, feed, material and so on.
     `travels` says that it moves with the torch off, `waits` that it stands so, `halts` that the program stops there.
     """
 
     line: int
     burns: int
-    lit: bool
     travels: bool
     waits: bool
     halts: bool
@@ -97,7 +96,6 @@ def read_old(
                 Traced(
                     block.line,
                     len(machine.track.burns),
-                    machine.track.open is not None,
                     travels,
                     machine.track.wait_s > waited_s,
                     any(word.value in HALTS for word in block.m),
