@@ -13,12 +13,11 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import Produced, produce
 from kerfwise.jobs.solve_options import options_for
-from kerfwise.rules.catalogue.hold_small_parts import HoldSmallPartsOptions
-from kerfwise.rules.profile.profile import Profile, load_profile
-from kerfwise.rules.rule import RuleSetting
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.plant import plant, tabs_of
 from kerfwise.tests.metal.simulate import by_kind, simulate
+from kerfwise.tests.postproc.plans import with_tabs
 
 ROWS = nest(
     420, 260,
@@ -28,13 +27,6 @@ ROWS = nest(
     part("L", [(200, 140), (260, 140), (260, 170), (230, 170), (230, 230), (200, 230)]),
 )  # fmt: skip
 TORCHES = ("laser-st10kp-2mm", "plasma-carbon-steel", "oxyfuel-thick-plate", "water-jet")
-
-
-def with_tabs(name: str, **options: object) -> Profile:
-    """A shipped profile with tabs; locks and rules that a small nest need not keep are left as they are."""
-    base = load_profile(name)
-    rules = dict(base.rules) | {"hold-small-parts": RuleSetting("hard", None, HoldSmallPartsOptions(**options))}  # type: ignore[arg-type]
-    return replace(base, rules=rules)
 
 
 def made(drawn: Nest, profile: Profile) -> Produced:

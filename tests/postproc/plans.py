@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import shapely
 
@@ -15,8 +16,10 @@ from kerfwise.encoder.geometry.offset import offset_curve
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.models.plan.plan import Plan, PlannedCut, SolveReport, Totals
 from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
-from kerfwise.rules.profile.profile import Profile, RuleSetting, default_settings
+from kerfwise.rules.catalogue.hold_small_parts import HoldSmallPartsOptions
+from kerfwise.rules.profile.profile import Profile, RuleSetting, default_settings, load_profile
 from kerfwise.rules.profile.sections import Machine
+from kerfwise.rules.rule import Strength
 
 KERF_MM = 1.5
 QUARTER = math.tan(math.pi / 8)
@@ -53,6 +56,13 @@ def profile(**changes: object) -> Profile:
     rules["cut-direction"] = RuleSetting("hard", None, CutDirectionOptions(outer="cw", hole="ccw"))
     machine = Machine(pierce_dwell="program")
     return dataclasses.replace(Profile("test", machine=machine, rules=rules, sha256="c0de" * 16), **changes)
+
+
+def with_tabs(name: str, strength: Strength = "hard", **options: Any) -> Profile:
+    """A shipped profile with the rule hold-small-parts, and these of its options."""
+    base = load_profile(name)
+    tabs = RuleSetting(strength, None, HoldSmallPartsOptions(**options))
+    return dataclasses.replace(base, rules=dict(base.rules) | {"hold-small-parts": tabs})
 
 
 def cut_of(

@@ -17,9 +17,9 @@ from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.plan.reader import read_plan
 from kerfwise.postproc.check import CheckResult, report
 from kerfwise.postproc.verdict.checking import check_plan, check_program
-from kerfwise.rules.catalogue.hold_small_parts import HoldSmallPartsOptions
-from kerfwise.rules.profile.profile import Profile, load_profile
-from kerfwise.rules.rule import RuleSetting
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.rule import Strength
+from kerfwise.tests.postproc.plans import with_tabs
 
 PLATE = nest(200, 120, part("A", rect(40, 30, 80, 50)))
 LASER, PLASMA = "laser-st10kp-2mm", "plasma-carbon-steel"
@@ -28,9 +28,8 @@ TAB = r"N\d+ M5\n((?:N\d+ G[123] .*\n)+)N\d+ M3 S1\n"
 WHY = "its centroid is 40.0 mm from one end, and slats lie 60 mm apart"
 
 
-def profile(name: str, strength: str = "hard") -> Profile:
-    base, options = load_profile(name), HoldSmallPartsOptions(width_mm=0.8)
-    return replace(base, rules=dict(base.rules) | {"hold-small-parts": RuleSetting(strength, None, options)})  # type: ignore[arg-type]
+def profile(name: str, strength: Strength = "hard") -> Profile:
+    return with_tabs(name, strength, width_mm=0.8)
 
 
 @cache
@@ -39,7 +38,7 @@ def made(name: str) -> Produced:
     return produce(ask(facts_of(PLATE, plant), plant), plant, options_for(PLATE, plant, work=1))
 
 
-def judged(name: str, program: str, strength: str = "hard") -> CheckResult:
+def judged(name: str, program: str, strength: Strength = "hard") -> CheckResult:
     assert program != made(name).program or strength == "off"
     return check_program(PLATE, program, profile(name, strength))
 

@@ -21,11 +21,9 @@ from kerfwise.postproc.dialects import load_dialect
 from kerfwise.postproc.nc.pen import Pen
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.nc.toolpath import torch_path
-from kerfwise.rules.catalogue.hold_small_parts import HoldSmallPartsOptions
 from kerfwise.rules.profile.profile import Profile, load_profile, shipped_profiles
-from kerfwise.rules.rule import RuleSetting
 from kerfwise.tests.postproc.dialects.reading import apart_mm
-from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
+from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile, with_tabs
 from kerfwise.tests.tools import canon
 
 pytestmark = pytest.mark.linuxcnc
@@ -143,9 +141,7 @@ def test_linuxcnc_reads_a_program_with_slits() -> None:
 @pytest.mark.parametrize(("name", "burns"), [("laser-st10kp-2mm", 6), ("plasma-carbon-steel", 2)])
 def test_linuxcnc_reads_a_program_with_tabs(name: str, burns: int) -> None:
     """A plate and a disc with tabs: the torch is on for as long as the plan says, and off over each tab."""
-    base = load_profile(name)
-    tabs = RuleSetting("hard", None, HoldSmallPartsOptions(width_mm=0.8))
-    plant = replace(base, rules=dict(base.rules) | {"hold-small-parts": tabs})
+    plant = with_tabs(name, width_mm=0.8)
     drawn = nest(250, 120, part("A", rect(40, 30, 80, 50)), part("C", circle(170, 60, 30)))
     made = produce(ask(facts_of(drawn, plant), plant), plant, SolveOptions(work=1, home_mm=plant.machine.home))
     run = canon.run(made.program)
