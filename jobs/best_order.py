@@ -15,7 +15,8 @@ from kerfwise.postproc.dialects import fitting_dialect
 from kerfwise.postproc.nc.blocks import comment
 from kerfwise.postproc.old.contours import NoNest, Told, Unclear
 from kerfwise.postproc.old.orders import changes_material_or_tool
-from kerfwise.postproc.old.reordered import TakenApart, expect_same, reordered, taken_apart
+from kerfwise.postproc.old.pieces import TakenApart, taken_apart
+from kerfwise.postproc.old.reordered import expect_same, reordered
 from kerfwise.postproc.verdict.checking import check_program
 
 from .given import Tell

@@ -19,7 +19,8 @@ from kerfwise.postproc.dialects import fitting_dialect
 from kerfwise.postproc.nc.names import program_names
 from kerfwise.postproc.nc.program import cut_comment, head_comments
 from kerfwise.postproc.old.contours import NoNest, Told, Unclear
-from kerfwise.postproc.old.reordered import TakenApart, reordered
+from kerfwise.postproc.old.pieces import TakenApart
+from kerfwise.postproc.old.reordered import reordered
 from kerfwise.rules.profile.profile import Profile
 
 from .ask import ask

@@ -13,7 +13,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.models.engines.solution import Progress, SolveOptions
 from kerfwise.models.routing import Instance, solve_instance
 from kerfwise.postproc.old.orders import orders_between
-from kerfwise.postproc.old.reordered import TakenApart
+from kerfwise.postproc.old.pieces import TakenApart
 
 from .old_program import OldJob
 

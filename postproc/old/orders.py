@@ -11,7 +11,7 @@ import shapely
 from kerfwise.arrays import Ints
 from kerfwise.postproc.check.reader.program import Burn
 
-from .reordered import Piece
+from .pieces import Piece
 
 _KEPT_IN_ROWS = ("material", "tool")
 """What costs time to change, and nobody knows how much: burns keep the order of these."""

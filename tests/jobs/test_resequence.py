@@ -20,7 +20,8 @@ from kerfwise.models.engines.baselines import Strategy
 from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.old import read_old
 from kerfwise.postproc.dialects import load_dialect
-from kerfwise.postproc.old.reordered import reordered, taken_apart
+from kerfwise.postproc.old.pieces import taken_apart
+from kerfwise.postproc.old.reordered import reordered
 from kerfwise.postproc.verdict.checking import check_program
 from kerfwise.rules.profile.cuts_section import Links
 from kerfwise.rules.profile.profile import Profile, load_profile

@@ -16,7 +16,8 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.old_program import Asked
 from kerfwise.jobs.resequence import resequence
 from kerfwise.postproc.check.reader.old import read_old
-from kerfwise.postproc.old.reordered import expect_same, reordered, taken_apart
+from kerfwise.postproc.old.pieces import taken_apart
+from kerfwise.postproc.old.reordered import expect_same, reordered
 
 
 def main(folder: str, feed: str = "2500") -> int:

@@ -7,7 +7,8 @@ import pytest
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.check.reader.old import OldProgram, read_old
-from kerfwise.postproc.old.reordered import expect_same, reordered, taken_apart
+from kerfwise.postproc.old.pieces import taken_apart
+from kerfwise.postproc.old.reordered import expect_same, reordered
 from kerfwise.tests.postproc.old.programs import FEED, HEAD, READ, REFUSED, line
 from kerfwise.tests.tools import canon
 
