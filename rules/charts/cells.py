@@ -24,22 +24,16 @@ def cell(column: str, node: yaml.Node) -> Value:
     if isinstance(value, str):
         return value.strip()
     assert isinstance(value, float | int)
-    return expect_likely(column, float(value), node)
+    _expect_likely(column, float(value), node)
+    return float(value)
 
 
-def expect_likely(column: str, value: float, node: yaml.Node | None = None) -> float:
-    """The value, refused where it is so small or great that another unit must be meant.
-
-    Raises
-    ------
-    Unfit
-        Saying what is likely there.
-    """
+def _expect_likely(column: str, value: float, node: yaml.Node) -> None:
+    """Refuse a value that is so small or great that another unit must be meant."""
     least, most = COLUMNS[column].least, COLUMNS[column].most
     if (least is not None and value < least) or (most is not None and value > most):
         low, high = (written(column, bound) for bound in (least or 0.0, most or value))
         raise Unfit(f"{written(column, value)} is not likely, expected {low} to {high}: is it in another unit?", node)
-    return value
 
 
 def in_unit(column: str, text: str, unit: str | None) -> str:

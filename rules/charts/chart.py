@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from .columns import COLUMNS
 
 Value = float | str
+SAME_MM = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +42,19 @@ class Chart:
     file: str
     sha256: str
     rows: tuple[ChartRow, ...]
+
+
+def same(one: Value | None, other: Value | None, rel_tol: float = 1e-9, abs_tol: float = SAME_MM) -> bool:
+    """Whether two values are equal, but for capitals and rounding; what is not there equals nothing.
+
+    Examples
+    --------
+    >>> same("O2", "o2 "), same(6.0, 6.0000001), same(6.0, 6.1), same(None, 6.0)
+    (True, True, False, False)
+    """
+    if isinstance(one, str) or isinstance(other, str):
+        return str(one).strip().casefold() == str(other).strip().casefold()
+    return one is not None and other is not None and math.isclose(one, other, rel_tol=rel_tol, abs_tol=abs_tol)
 
 
 def written(column: str, value: Value) -> str:

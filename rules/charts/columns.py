@@ -25,6 +25,11 @@ class Column:
     most: float | None = None
 
     @property
+    def key(self) -> tuple[str, str]:
+        """Section and option, as one."""
+        return self.section, self.option
+
+    @property
     def units(self) -> tuple[str, ...]:
         """The units that a number may have here; none for texts and plain numbers."""
         return tuple(self.kind.units) if isinstance(self.kind, Quantity) else ()

@@ -15,16 +15,15 @@ from collections.abc import Iterator
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.options.kind import Unfit
-from kerfwise.rules.options.plain_values import Text
+from kerfwise.rules.options.plain_values import Number
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.yaml_positions import Problems
 
 from .cells import cell, in_unit, node_at
 from .chart import ChartRow, Value
-from .columns import COLUMNS, Column
+from .columns import COLUMNS
 
 _HEAD = re.compile(r"(?P<name>[^\[\]()]*?)\s*(?:[\[(]\s*(?P<unit>[^\[\]()]*?)\s*[\])])?")
-_PLAIN_UNITS = {"small_hole_feed": ("1",), "corner_feed": ("1",)}
 _LONGEST_CELL = 200
 Head = tuple[str, str | None] | None
 Numbered = tuple[int, list[str]]
@@ -76,15 +75,13 @@ def _head(line: int, number: int, text: str, problems: Problems) -> Head:
     if name not in COLUMNS:
         problems.add(node, unknown("column", name[:60], COLUMNS))
         return None
-    if unit is not None and unit not in (allowed := _allowed(name, COLUMNS[name])):
+    units = COLUMNS[name].units
+    allowed = units or (("1",) if isinstance(COLUMNS[name].kind, Number) else ())  # plain numbers: shares
+    if unit is not None and unit not in allowed:
         expected = f"one of {', '.join(allowed)}" if allowed else "no unit"
         problems.add(node, f"{name}: unknown unit {unit[:60]!r}, expected {expected}")
         return None
-    return name, None if name in _PLAIN_UNITS else unit
-
-
-def _allowed(name: str, column: Column) -> tuple[str, ...]:
-    return () if isinstance(column.kind, Text) else column.units or _PLAIN_UNITS.get(name, ())
+    return name, unit if units else None
 
 
 def _row(line: int, cells: list[str], heads: list[Head], problems: Problems) -> ChartRow | None:

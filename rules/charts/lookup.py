@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -10,12 +9,11 @@ from fractions import Fraction
 from kerfwise.rules.options.quantities import Quantity
 from kerfwise.rules.options.suggest import unknown
 
-from .chart import Chart, ChartRow, Value, written
+from .chart import SAME_MM, Chart, ChartRow, Value, same, written
 from .columns import COLUMNS, PROCESS
 from .row_choice import RowChoice
 
 _NAMED = 12
-_SAME_MM = 1e-6
 
 
 class NoRow(ValueError):
@@ -73,10 +71,10 @@ def look_up(
         asked = {**({"material": material} if graded else {}), "thickness": thickness_mm, **asked}
         kin, at_mm = _alike(chart, asked), asked["thickness"]
         row = None
-        exact = [r for r in kin if _same(r.values.get("thickness"), at_mm)]
+        exact = [r for r in kin if same(r.values.get("thickness"), at_mm)]
         if exact:
             row = _only(exact, asked, chart)
-            kin = [r for r in kin if all(r.values.get(p) == row.values.get(p) for p in PROCESS)]
+            kin = [r for r in kin if _one_process(r, row)]
         elif not interpolate:
             raise NoRow(_no_thickness(kin, asked, chart, "; say interpolate: true to have what lies between two rows"))
     own = {} if row is None else row.values
@@ -95,7 +93,7 @@ def look_up(
 
 
 def _named(chart: Chart, name: str) -> list[ChartRow]:
-    found = [row for row in chart.rows if any(_same(one, name) for one in row.names)]
+    found = [row for row in chart.rows if any(same(one, name) for one in row.names)]
     if not found:
         names = list(dict.fromkeys(one for row in chart.rows for one in row.names[:1]))
         if not names:
@@ -119,7 +117,7 @@ def _alike(chart: Chart, asked: Mapping[str, Value]) -> list[ChartRow]:
     for column, value in asked.items():
         if column == "thickness":
             continue
-        fitting = [row for row in rows if _same(row.values.get(column), value)]
+        fitting = [row for row in rows if same(row.values.get(column), value)]
         if not fitting:
             known = [row.values[column] for row in rows if column in row.values]
             texts = list(dict.fromkeys(written(column, one) for one in known))
@@ -135,19 +133,16 @@ def _kin(chart: Chart, row: ChartRow) -> list[ChartRow]:
     return [
         other
         for other in chart.rows
-        if _same(other.values.get("material"), row.values["material"])
-        and all(other.values.get(p) == row.values.get(p) for p in PROCESS)
+        if same(other.values.get("material"), row.values["material"]) and _one_process(other, row)
     ]
 
 
+def _one_process(one: ChartRow, other: ChartRow) -> bool:
+    return all(one.values.get(p) == other.values.get(p) for p in PROCESS)
+
+
 def _fits(row: ChartRow, asked: Mapping[str, Value]) -> bool:
-    return all(column == "name" or _same(row.values.get(column), value) for column, value in asked.items())
-
-
-def _same(one: Value | None, other: Value | None) -> bool:
-    if isinstance(one, str) or isinstance(other, str):
-        return str(one).strip().casefold() == str(other).strip().casefold()
-    return one is not None and other is not None and math.isclose(one, other, rel_tol=1e-9, abs_tol=_SAME_MM)
+    return all(column == "name" or same(row.values.get(column), value) for column, value in asked.items())
 
 
 def _only(rows: Sequence[ChartRow], asked: Mapping[str, Value], chart: Chart) -> ChartRow:
@@ -184,8 +179,8 @@ def _no_thickness(rows: Sequence[ChartRow], asked: Mapping[str, Value], chart: C
 def _neighbours(rows: Sequence[ChartRow], at_mm: float) -> list[ChartRow]:
     """All rows of the next smaller and of the next greater thickness."""
     known = {t for row in rows if isinstance(t := row.values.get("thickness"), float)}
-    below = max((t for t in known if t < at_mm - _SAME_MM), default=None)
-    above = min((t for t in known if t > at_mm + _SAME_MM), default=None)
+    below = max((t for t in known if t < at_mm - SAME_MM), default=None)
+    above = min((t for t in known if t > at_mm + SAME_MM), default=None)
     return [row for row in rows if row.values.get("thickness") in {below, above} - {None}]
 
 

@@ -12,7 +12,7 @@ import yaml
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.charts import Found, LookedUp, NoRow, look_up, read_chart
-from kerfwise.rules.charts.chart import written
+from kerfwise.rules.charts.chart import same, written
 from kerfwise.rules.charts.columns import COLUMNS
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.yaml_positions import Problems, deepest
@@ -159,8 +159,7 @@ def _filled(
     file, sha256, looked_up = chosen
     taken, beaten = [], []
     for name, value in looked_up.values.items():
-        column = COLUMNS[name]
-        key = (column.section, column.option)
+        key = COLUMNS[name].key
         text = written(name, value.value)
         if key not in own:
             given = _put(given, *key, value.value)
@@ -168,7 +167,7 @@ def _filled(
                 taken.append(_taken(name, text, value))
             continue
         said = _value(given, *key)
-        if _alike(said, value.value):
+        if same(said, value.value, _SAME, 0.0):
             continue
         if name == "thickness":
             place = f"{Path(file).name}:{value.lines[0]}"
@@ -180,9 +179,9 @@ def _filled(
             continue
         beaten.append((name, text, written(name, said)))
     silent = [
-        (name, written(name, _value(given, COLUMNS[name].section, COLUMNS[name].option)))
+        (name, written(name, _value(given, *COLUMNS[name].key)))
         for name in _TOLD
-        if name not in looked_up.values and (COLUMNS[name].section, COLUMNS[name].option) not in own
+        if name not in looked_up.values and COLUMNS[name].key not in own
     ]
     line = 0 if looked_up.row is None else looked_up.row.line
     return given | {"chart": ChartUse(file, sha256, looked_up.label, line, tuple(taken), tuple(beaten), tuple(silent))}
@@ -192,12 +191,12 @@ def _beaten_too(use: ChartUse, own: Mapping[Key, yaml.Node], given: Mapping[str,
     """The use of a chart by the profile that this one is based on, with what this one says otherwise."""
     kept, beaten = [], list(use.beaten)
     for one in use.taken:
-        column = COLUMNS[one.column]
-        if (column.section, column.option) in own:
-            beaten.append((one.column, one.text, written(one.column, _value(given, column.section, column.option))))
+        key = COLUMNS[one.column].key
+        if key in own:
+            beaten.append((one.column, one.text, written(one.column, _value(given, *key))))
         else:
             kept.append(one)
-    silent = [(name, value) for name, value in use.silent if (COLUMNS[name].section, COLUMNS[name].option) not in own]
+    silent = [(name, value) for name, value in use.silent if COLUMNS[name].key not in own]
     return replace(use, taken=tuple(kept), beaten=tuple(beaten), silent=tuple(silent))
 
 
@@ -216,9 +215,3 @@ def _put(given: dict[str, Any], section: str, key: str, value: Any) -> dict[str,
 
 def _value(given: Mapping[str, Any], section: str, key: str) -> Any:
     return getattr(given[section], _field(given[section], key))
-
-
-def _alike(one: Any, other: Any) -> bool:
-    if isinstance(one, str) or isinstance(other, str):
-        return str(one).casefold() == str(other).casefold()
-    return one is not None and abs(float(one) - float(other)) <= _SAME * max(abs(one), abs(other))

@@ -16,7 +16,7 @@ class Sources:
     def __init__(self, profile: Profile) -> None:
         self._profile = profile
         taken = profile.chart.taken if profile.chart is not None else ()
-        self._charted = {f"{COLUMNS[one.column].section}.{COLUMNS[one.column].option}": one for one in taken}
+        self._charted = {".".join(COLUMNS[one.column].key): one for one in taken}
 
     def of(self, key: str) -> str:
         """Where a key has its value from, as a person reads it."""
