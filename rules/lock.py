@@ -14,7 +14,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.rules.options.kind import OptionKind
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.plain_values import Choice, Flag, Number, Text
-from kerfwise.rules.options.quantities import PointOr, PointXY
+from kerfwise.rules.options.quantities import PointOrOff, PointXY
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.yaml_positions import Place, wrong_at
 
@@ -65,7 +65,7 @@ class Lock:
         default=None, metadata=option(Flag(), "false: the torch goes off before it, whatever links the profile allows")
     )
     tab: Point | Literal["off"] | None = field(
-        default=None, metadata=option(PointOr("off"), "where a tab holds the part, or off: it has none")
+        default=None, metadata=option(PointOrOff(), "where a tab holds the part, or off: it has none")
     )
     zone: int | None = field(default=None, metadata=option(Number(1, whole=True), "zone of the part"))
     place: Place | None = field(default=None, compare=False)

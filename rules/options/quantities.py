@@ -12,7 +12,7 @@ from typing import Any
 import yaml
 
 from .kind import NUMBER, OptionKind, Unfit, digits, scalar_text
-from .plain_values import Number
+from .plain_values import Choice, Number
 from .suggest import nearest
 
 
@@ -176,14 +176,12 @@ class PointXY(OptionKind):
 
 
 @dataclass(frozen=True, slots=True)
-class PointOr(OptionKind):
-    """A point [x, y] in mm, or a word."""
-
-    word: str
+class PointOrOff(OptionKind):
+    """A point [x, y] in mm, or the word `off`, which may be read as false (see `Choice`)."""
 
     def read(self, node: yaml.Node) -> tuple[float, float] | str:
-        if isinstance(node, yaml.ScalarNode) and node.value in (self.word, *(("false",) if self.word == "off" else ())):
-            return self.word
+        if isinstance(node, yaml.ScalarNode) and node.value in ("off", "false"):
+            return "off"
         if not isinstance(node, yaml.SequenceNode):
             raise self.refuse(node)
         return PointXY().read(node)
@@ -192,10 +190,10 @@ class PointOr(OptionKind):
         return value if isinstance(value, str) else PointXY().write(value)
 
     def schema(self) -> dict[str, Any]:
-        return {"anyOf": [{"enum": [self.word, *([False] if self.word == "off" else [])]}, PointXY().schema()]}
+        return {"anyOf": [Choice(("off",)).schema(), PointXY().schema()]}
 
     def expected(self) -> str:
-        return f"a point [x, y] in mm, or the word {self.word!r}"
+        return f"{PointXY().expected()}, or the word 'off'"
 
 
 @dataclass(frozen=True, slots=True)
