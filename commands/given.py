@@ -14,7 +14,8 @@ from kerfwise.encoder.faults import RuleFault
 from kerfwise.encoder.shown import shown
 from kerfwise.jobs.given import Given, drawn_nest, plant_of, tabs_not_left
 from kerfwise.rules.profile.machine_section import ORIGINS, Origin
-from kerfwise.rules.profile.profile import DEFAULT, files_of
+from kerfwise.rules.profile.made_of import files_of
+from kerfwise.rules.profile.profile import DEFAULT
 
 if TYPE_CHECKING:
     from kerfwise.encoder.readers.options import FrameName

@@ -18,7 +18,8 @@ from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.shown import shown
 from kerfwise.postproc.files import make_folder, write_files
-from kerfwise.rules.profile.profile import Profile, files_of
+from kerfwise.rules.profile.made_of import files_of
+from kerfwise.rules.profile.profile import Profile
 
 from .archived import Archive, Row
 from .given import Tell, silent

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -13,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from kerfwise.encoder.candidates.candidate import LEAST_WASTE_MM, LeadOptions
-from kerfwise.encoder.contents import MOST_BYTES_OF_YAML, contents, is_file, is_there
+from kerfwise.encoder.contents import MOST_BYTES_OF_YAML, contents, is_there
 from kerfwise.encoder.corner_feed import CornerFeed
 from kerfwise.encoder.cornered import with_corners
 from kerfwise.encoder.errors import InputError
@@ -28,13 +27,13 @@ from kerfwise.encoder.shown import shown
 from kerfwise.encoder.slits import with_slits
 from kerfwise.encoder.small_holes import HoleLimits, as_cut
 from kerfwise.encoder.tabs import TabOptions
-from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
+from kerfwise.rules.flat.model_rule import ModelRule
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.by_thickness import ByThickness, length_at
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.outside import PythonFile, installed_rules
-from kerfwise.rules.own import Own, OwnFile, Thresholds, as_rule, own_pairs
+from kerfwise.rules.own import Own, Thresholds, own_pairs
 from kerfwise.rules.plant import Plant
 from kerfwise.rules.profile.cuts_section import Cuts
 from kerfwise.rules.registry import RULES
@@ -44,11 +43,11 @@ from kerfwise.rules.temperature_limit import TemperatureLimit
 
 from .chart_use import ChartUse
 from .corners_section import Corners
-from .dialect_kind import is_own_dialect
 from .filling import T, filled_in, known_plant
 from .frame import Frame, frame_of, reach_of
 from .heat_section import Heat
 from .machine_section import Origin
+from .made_of import digest_of, of_own
 from .models_section import ModelSource
 from .reader import GivenValues, read_given
 from .sections import DrawingSection, LeadsSection, Machine, Material, Objective, RuleSetting, default_settings
@@ -123,7 +122,7 @@ class Profile:
         return listed | {rule.id: RuleSetting(rule.strength, rule.weight, self._options_of(rule)) for rule in own}
 
     def _options_of(self, rule: Own) -> Any:
-        made = _of_own(rule)
+        made = of_own(rule)
         return made.Options() if isinstance(made, ModelRule) else self._thresholds()
 
     def rulebook(self) -> dict[str, Rule[Any]]:
@@ -135,7 +134,7 @@ class Profile:
             else rule
             for name, rule in self.known_rules().items()
         }
-        return {**known, **{rule.id: _of_own(rule) for rule in self.own_rules}}
+        return {**known, **{rule.id: of_own(rule) for rule in self.own_rules}}
 
     def model_rules(self) -> list[ModelRule]:
         """The rules that are on and stand in model files, which need MiniZinc."""
@@ -394,24 +393,7 @@ def _load(name: str, folder: Path, chain: tuple[str, ...], trust: bool) -> Profi
     given = read_given(text, file, _fields(_silent(shown(Path(file).stem))), base, trust)
     read_from = (*given.get("read_from", ()), place)
     made = Profile(**given | {"file": file, "read_from": read_from})
-    return dataclasses.replace(made, sha256=_digest(content, made, bases))
-
-
-def _digest(content: bytes, profile: Profile, bases: Sequence[str]) -> str:
-    """The sha256 of a profile's text and of all files that it is made of.
-
-    These are the profiles that it is based on, its chart, its dialect, and rules of its own that stand in files, on or
-    off. A profile that names none of them has that of its text.
-    """
-    rules = [*profile.known_rules().values(), *(_of_own(own) for own in profile.own_rules if isinstance(own, OwnFile))]
-    of_files = [rule.stands_in.sha256 for rule in rules if rule.stands_in is not None]
-    of_files += [f"based on {sha256}" for sha256 in bases]
-    if profile.chart is not None:
-        of_files.append(f"chart {profile.chart.sha256}")
-    if is_own_dialect(profile.machine.dialect) and is_file(profile.machine.dialect):
-        of_files.append(f"dialect {hashlib.sha256(contents(profile.machine.dialect)).hexdigest()}")
-    text = hashlib.sha256(content).hexdigest()
-    return hashlib.sha256("\n".join([text, *of_files]).encode()).hexdigest() if of_files else text
+    return dataclasses.replace(made, sha256=digest_of(content, made, bases))
 
 
 def _silent(name: str) -> Profile:
@@ -419,23 +401,6 @@ def _silent(name: str) -> Profile:
     installed = installed_rules()
     off = {name: RuleSetting("off", None, rule.Options()) for name, rule in installed.items()}
     return Profile(name, rules=default_settings() | off, further_rules=installed)
-
-
-def files_of(profile: Profile) -> tuple[Path, ...]:
-    """Every file that a profile is made of: its own and those it is based on, its dialect's, its chart, its rules'."""
-    dialect = (profile.machine.dialect,) if is_own_dialect(profile.machine.dialect) else ()
-    chart = (profile.chart.file,) if profile.chart is not None else ()
-    rules = (rule.path for rule in profile.own_rules if isinstance(rule, OwnFile))
-    python = (file.path for file in profile.python)
-    models = (source.path for source in profile.models)
-    return (*map(Path, profile.read_from), *map(Path, (*dialect, *chart)), *rules, *python, *models)
-
-
-def _of_own(own: Own) -> Rule[Any]:
-    """The rule that an entry of `own_rules` makes: one in a file is a model rule like those of `models`."""
-    if isinstance(own, OwnFile):
-        return read_model_rule(own.path, rule_id=own.id, sentence=own.why).with_strength(own.strength)
-    return as_rule(own)
 
 
 def _fields(profile: Profile) -> GivenValues:

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.profile.profile import Profile, files_of, load_profile
+from kerfwise.rules.profile.made_of import files_of
+from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.said_at import Sources
 from kerfwise.rules.profile.text import profile_yaml
 
