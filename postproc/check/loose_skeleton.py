@@ -13,14 +13,13 @@ import numpy as np
 import shapely
 
 from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.rules.judging.skeleton import in_frame, point_of_frame
 from kerfwise.rules.rule import Violation
 
 from .rings import torch_rings
 from .torch_run import TorchRun
 
 _RULE = "loose-metal"
-_AS_LARGE = 0.999
-_LEAST_MM = 1.0
 
 
 def off_the_frame(nest: Nest, runs: Sequence[TorchRun], made: Sequence[Contour], kerf_mm: float) -> Iterator[Violation]:
@@ -38,14 +37,11 @@ def off_the_frame(nest: Nest, runs: Sequence[TorchRun], made: Sequence[Contour],
     older = [ring.buffer(kerf_mm / 2, quad_segs=4) for ring in torch_rings(made, kerf_mm) if ring is not None]
     metal = shapely.make_valid(nest.sheet.polygon) - shapely.union_all([*older, *kerfs[:begin]])
     parts = shapely.union_all(shapely.make_valid([part.outer.polygon for part in nest.parts]))
-    last = _pieces(metal - shapely.union_all(kerfs[begin:]) - parts, kerf_mm)
-    if not last:
+    inside = point_of_frame(metal - shapely.union_all(kerfs[begin:]) - parts, kerf_mm)
+    if inside is None:
         return
-    inside = shapely.point_on_surface(_frame(last))
     for run, line, kerf in zip(torch[begin:], lines[begin:].tolist(), kerfs[begin:].tolist(), strict=True):
-        held = next((piece for piece in _pieces(metal, kerf_mm) if piece.intersects(inside)), None)
-        on_it_mm = 0.0 if held is None else held.buffer(kerf_mm / 2).intersection(line).length
-        if on_it_mm <= min(_LEAST_MM + kerf_mm, line.length / 4) and run.contour is not None:
+        if run.contour is not None and not in_frame(line, metal, inside, kerf_mm):
             x, y = shapely.line_interpolate_point(run.loop, 0.5, normalized=True).coords[0]
             text = (
                 f"{run.where}: {run.contour.id} is cut at ({x:z.1f}, {y:z.1f}) in metal that is cut off the skeleton, "
@@ -53,15 +49,3 @@ def off_the_frame(nest: Nest, runs: Sequence[TorchRun], made: Sequence[Contour],
             )
             yield Violation(_RULE, (run.contour.id,), text, (run.position,) if run.position else ())
         metal -= kerf
-
-
-def _frame(pieces: Sequence[shapely.Polygon]) -> shapely.Polygon:
-    """The largest piece; of those as large the lowest, then the leftmost."""
-    most = max(piece.area for piece in pieces)
-    large = [piece for piece in pieces if piece.area >= _AS_LARGE * most]
-    return min(large, key=lambda piece: (round(piece.bounds[1]), round(piece.bounds[0])))
-
-
-def _pieces(metal: shapely.Geometry, kerf_mm: float) -> list[shapely.Polygon]:
-    """What holds together; crumbs are none."""
-    return [piece for piece in shapely.get_parts(metal) if piece.area > kerf_mm**2]

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 import shapely
 
 from kerfwise.encoder.cut import CutSequence
-from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.encoder.nest import Nest
 
 AS_LARGE = 0.999
 """Pieces of so much of the largest one count as large as it."""
@@ -28,13 +28,11 @@ def cut_loose(nest: Nest, cuts: CutSequence, kerf_mm: float) -> Iterator[tuple[s
     if not lines:
         return
     metal, burnt = _without_parts(nest, kerf_mm), _burnt(nest, kerf_mm)
-    pieces = _pieces(metal - shapely.union_all(list(burnt.values())), kerf_mm)
-    if not pieces:
+    inside = point_of_frame(metal - shapely.union_all(list(burnt.values())), kerf_mm)
+    if inside is None:
         return
-    inside = shapely.point_on_surface(_frame(pieces))
     for k, line in lines:
-        held = next((piece for piece in _pieces(metal, kerf_mm) if piece.intersects(inside)), None)
-        if held is None or held.buffer(kerf_mm / 2).intersection(line.line).length <= _asked_mm(line, kerf_mm):
+        if not in_frame(line.line, metal, inside, kerf_mm):
             yield line.id, k
         metal -= burnt[line.id]
 
@@ -50,7 +48,7 @@ def bounding(nest: Nest, kerf_mm: float) -> tuple[set[str], set[tuple[str, str]]
     largest = _frame(pieces) if pieces else None
     for piece in pieces:
         near = piece.buffer(kerf_mm / 2 + NEAR_MM)
-        own = [line for line in nest.scrap if near.intersection(line.line).length > _asked_mm(line, kerf_mm)]
+        own = [line for line in nest.scrap if near.intersection(line.line).length > _asked_mm(line.line, kerf_mm)]
         pairs |= {(a.id, b.id) for a in own for b in own if a is not b}
         if piece is largest:
             framed = {line.id for line in own}
@@ -68,9 +66,21 @@ def _burnt(nest: Nest, kerf_mm: float) -> dict[str, shapely.Geometry]:
     return {line.id: line.line.buffer(kerf_mm / 2, quad_segs=4) for line in nest.scrap}
 
 
-def _asked_mm(line: Contour, kerf_mm: float) -> float:
+def point_of_frame(metal: shapely.Geometry, kerf_mm: float) -> shapely.Point | None:
+    """A point of the frame of a skeleton that is all cut up; None where nothing is left."""
+    pieces = _pieces(metal, kerf_mm)
+    return shapely.point_on_surface(_frame(pieces)) if pieces else None
+
+
+def in_frame(line: shapely.Geometry, metal: shapely.Geometry, inside: shapely.Point, kerf_mm: float) -> bool:
+    """Whether a line lies in the piece of metal around a point, or along it."""
+    held = next((piece for piece in _pieces(metal, kerf_mm) if piece.intersects(inside)), None)
+    return held is not None and held.buffer(kerf_mm / 2).intersection(line).length > _asked_mm(line, kerf_mm)
+
+
+def _asked_mm(line: shapely.Geometry, kerf_mm: float) -> float:
     """How much of a line lies at a piece that it bounds, at the least: more than an end that merely touches it."""
-    return float(min(END_MM + kerf_mm, line.line.length / 4))
+    return float(min(END_MM + kerf_mm, line.length / 4))
 
 
 def _frame(pieces: Sequence[shapely.Polygon]) -> shapely.Polygon:

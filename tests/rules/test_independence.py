@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.rules import catalogue
-from kerfwise.rules.judging import burnt_metal, facing, holding, pierce_places, placement, rigidity, strips
+from kerfwise.rules import catalogue, judging
 from kerfwise.rules.own import criterion, measures
 from kerfwise.rules.registry import catalogue_modules
 
@@ -24,28 +23,18 @@ def imported(node: ast.AST) -> list[str]:
     return [name for child in ast.iter_child_nodes(node) for name in imported(child)]
 
 
-FILES = [
-    m.__file__
-    for m in (
-        *catalogue_modules(),
-        catalogue,
-        burnt_metal,
-        facing,
-        holding,
-        pierce_places,
-        placement,
-        rigidity,
-        strips,
-        measures,
-        criterion,
-    )
-]
+JUDGING = [str(path) for path in sorted(Path(str(judging.__file__)).parent.glob("*.py"))]
+FILES = [*(m.__file__ for m in (*catalogue_modules(), catalogue, measures, criterion)), *JUDGING]
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda f: Path(str(f)).stem)
 def test_no_facts(file: str) -> None:
     tree = ast.parse(Path(file).read_text(encoding="utf-8"))
     assert [name for name in imported(tree) if "facts" in name or "candidates" in name] == []
+
+
+def test_all_of_the_judging_is_looked_at() -> None:
+    assert {"metal", "rigidity", "skeleton", "strips", "tabs"} <= {Path(file).stem for file in JUDGING}
 
 
 def test_the_look_for_imports_can_find_one() -> None:
