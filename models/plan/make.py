@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from kerfwise.encoder.candidates.candidate import Candidate
@@ -53,19 +53,14 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
     told = small | slit_because(facts.whole_nest, profile.material.kerf_mm) | tabs_because(facts, profile)
     cuts = tuple(
         PlannedCut(
-            Cut(
-                contour.id,
-                candidate.entry,
-                candidate.direction,
-                way.begin,
-                way.lead_in,
-                candidate.lead_out,
-                int(facts.zone[candidate.contour]),
-                begin,
-                end,
-                excuses.get(contour.id, ()),
-                link is not None,
-                tabs=candidate.tabs,
+            replace(
+                candidate.as_cut(contour.id, int(facts.zone[candidate.contour])),
+                pierce=way.begin,
+                lead_in=way.lead_in,
+                start_s=begin,
+                end_s=end,
+                excused=excuses.get(contour.id, ()),
+                linked=link is not None,
             ),
             contour.part,
             contour.kind,
