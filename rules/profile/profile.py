@@ -230,7 +230,7 @@ class Profile:
         """Why there can be no links, whatever length of them is allowed: a clause; None where there can."""
         limit = self.temperature_limit()
         if limit is not None and limit.dwells:
-            return "the limit on temperature lets metal cool while the torch is off (dwells)"
+            return f"the rule {limit.rule} lets metal cool while the torch is off (dwells)"
         if self.corner_feed() is not None:
             return "corners are cut more slowly (corner_feed), and the one where a link begins is of two cuts"
         if nest is not None and nest.scrap:
