@@ -17,6 +17,7 @@ VERBS = {
     "time": "Say how long a plan or a program takes, and what it costs.",
     "heat": "Simulate how hot a plan or a program makes the sheet.",
     "pareto": "Trade idle travel against overheats: a front of plans.",
+    "compare": "Put two plans, programs, profiles or sets of rules side by side.",
     "resequence": "Put old programs into a better order, or plan them afresh.",
     "facts": "Write the facts of a nest, as JSON or MiniZinc data.",
     "plot": "Draw a nest or a plan (SVG, PNG or HTML).",

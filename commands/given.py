@@ -35,7 +35,20 @@ def tell_note(text: str) -> None:
 
 
 def given_options(verb: Verb) -> Verb:
-    """Add NEST and the options that decide how it is read; messages that name no file name the nest."""
+    """Add NEST, one profile, and the options that decide how it is read; see `nest_options`."""
+    return nest_options(verb, _PROFILE)
+
+
+_PROFILE = click.option(
+    "-p", "--profile", metavar="PROFILE", default=DEFAULT, show_default=True, help="Name or path of the profile."
+)
+
+
+def nest_options(verb: Verb, profile: Callable[[Verb], Verb]) -> Verb:
+    """Add NEST, the option of profiles, and those that decide how the nest is read.
+
+    Messages that name no file name the nest.
+    """
     verb = _naming_the_nest(verb)
     for add in (
         click.option(
@@ -50,14 +63,7 @@ def given_options(verb: Verb) -> Verb:
         ),
         click.option("--units", metavar="UNIT", help="Unit of the drawing: mm, cm, m, in or ft."),
         TRUST,
-        click.option(
-            "-p",
-            "--profile",
-            metavar="PROFILE",
-            default=DEFAULT,
-            show_default=True,
-            help="Name or path of the profile.",
-        ),
+        profile,
         click.argument("nest", metavar="NEST"),
     ):
         verb = add(verb)

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 from kerfwise.encoder.shown import shown
 
+from .aligned import aligned
+
 if TYPE_CHECKING:
     from .resequenced import Resequenced
 
@@ -28,11 +30,7 @@ def table(made: Resequenced) -> str:
                 then = judgement.verdict, now[judgement.id].verdict
                 rows.append((f"{judgement.strength} {judgement.id}", *then, "" if then[0] == then[1] else "changed"))
     head = ("", "before", "after", "")
-    widths = [max(len(row[k]) for row in (head, *rows)) for k in range(4)]
-    lines = [
-        "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in (head, *rows)
-    ]
-    lines += _broken(made)
+    lines = [*aligned([head, *rows]), *_broken(made)]
     lines.append(made.ends if made.changed else f"unchanged: {made.ends}")
     return "\n".join(lines)
 

@@ -14,7 +14,7 @@ from kerfwise.encoder.geometry.segment import Box, Point
 from kerfwise.encoder.shown import shown
 from kerfwise.postproc.check.reader.program import Burn
 
-from .colours import FAINT, INK, MARK, OUTER, PAGE, PIERCE, SHEET, time_colour
+from .colours import ALERT, FAINT, INK, MARK, OUTER, PAGE, PIERCE, SHEET, time_colour
 from .png import png_bytes
 from .scene import Dot, Item, Scene, SceneLayer, Shape, Style, TextLine
 from .svg import svg_text
@@ -27,13 +27,18 @@ _MOST_NUMBERS = 600
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """One program: two lines above the drawing, its burns in order, where the torch starts and where it ends."""
+    """One program: two lines above the drawing, its burns in order, where the torch starts and where it ends.
+
+    The burns in `loud`, counted from 0, are red. The first burn has the number `first`.
+    """
 
     title: str
     told: str
     burns: Sequence[Burn]
     home: Point
     end: Point
+    loud: frozenset[int] = frozenset()
+    first: int = 1
 
 
 def draw_burns(panels: Sequence[Panel], suffix: str, title: str) -> str | bytes:
@@ -115,7 +120,7 @@ def _items(panel: Panel, place: _Place) -> Iterator[Item]:
     burns = panel.burns
     for k, burn in enumerate(burns, 1):
         path = np.array([place.at(p) for p in burn.path.flatten(_CHORD_MM).tolist()])
-        yield Shape((path,), Style(stroke=MARK if burn.tool else OUTER, width=1.2), closed=False, cut=k)
+        yield Shape((path,), _pen(burn, k - 1 in panel.loud), closed=False, cut=k)
     stops = [panel.home, *(p for burn in burns for p in burn.path.vertices[[0, -1], :2].tolist()), panel.end]
     for k, (begin, end) in enumerate(zip(stops[::2], stops[1::2], strict=True)):
         if math.dist(begin, end) > 0:
@@ -127,6 +132,12 @@ def _items(panel: Panel, place: _Place) -> Iterator[Item]:
         x, y = place.at(burn.path.vertices[0, :2].tolist())
         yield Dot(x, y, size / 5, Style(fill=PIERCE), cut=k)
         if len(burns) <= _MOST_NUMBERS:
-            yield TextLine(x + size / 3, y - size / 2, str(k), size, INK, "start", halo=PAGE, cut=k)
+            yield TextLine(x + size / 3, y - size / 2, str(k + panel.first - 1), size, INK, "start", halo=PAGE, cut=k)
     x, y = place.at(panel.home)
     yield Dot(x, y, 4.0, Style(fill=None, stroke=INK, width=1.5))
+
+
+def _pen(burn: Burn, loud: bool) -> Style:
+    if loud:
+        return Style(stroke=ALERT, width=2.0)
+    return Style(stroke=MARK if burn.tool else OUTER, width=1.2)

@@ -1,0 +1,190 @@
+"""kerfwise compare: two ways to cut one nest, side by side."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import click
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.shown import shown
+from kerfwise.rules.profile.profile import DEFAULT
+
+from .given import nest_options, protect, read_given, tell_note
+from .numbers import AMOUNT_OVER_ZERO
+
+if TYPE_CHECKING:
+    from kerfwise.jobs.compare import Comparison, SideAsked
+    from kerfwise.jobs.given import Given
+    from kerfwise.rules.profile.profile import Profile
+
+_KINDS = (".svg", ".png", ".html")
+_HOW = (
+    "give two plans or programs, or -p A -p B, or --without RULE, or --with RULE; one plan or program alone is "
+    "compared with a new plan"
+)
+_STRENGTHS: Mapping[str, Literal["hard", "soft"] | None] = {"": None, "hard": "hard", "soft": "soft"}
+_PROFILES = click.option(
+    "-p", "--profile", "profiles", multiple=True, metavar="PROFILE",
+    help=f"Name or path of the profile (default {DEFAULT}); given twice, that of A and that of B.",
+)  # fmt: skip
+
+
+def _options(verb: Callable[..., Any]) -> Callable[..., Any]:
+    return nest_options(verb, _PROFILES)
+
+
+@click.command()
+@_options
+@click.argument("a", metavar="[A]", required=False)
+@click.argument("b", metavar="[B]", required=False)
+@click.option("--without", multiple=True, metavar="RULE", help="B is planned with this rule off; may be repeated.")
+@click.option("--with", "with_", multiple=True, metavar="RULE[=hard|soft]",
+              help="B is planned with this rule on; may be repeated.")  # fmt: skip
+@click.option("--heat", is_flag=True, help="Simulate how hot both make the sheet.")
+@click.option("-o", "--output", "outputs", multiple=True, metavar="OUT.svg|.png|.html",
+              help="A picture of both routes, or a page with all; may be repeated.")  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
+@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit of each plan by the clock, in seconds.")
+@click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
+              help="Limit of each plan without --time-limit.")  # fmt: skip
+@click.option(
+    "--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N", help="Seed of the search."
+)
+@click.option("--relax", is_flag=True, help="Where hard rules clash, plan with the cheapest way out.")
+def command(
+    a: str | None,
+    b: str | None,
+    profiles: Sequence[str],
+    without: Sequence[str],
+    with_: Sequence[str],
+    heat: bool,
+    outputs: Sequence[str],
+    as_json: bool,
+    time_limit: float | None,
+    work: float,
+    seed: int,
+    relax: bool,
+    **options: Any,
+) -> int:
+    """Put two ways to cut NEST side by side: figures, rules, the cuts that differ, and both routes as a picture.
+
+    A and B are plans or programs of NEST. What is not given is planned: by two profiles, or by one with
+    rules on or off.
+    """
+    from kerfwise.jobs.compare import SideAsked
+    from kerfwise.postproc.files import write_files
+
+    _expect_two(a, b, profiles, with_, without)
+    _expect_outputs(outputs, (options["nest"], a, b))
+    given = _given_twice(profiles or [DEFAULT], options)
+    for side in given:
+        protect(side, options["nest"], outputs, a, b)
+    limits = {"work": work, "seed": seed, "time_s": time_limit}
+    changed, changes = _changed(given[1], with_, without)
+    asked = (
+        SideAsked(a or f"by profile {given[0].profile.name}", given[0], a, limits, relax),
+        SideAsked(b or changes or _name_of_new(given, a), changed, b, limits, relax),
+    )
+    made = _compared(asked, heat)
+    if made is None:
+        return 1
+    files = {Path(name): _content(made, Path(name).suffix.lower()) for name in outputs}
+    write_files(files)
+    click.echo(json.dumps(made.as_json(), ensure_ascii=False) if as_json else made)
+    if files and not as_json:
+        click.echo("written: " + ", ".join(shown(str(path)) for path in files))
+    return 130 if made.a.interrupted or made.b.interrupted else 0
+
+
+def _expect_two(
+    a: str | None, b: str | None, profiles: Sequence[str], with_: Sequence[str], without: Sequence[str]
+) -> None:
+    if len(profiles) > 2:
+        raise click.UsageError(f"--profile is given {len(profiles)} times: two at the most, that of A and that of B")
+    if b is not None and (with_ or without):
+        raise click.UsageError("--with and --without plan B anew: leave B out")
+    if a is None and len(profiles) < 2 and not (with_ or without):
+        raise click.UsageError(f"nothing to compare: {_HOW}")
+    if both := [name for name in without if name in {one.partition("=")[0] for one in with_}]:
+        raise click.UsageError(f"rule {both[0]} is to be on and off: leave one out")
+
+
+def _expect_outputs(outputs: Sequence[str], inputs: Sequence[str | None]) -> None:
+    from kerfwise.postproc.files import expect_outputs
+
+    for name in outputs:
+        if Path(name).suffix.lower() not in _KINDS:
+            raise InputError(f"a comparison is written as {', '.join(_KINDS)}: give a name that ends so", file=name)
+    expect_outputs(map(Path, outputs), (Path(name) for name in inputs if name))
+
+
+def _given_twice(profiles: Sequence[str], options: dict[str, Any]) -> tuple[Given, Given]:
+    """The nest by the profile of A and by that of B; what the reader says twice is said once."""
+    first = read_given(profile=profiles[0], **options)
+    if len(profiles) < 2 or profiles[0] == profiles[1]:
+        return first, first
+    return first, read_given(profile=profiles[1], **options)
+
+
+def _changed(given: Given, with_: Sequence[str], without: Sequence[str]) -> tuple[Given, str]:
+    """Nest and profile of B, with rules on and off, and what was changed."""
+    from kerfwise.rules.profile.one_rule import with_rule, without_rule
+
+    profile = given.profile
+    for text in with_:
+        name, _, strength = text.partition("=")
+        if strength not in _STRENGTHS:
+            raise click.UsageError(f"--with {text}: a rule is on as hard or soft, such as --with {name}=soft")
+        profile = _switched(f"--with {text}", partial(with_rule, profile, name, _STRENGTHS[strength]))
+    for name in without:
+        profile = _switched(f"--without {name}", partial(without_rule, profile, name))
+    told = [*(f"with {text}" for text in with_), *(f"without {name}" for name in without)]
+    return replace(given, profile=profile), ", ".join(told)
+
+
+def _switched(option: str, switch: Callable[[], Profile]) -> Profile:
+    try:
+        return switch()
+    except InputError as error:
+        raise InputError(f"{option}: {error.message}") from error
+
+
+def _name_of_new(given: tuple[Given, Given], a: str | None) -> str:
+    return "a new plan" if a is not None and given[0] is given[1] else f"by profile {given[1].profile.name}"
+
+
+def _compared(asked: Sequence[SideAsked], heat: bool) -> Comparison | None:
+    """Both sides; None where one has no plan, which is said."""
+    from kerfwise.jobs.compare import compare, side_of
+    from kerfwise.jobs.no_plan import NoPlan
+
+    from .progress import ProgressLine
+
+    sides = []
+    for letter, side in zip("AB", asked, strict=True):
+        said: set[str] = set()
+
+        def tell(text: str, letter: str = letter, said: set[str] = said) -> None:
+            if text not in said:
+                said.add(text)
+                tell_note(f"{letter}: {text}")
+
+        try:
+            sides.append(side_of(side, heat, ProgressLine(), tell))
+        except NoPlan as no_plan:
+            click.echo(f"kerfwise: {letter}, {shown(side.name)}: {no_plan}", err=True)
+            return None
+    return compare(*sides)
+
+
+def _content(made: Comparison, suffix: str) -> str | bytes:
+    from kerfwise.jobs.compare.page import page
+    from kerfwise.jobs.compare.picture import picture
+
+    return page(made) if suffix == ".html" else picture(made, suffix)

@@ -1,0 +1,116 @@
+"""Which cuts are made elsewhere in the order, begun at another place, or run the other way round."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from kerfwise.encoder.cut import Cut, CutSequence
+
+ENTRY_MM = 0.01
+"""Entries nearer than this are the same: programs write decimals."""
+
+
+@dataclass(frozen=True, slots=True)
+class CutPair:
+    """One contour in both: its positions, from 1, and what differs.
+
+    `moved` is a cut that changed places with others that stay in order; `entry_mm` is how far its entry moved, 0 where
+    it is the same. `a` or `b` is None where that side does not cut it.
+    """
+
+    contour: str
+    a: int | None
+    b: int | None
+    moved: bool = False
+    entry_mm: float = 0.0
+    turned: bool = False
+    linked: bool = False
+
+    @property
+    def same(self) -> bool:
+        """Whether nothing but its position's number differs."""
+        return None not in (self.a, self.b) and not (self.moved or self.entry_mm or self.turned or self.linked)
+
+    @property
+    def told(self) -> str:
+        """What differs, in words."""
+        if self.b is None:
+            return "in A only"
+        if self.a is None:
+            return "in B only"
+        return ", ".join(
+            [
+                *(["moved"] if self.moved else []),
+                *([f"entry {self.entry_mm:.1f} mm away"] if self.entry_mm else []),
+                *(["other way round"] if self.turned else []),
+                *(["linked in one only"] if self.linked else []),
+            ]
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """The same as data; `position_a` and `position_b` are null where a side does not cut it."""
+        return {
+            "contour": self.contour,
+            "position_a": self.a,
+            "position_b": self.b,
+            "moved": self.moved,
+            "entry_mm": round(self.entry_mm, 3),
+            "other_direction": self.turned,
+            "linked_in_one_only": self.linked,
+        }
+
+
+def cut_pairs(first: CutSequence, second: CutSequence) -> tuple[CutPair, ...]:
+    """Every contour that either cuts, in the order of the first, then what only the second cuts.
+
+    The fewest cuts are taken as moved: all others follow each other alike in both.
+    """
+    a, b = _by_contour(first), _by_contour(second)
+    common = [name for name in a if name in b]
+    kept = set(longest_rising([b[name][0] for name in common]))
+    pairs = []
+    for name, (position, cut) in a.items():
+        if name not in b:
+            pairs.append(CutPair(name, position, None))
+            continue
+        there, other = b[name]
+        away_mm = math.dist(cut.entry, other.entry)
+        entry_mm = away_mm if away_mm > ENTRY_MM else 0.0
+        turned, linked = cut.direction != other.direction, cut.linked != other.linked
+        pairs.append(CutPair(name, position, there, there not in kept, entry_mm, turned, linked))
+    pairs += [CutPair(name, None, position) for name, (position, _) in b.items() if name not in a]
+    return tuple(pairs)
+
+
+def _by_contour(cuts: CutSequence) -> dict[str, tuple[int, Cut]]:
+    """Contour id → position and cut; the first, where a program cuts one twice."""
+    found: dict[str, tuple[int, Cut]] = {}
+    for position, cut in enumerate(cuts, 1):
+        found.setdefault(cut.contour, (position, cut))
+    return found
+
+
+def longest_rising(numbers: Sequence[int]) -> list[int]:
+    """A longest subsequence that rises, of numbers that are all different.
+
+    Examples
+    --------
+    >>> longest_rising([1, 2, 5, 3, 4])
+    [1, 2, 3, 4]
+    """
+    ends: list[int] = []  # the least last number of a rising row of each length
+    at: list[int] = []  # the place of that number
+    before: list[int] = []
+    for k, number in enumerate(numbers):
+        length = bisect_left(ends, number)
+        before.append(at[length - 1] if length else -1)
+        ends[length : length + 1], at[length : length + 1] = [number], [k]
+    row, k = [], at[-1] if at else -1
+    while k >= 0:
+        row.append(numbers[k])
+        k = before[k]
+    return row[::-1]

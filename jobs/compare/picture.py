@@ -1,0 +1,32 @@
+"""Both routes in one picture, the cuts that differ in red."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from pathlib import Path
+
+import numpy as np
+
+from kerfwise.postproc.report.burns import Panel, draw_burns
+
+from .comparison import Comparison
+from .side import Side
+
+_SAME_S = 1e-3
+"""Plans write times to milliseconds."""
+
+
+def picture(made: Comparison, suffix: str) -> str | bytes:
+    """The picture as SVG text or as PNG bytes."""
+    changed = {pair.contour for pair in made.changed}
+    panels = [_panel(letter, side, changed) for letter, side in (("A", made.a), ("B", made.b))]
+    return draw_burns(panels, suffix, f"{Path(made.a.given.nest.file or 'nest').name} compared")
+
+
+def _panel(letter: str, side: Side, changed: Collection[str]) -> Panel:
+    job = side.times.timed.job
+    told = f"idle {job.idle_mm / 1000:.3f} m, {job.pierces} pierces"
+    begun_s = np.array(sorted(cut.start_s for cut in side.cuts.new if cut.contour in changed))
+    starts_s = np.array([burn.start_s for burn in side.burns])
+    loud = frozenset((np.searchsorted(starts_s, begun_s + _SAME_S) - 1).tolist())
+    return Panel(f"{letter}: {side.name}", told, side.burns, side.home, side.end, loud, side.cuts.made + 1)
