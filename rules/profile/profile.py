@@ -44,6 +44,7 @@ from kerfwise.rules.temperature_limit import TemperatureLimit
 from .chart_use import ChartUse
 from .corners_section import Corners
 from .filling import T, filled_in, known_plant
+from .for_one_nest import ForOneNest
 from .frame import Frame, frame_of, reach_of
 from .heat_section import Heat
 from .machine_section import Origin
@@ -68,7 +69,8 @@ class Profile:
     `sha256` is that of the profile's file and of all files that it is made of: those it is based on, its chart, its
     dialect's, and those of its rules; `read_from` are the places of that file and of those it is based on. `chart` says
     what of it is from a material chart, and `said_at` where each key stands, by such as `machine.home` and
-    `rules.pierce`. These and `file` do not make two profiles differ.
+    `rules.pierce`. `for_one_nest` says what a job file, or the command line, has in the place of the plant's own. These
+    and `file` do not make two profiles differ.
 
     Examples
     --------
@@ -100,6 +102,7 @@ class Profile:
     sha256: str = field(default="", compare=False)
     file: str = field(default="", compare=False)
     read_from: tuple[str, ...] = field(default=(), compare=False)
+    for_one_nest: ForOneNest | None = field(default=None, compare=False)
 
     def settings(self) -> dict[str, RuleSetting]:
         """The rules that are on, by id, with what their options take from the rest of the profile.

@@ -50,8 +50,17 @@ def read_given(
     InputError
         If the text is not YAML, or has a wrong key, type or value anywhere.
     """
-    problems = Problems(file)
-    root = compose(text, file)
+    return given_by(compose(text, file), Problems(file), start, load_base, trust)
+
+
+def given_by(
+    root: yaml.Node | None,
+    problems: Problems,
+    start: GivenValues,
+    load_base: Callable[[str], GivenValues],
+    trust: bool = False,
+) -> GivenValues:
+    """The same of YAML that is read already."""
     found = _top_level(root, problems)
     given = dict(start)
     if "based_on" in found:
@@ -74,7 +83,7 @@ def read_given(
         given["locks"] = read_locks(found["locks"], problems)
     if "own_rules" in found:
         given["own_rules"] = read_own_rules(found["own_rules"], problems)
-    given["said_at"] = {**given["said_at"], **_places(found, file)}
+    given["said_at"] = {**given["said_at"], **_places(found, problems.file)}
     if root is not None:
         check_together(given, root, problems)
     problems.raise_any()
@@ -92,13 +101,16 @@ def _top_level(root: yaml.Node | None, problems: Problems) -> dict[str, yaml.Nod
 
 
 def _places(found: Mapping[str, yaml.Node], file: str) -> dict[str, str]:
-    """Where each key of a section stands, and each rule, by such as `machine.home` and `rules.pierce`."""
-    return {
-        f"{section}.{key.value}": f"{file}:{key.start_mark.line + 1}"
-        for section, node in found.items()
-        if section in (*SECTIONS, "rules") and isinstance(node, yaml.MappingNode)
-        for key, _ in node.value
-    }
+    """Where each key of a section stands, each rule, and what is under it, by such as `rules.pierce.clearance`."""
+    said: dict[str, str] = {}
+    nodes = [(section, node) for section, node in found.items() if section in (*SECTIONS, "rules")]
+    while nodes:
+        path, node = nodes.pop()
+        for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
+            said[f"{path}.{key.value}"] = f"{file}:{key.start_mark.line + 1}"
+            if "." not in path:  # no deeper: an alias may lead back
+                nodes.append((f"{path}.{key.value}", value))
+    return said
 
 
 def _base(node: yaml.Node, problems: Problems, load_base: Callable[[str], GivenValues]) -> GivenValues:
