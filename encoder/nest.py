@@ -9,6 +9,7 @@ from typing import Any, Literal, get_args
 
 import shapely
 
+from kerfwise.encoder.bridges.bridge import Bridge
 from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.shown import shown
@@ -145,7 +146,8 @@ class Nest:
 
     `contours` lists every contour, part by part in file order, each part's marks, slits, holes, then outer, and after
     all parts the lines that cut up the skeleton, `scrap`. A nest as it is cut keeps the one that was read as `drawn`
-    (see `small_holes.as_cut` and `slits.with_slits`).
+    (see `small_holes.as_cut` and `slits.with_slits`). One whose `bridges` have been made keeps the parts that they
+    join, and all others, as they were drawn: `apart`.
     """
 
     sheet: Sheet
@@ -155,6 +157,8 @@ class Nest:
     notes: tuple[Note, ...] = ()
     drawn: Nest | None = None
     scrap: tuple[Contour, ...] = ()
+    bridges: tuple[Bridge, ...] = ()
+    apart: tuple[Part, ...] = ()
 
     @cached_property
     def kept(self) -> dict[Any, Any]:

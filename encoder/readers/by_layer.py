@@ -12,19 +12,26 @@ from kerfwise.encoder.nest import Note
 from .drawing import DrawnCurve
 from .layers import DEFAULT, Layers, Purpose, Use, counted, setting
 
-SOUNDS_LIKE = {"mark": "marks", "ignore": "something not to be cut", "sheet": "the sheet", "scrap": "scrap lines"}
+SOUNDS_LIKE = {
+    "mark": "marks",
+    "ignore": "something not to be cut",
+    "sheet": "the sheet",
+    "scrap": "scrap lines",
+    "bridge": "bridges",
+}
 
-_BESIDES: tuple[Purpose, ...] = ("mark", "sheet", "scrap")
+_BESIDES: tuple[Purpose, ...] = ("mark", "sheet", "scrap", "bridge")
 
 
 @dataclass(frozen=True, eq=False)
 class ByLayer:
-    """What is cut, what is marked, what the sheet is drawn with, what cuts up the skeleton, and what is left out."""
+    """What is cut, what is marked, the sheet, what cuts up the skeleton, bridges, and what is left out."""
 
     cut: tuple[DrawnCurve, ...]
     mark: tuple[DrawnCurve, ...]
     sheet: tuple[DrawnCurve, ...]
     scrap: tuple[DrawnCurve, ...]
+    bridge: tuple[DrawnCurve, ...]
     notes: tuple[Note, ...]
 
 
@@ -45,14 +52,14 @@ def by_layer(pieces: Sequence[DrawnCurve], layers: Layers) -> ByLayer:
     if None in of:
         drawn = counted(p.layer for p in of[None])
         raise InputError(
-            f"drawing.layers says nothing of some lines: {drawn}; let cut, mark, ignore, sheet or scrap match "
-            "their layers"
+            f"drawing.layers says nothing of some lines: {drawn}; let cut, mark, ignore, sheet, scrap or bridge "
+            "match their layers"
         )
     if "cut" not in of:
         raise InputError(_nothing(pieces, uses))
     notes = [*_left_out(of), *_misheard([p for p in of["cut"] if not uses[p.names].stated])]
-    mark, sheet, scrap = (tuple(of.get(purpose, ())) for purpose in _BESIDES)
-    return ByLayer(tuple(of["cut"]), mark, sheet, scrap, tuple(notes))
+    mark, sheet, scrap, bridge = (tuple(of.get(purpose, ())) for purpose in _BESIDES)
+    return ByLayer(tuple(of["cut"]), mark, sheet, scrap, bridge, tuple(notes))
 
 
 def _left_out(of: dict[Purpose | None, list[DrawnCurve]]) -> list[Note]:
@@ -91,4 +98,4 @@ def _nothing(pieces: Sequence[DrawnCurve], uses: Mapping[tuple[str, ...], Use]) 
 
 
 def _word(use: Use) -> str:
-    return {"mark": "marked", "ignore": "left out", "sheet": "the sheet", "scrap": "scrap lines"}[str(use.purpose)]
+    return {**SOUNDS_LIKE, "mark": "marked", "ignore": "left out"}[str(use.purpose)]

@@ -6,6 +6,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest, Note, Severity, Sheet
 
 from .assemble import assemble, with_marks
+from .bridges import bridges_of_drawing
 from .by_layer import by_layer
 from .drawing import Drawing, DrawnCurve
 from .frame import frame_note, frame_of_drawing, use_of_frame
@@ -44,10 +45,11 @@ def nest_of(drawing: Drawing, options: ReadOptions) -> Nest:
         raise InputError("nothing to cut: the drawing holds no closed contour")
     parts, mark_notes = with_marks(parts, [*marks.rings, *marks.chains, *open_lines.marks])
     scrap, scrap_notes = scrap_of_drawing(told_apart.scrap, options)
+    bridges = bridges_of_drawing(told_apart.bridge, parts, options)
     sheet, choice_notes = choose_sheet(outline, rings, drawing.page, options)
     notes = [*drawing.notes, *told_apart.notes, *joined_notes, *sheet_notes, *frame_notes, *open_lines.notes]
     notes += [*part_notes, *mark_notes, *scrap_notes, *choice_notes, *doubts(sheet, drawing.units)]
-    return Nest(sheet, parts, notes=tuple(notes), scrap=scrap)
+    return Nest(sheet, parts, notes=tuple(notes), scrap=scrap, bridges=bridges)
 
 
 def _frame(

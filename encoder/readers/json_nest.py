@@ -7,6 +7,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from kerfwise.encoder.bridges.bridge import Bridge
 from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
@@ -45,7 +46,19 @@ def read_json(data: bytes, options: ReadOptions) -> Nest:
     sheet = _sheet(document["sheet"], scale)
     notes = (*_typing_slips(document["parts"]), *doubts(sheet, units))
     scrap = (_curve(f"scrap{k}", rows, False, scale) for k, rows in enumerate(document.get("scrap", ()), 1))
-    return Nest(sheet, parts, notes=notes, scrap=as_scrap(scrap))
+    bridges = _bridges(document.get("bridges", ()), text, scale)
+    return Nest(sheet, parts, notes=notes, scrap=as_scrap(scrap), bridges=bridges)
+
+
+def _bridges(given: Sequence[Mapping[str, Any]], text: str, scale: float) -> tuple[Bridge, ...]:
+    def point(at: Sequence[float]) -> tuple[float, float]:
+        return at[0] * scale, at[1] * scale
+
+    lines = places(text, [["bridges", k] for k in range(len(given))])
+    return tuple(
+        Bridge((row["parts"][0], row["parts"][1]), point(row["from"]), point(row["to"]), row["width"] * scale, k, line)
+        for k, (row, (line, _)) in enumerate(zip(given, lines, strict=True), 1)
+    )
 
 
 def _parsed(data: bytes) -> tuple[str, Any]:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import yaml
 
 Path = Sequence[str | int]
-_ONE_OF = {"holes": "hole", "marks": "mark", "scrap": "scrap line", "tabs": "tab"}
+_ONE_OF = {"holes": "hole", "marks": "mark", "scrap": "scrap line", "tabs": "tab", "bridges": "bridge"}
 
 
 def places(text: str, paths: Sequence[Path]) -> list[tuple[int | None, int | None]]:
@@ -60,7 +60,7 @@ def spoken(path: Path, part_ids: Sequence[object]) -> str:
     elif steps:
         words.append(f"{steps[0]}")
         steps = steps[1:]
-    if steps and steps[0] in ("at", "width"):
+    if steps and steps[0] in ("at", "width", "parts", "from", "to"):
         return ", ".join([*words, str(steps[0])])
     if steps and isinstance(steps[0], int):
         words.append(f"vertex {steps[0] + 1}")

@@ -1,4 +1,4 @@
-"""What a drawing's layers are there for: cut, marked, left out, the sheet, or the cutting up of scrap."""
+"""What a drawing's layers are there for: cut, marked, left out, the sheet, the cutting up of scrap, or bridges."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from typing import Literal, NamedTuple
 
 from kerfwise.encoder.errors import InputError
 
-Purpose = Literal["ignore", "scrap", "mark", "sheet", "cut"]
-PURPOSES: tuple[Purpose, ...] = ("ignore", "scrap", "mark", "sheet", "cut")
+Purpose = Literal["ignore", "scrap", "bridge", "mark", "sheet", "cut"]
+PURPOSES: tuple[Purpose, ...] = ("ignore", "scrap", "bridge", "mark", "sheet", "cut")
 """In the order in which they are tried: `DIM_TEXT` is a dimension, `Plate text` is writing."""
 
 
@@ -47,6 +47,8 @@ SCRAP_WORDS = _words(
     " chatarra retal sfrido scarto rottam odpad złom ażur обрез отход решётк решетк hulladék 废料 余料",
     "chutes?",
 )
+BRIDGE_WORDS = r"^(bridges?|br(ü|ue)cken?|ponts?|puentes?|pont[ei]|mostk?i?|мост(ики|ик|ы)?)$"
+"""The whole of a name: parts of a bridge are cut from plates, too."""
 MARK_WORDS = _words(
     "grav mark marc marqu etch scrib text label v.?score cent(er|re).?punch prick"
     " beschrift signier anr(ei|i)(ß|ss) k(ö|oe)rn(er|ung|punkt) ritzen ritzlinie pointage grabado grabar rotul"
@@ -93,6 +95,7 @@ class Layers:
     ignore: str = IGNORE_WORDS
     sheet: str = SHEET_WORDS
     scrap: str = SCRAP_WORDS
+    bridge: str = BRIDGE_WORDS
 
     def __post_init__(self) -> None:
         for purpose in PURPOSES:

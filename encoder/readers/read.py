@@ -8,6 +8,7 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
+from kerfwise.encoder.bridges.join import with_bridges
 from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
@@ -86,6 +87,9 @@ def _read(file: Path, suffix: str, options: ReadOptions) -> Nest:
         ) from error.__cause__
     try:
         checked = validated(drawn)
+        if checked.bridges:
+            joined = with_bridges(checked)
+            checked = replace(validated(joined), notes=joined.notes)
     except InputError as error:
         raise BrokenNest(replace(drawn, file=shown(file.name)), error, file) from error.__cause__
     return replace(checked, file=shown(file.name), sha256=hashlib.sha256(data).hexdigest())

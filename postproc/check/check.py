@@ -14,6 +14,7 @@ from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
+from .bridges import broken_bridges
 from .burnt_rings import Tabs, burnt_rings, burnt_twice, cut_tabs, left_open
 from .coverage import coverage, once_each
 from .edge_starts import edge_starts, forbidden
@@ -179,6 +180,7 @@ def _judge_paths(
             ],
         ),
         *([judgement("tabs", cut_tabs(several))] if tabs else []),
+        *([judgement("bridges", broken_bridges(nest, runs, kerf_mm))] if nest.bridges else []),
         judgement("burnt-twice", burnt_twice(several, _overcut_mm(profile))),
         judgement("links", bad_links(runs, kerf_mm, profile.cuts.links.longest_mm)),
         judgement("loose-metal", [*burnt_loose(nest, runs, kerf_mm), *off_the_frame(nest, runs, made, kerf_mm)]),

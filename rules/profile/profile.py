@@ -11,6 +11,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
+from kerfwise.encoder.bridges.lawful import expect_wider
 from kerfwise.encoder.candidates.candidate import LEAST_WASTE_MM, LeadOptions
 from kerfwise.encoder.contents import MOST_BYTES_OF_YAML, contents, is_there
 from kerfwise.encoder.corner_feed import CornerFeed
@@ -284,7 +285,13 @@ class Profile:
         """The nest as this plant cuts it: small holes are marks or gone, others know their feed, slots have slits.
 
         So has the skeleton its lines, where the profile has them made.
+
+        Raises
+        ------
+        InputError
+            If a bridge of the nest is narrower than the kerf.
         """
+        expect_wider(nest, self.material.kerf_mm)
         made = as_cut(nest, self.hole_limits())
         made = with_slits(made, self.material.kerf_mm) if self.cuts.narrow == "slit" else made
         made = with_scrap(made, self.material.kerf_mm, self.cuts.scrap.grid_mm, self.cuts.scrap.remnant)

@@ -63,6 +63,9 @@ class LayerMap:
     ignore: str = field(default=LAYERS.ignore, metadata=option(_LAYER, "layers that are left out"))
     sheet: str = field(default=LAYERS.sheet, metadata=option(_LAYER, "layers that hold the sheet"))
     scrap: str = field(default=LAYERS.scrap, metadata=option(_LAYER, "layers of lines that cut up scrap"))
+    bridge: str = field(
+        default=LAYERS.bridge, metadata=option(_LAYER, "layers of rectangles, each a bridge between two parts")
+    )
 
 
 @dataclass(frozen=True, slots=True)

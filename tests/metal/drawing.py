@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -40,11 +42,12 @@ class Meant:
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """The sheet, its contours in file order, and the metal of each part."""
+    """The sheet, its contours in file order, the metal of each part, and of each bridge the two parts as drawn."""
 
     sheet: shapely.Polygon
     contours: tuple[Meant, ...]
     parts: dict[str, shapely.Polygon]
+    bridged: tuple[tuple[str, shapely.Polygon, shapely.Polygon], ...] = ()
 
     @cached_property
     def closed(self) -> tuple[Meant, ...]:
@@ -65,8 +68,11 @@ class Drawing:
 def drawing_of(nest: Nest) -> Drawing:
     """The drawing of a nest, flattened anew from its vertices and bulges."""
     contours, parts = [], {}
+    groups = joined(nest)
     for part in nest.parts:
         own = [_meant(c) for c in (*part.marks, *part.holes, part.outer)]
+        if part not in (nest.apart or nest.parts):
+            own = _as_joined(own, groups)
         contours += own
         holes = [c.area.exterior for c in own if c.kind == "hole" and c.area is not None]
         outer = own[-1].area
@@ -75,7 +81,51 @@ def drawing_of(nest: Nest) -> Drawing:
     contours += [_meant(c) for c in nest.scrap]
     outline = bulged(nest.sheet.outline.vertices, True)
     sheet = shapely.Polygon(outline, [bulged(h.vertices, True) for h in nest.sheet.holes])
-    return Drawing(sheet, tuple(contours), parts)
+    apart = {p.id: _polygon(p.outer).difference(shapely.union_all([*map(_polygon, p.holes)])) for p in nest.apart}
+    bridged = tuple((b.name, apart[b.parts[0]], apart[b.parts[1]]) for b in nest.bridges)
+    return Drawing(sheet, tuple(contours), parts, bridged)
+
+
+def joined(nest: Nest) -> list[shapely.Polygon]:
+    """The areas, waste that is enclosed left out, of parts as they are drawn and the strips that join them."""
+    apart, groups = {part.id: part for part in nest.apart}, list[set[str]]()
+    for bridge in nest.bridges:
+        hit = [group for group in groups if group & set(bridge.parts)]
+        groups = [group for group in groups if group not in hit] + [set(bridge.parts).union(*hit)]
+    found = []
+    for group in groups:
+        lines = [(b.start, b.end, b.width_mm) for b in nest.bridges if set(b.parts) <= group]
+        strips = [shapely.LineString(_longer(*line[:2])).buffer(line[2] / 2, cap_style="flat") for line in lines]
+        found.append(shapely.union_all([*(_polygon(apart[name].outer) for name in sorted(group)), *strips]))
+    return found
+
+
+def _longer(start: Sequence[float], end: Sequence[float]) -> list[tuple[float, float]]:
+    """A strip that ends on an edge, a little into the part."""
+    (x0, y0), (x1, y1) = start, end
+    share = 0.02 / math.dist(start, end)
+    dx, dy = (x1 - x0) * share, (y1 - y0) * share
+    return [(x0 - dx, y0 - dy), (x1 + dx, y1 + dy)]
+
+
+def _as_joined(own: list[Meant], groups: list[shapely.Polygon]) -> list[Meant]:
+    """The contours of a joined part, its outline and the waste that its bridges enclose put together here."""
+    outer = own[-1].area
+    assert outer is not None
+    area = max(groups, key=lambda group: group.intersection(outer).area - group.symmetric_difference(outer).area)
+    pockets = [shapely.Polygon(ring) for ring in area.interiors]
+    made = []
+    for one in own[:-1]:
+        pocket = max(pockets, key=lambda p: p.intersection(one.area).area, default=None) if one.area else None
+        if pocket is not None and pocket.intersects(one.area.representative_point()):
+            one = Meant(one.id, one.part, one.kind, shapely.LineString(pocket.exterior), pocket)
+        made.append(one)
+    whole = shapely.Polygon(area.exterior)
+    return [*made, Meant(own[-1].id, own[-1].part, "outer", shapely.LineString(whole.exterior), whole)]
+
+
+def _polygon(contour: Contour) -> shapely.Polygon:
+    return shapely.Polygon(bulged(contour.curve.vertices, True))
 
 
 def _meant(contour: Contour) -> Meant:

@@ -13,6 +13,7 @@ Kind = Literal[
     "feature-lost",
     "part-not-free",
     "part-not-held",
+    "bridge-cut",
     "mark-not-made",
     "pierce-over-void",
     "lead-over-void",

@@ -18,7 +18,7 @@ from kerfwise.tests.metal.findings import KINDS, Finding
 from kerfwise.tests.metal.pieces import Pieces
 from kerfwise.tests.metal.program import Path, Program, read_program
 from kerfwise.tests.metal.slots import Slots
-from kerfwise.tests.metal.stock import not_free, off_sheet, on_loose, twice
+from kerfwise.tests.metal.stock import cut_apart, not_free, off_sheet, on_loose, twice
 from kerfwise.tests.metal.void import OlderKerfs
 
 if TYPE_CHECKING:
@@ -105,6 +105,7 @@ def simulate(
     findings += slots.shut(burns)
     findings += unmarked(drawing, paths)
     findings += not_free(drawing, pieces, {b.contour.id for b in burns if b.contour is not None}, tabs or {})
+    findings += cut_apart(drawing, pieces)
     return findings
 
 

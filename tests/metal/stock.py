@@ -72,6 +72,16 @@ def not_free(drawing: Drawing, pieces: Pieces, cut: set[str], tabbed: Collection
             inside[str(k)] = outer
 
 
+def cut_apart(drawing: Drawing, pieces: Pieces) -> Iterator[Finding]:
+    """Parts that a bridge joins and that are in two pieces at the end."""
+    for name, *ends in drawing.bridged:
+        points = [end.representative_point() for end in ends]
+        own = [{k for k, piece in enumerate((*pieces.held, *pieces.loose)) if piece.intersects(p)} for p in points]
+        if not own[0] & own[1]:
+            at = (float(points[0].x), float(points[0].y))
+            yield Finding("bridge-cut", 0, (name,), at, 0.0, "", "its parts hang together no more")
+
+
 def twice(burns: Sequence[Burn], overcut_mm: float = OVERCUT_MM) -> Iterator[tuple[int, Finding]]:
     """Contours of which more is cut again than where a ring closes, each with the place of the burn in the row."""
     done: dict[str, float] = {}

@@ -1,0 +1,1 @@
+"""Strips of metal that join parts: outlines and strip become one part."""

@@ -1,0 +1,80 @@
+"""Bridges: parts that strips join hang together when all is cut, and the strips are what was drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import shapely
+
+from kerfwise.encoder.bridges.bridge import Bridge
+from kerfwise.encoder.nest import Nest, Part
+from kerfwise.rules.rule import Violation
+
+from .metal import SLACK_MM, metal_of
+from .program_rules import tolerance_mm
+from .torch_run import TorchRun
+
+_RULE = "bridges"
+_SAME_MM = 0.02
+"""What the chords of two outlines may make of where these lie."""
+
+
+def broken_bridges(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float) -> Iterator[Violation]:
+    """Bridges that a kerf enters, that meet a third part, or that the outline which is cut does not have.
+
+    The areas of parts and strips are put together here once more, from the parts as they were drawn.
+    """
+    if not nest.bridges:
+        return
+    drawn = {part.id: part for part in nest.apart}
+    yield from _third_parts(nest.bridges, drawn)
+    yield from _other_outlines(nest, drawn)
+    paths = [(run, line) for run in runs if not run.marks for line in (run.loop, *run.leads)]
+    tree = shapely.STRtree([line for _, line in paths])
+    reach_mm = kerf_mm / 2 - tolerance_mm(kerf_mm) - SLACK_MM
+    for bridge in nest.bridges:
+        for k in sorted(tree.query(bridge.strip, "dwithin", distance=max(reach_mm, 0.0)).tolist()):
+            run, line = paths[k]
+            x, y = shapely.get_coordinates(shapely.shortest_line(line, bridge.strip))[0].tolist()
+            text = f"{run.where}: the kerf of {run.name} enters {bridge.name} at ({x:z.1f}, {y:z.1f})"
+            names = () if run.contour is None else (run.contour.id,)
+            yield Violation(_RULE, names, text, (run.position,) if run.position else ())
+            break
+
+
+def _third_parts(bridges: Sequence[Bridge], drawn: dict[str, Part]) -> Iterator[Violation]:
+    for bridge in bridges:
+        for part in drawn.values():
+            if part.id not in bridge.parts and shapely.intersects(bridge.strip, metal_of(part)):
+                yield Violation(
+                    _RULE, (part.outer.id,), f"{bridge.name} lies on part {part.id}, which it does not join"
+                )
+
+
+def _other_outlines(nest: Nest, drawn: dict[str, Part]) -> Iterator[Violation]:
+    """What is cut round against what is drawn: both as areas, waste that bridges enclose as holes."""
+    made = [part for part in nest.parts if part.id not in drawn]
+    for group in _groups(nest.bridges):
+        names = dict.fromkeys(name for bridge in group for name in bridge.parts)
+        areas = [shapely.make_valid(drawn[name].outer.polygon) for name in names]
+        strips = [shapely.buffer(bridge.strip, _SAME_MM, join_style="mitre") for bridge in group]
+        meant = shapely.union_all([*areas, *strips])
+        outline = shapely.union_all([shapely.Polygon(area.exterior) for area in shapely.get_parts(meant)])
+        apart = [shapely.symmetric_difference(outline, part.outer.polygon) for part in made]
+        k = min(range(len(made)), key=lambda k: float(apart[k].area))
+        left = shapely.difference(outline, shapely.union_all([meant, *(hole.polygon for hole in made[k].holes)]))
+        for wrong in (apart[k], left):
+            if not shapely.is_empty(rest := shapely.buffer(wrong, -2 * _SAME_MM)):
+                at = shapely.point_on_surface(rest)
+                text = f"{made[k].outer.id} is not the outline of its parts and bridges at ({at.x:z.1f}, {at.y:z.1f})"
+                yield Violation(_RULE, (made[k].outer.id,), text)
+
+
+def _groups(bridges: Sequence[Bridge]) -> list[list[Bridge]]:
+    """Bridges whose parts hang together."""
+    groups: list[list[Bridge]] = []
+    for bridge in bridges:
+        with_it = [group for group in groups if any(set(bridge.parts) & set(other.parts) for other in group)]
+        groups = [group for group in groups if group not in with_it]
+        groups.append([bridge, *(other for group in with_it for other in group)])
+    return groups
