@@ -1,9 +1,16 @@
-"""kerfwise profile: check one, or show it with nothing left implicit."""
+"""kerfwise profile: check one, show it with nothing left implicit, hold two against each other, or begin one."""
 
 from __future__ import annotations
 
+import json
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
 import click
 
+from kerfwise.encoder.errors import InputError
 from kerfwise.rules.profile.profile import DEFAULT, load_profile
 from kerfwise.rules.profile.said_at import Sources
 from kerfwise.rules.profile.text import profile_yaml
@@ -11,10 +18,13 @@ from kerfwise.rules.profile.text import profile_yaml
 from .given import TRUST
 from .terminal import expect_printed
 
+if TYPE_CHECKING:
+    from kerfwise.rules.profile.profile import Profile
+
 
 @click.group()
 def command() -> None:
-    """Check a profile (by name or path), show it with every default filled in, or print the schema of profiles."""
+    """Check a profile (by name or path), show all it says, compare two, begin one, or print the schema of profiles."""
 
 
 @command.command()
@@ -54,3 +64,93 @@ def schema(profile: str, trust: bool) -> None:
 
     click.echo(schema_text(load_profile(profile, trust=trust).known_rules()), nl=False)
     expect_printed()
+
+
+@command.command()
+@click.argument("a", metavar="A")
+@click.argument("b", metavar="B")
+@click.option("--sources", is_flag=True, help="Say of each value where it is from: file and line.")
+@click.option("--json", "as_json", is_flag=True, help="Print key, a, b, a_from and b_from of each, as JSON.")
+@TRUST
+def diff(a: str, b: str, sources: bool, as_json: bool, trust: bool) -> None:
+    """Print every key whose value differs between the profiles A and B."""
+    from kerfwise.jobs.aligned import aligned
+    from kerfwise.rules.profile.differences import differences
+
+    found = differences(load_profile(a, trust=trust), load_profile(b, trust=trust))
+    if as_json:
+        rows = [{name: getattr(one, name) for name in one.__slots__} for one in found]
+        click.echo(json.dumps(rows, ensure_ascii=False))
+    elif not found:
+        click.echo("the same in every key")
+    else:
+        more = [(one.a_from, one.b_from) if sources else () for one in found]
+        head = ("key", "A", "B", *(("A from", "B from") if sources else ()))
+        lines = aligned([head, *((one.key, one.a, one.b, *row) for one, row in zip(found, more, strict=True))])
+        click.echo("\n".join(lines))
+    expect_printed()
+
+
+@command.command()
+@click.argument("name", metavar="NAME")
+@click.option(
+    "--like", metavar="PROFILE", help="The profile to begin from: a shipped one, or a file. Nothing is asked."
+)
+@click.option("-o", "--output", metavar="OUT.yaml", help="The file; NAME.yaml if none is named.")
+@TRUST
+def new(name: str, like: str | None, output: str | None, trust: bool) -> None:
+    """Write a profile of a plant's own, NAME.yaml: asked step by step on a terminal, or a copy of another.
+
+    Comments of the profile that it begins from are kept.
+    """
+    from kerfwise.jobs.new_profile import begun, expect_usable
+    from kerfwise.postproc.files import expect_outputs, write_files
+
+    path = Path(output or f"{name}.yaml")
+    begun(name, DEFAULT)  # a name that no profile can have is refused first
+    if path.suffix not in (".yaml", ".yml"):
+        raise InputError("a profile's file ends in .yaml", file=path)
+    expect_outputs([path], [Path(like)] if like else [])
+    if path.exists():
+        raise InputError("the file is there already: nothing is written", file=path)
+    if like is None:
+        if not sys.stdin.isatty():
+            raise click.UsageError("there is no terminal to ask on: say --like PROFILE")
+        like, answers = _asked(trust)
+    else:
+        answers = {}
+    text = begun(name, like, answers)
+    expect_usable(text, path, trust)
+    write_files({path: text})
+    click.echo(f"{path} written, and fine; next: kerfwise solve NEST -p {path}")
+
+
+def _asked(trust: bool) -> tuple[str, Mapping[tuple[str, str], str]]:
+    """The profile to begin from, and the answers that differ from what it says."""
+    from kerfwise.jobs.new_profile import questions
+    from kerfwise.rules.profile.profile import shipped_profiles
+
+    for name in shipped_profiles():
+        loaded = load_profile(name)
+        material = loaded.material
+        click.echo(f"  {name:22}{loaded.machine.process}, {material.name}, {material.thickness_mm:g} mm")
+    like: str = click.prompt("begin from which of these, or which file", default=DEFAULT)
+    base: Profile = load_profile(like, trust=trust)
+    answers = {}
+    for question in questions(base):
+        said: str = click.prompt(question.text, default=question.default, value_proc=_asking_again(question.answered))
+        if said != question.default:
+            answers[question.key] = said
+    return like, answers
+
+
+def _asking_again(read: Callable[[str], str]) -> Callable[[str], str]:
+    """A wrong answer is said, and asked for again."""
+
+    def answered(text: str) -> str:
+        try:
+            return read(text)
+        except InputError as error:
+            raise click.UsageError(error.message) from None
+
+    return answered

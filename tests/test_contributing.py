@@ -34,7 +34,7 @@ def test_every_generated_page_is_there() -> None:
     assert [page for page in pages if not (ROOT / page).is_file()] == []
 
 
-@pytest.mark.parametrize("page", ["docs/rules.md", "rules/profile/profile.schema.json"])
+@pytest.mark.parametrize("page", ["docs/rules.md", "docs/profile.md", "rules/profile/profile.schema.json"])
 def test_a_quick_command_prints_its_page(page: str) -> None:
     line = next(line for line in PAGE.splitlines() if line.startswith(f"| `{page}` |"))
     module = re.findall(r"python -m (\S+) >", line)[0]

@@ -7,7 +7,7 @@ import re
 import yaml
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.options.yaml_positions import compose
+from kerfwise.rules.options.yaml_edit import with_value
 
 from .load import dialect_text, parse_dialect
 
@@ -31,19 +31,7 @@ def begun(name: str, like: str) -> str:
         raise InputError(f"{name!r} cannot be a dialect's name: expected letters, digits, dots and dashes")
     text = dialect_text(like)
     parse_dialect(text, like)
-    text = _replaced(text, "name", name)
+    text = with_value(text, ["name"], name)
     if "verified_by" in yaml.safe_load(text):
-        text = _replaced(text, "verified_by", "[]")
+        text = with_value(text, ["verified_by"], "[]")
     return f"# Begun as a copy of {like}. Change what differs; `kerfwise profile check` reads it back.\n{text}"
-
-
-def _replaced(text: str, key: str, value: str) -> str:
-    """The text with another value of one of its keys; comments and order stay."""
-    root = compose(text, "")
-    assert root is not None
-    node = next(node for at, node in root.value if at.value == key)
-    first, last = node.start_mark.index, node.end_mark.index
-    while text[first - 1] in " \n":
-        first -= 1
-    ending = text[first:last].rstrip()
-    return f"{text[:first]} {value}{text[first + len(ending) :]}"

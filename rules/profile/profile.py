@@ -382,17 +382,32 @@ def load_profile(name_or_path: str | Path = DEFAULT, *, trust: bool = False) -> 
     return _load(str(name_or_path), Path(), (), trust)
 
 
+def profile_text(name_or_path: str | Path) -> str:
+    """The text of the shipped profile of that name, or of the one in that file, comments and all.
+
+    Raises
+    ------
+    InputError
+        If there is none, or it is not UTF-8.
+    """
+    file, _, content = _content(str(name_or_path), Path())
+    return _decoded(content, file)
+
+
+def _decoded(content: bytes, file: str) -> str:
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"not a profile: the file is not UTF-8 text ({error.reason})", file=file) from None
+
+
 def _load(name: str, folder: Path, chain: tuple[str, ...], trust: bool) -> Profile:
     file, place, content = _content(name, folder)
     if file in chain:
         raise InputError(f"it goes in a circle: {' → '.join((*chain, file))}")
     if len(chain) >= LONGEST_CHAIN:
         raise InputError(f"more than {LONGEST_CHAIN} profiles are based on each other in a row")
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(f"not a profile: the file is not UTF-8 text ({error.reason})", file=file) from None
-
+    text = _decoded(content, file)
     bases: list[str] = []
 
     def base(of: str) -> GivenValues:

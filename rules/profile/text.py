@@ -71,9 +71,13 @@ def _options(owner: Any, indent: int, told: Sources | None = None, path: str = "
 
 def _locks(locks: tuple[Lock, ...]) -> Iterator[str]:
     yield "locks:" if locks else "locks: []"
-    for lock in locks:
-        given = [(o.key, o.kind, getattr(lock, o.name)) for o in options_of(lock)]
-        yield f"  - {{{', '.join(f'{key}: {kind.write(value)}' for key, kind, value in given if value is not None)}}}"
+    yield from (f"  - {lock_text(lock)}" for lock in locks)
+
+
+def lock_text(lock: Lock) -> str:
+    """A lock as a profile has it."""
+    given = [(o.key, o.kind, getattr(lock, o.name)) for o in options_of(lock)]
+    return f"{{{', '.join(f'{key}: {kind.write(value)}' for key, kind, value in given if value is not None)}}}"
 
 
 def _line(indent: int, text: str, comment: str) -> str:

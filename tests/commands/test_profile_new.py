@@ -1,0 +1,100 @@
+"""kerfwise profile new and diff."""
+
+from __future__ import annotations
+
+import io
+import json
+from pathlib import Path
+
+import pytest
+
+from kerfwise.rules.profile.differences import differences
+from kerfwise.rules.profile.profile import load_profile, profile_text, shipped_profiles
+from kerfwise.tests.commands.run_cli import Ended, kerfwise
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def asked(monkeypatch: pytest.MonkeyPatch, *answers: str) -> Ended:
+    monkeypatch.setattr("sys.stdin", Terminal("".join(f"{answer}\n" for answer in answers)))
+    return kerfwise("profile", "new", "shop")
+
+
+@pytest.mark.parametrize("like", shipped_profiles())
+def test_a_copy_says_the_same_and_keeps_the_comments(like: str) -> None:
+    ended = kerfwise("profile", "new", "shop", "--like", like)
+    assert (ended.code, ended.err) == (0, "")
+    assert kerfwise("profile", "check", "shop.yaml").code == 0
+    assert load_profile("shop.yaml").name == "shop"
+    assert differences(load_profile("shop.yaml"), load_profile(like)) == ()
+    words = [
+        line for line in profile_text(like).splitlines() if line.startswith("# ") and "language-server" not in line
+    ]
+    assert [line for line in Path("shop.yaml").read_text().splitlines() if line in words] == words
+
+
+def test_asked_step_by_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    answers = ("laser-wood", "", "600 mm/min", "", "", "", "birch", "four", "4 mm", "")
+    ended = asked(monkeypatch, *answers)
+    assert ended.code == 0, ended.err
+    assert "expected a length over 0" in ended.out + ended.err
+    found = {one.key: one.b for one in differences(load_profile("laser-wood"), load_profile("shop.yaml"))}
+    assert found == {"machine.cut_feed": "600 mm/min", "material.name": "birch", "material.thickness": "4 mm"}
+    assert kerfwise("profile", "check", "shop.yaml").code == 0
+
+
+def test_a_dialect_for_another_process_is_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    ended = asked(monkeypatch, "plasma-carbon-steel", "grbl", *[""] * 8)
+    assert ended.code == 0, ended.err
+    assert "grbl is for laser, and this machine cuts by plasma" in ended.out + ended.err
+
+
+def test_whoever_stops_answering_has_no_file(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert asked(monkeypatch, "laser-wood").code == 130
+    assert not list(Path().iterdir())
+
+
+def test_a_copy_elsewhere_whose_files_are_not_there_is_not_written() -> None:
+    Path("here").mkdir()
+    Path("there").mkdir()
+    Path("here/base.yaml").write_text("based_on: water-jet\n")
+    Path("here/a.yaml").write_text("based_on: base.yaml\nmaterial: {kerf: 0.9 mm}\n")
+    ended = kerfwise("profile", "new", "shop", "--like", "here/a.yaml", "-o", "there/shop.yaml")
+    assert ended.code == 2
+    assert "there/shop.yaml:2:11: nothing is written, for this profile could not be used" in ended.err
+    assert not list(Path("there").iterdir())
+    assert kerfwise("profile", "new", "shop", "--like", "here/a.yaml", "-o", "here/shop.yaml").code == 0
+    assert load_profile("here/shop.yaml").material.kerf_mm == 0.9
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["shop"], "there is no terminal to ask on: say --like PROFILE"),
+        (["laser-wood", "--like", "laser-wood"], "a profile that comes with kerfwise"),
+        (["../shop", "--like", "laser-wood"], "cannot be a profile's name"),
+        (["shop", "--like", "lasr-wood"], "did you mean 'laser-wood'"),
+        (["shop", "--like", "laser-wood", "-o", "shop.txt"], "ends in .yaml"),
+        (["shop", "--like", "laser-wood", "-o", "there.yaml"], "there already"),
+        (["shop", "--like", "laser-wood", "-o", "gone/shop.yaml"], "there is no folder"),
+    ],
+)
+def test_what_cannot_be(words: list[str], said: str) -> None:
+    Path("there.yaml").write_text("name: there\n")
+    ended = kerfwise("profile", "new", *words)
+    assert (ended.code, said in ended.err) == (2, True), ended.err
+    assert [path.name for path in Path().iterdir()] == ["there.yaml"]
+
+
+def test_diff() -> None:
+    Path("shop.yaml").write_text("based_on: plasma-carbon-steel\nmaterial: {kerf: 2 mm}\n")
+    ended = kerfwise("profile", "diff", "plasma-carbon-steel", "shop.yaml")
+    assert (ended.code, ended.out) == (0, "key            A       B\nmaterial.kerf  1.5 mm  2 mm\n")
+    (row,) = json.loads(kerfwise("profile", "diff", "plasma-carbon-steel", "shop.yaml", "--json").out)
+    assert (row["a"], row["b"], row["b_from"]) == ("1.5 mm", "2 mm", "shop.yaml:2")
+    assert kerfwise("profile", "diff", "shop.yaml", "shop.yaml").out == "the same in every key\n"
+    assert "shop.yaml:2" in kerfwise("profile", "diff", "plasma-carbon-steel", "shop.yaml", "--sources").out
+    assert kerfwise("profile", "diff", "shop.yaml", "gone.yaml").code == 2

@@ -1,0 +1,47 @@
+"""The page of every key of a profile is made from what profiles are read with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from kerfwise.rules.profile.page import profile_page
+from kerfwise.rules.profile.schema import profile_schema
+
+
+def keys_of(schema: dict[str, Any], path: str = "") -> Iterator[str]:
+    """Every key that the schema allows, as the page names it under its heading."""
+    for key, inner in schema.get("properties", {}).items():
+        rule = (one for one in inner.get("anyOf", ()) if "strength" in one.get("properties", ()))
+        mapping = inner if "properties" in inner else next(rule, None)  # other mappings are values of one key
+        if mapping is not None:
+            yield from keys_of(mapping, f"{path}{key}.")
+        elif not inner.get("deprecated"):
+            yield f"{path}{key}"
+
+
+def test_docs_are_up_to_date() -> None:
+    written = Path(__file__).parents[3] / "docs" / "profile.md"
+    made = "run python -m kerfwise.rules.profile.page > profile.md && mv profile.md docs/profile.md"
+    assert written.read_text(encoding="utf-8") == profile_page(), made
+
+
+def test_every_key_of_the_schema_is_on_the_page() -> None:
+    schema = profile_schema()
+    parts = {part.split("\n")[0]: part for part in profile_page().split("\n## ")}
+    for section, inner in schema["properties"].items():
+        if section not in parts:
+            assert f"| `{section}` |" in parts["At the top"]
+            continue
+        inner = inner.get("items", inner)
+        keys = [key for one in (inner, *inner.get("oneOf", ())) for key in keys_of(one)]
+        assert keys
+        missing = [key for key in keys if f"| `{key}` |" not in parts[section]]
+        assert not missing, f"{section}: {missing}"
+
+
+def test_no_cell_ends_a_row_early() -> None:
+    for line in profile_page().splitlines():
+        if line.startswith("|"):
+            assert line.replace("\\|", "").count("|") in (3, 4, 5), line
