@@ -82,6 +82,8 @@ _LIMITS: dict[tuple[str, ...], tuple[str, ...]] = {
     ("solve",): ("--work", "0.01"),
     ("bench",): ("--work", "0.01"),
     ("pareto",): ("--work", "0.01", "--price", "1"),
+    ("compare",): ("--work", "0.01"),
+    ("profile", "new"): ("--output", "out.yaml"),
     ("rules", "new"): ("--into", "folder"),
     ("dialects", "new"): ("--output", "out.yaml"),  # else NAME.yaml, wherever NAME leads
     ("rules", "test"): ("--cases",),  # all plans of small nests, for every rule there is, take minutes

@@ -9,7 +9,7 @@ import pytest
 from kerfwise.rules.profile.differences import differences, flat
 from kerfwise.rules.profile.profile import Profile, load_profile, shipped_profiles
 from kerfwise.rules.profile.schema import profile_schema
-from kerfwise.tests.rules.profile.test_page import keys_of
+from kerfwise.tests.docs.test_profile_page import keys_of
 
 
 def profile(folder: Path, text: str) -> Profile:

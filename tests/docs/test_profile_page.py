@@ -22,7 +22,7 @@ def keys_of(schema: dict[str, Any], path: str = "") -> Iterator[str]:
 
 
 def test_docs_are_up_to_date() -> None:
-    written = Path(__file__).parents[3] / "docs" / "profile.md"
+    written = Path(__file__).parents[2] / "docs" / "profile.md"
     made = "run python -m kerfwise.rules.profile.page > profile.md && mv profile.md docs/profile.md"
     assert written.read_text(encoding="utf-8") == profile_page(), made
 
