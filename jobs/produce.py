@@ -26,6 +26,7 @@ from kerfwise.rules.stating.lazy import afterthoughts, look_takes_s
 from kerfwise.rules.stating.state_rules import Stated
 
 from .ask import Asked
+from .costs import cost_of_plan
 from .zones_cost import SHARE, along, look_for, once_more, without_zones, zoned_by, zones_cost
 
 if TYPE_CHECKING:
@@ -139,7 +140,7 @@ def produce(
     program = (write or write_program)(plan, facts.whole_nest, profile)
     verdict = judge(facts.whole_nest, plan, program, profile, trusted)
     judging_s = running_s() - began_s
-    plan = replace(plan, rules=report_of(verdict, profile))
+    plan = replace(plan, rules=report_of(verdict, profile), cost=cost_of_plan(plan, facts.whole_nest, profile))
     return Produced(plan, program, verdict, solution.notes, facts, judging_s)
 
 

@@ -27,6 +27,8 @@ def summary(plan: Plan, verdict: CheckResult) -> str:
         f"start side {plan.start_side} (because: {plan.start_side_because}), "
         f"{counted(max((p.cut.zone for p in plan.cuts), default=0), 'zone')}",
     ]
+    if plan.cost is not None:
+        lines.append(f"a sheet costs {plan.cost}")
     if plan.zones_cost is not None:
         lines.append(plan.zones_cost.sentence)
     zero = f"the sheet's corner, at ({plan.zero[0]:g}, {plan.zero[1]:g}) of the drawing"

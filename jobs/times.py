@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from kerfwise.encoder.nest import Nest
 from kerfwise.models.physics.timing.choose import machine_feeds
 from kerfwise.models.physics.timing.clock import times_of
 from kerfwise.models.physics.timing.constant import ConstantFeed
-from kerfwise.models.physics.timing.cost import Cost, cost_of
+from kerfwise.models.physics.timing.cost import Cost
 from kerfwise.models.physics.timing.report import TimeReport
 from kerfwise.models.physics.timing.run import Job
 from kerfwise.models.plan.plan import Plan
@@ -18,6 +19,7 @@ from kerfwise.postproc.check.reader.old import Trusted
 from kerfwise.postproc.clock.timed import Timed, job_of_plan, job_of_program, time_job, time_program
 from kerfwise.rules.profile.profile import Profile
 
+from .costs import cost_of_sheet
 from .given import Given, Tell, differences, is_plan_file, read_program_of, silent
 from .old_program import OldJob
 
@@ -46,8 +48,7 @@ class Times:
         """The times as `kerfwise time --json` prints them."""
         data = self.report.as_json()
         if self.cost is not None:
-            rounded = {name: round(getattr(self.cost, name), 4) for name in ("machine", "gas", "total")}
-            data["cost"] = rounded | {"currency": self.cost.currency}
+            data["cost"] = self.cost.as_json()
         return data
 
     def __str__(self) -> str:
@@ -61,7 +62,7 @@ class Times:
         ]
         lines = [f"{name:7} {seconds:9.1f} s   {text}" for name, seconds, text in rows]
         if cost is not None:
-            parts = f"machine {cost.machine:.2f}, gas {cost.gas:.2f}"
+            parts = ", ".join(f"{name} {amount:.2f}" for name, amount in cost.parts)
             lines.append(f"{'cost':7} {cost.total:9.2f} {cost.currency}, a sheet: {parts}")
         return "\n".join(lines)
 
@@ -77,9 +78,11 @@ def time_made(given: Given, made: Plan | str | Path, tell: Tell = silent, truste
         If the file cannot be read or understood, or is one of another nest.
     """
     nest, profile = given.nest, given.profile
+    stock: Nest | None = nest
     if isinstance(made, Plan) or is_plan_file(made):
         plan = made if isinstance(made, Plan) else read_plan(made)
         job = job_of_plan(plan, nest, profile)
+        stock = None if plan.already_cut else nest  # the sheet of a plan that goes on was paid before
         for text in differences(plan, given):
             tell(text)
     else:
@@ -89,13 +92,14 @@ def time_made(given: Given, made: Plan | str | Path, tell: Tell = silent, truste
         _tell_if_its_times_differ(own, job, profile, "its own" if by_itself else "the profile's model", tell)
         job = own if by_itself else job
     timed = time_job(job, profile)
-    return Times(timed, cost_of(timed.times, profile.prices))
+    return Times(timed, cost_of_sheet(timed.times, timed.job.pierces, stock, profile))
 
 
 def time_old(job: OldJob) -> Times:
     """The times of an old program, with or without its nest, by the time model of the profile."""
-    timed = time_program(job.program, job.told.nest if job.told is not None else None, job.profile)
-    return Times(timed, cost_of(timed.times, job.profile.prices))
+    nest = job.told.nest if job.told is not None else None
+    timed = time_program(job.program, nest, job.profile)
+    return Times(timed, cost_of_sheet(timed.times, timed.job.pierces, None, job.profile))
 
 
 def _tell_if_its_times_differ(own: Job, job: Job, profile: Profile, taken: str, tell: Tell) -> None:

@@ -11,6 +11,7 @@ from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.cut import Cut, CutSequence, Side
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.models.physics.timing.cost import Cost
 from kerfwise.models.physics.timing.report import TimeReport
 from kerfwise.rules.profile.machine_section import Origin
 from kerfwise.rules.statements import EXEMPTION_MM, RELAXED_MM
@@ -129,8 +130,8 @@ class Plan:
     """The whole answer; `nest` and `profile` name files and their sha256.
 
     Coordinates are the drawing's; `zero` is the point of it that is the machine's zero, as its `origin` says. `time`
-    says by which model the times are, and what they are spent on; None where no program has been timed. `left_out` are
-    small holes that are not cut. `zones_cost` is what cutting zone after zone costs, where that was looked for. Where a
+    says by which model the times are, and what they are spent on; None where no program has been timed. `cost` is what
+    one sheet costs, None where the profile has no prices. `left_out` are small holes that are not cut. `zones_cost` is what cutting zone after zone costs, where that was looked for. Where a
     program goes on after a stop, `already_cut` are the cuts made before, with times of the program that made them, and
     `cuts` go on from there; `broken_off` is the one that is cut again, as it was begun.
     """
@@ -145,6 +146,7 @@ class Plan:
     rules: tuple[RuleReport, ...] = ()
     dropped: tuple[Dropped, ...] = field(default=())
     time: TimeReport | None = None
+    cost: Cost | None = None
     left_out: tuple[LeftOut, ...] = ()
     zones_cost: ZonesCost | None = None
     origin: Origin = "drawing"
@@ -210,7 +212,8 @@ class Plan:
         if self.already:
             head["resumed_after"] = self.resumed_after
         tail: dict[str, Any] = {
-            "totals": {k: _round(getattr(self.totals, k)) for k in Totals.__slots__},
+            "totals": {k: _round(getattr(self.totals, k)) for k in Totals.__slots__}
+            | ({} if self.cost is None else {"cost": self.cost.as_json()}),
             **({} if self.time is None else {"time": self.time.as_json()}),
             "solve": {k: _round(getattr(self.solve, k)) for k in SolveReport.__slots__}
             | ({} if self.light_gap is None else {"gap_without_excuses": _round(self.light_gap)}),

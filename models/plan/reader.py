@@ -20,6 +20,7 @@ from kerfwise.encoder.nest import KINDS
 from kerfwise.encoder.readers.json_place import places
 from kerfwise.encoder.readers.limits import LIMIT_MM, checked_curve
 from kerfwise.encoder.strict_json import strict_json
+from kerfwise.models.physics.timing.cost import Cost
 from kerfwise.models.physics.timing.report import TimeReport
 
 from .plan import FORMAT, Dropped, LeftOut, Plan, PlannedCut, RuleReport, SolveReport, Totals
@@ -170,6 +171,7 @@ def _plan_of(data: dict[str, Any]) -> Plan:
         ),
         dropped=tuple(Dropped(d["rule"], tuple(d["contours"]), d["why"]) for d in data["dropped"]),
         time=_record(TimeReport, data["time"]) if "time" in data else None,
+        cost=Cost.of_json(data["totals"]["cost"]) if "cost" in data["totals"] else None,
         left_out=tuple(LeftOut(left["contour"], left["why"]) for left in data.get("left_out", ())),
         zones_cost=ZonesCost.of_json(data["zones_cost"]) if "zones_cost" in data else None,
         origin=data.get("origin", "drawing"),

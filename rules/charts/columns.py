@@ -7,7 +7,17 @@ from dataclasses import dataclass
 
 from kerfwise.rules.options.kind import OptionKind
 from kerfwise.rules.options.plain_values import Number, Text
-from kerfwise.rules.options.quantities import AMPS, DURATION, LENGTH, SHARE_OF_POWER, SPEED, VOLTS, Quantity, over_zero
+from kerfwise.rules.options.quantities import (
+    AMPS,
+    DURATION,
+    FLOW,
+    LENGTH,
+    SHARE_OF_POWER,
+    SPEED,
+    VOLTS,
+    Quantity,
+    over_zero,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +66,7 @@ COLUMNS: Mapping[str, Column] = {
     "pierce_power": Column(SHARE_OF_POWER, "power while piercing", "material", "pierce_power"),
     "mark_power": Column(SHARE_OF_POWER, "power while marking", "material", "mark_power"),
     "gas": Column(Text(), "gas, or gases", "material", "gas"),
+    "gas_flow": Column(FLOW, "gas that flows with the torch on", "material", "gas_flow"),
     "small_hole_feed": Column(
         Number(0.05, 1), "share of the feed in the smallest holes", "small_holes", "small_hole_feed"
     ),

@@ -58,7 +58,7 @@ def options_of(owner: Any) -> tuple[Option, ...]:
 
 def _key(name: str, kind: OptionKind) -> str:
     """The field's name without the unit that its values may state; a bare number of °C keeps its `_c`."""
-    return re.sub(r"_(mm_s2|mm_s|mm|s)$" if isinstance(kind, Number) else r"_(mm_s2|mm_s|mm|s|c|kj)$", "", name)
+    return re.sub(r"_(mm_s2|mm_s|mm|s)$" if isinstance(kind, Number) else r"_(mm_s2|mm_s|mm|s|c|kj|m3_h)$", "", name)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import yaml
@@ -12,6 +13,7 @@ from kerfwise.rules.registry import RULES
 
 from .filling import filled_in, known_plant
 from .heat_section import Heat
+from .prices_section import Prices
 from .sections import LeadsSection, Machine, Material, RuleSetting
 from .small_holes_section import SmallHoles
 from .time_section import Time
@@ -78,9 +80,26 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
             f"heat.logical_conduction: {heat.logical_conduction:g} for each of 8 neighbours is more than a point has; "
             "the scheme is stable up to 0.125",
         )
+    for key, text in _wrong_prices(given["prices"], material):
+        problems.add(deepest(root, "prices", key), f"prices.{key}: {text}")
     plant = known_plant(machine, material, heat, given["locks"])
     known = RULES | given["further_rules"]
     for name, setting in rules.items():
         if setting.strength != "off":
             for key, text in known[name].check_with(filled_in(setting.options, plant, rules, known), plant, rules):
                 problems.add(deepest(root, "rules", name, key), f"rules.{name}.{key}: {text}")
+
+
+def _wrong_prices(prices: Prices, material: Material) -> Iterator[tuple[str, str]]:
+    """Keys of prices that the other values leave without a meaning, and why."""
+    worn = prices.consumables
+    if prices.gas_m3 and material.gas_flow_m3_h is None:
+        yield "gas_m3", "nobody says how much gas flows: give material.gas_flow, or a chart with that column"
+    if prices.gas_m3 and prices.gas_hour:
+        yield "gas_m3", "the gas has a price by the hour too (gas_hour): keep one"
+    if prices.sheet_kg and prices.sheet_each:
+        yield "sheet_each", "the sheet has a price by the kilogram too (sheet_kg): keep one"
+    if prices.kwh and not (prices.torch_kw or prices.standby_kw):
+        yield "kwh", "nobody says how much power is drawn: give torch_kw, standby_kw or both"
+    if worn.set_price and not (worn.pierces or worn.torch_hours):
+        yield "consumables", "nobody says how long a set lasts: give consumables.pierces, torch_hours or both"

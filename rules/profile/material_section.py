@@ -8,7 +8,7 @@ from kerfwise.rules.charts.read import ChartUnits
 from kerfwise.rules.charts.row_choice import ROW_CHOICE, RowChoice
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.plain_values import Choice, Flag, Text, TextOrWord
-from kerfwise.rules.options.quantities import AMPS, LENGTH, SHARE_OF_POWER, VOLTS, OrWord, over_zero
+from kerfwise.rules.options.quantities import AMPS, FLOW, LENGTH, SHARE_OF_POWER, VOLTS, OrWord, over_zero
 
 _HEIGHT = OrWord(LENGTH, none="unknown")
 _POWER = OrWord(SHARE_OF_POWER, none="unknown")
@@ -55,4 +55,7 @@ class Material:
     mark_power: float | None = field(default=None, metadata=option(_POWER, "power while marking"))
     gas: str | None = field(
         default=None, metadata=option(TextOrWord("unknown"), "gas, or gases; the program tells the operator")
+    )
+    gas_flow_m3_h: float | None = field(
+        default=None, metadata=option(OrWord(FLOW, none="unknown"), "gas that flows with the torch on, for its price")
     )

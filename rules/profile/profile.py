@@ -51,10 +51,11 @@ from .heat_section import Heat
 from .machine_section import Origin
 from .made_of import digest_of, of_own
 from .models_section import ModelSource
+from .prices_section import Prices
 from .reader import GivenValues, read_given
 from .sections import DrawingSection, LeadsSection, Machine, Material, Objective, RuleSetting, default_settings
 from .small_holes_section import SmallHoles
-from .time_section import Prices, Time
+from .time_section import Time
 
 DEFAULT = "plasma-carbon-steel"
 """The shipped profile that is used where none is named."""

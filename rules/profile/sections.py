@@ -23,8 +23,9 @@ from .corners_section import Corners
 from .heat_section import Heat
 from .machine_section import Machine
 from .material_section import Material
+from .prices_section import Prices
 from .small_holes_section import SmallHoles
-from .time_section import Prices, Time
+from .time_section import Time
 
 _LEADS = Choice(("line", "arc", "none"))
 

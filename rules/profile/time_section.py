@@ -1,4 +1,4 @@
-"""What a profile says of time and of what it costs."""
+"""What a profile says of time."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Choice, Number, Text
+from kerfwise.rules.options.plain_values import Choice
 from kerfwise.rules.options.quantities import ACCELERATION, LENGTH, over_zero
 
 from .feed_law import FeedLaw
@@ -32,14 +32,3 @@ class Time:
     corner_deviation_mm: float = field(
         default=0.05, metadata=option(over_zero(LENGTH), "how far a corner may be rounded to take it faster")
     )
-
-
-@dataclass(frozen=True, slots=True)
-class Prices:
-    """What an hour of the machine and of its gas costs; without either no cost is told."""
-
-    machine_hour: float = field(default=0.0, metadata=option(Number(0), "price of an hour of the machine"))
-    gas_hour: float = field(
-        default=0.0, metadata=option(Number(0), "price of the gas of an hour with the torch on, piercing included")
-    )
-    currency: str = field(default="EUR", metadata=option(Text(), "what prices are in"))
