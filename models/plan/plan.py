@@ -131,7 +131,8 @@ class Plan:
 
     Coordinates are the drawing's; `zero` is the point of it that is the machine's zero, as its `origin` says. `time`
     says by which model the times are, and what they are spent on; None where no program has been timed. `cost` is what
-    one sheet costs, None where the profile has no prices. `left_out` are small holes that are not cut. `zones_cost` is what cutting zone after zone costs, where that was looked for. Where a
+    one sheet costs, None where the profile has no prices. `left_out` are small holes that are not cut. `zones_cost` is
+    what cutting zone after zone costs, where that was looked for. Where a
     program goes on after a stop, `already_cut` are the cuts made before, with times of the program that made them, and
     `cuts` go on from there; `broken_off` is the one that is cut again, as it was begun.
     """

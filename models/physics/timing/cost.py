@@ -34,7 +34,7 @@ class Spent(Protocol):
 class Cost:
     """What one sheet of a nest costs, in `currency`: of each thing, and in all.
 
-    `machine` is the machine's time, `sheet` the stock, and `remnant` what is saved of it, which counts against the rest.
+    `machine` is the machine's time, `sheet` the stock, and `remnant` what is saved of it: it counts against the rest.
 
     Examples
     --------
