@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 @click.option("-o", "--output", metavar="OUT", help="The new program, or for a folder the folder of the new ones.")
 @click.option("--paths", type=click.Choice(["keep", "new"]), default="keep", show_default=True,
               help="Every burn as it is, or all contours planned afresh.")  # fmt: skip
+@click.option("--without-rules", is_flag=True,
+              help="Go on by travel alone where nobody can tell what the burns cut.")  # fmt: skip
 @click.option("--picture", metavar="OUT.svg|.png", help="A picture of both orders.")
 @click.option("--plan", "plan_path", metavar="PLAN.json", help="The plan of the new program, where there is one.")
 @click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit a program by the clock, in seconds.")
@@ -48,6 +50,7 @@ def command(
     trust: bool,
     output: str | None,
     paths: Any,
+    without_rules: bool,
     picture: str | None,
     plan_path: str | None,
     time_limit: float | None,
@@ -63,7 +66,8 @@ def command(
     from .progress import ProgressLine
 
     plant, asked = plant_of(profile, trust), asked_of(**given)
-    limits: dict[str, Any] = {"paths": paths, "asked": asked, "work": work, "time_s": time_limit, "seed": seed}
+    limits: dict[str, Any] = {"work": work, "time_s": time_limit, "seed": seed}
+    limits |= {"paths": paths, "asked": asked, "without_rules": without_rules}
     if is_folder(Path(old)):
         if picture or plan_path:
             raise InputError(f"{'--picture' if picture else '--plan'} is of one program: give one, not a folder")

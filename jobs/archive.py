@@ -43,6 +43,7 @@ def resequence_folder(
     *,
     paths: Paths = "keep",
     asked: Asked | None = None,
+    without_rules: bool = False,
     work: float = 30.0,
     time_s: float | None = None,
     seed: int = 1,
@@ -66,7 +67,14 @@ def resequence_folder(
     if out.resolve() == folder.resolve():
         raise InputError("would be written over, and is read from: give the output another folder", file=out)
     make_folder(out, parents=True)
-    options = {"paths": paths, "asked": asked or Asked(), "work": work, "time_s": time_s, "seed": seed}
+    options = {
+        "paths": paths,
+        "asked": asked or Asked(),
+        "without_rules": without_rules,
+        "work": work,
+        "time_s": time_s,
+        "seed": seed,
+    }
     record, besides = _recorded(out), _besides(profile, options, version)
     rows: dict[str, Row] = {}
     waiting: dict[str, str] = {}

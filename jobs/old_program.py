@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -14,10 +15,10 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check.reader.old import OldProgram, Trusted
 from kerfwise.postproc.check.reader.on_machine import moved, old_on_machine, stated_origin
 from kerfwise.postproc.check.reader.program import NcProgram
-from kerfwise.postproc.old.contours import NoNest, Told, Unclear, fits_kerf, nest_of
+from kerfwise.postproc.old.contours import Told, fits_kerf, nest_of
 from kerfwise.postproc.old.told_names import named_as_told
+from kerfwise.postproc.old.unclear import NoNest, Unclear
 from kerfwise.rules.profile.corners_section import Corners
-from kerfwise.rules.profile.cuts_section import Links
 from kerfwise.rules.profile.profile import Profile
 
 from .given import Given, Tell, program_text, silent
@@ -54,6 +55,8 @@ class OldJob:
         The nest told from the burns; None where they make none.
     unclear
         Then the burns at fault.
+    partly
+        Then the nest told from the others, where they make one.
     trusted
         What is taken as the program says it.
     text
@@ -68,6 +71,7 @@ class OldJob:
     profile: Profile
     told: Told | None
     unclear: tuple[Unclear, ...]
+    partly: Told | None
     trusted: Trusted
     text: str
     notes: tuple[str, ...]
@@ -138,42 +142,50 @@ def read_old_job(
     at_corner = zero if origin == "sheet-corner" else None
     told: Told | None = None
     unclear: tuple[Unclear, ...] = ()
+    tab_mm = _tab_mm(profile, kerf_mm)
+
+    def told_at(kerf_mm: float, aside: Set[int] = frozenset()) -> Told:
+        return nest_of(program.burns, kerf_mm, asked.sheet_mm, at_corner, Path(path).name, tab_mm, aside)
+
+    partly: Told | None = None
     try:
-        told = nest_of(program.burns, kerf_mm, asked.sheet_mm, at_corner, Path(path).name)
+        told = told_at(kerf_mm)
         if not afresh and kerf_mm > 0 and not fits_kerf(told, kerf_mm):
             raise NoNest(())
     except NoNest as none:
         unclear = none.unclear
         if not afresh and kerf_mm > 0:
-            told, unclear = _on_paths(program, asked, at_corner, Path(path).name)
-            if told is not None:
+            try:
+                told, unclear = told_at(0.0), ()
+            except NoNest as still:
+                told, unclear = None, still.unclear
+            else:
                 kerf_mm = 0.0
                 notes.append(
                     "the burns do not run half a kerf beside contours with round corners: rules are judged on the "
                     "torch's path itself, as if the kerf had no width"
                 )
+    if told is None and not afresh:
+        with suppress(NoNest):
+            partly = told_at(kerf_mm, {one.line for one in unclear})
     profile = replace(profile, material=replace(profile.material, kerf_mm=kerf_mm))
     judged = text
     if told is not None:
-        named = named_as_told(told, program.burns)
+        named = named_as_told(told, program.comments)
         if named is None:
-            judged = _without_comments(text)
+            judged = without_comments(text)
         else:
             told = named
         notes += [note.text for note in told.nest.notes]
     for note in notes:
         tell(note)
-    return OldJob(file, old, program, profile, told, tuple(unclear), trusted, judged, tuple(notes))
+    return OldJob(file, old, program, profile, told, tuple(unclear), partly, trusted, judged, tuple(notes))
 
 
-def _on_paths(
-    program: NcProgram, asked: Asked, zero: tuple[float, float] | None, name: str
-) -> tuple[Told | None, tuple[Unclear, ...]]:
-    """The nest with contours on the torch's paths themselves."""
-    try:
-        return nest_of(program.burns, 0.0, asked.sheet_mm, zero, name), ()
-    except NoNest as none:
-        return None, none.unclear
+def _tab_mm(profile: Profile, kerf_mm: float) -> float:
+    """How far short of its begin a cut may stop for a tab: one about as wide as the profile has them, and the kerf."""
+    tabs = profile.tabs()
+    return 2 * tabs.width_mm + kerf_mm if tabs is not None and tabs.at_end else 0.0
 
 
 def _kerf_mm(old: OldProgram, profile: Profile, asked: Asked) -> float:
@@ -203,7 +215,7 @@ def _at_its_feeds(profile: Profile, program: NcProgram) -> Profile:
     corners = profile.corners
     if len(cut) < 2:
         holes, corners = replace(holes, small_hole_feed=1.0), Corners()
-    cuts = replace(profile.cuts, narrow="refuse", links=Links())  # no way to cut but that of each burn
+    cuts = replace(profile.cuts, narrow="refuse")  # no way to cut but that of each burn
     return replace(profile, machine=machine, small_holes=holes, corners=corners, cuts=cuts)
 
 
@@ -211,7 +223,11 @@ def _most(counted: Mapping[float, float]) -> float:
     return max(counted, key=lambda value: (counted[value], -value))
 
 
-def _without_comments(text: str) -> str:
+def without_comments(text: str) -> str:
     """The program without comments that name contours of another nest; those on the sheet stay."""
-    rows = text.split("\n")
-    return "\n".join(row if _OF_SHEET.match(row) else _COMMENT.sub("", row) for row in rows)
+    return "\n".join(row if is_of_sheet(row) else _COMMENT.sub("", row) for row in text.split("\n"))
+
+
+def is_of_sheet(row: str) -> bool:
+    """Whether a row is a comment that says where the sheet lies, or from which side it is cut."""
+    return _OF_SHEET.match(row) is not None

@@ -28,6 +28,7 @@ def resequence(
     *,
     paths: Paths = "keep",
     asked: Asked | None = None,
+    without_rules: bool = False,
     work: float = 30.0,
     time_s: float | None = None,
     seed: int = 1,
@@ -47,6 +48,9 @@ def resequence(
         "keep" leaves every burn as it is, "new" makes leads and entries new.
     asked
         What the program does not say.
+    without_rules
+        Go on by travel alone where the rules cannot be asked, since nobody can tell what the burns cut. With "new"
+        there is nothing to go on with.
     work, time_s, seed, engine
         As for a plan of a nest.
     listener
@@ -69,7 +73,7 @@ def resequence(
         limits = SolveOptions(seed, work, time_s)
     if paths == "new":
         return _afresh(job, limits, engine, listener, tell)
-    return in_best_order(job, limits, listener, tell)
+    return in_best_order(job, limits, listener, tell, without_rules)
 
 
 def _afresh(job: OldJob, limits: SolveOptions, engine: Engine, listener: Listener, tell: Tell) -> Resequenced:

@@ -1,4 +1,4 @@
-"""The round that a burn makes: the longest stretch of its path that ends where it began."""
+"""The rounds that a burn makes: the longest stretches of its path that end where they began."""
 
 from __future__ import annotations
 
@@ -19,10 +19,11 @@ _LEAST_MM2 = 0.05
 _STRAIGHT_MM = 0.002
 """How far a vertex may lie off the line or arc that goes on without it."""
 _MOST_PAIRS = 2_000_000
+OPEN = "its path does not close"
 
 
 class NoRound(Exception):
-    """Why a burn is not one round with its leads, as the end of a sentence."""
+    """Why a burn is not rounds with their leads, as the end of a sentence."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -34,40 +35,50 @@ class Round:
     lead_out: Curve
 
 
-def round_of(path: Curve) -> Round:
-    """The round of an open torch-on path.
+def rounds_of(path: Curve) -> tuple[Round, ...]:
+    """The rounds of an open torch-on path, in order: what leads to each comes from the end of the one before.
 
-    Block ends that coincide bound it; where a lead runs along the contour itself, the path's first or last point lies
-    within a block.
+    Block ends that coincide bound a round; where a lead runs along the contour itself, the path's first or last point
+    lies within a block.
 
     Raises
     ------
     NoRound
-        If the path is open, crosses itself, or goes round several contours.
+        If the path has no round, or one that crosses itself.
 
     Examples
     --------
-    >>> square = [(-3, 5), (0, 5), (0, 10), (10, 10), (10, 0), (0, 0), (0, 5), (0, 7)]
-    >>> found = round_of(Curve.of(square, closed=False))
-    >>> found.lead_in.length_mm, found.ring.length_mm, found.lead_out.length_mm
-    (3.0, 40.0, 2.0)
+    >>> two = [(0, 0), (9, 0), (9, 9), (0, 9), (0, 0), (20, 0), (60, 0), (60, 40), (20, 40), (20, 0)]
+    >>> [(r.lead_in.length_mm, r.ring.length_mm) for r in rounds_of(Curve.of(two, closed=False))]
+    [(0.0, 36.0), (20.0, 160.0)]
     """
     if path.length_mm <= 0:
         raise NoRound("it only pierces")
-    best = _longest(path)
-    if best is None:
-        raise NoRound("its path does not close")
-    begin_mm, end_mm = best
+    bounds = _bounds(path)
+    if not bounds:
+        raise NoRound(OPEN)
+    made, at_mm = [], 0.0
+    for number, (begin_mm, end_mm) in enumerate(bounds, 1):
+        until_mm = path.length_mm if number == len(bounds) else end_mm
+        lead_in, lead_out = path.between(at_mm, begin_mm - at_mm), path.between(end_mm, until_mm - end_mm)
+        made.append(Round(_closed(path, begin_mm, end_mm), lead_in, lead_out))
+        at_mm = end_mm
+    return tuple(made)
+
+
+def _bounds(path: Curve) -> list[tuple[float, float]]:
+    """Where rounds begin and end, mm along a path: the longest, and those of what leads to it and away from it."""
+    found = _longest(path) if path.length_mm > 0 else None
+    if found is None:
+        return []
+    begin_mm, end_mm = found
     ring = _closed(path, begin_mm, end_mm)
-    lead_in = path.between(0.0, begin_mm)
-    lead_out = path.between(end_mm, path.length_mm - end_mm)
     if abs(ring.signed_area_mm2) < _LEAST_MM2:
-        raise NoRound("its path does not close")
+        return []
     if not ring.polygon().is_valid:
         raise NoRound("its round crosses itself")
-    if any(_encloses(lead) for lead in (lead_in, lead_out)):
-        raise NoRound("it goes round several contours")
-    return Round(ring, lead_in, lead_out)
+    after = _bounds(path.between(end_mm, path.length_mm - end_mm))
+    return [*_bounds(path.between(0.0, begin_mm)), found, *((low + end_mm, high + end_mm) for low, high in after)]
 
 
 def tidied(ring: Curve) -> Curve:
@@ -105,12 +116,6 @@ def _joined(one: Segment, then: Segment) -> Segment | None:
     if not same or abs(sweep) > math.pi + 1e-9:
         return None
     return Segment(one.start, then.end, math.tan(sweep / 4))
-
-
-def _encloses(lead: Curve) -> bool:
-    """Whether a lead goes round something itself."""
-    found = _longest(lead) if lead.length_mm > 0 else None
-    return found is not None and abs(_closed(lead, *found).signed_area_mm2) > _LEAST_MM2
 
 
 def _closed(path: Curve, begin_mm: float, end_mm: float) -> Curve:

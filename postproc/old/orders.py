@@ -46,7 +46,7 @@ def orders_between(burns: Sequence[Burn], pieces: Sequence[Piece], kerf_mm: floa
     for a, b in zip(first.tolist(), second.tolist(), strict=True):
         if a < b and (b, a) not in pairs:
             pairs.add((a, b))
-    pairs |= _rows_in_turn(pieces)
+    pairs |= in_turn(pieces)
     return np.array(sorted(pairs), dtype=np.int64).reshape(-1, 2)
 
 
@@ -59,8 +59,8 @@ def _within(line: shapely.LineString, area: shapely.Geometry) -> bool:
     return bool(shapely.intersection(line, area).length > line.length / 2)
 
 
-def _rows_in_turn(pieces: Sequence[Piece]) -> set[tuple[int, int]]:
-    """All burns of one material and tool before all of the next."""
+def in_turn(pieces: Sequence[Piece]) -> set[tuple[int, int]]:
+    """Pairs (before, after): all burns of one material and tool before all of the next."""
     rows: list[list[int]] = []
     last = None
     for k, piece in enumerate(pieces):
@@ -71,8 +71,3 @@ def _rows_in_turn(pieces: Sequence[Piece]) -> set[tuple[int, int]]:
             rows.append([k])
         last = now
     return {(a, b) for one, then in pairwise(rows) for a in one for b in then}
-
-
-def changes_material_or_tool(pieces: Sequence[Piece]) -> bool:
-    """Whether burns of several materials or tools are in one program."""
-    return len({tuple(piece.before.get(key) for key in _KEPT_IN_ROWS) for piece in pieces}) > 1

@@ -77,7 +77,8 @@ def taken_apart(old: OldProgram, file: str = "") -> TakenApart:
             file=file or None,
             line=1,
         )
-    ends = [next(k for k, row in enumerate(rows) if row.burns > n) for n in range(len(burns))]
+    counts = [row.burns for row in rows]  # a burn that goes on behind a tab was over, and is not
+    ends = [next((k for k in range(len(rows), 0, -1) if counts[k - 1] <= n), 0) for n in range(len(burns))]
     first = next(k for k, row in enumerate(rows) if row.travels or row.line >= burns[0].line)
     ours = any(comment.upper().startswith(_OURS) for comment in old.program.comments)
     pieces = []

@@ -131,11 +131,11 @@ def expect_same(apart: TakenApart, order: Sequence[int], written: OldProgram) ->
 
 
 def _alike(old: Burn, new: Burn) -> bool:
-    if old.tool != new.tool or old.path.vertices.shape != new.path.vertices.shape:
+    if old.tool != new.tool or len(old.unlit) != len(new.unlit) or old.path.vertices.shape != new.path.vertices.shape:
         return False
     off_mm = np.abs(old.path.vertices[:, :2] - new.path.vertices[:, :2]).max()
     bent = np.abs(old.path.vertices[:-1, 2] - new.path.vertices[:-1, 2]).max(initial=0.0)
-    was, now = ((b.pierce_s, b.paused_s, b.wait_s, b.moving_s) for b in (old, new))
+    was, now = ((b.pierce_s, b.paused_s, b.wait_s, b.moving_s, *np.ravel(b.unlit)) for b in (old, new))
     return bool(off_mm <= SAME_MM and bent <= 1e-4 and np.allclose(was, now, rtol=1e-4, atol=1e-4))
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import zip_longest
 
 from kerfwise.encoder.nest import Contour, Part
-from kerfwise.postproc.check.reader.program import Burn
 
 from .contours import Told
 
@@ -14,15 +15,19 @@ _CUT = re.compile(r"(?:CUT|MARK) \d+ (?P<contour>.+?) ZONE \d+\b.*", re.IGNORECA
 _ID = re.compile(r"(?P<part>.+)\.(?P<kind>outer|hole|mark)(?P<number>\d*)")
 
 
-def named_as_told(told: Told, burns: tuple[Burn, ...]) -> Told | None:
-    """The same nest with the names of the program's comments; None where these do not fit what the burns cut."""
+def named_as_told(told: Told, comments: Sequence[str]) -> Told | None:
+    """The same nest with the names of the program's comments; None where these do not fit what the burns cut.
+
+    Each contour that is cut has a comment, in their order, also where one burn cuts several.
+    """
+    ordered = sorted(told.burn_of, key=lambda contour_id: told.burn_of[contour_id])  # those of one burn in its order
+    found = [parsed for text in comments if (parsed := _CUT.fullmatch(text)) is not None]
     names: dict[str, str] = {}
-    for contour in told.nest.contours:
-        found = _CUT.fullmatch(burns[told.burn_of[contour.id]].comment)
-        parsed = _ID.fullmatch(found["contour"]) if found else None
-        if found is None or parsed is None or parsed["kind"] != contour.kind:
+    for contour_id, words in zip_longest(ordered, found):
+        parsed = None if words is None else _ID.fullmatch(words["contour"])
+        if contour_id is None or parsed is None or parsed["kind"] != told.nest.contour(contour_id).kind:
             return None
-        names[contour.id] = found["contour"]
+        names[contour_id] = words["contour"]
     if len(set(names.values())) != len(names):
         return None
     parts = []

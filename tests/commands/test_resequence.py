@@ -71,7 +71,7 @@ def archive(folder: Path) -> list[str]:
 def test_a_folder(jobs: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     names = archive(tmp_path)
     monkeypatch.chdir(tmp_path)
-    ended = kerfwise("resequence", "old", "-o", "new", "--work", 1, "--jobs", jobs)
+    ended = kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1, "--jobs", jobs)
     assert ended.code == 2
     rows = ended.out.splitlines()
     assert any(row.startswith("loop.ngc") and row.endswith("refused") for row in rows)
@@ -97,23 +97,23 @@ def test_what_is_finished_is_not_planned_again(tmp_path: Path, monkeypatch: pyte
         return real(path, *args, **options)  # type: ignore[arg-type]
 
     monkeypatch.setattr(job, "resequence", noted)
-    first = kerfwise("resequence", "old", "-o", "new", "--work", 1)
+    first = kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1)
     assert sorted(planned) == ["loop.ngc", "rows.nc", "slow holes.nc", "squares.nc"]
     planned.clear()
-    again = kerfwise("resequence", "old", "-o", "new", "--work", 1)
+    again = kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1)
     assert planned == ["loop.ngc"]  # what was refused may be mended
     assert again.out == first.out.rstrip("\n") + ", 3 finished before\n"
     planned.clear()
     Path("new/rows.nc").write_text("spoilt")
     Path("old/squares.nc").write_text(READ["squares"].replace("X215", "X214"))
-    kerfwise("resequence", "old", "-o", "new", "--work", 1)
+    kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1)
     assert sorted(planned) == ["loop.ngc", "rows.nc", "squares.nc"]
     planned.clear()
-    kerfwise("resequence", "old", "-o", "new", "--work", 1, "--kerf", 1)
+    kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1, "--kerf", 1)
     assert len(planned) == 4
     Path("new/resequence.json").write_text("[")
     planned.clear()
-    kerfwise("resequence", "old", "-o", "new", "--work", 1, "--kerf", 1)
+    kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1, "--kerf", 1)
     assert len(planned) == 4
 
 
@@ -130,7 +130,7 @@ def test_a_fault_stops_no_other_program(tmp_path: Path, monkeypatch: pytest.Monk
         return real(path, *args, **options)  # type: ignore[arg-type]
 
     monkeypatch.setattr(job, "resequence", fails)
-    ended = kerfwise("resequence", "old", "-o", "new", "--work", 1)
+    ended = kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1)
     assert ended.code == 70
     assert "a fault of kerfwise itself: ZeroDivisionError: by nothing" in ended.out
     assert "2 of 4 programs read" in ended.out
@@ -141,7 +141,7 @@ def test_a_file_that_is_too_large_stops_no_other_program(tmp_path: Path, monkeyp
     monkeypatch.chdir(tmp_path)
     Path("old/rows.nc").write_text("(-)\n" * 10_000)
     monkeypatch.setattr(contents, "__defaults__", (30_000,))
-    ended = kerfwise("resequence", "old", "-o", "new", "--work", 1)
+    ended = kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1)
     assert ended.code == 2
     assert "refused: old/rows.nc: holds over" in ended.out
     assert "2 of 4 programs read" in ended.out

@@ -26,7 +26,7 @@ from kerfwise.postproc.verdict.checking import check_program
 from kerfwise.rules.profile.cuts_section import Links
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.tests.postproc.dialects.reading import with_dialect
-from kerfwise.tests.postproc.old.programs import READ
+from kerfwise.tests.postproc.old.programs import READ, line, square
 from kerfwise.tests.tools import canon
 
 PLAIN = load_profile()
@@ -128,7 +128,7 @@ def test_contours_planned_afresh_have_about_the_travel_of_the_proven_plan(tmp_pa
 
 @pytest.mark.parametrize("name", READ)
 def test_no_program_gets_longer(name: str, tmp_path: Path) -> None:
-    made = again(READ[name], tmp_path, asked=Asked(feed_mm_min=2500))
+    made = again(READ[name], tmp_path, asked=Asked(feed_mm_min=2500), without_rules=True)
     assert made.after.idle_mm <= made.before.idle_mm or "longer since the old order breaks level-ahead" in made.ends
     assert (made.after.idle_mm > made.before.idle_mm) == (name == "squares")
     assert made.after.cut_mm == pytest.approx(made.before.cut_mm)
@@ -154,20 +154,55 @@ def test_an_order_that_breaks_rules_may_get_longer_and_that_is_said(tmp_path: Pa
     assert "inner-before-outer" in str(made)
 
 
+@pytest.mark.parametrize("name", READ)
+def test_without_a_nest_nothing_is_done_unless_it_is_asked_for(name: str, tmp_path: Path) -> None:
+    told = name in ("squares", "squares with holes", "slow holes")
+    if told:
+        assert again(READ[name], tmp_path, asked=Asked(feed_mm_min=2500)).nest is not None
+        return
+    with pytest.raises(InputError, match="take --without-rules") as caught:
+        again(READ[name], tmp_path, asked=Asked(feed_mm_min=2500))
+    assert caught.value.line is not None
+    made = again(READ[name], tmp_path, asked=Asked(feed_mm_min=2500), without_rules=True)
+    assert not made.proven or made.ends.endswith("no rule was asked")
+
+
+def test_without_rules_what_can_be_told_still_breaks_no_hard_rule_oftener(tmp_path: Path) -> None:
+    made = again(READ["squares"], tmp_path)
+    assert "longer since the old order breaks level-ahead" in made.ends
+    open_too = line(300, 20, 340, 20)
+    by_rules = made.program.replace("G0 X0 Y0\n", f"{open_too}G0 X0 Y0\n")
+    kept = again(by_rules, tmp_path, without_rules=True)
+    assert not kept.changed
+    assert "as far as can be told, another would break level-ahead" in kept.ends
+    breaks_it = READ["squares"].replace("G0 X0 Y0\n", f"{open_too}G0 X0 Y0\n")
+    assert again(breaks_it, tmp_path, without_rules=True).after.idle_mm < made.before.idle_mm + 200
+
+
 def test_materials_keep_their_turn(tmp_path: Path) -> None:
-    made = again(READ["materials"], tmp_path, asked=Asked(feed_mm_min=2500))
+    made = again(READ["materials"], tmp_path, asked=Asked(feed_mm_min=2500), without_rules=True)
     assert not made.changed
-    assert any("changes its material" in note or "does not close" in note for note in made.notes)
+    rows = [(20, "M190 P1"), (220, "M190 P1"), (120, "M190 P1"), (80, "M190 P2"), (20, "M190 P2")]
+    squares = "".join(f"{m}\nM66 P3 L3 Q1\n{square(x, 80 if m[-1] == '2' else 20, 40)}" for x, m in rows)
+    head, _, _ = READ["squares"].partition("G0 ")
+    made = again(f"{head}{squares}G0 X0 Y0\nM2\n", tmp_path)
+    assert made.before.verdict is not None
+    assert "level-ahead" in made.before.verdict.broken()
+    assert made.after.verdict is not None
+    assert "level-ahead" not in made.after.verdict.broken()
+    assert [burn.path.vertices[0, 1] for burn in made.after.burns] == [20, 20, 20, 80, 80]
 
 
-def test_a_burn_round_several_contours_is_moved_as_one(tmp_path: Path) -> None:
+def test_a_burn_round_several_contours_is_moved_as_one_and_keeps_the_rules(tmp_path: Path) -> None:
     chain = (
-        "G0 X300 Y20\nM3 $0 S1\nG1 X340\nG1 Y60\nG1 X300\nG1 Y20\nG1 X290\nG1 X250\nG1 Y60\nG1 X290\nG1 Y20\nM5 $0\n"
+        "G0 X360 Y20\nM3 $0 S1\nG1 X400\nG1 Y60\nG1 X360\nG1 Y20\nG1 X350\nG1 X310\nG1 Y60\nG1 X350\nG1 Y20\nM5 $0\n"
     )
     head, _, rest = READ["squares"].partition("G0 ")
     made = again(f"{head}{chain}G0 {rest}", tmp_path)
-    assert made.nest is None
-    assert any("several contours" in note for note in made.notes)
+    assert made.nest is not None
+    assert len(made.nest.parts) == 5
+    assert made.plan is not None
+    assert [planned.cut.linked for planned in made.plan.cuts].count(True) == 1
     assert made.after.idle_mm < made.before.idle_mm
     assert made.proven
 

@@ -64,8 +64,11 @@ def read_old(
     file: str = "",
     home: Point = (0.0, 0.0),
     held_s: tuple[float, float] = (0.0, 0.0),
+    tab_mm: float = 0.0,
 ) -> OldProgram:
     """Read a program that somebody else wrote; `feed_mm_min` is what the machine's material has for a feed.
+
+    `tab_mm` is as for `read_nc`.
 
     Raises
     ------
@@ -82,7 +85,7 @@ def read_old(
     if control.arcs:  # it has lines of its own, none of which can stand elsewhere
         return OldProgram(read_nc(text, travel_mm_s, file, home, control, held_s), (), (), (), text)
     further = OldWords(control.filtered, feed_mm_min)
-    machine = Machine(travel_mm_s, control, held_s, home, further=further)
+    machine = Machine(travel_mm_s, control, held_s, home, tab_mm, further)
     traced: list[Traced] = []
     with in_file(file):
         for block in blocks(text, machine):

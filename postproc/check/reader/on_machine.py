@@ -42,9 +42,7 @@ def read_on_machine(
     machine = profile.machine
     if trusted is None:
         control, held_s = control_of(profile)
-        tabs = profile.tabs()
-        tab_mm = 0.0 if tabs is None or tabs.at_end else tabs.longest_mm
-        program = read_nc(text, machine.travel_mm_s, file, machine.home, control, held_s, tab_mm)
+        program = read_nc(text, machine.travel_mm_s, file, machine.home, control, held_s, _unlit_mm(profile))
     else:
         program = old_on_machine(text, profile, trusted, file).program
     origin, zero = stated_origin(program)
@@ -62,7 +60,15 @@ def old_on_machine(text: str, profile: Profile, trusted: Trusted, file: str = ""
         As `read_old` does; for a dialect that does not fit the profile's process.
     """
     machine, (control, held_s) = profile.machine, control_of(profile)
-    return read_old(text, control, trusted.feed_mm_min, machine.travel_mm_s, file, machine.home, held_s)
+    return read_old(
+        text, control, trusted.feed_mm_min, machine.travel_mm_s, file, machine.home, held_s, _unlit_mm(profile)
+    )
+
+
+def _unlit_mm(profile: Profile) -> float:
+    """How far the torch may move on unlit within a burn: over tabs, where the profile has any but at the end."""
+    tabs = profile.tabs()
+    return 0.0 if tabs is None or tabs.at_end else tabs.longest_mm
 
 
 def control_of(profile: Profile) -> tuple[Control, tuple[float, float]]:

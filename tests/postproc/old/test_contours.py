@@ -9,8 +9,9 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check.reader.program import Burn
-from kerfwise.postproc.old.contours import NoNest, fits_kerf, nest_of
+from kerfwise.postproc.old.contours import fits_kerf, nest_of
 from kerfwise.postproc.old.told_names import named_as_told
+from kerfwise.postproc.old.unclear import NoNest
 from kerfwise.tests.postproc.plans import plate
 
 
@@ -32,7 +33,7 @@ def test_kinds_parts_and_shapes_come_back(kerf_mm: float) -> None:
     burns = burns_of(drawn, kerf_mm)
     told = nest_of(burns, kerf_mm, (600, 200))
     assert fits_kerf(told, kerf_mm)
-    named = named_as_told(told, tuple(burns))
+    named = named_as_told(told, [burn.comment for burn in burns])
     assert named is not None
     assert set(named.nest.index) == set(drawn.index)
     for contour in drawn.contours:
@@ -46,7 +47,7 @@ def test_kinds_parts_and_shapes_come_back(kerf_mm: float) -> None:
 def test_names_that_do_not_fit_what_is_cut_are_not_taken() -> None:
     burns = burns_of(plate())
     wrong = [dataclasses.replace(burn, comment=burn.comment.replace("hole1", "outer")) for burn in burns]
-    assert named_as_told(nest_of(wrong, 0.0), tuple(wrong)) is None
+    assert named_as_told(nest_of(wrong, 0.0), [burn.comment for burn in wrong]) is None
 
 
 def test_square_corners_outside_are_no_path_of_a_kerf() -> None:

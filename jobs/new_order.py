@@ -1,0 +1,58 @@
+"""Burns in a new order: read back, each as it was, and held against the old order; or the old order, which stays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+from kerfwise.postproc.check import CheckResult
+from kerfwise.postproc.check.reader.on_machine import moved, old_on_machine
+from kerfwise.postproc.check.reader.program import NcProgram
+from kerfwise.postproc.old.pieces import TakenApart
+from kerfwise.postproc.old.reordered import expect_same
+
+from .listening import Listener
+from .old_program import OldJob
+from .resequenced import Measured, Resequenced
+
+SLACK_MM = 0.01
+"""Idle travel that is not worth another order."""
+
+
+def stays(job: OldJob, before: Measured, nest: Nest | None, proven: bool, ends: str, listener: Listener) -> Resequenced:
+    """The old program as it is."""
+    text, ended = job.old.text, listener.interrupted
+    return Resequenced(job.name, "keep", text, before, before, nest, None, proven, ends, job.notes, job.home, ended)
+
+
+def broken_more(one: CheckResult | None, other: CheckResult | None) -> list[str]:
+    """Hard rules that one order breaks oftener than another does, excuses counted: what none can keep is no fault."""
+    if one is None or other is None:
+        return []
+    least = {judgement.id: len(judgement.violations) + len(judgement.excused) for judgement in other.rules}
+    return [
+        judgement.id
+        for judgement in one.rules
+        if judgement.strength == "hard" and len(judgement.violations) > least.get(judgement.id, 0)
+    ]
+
+
+def read_back(text: str, job: OldJob, apart: TakenApart, order: Sequence[int]) -> NcProgram:
+    """The new program in the coordinates of the drawing, with every burn as it was.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read back, or if a burn is not what it was.
+    """
+    try:
+        written = old_on_machine(text, job.profile, job.trusted)
+    except InputError as error:
+        line = text.split("\n")[error.line - 1] if error.line else ""
+        raise InputError(
+            f"the burns in their new order cannot be read back ({line!r}: {error.message}); nothing is written",
+            file=job.name,
+        ) from None
+    expect_same(apart, order, written)
+    return moved(written.program, job.program.zero or (0.0, 0.0))

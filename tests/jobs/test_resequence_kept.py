@@ -1,0 +1,118 @@
+"""Burns with links, and burns with tabs, put in order by the rules: as good as the proven plan, each as it was."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.given import Given
+from kerfwise.jobs.main_job import plan_nest
+from kerfwise.jobs.old_program import Asked
+from kerfwise.jobs.resequence import resequence
+from kerfwise.jobs.resequenced import Resequenced
+from kerfwise.jobs.solve_options import options_for
+from kerfwise.postproc.check.reader.old import Trusted
+from kerfwise.postproc.check.reader.on_machine import old_on_machine
+from kerfwise.postproc.old.pieces import taken_apart
+from kerfwise.postproc.old.reordered import reordered
+from kerfwise.rules.profile.cuts_section import Links
+from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.tests.postproc.dialects.reading import with_dialect
+from kerfwise.tests.postproc.plans import with_tabs
+
+PLAIN = load_profile()
+LINKED = dataclasses.replace(PLAIN, cuts=dataclasses.replace(PLAIN.cuts, links=Links(30.0)))
+SHEET = Asked(sheet_mm=(520, 260))
+
+
+def plates() -> Nest:
+    """Two rows of four plates, 12 mm apart; two have a hole."""
+    low = [part(f"A{k}", rect(40 + 112 * k, 30, 100, 80), [circle(90 + 112 * k, 70, 15)] * (k % 2)) for k in range(4)]
+    return nest(520, 260, *low, *(part(f"B{k}", rect(40 + 112 * k, 122, 100, 90)) for k in range(4)))
+
+
+CASES = {
+    "links": LINKED,
+    "links, eia": with_dialect(LINKED, "eia"),
+    "tabs": with_tabs("plasma-carbon-steel", slat_pitch_mm=120.0),
+    "tabs, grbl": with_dialect(with_tabs("laser-st10kp-2mm", width_mm=0.5, slat_pitch_mm=120.0), "grbl"),
+    "tabs, linuxcnc": with_dialect(with_tabs("laser-st10kp-2mm", width_mm=0.5, slat_pitch_mm=120.0), "linuxcnc"),
+}
+
+
+@cache
+def solved(name: str) -> tuple[str, float]:
+    """The program of a plan, and its idle travel."""
+    made = plan_nest(Given(plates(), CASES[name]), options_for(plates(), CASES[name], work=5)).made
+    assert any(p.cut.linked or p.cut.tabs for p in made.plan.cuts)
+    return made.program, made.plan.totals.idle_mm
+
+
+def turned_round(text: str, profile: Profile) -> str:
+    """The same burns, the last first."""
+    apart = taken_apart(old_on_machine(text, profile, Trusted(2500)))
+    return reordered(apart, range(len(apart.pieces))[::-1])
+
+
+def again(text: str, profile: Profile, folder: Path, **options: object) -> Resequenced:
+    (folder / "old.nc").write_text(text)
+    return resequence(folder / "old.nc", profile, asked=SHEET, work=5, **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_rules_are_kept_and_the_travel_is_that_of_the_proven_plan(name: str, tmp_path: Path) -> None:
+    program, idle_mm = solved(name)
+    made = again(turned_round(program, CASES[name]), CASES[name], tmp_path)
+    assert made.before.verdict is not None
+    assert made.before.verdict.broken()
+    assert made.after.verdict is not None
+    assert made.after.verdict.broken() == ()
+    assert made.proven
+    assert made.ends.startswith("proven: no order is better by these rules")
+    assert made.after.idle_mm <= idle_mm + 0.1
+    assert made.after.pierces == made.before.pierces
+    left = [burn.path.vertices[:, :2] for burn in made.before.burns]
+    for burn in made.after.burns:
+        at = next(k for k, was in enumerate(left) if was.shape == burn.path.vertices[:, :2].shape
+                  and np.abs(was - burn.path.vertices[:, :2]).max() <= 0.001)  # fmt: skip
+        left.pop(at)
+    assert left == []
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_program_that_keeps_the_rules_still_keeps_them(name: str, tmp_path: Path) -> None:
+    program, _ = solved(name)
+    made = again(program, CASES[name], tmp_path)
+    assert made.nest is not None
+    assert set(made.nest.index) == set(plates().index)
+    assert made.before.verdict is not None
+    assert made.before.verdict.broken() == made.after.verdict.broken() == ()  # type: ignore[union-attr]
+    assert not made.changed
+    assert made.program == program
+
+
+def test_a_profile_without_links_names_them_and_moves_them_all_the_same(tmp_path: Path) -> None:
+    made = again(turned_round(solved("links")[0], LINKED), PLAIN, tmp_path)
+    assert made.before.verdict is not None
+    assert made.after.verdict is not None
+    assert made.after.verdict.broken() == ("links",)
+    assert "links" in made.before.verdict.broken()
+    assert made.after.idle_mm < made.before.idle_mm
+
+
+@pytest.mark.parametrize("name", ["tabs", "tabs, grbl"])
+def test_tabs_that_the_profile_knows_nothing_of_are_never_guessed(name: str, tmp_path: Path) -> None:
+    plain = dataclasses.replace(CASES[name], rules=load_profile("plasma-carbon-steel").rules)
+    with pytest.raises(InputError, match="take --without-rules") as caught:
+        again(solved(name)[0], plain, tmp_path)
+    assert any("turn on rules.hold-small-parts" in text for text in caught.value.details)
+    made = again(solved(name)[0], plain, tmp_path, without_rules=True)
+    assert "no rule was asked" in made.ends
+    assert any("no rule on contours is asked" in note for note in made.notes)
