@@ -11,7 +11,7 @@ from .loops import OPEN, NoRound, Round, rounds_of
 from .open_rounds import round_up_to_tab
 from .unclear import Unclear
 
-_TABS = "turn on rules.hold-small-parts in the profile, if it stops before a tab"
+_TABS = "if it stops before a tab, have the profile ask for tabs"
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -112,7 +112,7 @@ def test_tabs_that_the_profile_knows_nothing_of_are_never_guessed(name: str, tmp
     plain = dataclasses.replace(CASES[name], rules=load_profile("plasma-carbon-steel").rules)
     with pytest.raises(InputError, match="take --without-rules") as caught:
         again(solved(name)[0], plain, tmp_path)
-    assert any("turn on rules.hold-small-parts" in text for text in caught.value.details)
+    assert any("have the profile ask for tabs" in text for text in caught.value.details)
     made = again(solved(name)[0], plain, tmp_path, without_rules=True)
     assert "no rule was asked" in made.ends
     assert any("no rule on contours is asked" in note for note in made.notes)
