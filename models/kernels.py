@@ -143,6 +143,11 @@ def cores() -> int:
     """How many threads share the work of a kernel: one for each core, or as many as NUMBA_NUM_THREADS says."""
     if asked := os.environ.get("NUMBA_NUM_THREADS", ""):
         return max(1, int(asked)) if asked.isdecimal() else 1
+    return len(machine_cores())
+
+
+def machine_cores() -> list[int]:
+    """The numbers of the cores that this process may use; at least one."""
     if hasattr(os, "sched_getaffinity"):
-        return max(1, len(os.sched_getaffinity(0)))
-    return os.cpu_count() or 1
+        return sorted(os.sched_getaffinity(0)) or [0]
+    return list(range(os.cpu_count() or 1))

@@ -1,0 +1,139 @@
+"""kerfwise batch: a folder of nests on every machine, side by side, gone on with where it was stopped."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from kerfwise import __version__
+from kerfwise.encoder.errors import InputError
+from kerfwise.rules.profile.profile import DEFAULT
+
+from .given import TRUST, tell_note
+from .numbers import AMOUNT_OVER_ZERO, Amount
+
+if TYPE_CHECKING:
+    from kerfwise.jobs.batch.piece import Machine
+    from kerfwise.jobs.batch.run import Batch, Run
+    from kerfwise.jobs.batch.sources import Source
+
+_NAME = re.compile(r"\w[\w-]*")
+
+
+@click.command()
+@click.option("-p", "--profile", "profiles", metavar="[NAME=]PROFILE", multiple=True, default=[DEFAULT],
+              show_default=True, help="A machine and its profile; once for each machine.")  # fmt: skip
+@TRUST
+@click.option("-o", "--output", metavar="OUT", required=True, help="The folder of the programs and of their index.")
+@click.option("--jobs", type=click.IntRange(min=1), metavar="N",
+              help="Nests that are planned at the same time: half the cores, as a plan uses two threads.")  # fmt: skip
+@click.option("--scheduler", metavar="tcp://…", help="Plan on the workers of this Dask scheduler: kerfwise[cluster].")
+@click.option("--watch", is_flag=True, help="Go on as files arrive or change, until Ctrl-C.")
+@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit each plan by the clock, in seconds.")
+@click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
+              help="Limit without --time-limit. The same work gives the same bytes, on each machine.")  # fmt: skip
+@click.option("--gap", type=Amount(min=0, max=1), metavar="G",
+              help="Stop at a plan proven this close to the best; 0.01 is 1 %.")  # fmt: skip
+@click.option(
+    "--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N", help="Seed of the search."
+)
+@click.option("--memory", "memory_gb", type=AMOUNT_OVER_ZERO, default=2.0, show_default=True, metavar="GB",
+              help="What the tables of the engines may fill, for each nest that is planned.")  # fmt: skip
+@click.option("--relax", is_flag=True, help="Where hard rules clash, take the cheapest way out, marked in the plan.")
+@click.option("--repair", is_flag=True, help="Mend what can be mended in the drawings.")
+@click.option("--refused-again", is_flag=True, help="Try again what was refused before.")
+@click.argument("nests", metavar="IN…", nargs=-1, required=True)
+def command(
+    nests: tuple[str, ...],
+    profiles: tuple[str, ...],
+    trust: bool,
+    output: str,
+    jobs: int | None,
+    scheduler: str | None,
+    watch: bool,
+    time_limit: float | None,
+    refused_again: bool,
+    **limits: Any,
+) -> int:
+    """Plan every nest of files and folders on every machine; what is finished is known by its content, and skipped."""
+    from kerfwise.jobs.batch.piece import Options
+    from kerfwise.jobs.batch.rounds import keep_on
+    from kerfwise.jobs.batch.run import run_batch
+    from kerfwise.jobs.batch.sources import sources_in
+    from kerfwise.jobs.batch.store import Store, held
+
+    from .batch_progress import BatchProgress, printed
+
+    if jobs is not None and scheduler is not None:
+        raise click.UsageError("--jobs is for this machine: with --scheduler the number of its workers counts")
+    given, out, options = [Path(name) for name in nests], Path(output), Options(time_s=time_limit, **limits)
+    machines = _machines(profiles, trust)
+    sources = sources_in(given, out)
+    _expect_apart(given, out)
+    if not sources and not watch:
+        raise InputError("holds no nest", file=nests[0])
+    with held(out), _runner(scheduler, jobs) as run:
+        store = Store(out)
+
+        def one_round(found: Sequence[Source], now: Sequence[Machine]) -> Batch:
+            with BatchProgress() as progress:
+                batch = run_batch(found, now, store, options, __version__, run, progress, refused_again=refused_again)
+            click.echo(printed(batch, out))
+            if watch and batch.interrupted:
+                raise KeyboardInterrupt
+            return batch
+
+        if watch:
+            keep_on(given, out, machines, one_round, tell_note)
+        return one_round(sources, machines).exit_code
+
+
+@contextlib.contextmanager
+def _runner(scheduler: str | None, jobs: int | None) -> Iterator[Run]:
+    """Who does the work: processes here, or the workers of a scheduler."""
+    from kerfwise.jobs.batch.run import plan_task
+
+    if scheduler is not None:
+        from kerfwise.jobs.batch.cluster import Cluster
+
+        with Cluster(plan_task, scheduler, tell_note) as cluster:
+            yield cluster.run
+        return
+    from kerfwise.jobs.processes import Workers
+    from kerfwise.models.kernels import machine_cores
+
+    cores = len(machine_cores())
+    with Workers(plan_task, jobs or max(1, cores // 2)) as workers:
+        if jobs is not None and workers.jobs < jobs:
+            tell_note(f"--jobs {jobs}: there are {cores} cores, so that {workers.jobs} nests are planned at a time")
+        yield workers.run
+
+
+def _machines(profiles: Sequence[str], trust: bool) -> tuple[Machine, ...]:
+    """The machines by their names; one without is named after its profile."""
+    from kerfwise.jobs.batch.rounds import machine_of
+
+    found: dict[str, Machine] = {}
+    for text in profiles:
+        name, equals, profile = text.partition("=")
+        if not equals:
+            name, profile = Path(text).stem.replace(" ", "-"), text
+        if not _NAME.fullmatch(name):
+            raise InputError(f"-p {text}: {name!r} is no name for a machine: write NAME=PROFILE, the name in letters, "
+                             "digits, - and _")  # fmt: skip
+        if name.casefold() in found:
+            raise InputError(f"-p {text}: two machines have the name {name!r}: write NAME=PROFILE, with another name")
+        found[name.casefold()] = machine_of(name, profile, trust)
+    return tuple(found.values())
+
+
+def _expect_apart(given: Sequence[Path], out: Path) -> None:
+    """Refuse to write where nests are looked for."""
+    for place in given:
+        if place.resolve() == out.resolve():
+            raise InputError("is read from, and cannot be the folder of the programs: give another with -o", file=out)

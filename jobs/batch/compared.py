@@ -1,0 +1,75 @@
+"""The machines of a batch held against each other: sums of each, and which is the quicker, which the cheaper."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from .row import Figures, Row
+
+
+@dataclass(frozen=True, slots=True)
+class Total:
+    """All nests on one machine; `cost` is None where a nest that is planned has none."""
+
+    machine: str
+    planned: int
+    refused: int
+    time_s: float
+    cut_mm: float
+    idle_mm: float
+    cost: float | None
+    currency: str
+    excuses: int
+
+
+def totals(rows: Sequence[Row], machines: Iterable[str]) -> tuple[Total, ...]:
+    """A row a machine, in the order of the machines."""
+    return tuple(_total(name, [row for row in rows if row.machine == name]) for name in machines)
+
+
+def _total(machine: str, rows: Sequence[Row]) -> Total:
+    all_figures = [row.figures for row in rows if row.figures is not None]
+    costs = [figures.cost for figures in all_figures if figures.cost is not None]
+    priced = bool(costs) and len(costs) == len(all_figures)
+    return Total(
+        machine=machine,
+        planned=len(all_figures),
+        refused=len(rows) - len(all_figures),
+        time_s=round(sum(figures.time_s for figures in all_figures), 3),
+        cut_mm=round(sum(figures.cut_mm for figures in all_figures), 3),
+        idle_mm=round(sum(figures.idle_mm for figures in all_figures), 3),
+        cost=round(sum(costs), 4) if priced else None,
+        currency=all_figures[0].currency if priced else "",
+        excuses=sum(len(figures.excuses) for figures in all_figures),
+    )
+
+
+def by_nest(rows: Iterable[Row]) -> Mapping[str, tuple[Row, ...]]:
+    """The rows of each nest, in the order of the rows."""
+    found: dict[str, list[Row]] = {}
+    for row in rows:
+        found.setdefault(row.nest, []).append(row)
+    return {nest: tuple(of) for nest, of in found.items()}
+
+
+def quickest(rows: Sequence[Row]) -> str:
+    """The machine on which a nest is cut in the least time, the first of equals; "" where fewer than two can cut it."""
+    return _least([(row.machine, row.figures.time_s) for row in rows if row.figures is not None])
+
+
+def cheapest(rows: Sequence[Row]) -> str:
+    """The machine on which it costs least; "" also where prices are in several currencies, or a machine has none."""
+    priced = [(row.machine, row.figures) for row in rows if row.figures is not None]
+    if len({figures.currency for _, figures in priced}) != 1:
+        return ""
+    return _least([(machine, _cost(figures)) for machine, figures in priced])
+
+
+def _cost(figures: Figures) -> float | None:
+    return figures.cost
+
+
+def _least(of: Sequence[tuple[str, float | None]]) -> str:
+    amounts = [(amount, place, machine) for place, (machine, amount) in enumerate(of) if amount is not None]
+    return min(amounts)[2] if len(amounts) == len(of) > 1 else ""

@@ -1,0 +1,52 @@
+"""What was refused, and what to do about it: one group for all that have the same trouble."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from .row import Row
+
+_PARTICULARS = re.compile(r"'[^']*'|\"[^\"]*\"|\(.*?\)|\S*\d\S*")
+"""Of a message: names, numbers and coordinates, which differ from nest to nest."""
+
+HEADS = {
+    "refused": "The nest cannot be cut as it is drawn",
+    "no plan": "The rules leave no plan",
+    "not safe": "The check refuses the plan",
+    "fault": "Something went wrong that has nothing to do with the nest",
+}
+_REMEDIES = {
+    "refused": "Mend the drawing and run the same command again: what has changed is planned then.",
+    "no plan": "Change the lock, the rule or the nest that is named, and run the same command again.",
+    "not safe": "Plan the nest alone with `kerfwise solve`, which prints the verdict of every rule.",
+    "fault": "Run the same command again. If it stays so, `kerfwise solve` of the nest alone writes a report.",
+}
+_RELAX = "With --relax the batch takes the way out that is named, and marks it in plan and program. Or: "
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Rows with the same trouble: what it is, what to do, and the rows."""
+
+    head: str
+    remedy: str
+    rows: tuple[Row, ...]
+
+
+def groups_of(rows: Iterable[Row]) -> tuple[Group, ...]:
+    """What was refused, the largest group first.
+
+    Two have the same trouble where they ended alike and the first lines of what is said differ in names and numbers.
+    """
+    alike: dict[tuple[str, bool, str], list[Row]] = {}
+    for row in rows:
+        if not row.planned:
+            first = row.told.split("\n", 1)[0]
+            alike.setdefault((row.ended, row.relax, _PARTICULARS.sub("…", first)), []).append(row)
+    ordered = sorted(alike.items(), key=lambda item: (-len(item[1]), item[0]))
+    return tuple(
+        Group(HEADS[ended], (_RELAX if relax else "") + _REMEDIES[ended], tuple(of))
+        for (ended, relax, _), of in ordered
+    )

@@ -1,0 +1,75 @@
+"""The index of a batch: one page, one table, one file of data. The same rows give the same bytes."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from typing import Any
+
+from .compared import by_nest, cheapest, quickest, totals
+from .files import file_of
+from .groups import groups_of
+from .page import page
+from .row import Row
+
+FORMAT = "kerfwise-batch-index/1"
+COLUMNS = ("nest", "file", "machine", "ended", "time_s", "cost", "currency", "idle_mm", "cut_mm", "pierces",
+           "contours", "gap", "excuses", "quickest", "cheapest", "program", "told")  # fmt: skip
+
+
+def index_files(rows: Sequence[Row], machines: Sequence[str]) -> Mapping[str, str]:
+    """index.html, index.csv and index.json of the rows, by their names."""
+    return {
+        "index.html": page(rows, machines),
+        "index.csv": _table(rows),
+        "index.json": json.dumps(_data(rows, machines), indent=1) + "\n",
+    }
+
+
+def _table(rows: Sequence[Row]) -> str:
+    """A line a row, and its columns named on top: numbers with a point, empty where there is none."""
+    text = io.StringIO(newline="")
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    for of_nest in by_nest(rows).values():
+        best = {"quickest": quickest(of_nest), "cheapest": cheapest(of_nest)}
+        for row in of_nest:
+            figures = {} if row.figures is None else asdict(row.figures) | {"excuses": len(row.figures.excuses)}
+            said = {"nest": row.nest, "file": row.source, "machine": row.machine, "ended": row.ended, "told": row.told}
+            marks = {column: "yes" if machine == row.machine else "" for column, machine in best.items()}
+            writer.writerow({**said, **figures, **marks, "program": file_of(row, ".nc")})
+    return text.getvalue().encode("utf-8", "backslashreplace").decode()
+
+
+def _data(rows: Sequence[Row], machines: Sequence[str]) -> Mapping[str, Any]:
+    return {
+        "format": FORMAT,
+        "machines": [asdict(total) for total in totals(rows, machines)],
+        "nests": [
+            {
+                "nest": nest,
+                "file": of_nest[0].source,
+                "quickest": quickest(of_nest),
+                "cheapest": cheapest(of_nest),
+                "on": [_row(row) for row in of_nest],
+            }
+            for nest, of_nest in by_nest(rows).items()
+        ],
+        "refused": [
+            {
+                "what": group.head,
+                "remedy": group.remedy,
+                "rows": [{"nest": row.nest, "machine": row.machine, "told": row.told} for row in group.rows],
+            }
+            for group in groups_of(rows)
+        ],
+    }
+
+
+def _row(row: Row) -> Mapping[str, Any]:
+    figures = {} if row.figures is None else asdict(row.figures)
+    files = {} if not row.files else {"program": file_of(row, ".nc"), "sha256": dict(row.files)}
+    return {"machine": row.machine, "ended": row.ended, "told": row.told, "notes": row.notes, **figures, **files}

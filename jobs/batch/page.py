@@ -1,0 +1,77 @@
+"""The index of a batch as a page: one file, which needs neither a network nor a script, on a phone and on paper."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from html import escape
+from importlib.resources import files
+
+from kerfwise.encoder.shown import shown, shown_lines
+from kerfwise.postproc.report.legend import counted
+
+from .card import anchor, card
+from .compared import by_nest, cheapest, quickest, totals
+from .figures import clock, metres, money
+from .groups import Group, groups_of
+from .row import Row
+
+
+def page(rows: Sequence[Row], machines: Sequence[str]) -> str:
+    """The page: sums a machine, what was refused and what to do, then each nest with its picture.
+
+    Examples
+    --------
+    >>> "0 nests" in page([], ["plasma"])
+    True
+    """
+    frame = files(__package__).joinpath("index.html").read_text(encoding="utf-8")
+    nests = by_nest(rows)
+    planned = sum(row.planned for row in rows)
+    said = f"{counted(len(nests), 'nest')}, {counted(len(machines), 'machine')}: {planned} of {len(rows)} planned."
+    parts = {
+        "@said": escape(said),
+        "@totals": "\n".join(_totals(rows, machines)),
+        "@refused": "\n".join(_refused(groups_of(rows))),
+        "@nests": "\n".join(card(nest, of_nest) for nest, of_nest in nests.items()),
+    }
+    for mark, text in parts.items():
+        before, _, after = frame.partition(mark)
+        frame = before + text + after
+    return frame.encode("utf-8", "backslashreplace").decode()
+
+
+def _totals(rows: Sequence[Row], machines: Sequence[str]) -> Iterator[str]:
+    """A line a figure and a column a machine: two machines have room on a phone."""
+    nests, sums = by_nest(rows).values(), totals(rows, machines)
+    lines = {
+        "planned": [str(total.planned) for total in sums],
+        "refused": [str(total.refused) for total in sums],
+        "time": [clock(total.time_s) for total in sums],
+        "cost": [money(total.cost, total.currency) for total in sums],
+        "cut": [metres(total.cut_mm) for total in sums],
+        "idle": [metres(total.idle_mm) for total in sums],
+        "excuses": [str(total.excuses) for total in sums],
+    }
+    if len(machines) > 1:
+        for head, best in (("quickest for", quickest), ("cheapest for", cheapest)):
+            lines[head] = [str(sum(best(of) == machine for of in nests)) for machine in machines]
+    yield "<tr><th>" + "".join(f"<th>{escape(machine)}" for machine in machines)
+    for head, cells in lines.items():
+        yield f"<tr><th>{head}" + "".join(f"<td>{cell}" for cell in cells)
+
+
+def _refused(groups: Sequence[Group]) -> Iterator[str]:
+    if groups:
+        yield '<h2 id="refused">Refused</h2>'
+    for group in groups:
+        told = dict.fromkeys(row.told for row in group.rows)
+        yield f"<section class=group><h3>{escape(group.head)}</h3><p class=remedy>{escape(group.remedy)}</p>"
+        for text in told:
+            names = ", ".join(_where(nest, group, text) for nest in by_nest(r for r in group.rows if r.told == text))
+            yield f"<p class=who>{names}</p><pre>{escape(shown_lines(text))}</pre>"
+        yield "</section>"
+
+
+def _where(nest: str, group: Group, text: str) -> str:
+    machines = ", ".join(row.machine for row in group.rows if row.nest == nest and row.told == text)
+    return f'<a href="#{anchor(nest)}">{escape(shown(nest))}</a> ({escape(machines)})'

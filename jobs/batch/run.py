@@ -1,0 +1,127 @@
+"""A batch: every nest on every machine, what is finished skipped, whatever goes wrong with one kept from the others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.postproc.files import write_files
+
+from .index import index_files
+from .piece import Machine, Made, Options, Piece, fault, plan_piece
+from .row import Row
+from .sources import Source, named
+from .store import Store
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """A piece that is to be planned, and its key."""
+
+    piece: Piece
+    key: str
+
+
+def plan_task(task: Task) -> Made:
+    """What a process of the batch does with a task."""
+    return plan_piece(task.piece, task.key)
+
+
+class Run(Protocol):
+    """Does tasks somewhere, and gives each back as soon as it is finished."""
+
+    def __call__(
+        self, pieces: Iterable[Task], began: Callable[[Task], None]
+    ) -> Iterator[tuple[Task, Made | Exception]]: ...
+
+
+class Watcher:
+    """Hears what a batch does; this one says nothing of it."""
+
+    def planned(self, pieces: int, before: int) -> None:
+        """So many pieces there are, and so many of them were finished before."""
+
+    def began(self, piece: Piece) -> None:
+        """A piece is being planned now."""
+
+    def ended(self, row: Row) -> None:
+        """A piece is finished."""
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """What became of a batch: a row for each nest and machine that is finished, in the order of the nests.
+
+    `again` were finished before. `waiting` are still to be planned, where it was interrupted.
+    """
+
+    rows: tuple[Row, ...]
+    machines: tuple[Machine, ...]
+    again: int = 0
+    waiting: int = 0
+    interrupted: bool = False
+
+    @property
+    def exit_code(self) -> int:
+        """0 where every nest was planned on every machine, 1 where one was refused, 70 after a fault of kerfwise."""
+        if self.interrupted:
+            return 130
+        ends = {row.ended for row in self.rows}
+        return 70 if "fault" in ends else 0 if ends <= {"planned"} else 1
+
+
+def run_batch(
+    sources: Iterable[Source],
+    machines: Sequence[Machine],
+    store: Store,
+    options: Options,
+    version: str,
+    run: Run,
+    watcher: Watcher | None = None,
+    *,
+    refused_again: bool = False,
+) -> Batch:
+    """Plan every nest on every machine, and write the index of all.
+
+    What the store has finished is not planned again, and what was refused only where `refused_again` says so. Each
+    program is written as soon as it is there: whoever kills this loses what is being planned, and nothing else.
+    """
+    watcher = watcher or Watcher()
+    pieces = [
+        Piece(name, source.file, machine, options, version)
+        for name, source in named(sources, store.names()).items()
+        for machine in machines
+    ]
+    rows: dict[Piece, Row] = {}
+    tasks = []
+    for piece in pieces:
+        key = piece.key()
+        row = store.finished(piece.machine.name, piece.name, key)
+        if row is None or (refused_again and not row.planned):
+            tasks.append(Task(piece, key))
+        else:
+            rows[piece] = replace(row, source=str(piece.source))
+    again, interrupted = len(rows), False
+    watcher.planned(len(pieces), again)
+    try:
+        for task, made in run(tasks, lambda task: watcher.began(task.piece)):
+            rows[task.piece] = _kept(task, made, store)
+            watcher.ended(rows[task.piece])
+    except KeyboardInterrupt:
+        interrupted = True
+    done = tuple(rows[piece] for piece in pieces if piece in rows)
+    batch = Batch(done, tuple(machines), again, len(pieces) - len(done), interrupted)
+    write_files({store.out / name: text for name, text in index_files(done, [m.name for m in machines]).items()})
+    return batch
+
+
+def _kept(task: Task, made: Made | Exception, store: Store) -> Row:
+    """The row of what was made, once its files are written; that they cannot be is the fault of this one alone."""
+    made = fault(task.piece, made) if isinstance(made, Exception) else made
+    row = replace(made.row, key=task.key)
+    try:
+        return store.keep(row, made.contents)
+    except InputError as error:
+        return replace(row, ended="fault", told=str(error), figures=None, files={})

@@ -1,0 +1,112 @@
+"""The folder of a batch: programs and records, written whole, by one run at a time."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import sqlite3
+from collections.abc import Iterator, Mapping
+from contextlib import closing, contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+from kerfwise.encoder.contents import contents, is_folder, is_there
+from kerfwise.encoder.errors import InputError
+from kerfwise.jobs.content_key import UNREADABLE, holds
+from kerfwise.postproc.files import make_folder, write_files
+
+from .row import RECORD, Row, row_of
+
+LOCK = ".batch.lock"
+"""An empty file: that it is there says that the folder is a batch's, that it is locked that a run writes there."""
+
+
+@contextmanager
+def held(out: Path) -> Iterator[None]:
+    """Have the folder of a batch to oneself, made where it is not there.
+
+    The system lets go of the lock when the process ends, however it ends. A lock of SQLite's is one on every system.
+
+    Raises
+    ------
+    InputError
+        If another run has it, it holds what no batch has written, or cannot be written.
+    """
+    if is_folder(out) and not is_there(out / LOCK) and any(out.iterdir()):
+        raise InputError("holds files that no batch wrote: give the batch a folder of its own with -o", file=out)
+    if is_there(out) and not is_folder(out):
+        raise InputError("this is a file: give the batch a folder with -o", file=out)
+    make_folder(out, parents=True)
+    try:
+        with closing(sqlite3.connect(out / LOCK, timeout=0, isolation_level=None)) as lock:
+            lock.execute("BEGIN EXCLUSIVE")
+            yield
+    except sqlite3.OperationalError as error:
+        if "locked" in str(error):
+            said = "another batch is writing there: wait until it has ended, or give this one another folder"
+        else:
+            said = f"cannot be locked for this batch: {error}"
+        raise InputError(said, file=out) from None
+
+
+class Store:
+    """What is finished in the folder of a batch."""
+
+    def __init__(self, out: Path) -> None:
+        self.out = out
+        self._rows: dict[tuple[str, str], Row] = {}
+        for path in sorted(out.rglob(f"*{RECORD}")):
+            row = _read(path)
+            if row is not None and path == self._record(row):
+                self._rows[row.machine, row.nest] = row
+
+    def names(self) -> dict[str, Path]:
+        """The name of every nest that has a record, and its file."""
+        return {row.nest: Path(row.source) for row in self._rows.values()}
+
+    def finished(self, machine: str, nest: str, key: str) -> Row | None:
+        """The row of what is finished with this key, if its files are there as they were written."""
+        row = self._rows.get((machine, nest))
+        if row is None or row.key != key or not row.for_good:
+            return None
+        folder = self._record(row).parent
+        return row if all(holds(folder / name, sha256) for name, sha256 in row.files.items()) else None
+
+    def keep(self, row: Row, files: Mapping[str, str | bytes]) -> Row:
+        """Write the files of a row with its record, all of them or none; files that it has no more are removed first.
+
+        Raises
+        ------
+        InputError
+            If they cannot be written.
+        """
+        row = replace(row, files={name: _sha256(content) for name, content in files.items()})
+        record = self._record(row)
+        make_folder(record.parent, parents=True)
+        before = self._rows.get((row.machine, row.nest))
+        for name in sorted((before.files if before is not None else {}).keys() - row.files.keys()):
+            _remove(record.parent / Path(name).name)
+        write_files({**{record.parent / name: content for name, content in files.items()}, record: row.as_json()})
+        self._rows[row.machine, row.nest] = row
+        return row
+
+    def _record(self, row: Row) -> Path:
+        return self.out / row.machine / f"{row.nest}{RECORD}"
+
+
+def _remove(path: Path) -> None:
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as error:
+        raise InputError(f"is of an older nest, and cannot be removed: {error.strerror}", file=path) from None
+
+
+def _read(path: Path) -> Row | None:
+    try:
+        return row_of(json.loads(contents(path)))
+    except (*UNREADABLE, RecursionError):
+        return None
+
+
+def _sha256(content: str | bytes) -> str:
+    return hashlib.sha256(content if isinstance(content, bytes) else content.encode()).hexdigest()
