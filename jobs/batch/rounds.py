@@ -6,6 +6,7 @@ import contextlib
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
+from kerfwise.encoder.contents import is_file
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.given import Tell, plant_of
 from kerfwise.rules.profile.made_of import files_of
@@ -49,6 +50,8 @@ def keep_on(given: Sequence[Path], out: Path, machines: Sequence[Machine], one_r
             yield from profiles[machine.name]
 
     def arrived(settled: frozenset[Path]) -> None:
+        if any(file not in settled and is_file(file) for of in profiles.values() for file in of):
+            return  # a profile is being written: once it is settled, this is called again
         try:
             now = [machine_of(machine.name, machine.profile, machine.trust) for machine in machines]
         except InputError as error:

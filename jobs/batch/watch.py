@@ -61,13 +61,16 @@ def watch(
 ) -> None:
     """Call `arrived` with all files that are settled, each time that one of them is new, changed or gone.
 
-    It ends with what `arrived` or `sleep` raises, such as KeyboardInterrupt.
+    One that is being written again counts as it was until it is settled. It ends with what `arrived` or `sleep`
+    raises, such as KeyboardInterrupt.
     """
-    settling, done = Settling(), None
+    settling = Settling()
+    done: dict[Path, Stand] = {}
     while True:
         stands = {file: stand for file in files() if (stand := stand_of(file)) is not None}
         settled = settling.settled(stands, clock())
-        if settled != done and (settled or done):
+        known = {file: stand for file, stand in done.items() if file in stands} | settled
+        if known != done:
             arrived(frozenset(settled))
-            done = settled
+            done = known
         sleep(LOOK_S)

@@ -1,0 +1,143 @@
+"""kerfwise batch: as a planner runs it, killed, started twice, given what cannot be."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from kerfwise.encoder.contents import contents
+from kerfwise.jobs.batch.store import held
+from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.jobs.batch.nests import write_nests
+from kerfwise.tests.tools.killing import COUNTED
+
+BATCH = ("batch", "in", "-o", "out", "--work", "0.2", "-p", "a=plasma-carbon-steel", "-p", "b=laser-amg3m-1mm")
+KILLED = f"""
+{COUNTED}
+import multiprocessing.spawn  # knows the interpreter from here on
+from kerfwise.cli import main
+from kerfwise.jobs.batch import run, store
+from kerfwise.postproc import files
+sys.executable = ""  # no process beside it goes on: a kill ends all, as a power cut does
+store.write_files = run.write_files = counted(files.write_files)
+main()
+"""
+"""Killed before the writing of so many sets of files: those of each nest, the index at the end."""
+KILLED_IN_WRITING = KILLED.replace("store.write_files = run.write_files =", "os.replace =").replace(
+    "files.write_files", "os.replace"
+)
+"""Killed before so many files have taken their places."""
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (["gone", "-o", "out"], "gone: there is no such file or folder"),
+        (["letter.txt", "-o", "out"], "letter.txt: no nest ends so: expected a folder, or a file in .dxf, .json, .svg"),
+        (["empty", "-o", "out"], "empty: holds no nest"),
+        (["in"], "Missing option '-o'"),
+        (["-o", "out"], "Missing argument 'IN…'"),
+        (["in", "-o", "in"], "in: is read from, and cannot be the folder of the programs"),
+        (["in", "-o", "letter.txt"], "letter.txt: this is a file: give the batch a folder with -o"),
+        (["in", "-o", "."], ".: holds files that no batch wrote"),
+        (["in", "-o", "out", "-p", "no-such"], "no-such"),
+        (["in", "-o", "out", "-p", "../x=plasma-carbon-steel"], "'../x' is no name for a machine"),
+        (["in", "-o", "out", "-p", "A=laser-wood", "-p", "a=laser-wood"], "two machines have the name 'a'"),
+        (["in", "-o", "out", "--jobs", "0"], "--jobs"),
+        (["in", "-o", "out", "--jobs", "2", "--scheduler", "tcp://127.0.0.1:1"], "--jobs is for this machine"),
+        (["in", "-o", "out", "--time-limit", "soon"], "--time-limit"),
+    ],
+)
+def test_what_cannot_be_is_one_message(given: list[str], said: str) -> None:
+    write_nests(Path("in"), ("one",))
+    Path("empty").mkdir()
+    Path("letter.txt").write_text("x")
+    ended = kerfwise("batch", *given)
+    assert ended.code == 2, ended.out
+    assert said in ended.err
+    assert "Traceback" not in ended.err
+    assert not Path("out").exists()
+
+
+def test_two_at_once_into_one_folder() -> None:
+    write_nests(Path("in"), ("one",))
+    with held(Path("out")):
+        ended = kerfwise("batch", "in", "-o", "out")
+    assert (ended.code, ended.out) == (2, "")
+    assert ended.err.startswith("kerfwise: out: another batch is writing there")
+
+
+@pytest.mark.slow
+def test_a_folder_on_two_machines() -> None:
+    write_nests(Path("in"), ("one", "two", "off the sheet"))
+    ended = kerfwise(*BATCH, "--jobs", 1)
+    assert (ended.code, ended.err) == (1, ""), "quiet in a pipe"
+    rows = ended.out.splitlines()
+    assert [row.split()[:3] for row in rows[1:3]] == [["a", "2", "1"], ["b", "2", "1"]]
+    assert rows[3].startswith("The nest cannot be cut as it is drawn. Mend the drawing")
+    assert rows[-2:] == ["4 of 6 planned", f"index: {Path('out', 'index.html')}"]
+    again = kerfwise(*BATCH)
+    assert (again.code, again.out.splitlines()[-2]) == (1, "4 of 6 planned, 6 finished before")
+    Path("in", "off the sheet.json").unlink()
+    assert kerfwise(*BATCH).code == 0
+
+
+def made() -> dict[str, bytes]:
+    """Every file of the batch, but for what is left of a write that was killed."""
+    found = (path for path in Path("out").rglob("*") if path.is_file() and not path.name.startswith(".kerfwise-"))
+    return {str(path): contents(path) for path in found}
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="SIGKILL")
+def test_killed_at_five_moments_and_started_again() -> None:
+    write_nests(Path("in"), ("one", "more/one", "off the sheet"))
+    assert kerfwise(*BATCH).code == 1
+    whole = made()
+    assert len(whole) == 4 * 4 + 2 + 3 + 1
+    for program, moment in ((KILLED, 1), (KILLED, 3), (KILLED, 7), (KILLED_IN_WRITING, 2), (KILLED_IN_WRITING, 7)):
+        subprocess.run(["rm", "-r", "out"], check=True)
+        command = [sys.executable, "-c", program, str(moment), *BATCH]
+        assert subprocess.run(command, capture_output=True, check=False).returncode == -signal.SIGKILL
+        for left in Path("out").rglob(".kerfwise-moves.json"):  # as if some time had gone by
+            os.utime(left, (time.time() - 100, time.time() - 100))
+        left_over = len(list(Path("out").rglob("*.batch.json")))
+        ended = kerfwise(*BATCH)
+        assert ended.code == 1, ended.err
+        assert made() == whole
+        finished = [row for row in ended.out.splitlines() if row.startswith("4 of 6 planned")]
+        assert finished == [f"4 of 6 planned, {left_over} finished before" if left_over else "4 of 6 planned"]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="SIGINT")
+def test_watched_until_ctrl_c() -> None:
+    write_nests(Path("in"), ("one",))
+    command = [sys.executable, "-m", "kerfwise", "batch", "in", "-o", "out", "--work", "0.2", "--watch"]
+    running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        for name in ("one", "two"):
+            write_nests(Path("in"), (name,))
+            until(Path("out", "plasma-carbon-steel", f"{name}.nc"))
+            until(Path("out", "index.json"), name)
+    finally:
+        running.send_signal(signal.SIGINT)
+        out, err = running.communicate(timeout=60)
+    assert (running.returncode, err.strip()) == (130, "")
+    assert [row for row in out.splitlines() if "planned" in row.split()[-1]] == ["1 of 1 planned"]
+    assert "2 of 2 planned, 1 finished before" in out
+
+
+def until(path: Path, nest: str = "") -> None:
+    """Wait for a file, and for a nest to be in it."""
+    last_s = time.monotonic() + 120
+    while not path.exists() or (nest and nest not in [of["nest"] for of in json.loads(contents(path))["nests"]]):
+        assert time.monotonic() < last_s, path
+        time.sleep(0.1)

@@ -1,0 +1,227 @@
+"""A batch in this process: what is planned, skipped, refused, written and shown."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Iterable
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from kerfwise.encoder.contents import contents
+from kerfwise.jobs.batch import piece as pieces
+from kerfwise.jobs.batch.piece import Machine, Options, Piece, plan_piece
+from kerfwise.jobs.batch.rounds import machine_of
+from kerfwise.jobs.batch.run import Batch, Watcher, plan_task, run_batch
+from kerfwise.jobs.batch.sources import sources_in
+from kerfwise.jobs.batch.store import Store
+from kerfwise.jobs.processes import in_turn
+from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.jobs.batch.nests import BROKEN, NESTS, plate, write_nests
+
+WORK = 0.2
+PRICED = "based_on: plasma-carbon-steel\nname: dear\nprices: {machine_hour: 90, gas_hour: 10, currency: EUR}\n"
+CHEAP = "based_on: laser-amg3m-1mm\nname: cheap\nprices: {machine_hour: 60, gas_hour: 5, currency: EUR}\n"
+
+
+class Noted(Watcher):
+    """Notes what was begun."""
+
+    def __init__(self) -> None:
+        self.names: list[tuple[str, str]] = []
+
+    def began(self, piece: Piece) -> None:
+        self.names.append((piece.name, piece.machine.name))
+
+
+class Batches:
+    """Runs batches of a folder `in` into a folder `out`."""
+
+    def __init__(self, folder: Path) -> None:
+        self.given, self.out = folder / "in", folder / "out"
+        self.machines = [machine_of("plasma", "plasma-carbon-steel", False)]
+        self.begun: list[tuple[str, str]] = []
+        self.out.mkdir()
+
+    def run(self, options: Options = Options(work=WORK), **more: object) -> Batch:  # noqa: B008 - frozen
+        noted, sources = Noted(), sources_in([self.given], self.out)
+        run = more.pop("run", in_turn(plan_task))
+        store = Store(self.out)
+        batch = run_batch(sources, self.machines, store, options, "1", run, noted, **more)  # type: ignore[arg-type]
+        self.begun = noted.names
+        return batch
+
+    def bytes(self) -> dict[str, bytes]:
+        return {str(path.relative_to(self.out)): contents(path) for path in self.out.rglob("*") if path.is_file()}
+
+
+@pytest.fixture
+def batches(tmp_path: Path) -> Batches:
+    return Batches(tmp_path)
+
+
+@pytest.mark.slow
+def test_ten_nests_of_which_two_are_broken(batches: Batches) -> None:
+    write_nests(batches.given)
+    batch = batches.run()
+    assert batch.exit_code == 1
+    ended = {row.nest: row.ended for row in batch.rows}
+    assert ended == {name: "refused" if name in BROKEN else "planned" for name in NESTS}
+    assert len(batches.begun) == len(NESTS)
+    programs = {str(path.relative_to(batches.out / "plasma").with_suffix("")) for path in batches.out.rglob("*.nc")}
+    assert programs == set(NESTS) - set(BROKEN)
+    before = batches.bytes()
+    again = batches.run()
+    assert (batches.begun, again.again, again.exit_code) == ([], 10, 1)
+    assert batches.bytes() == before
+    batches.run(refused_again=True)
+    assert sorted(batches.begun) == sorted((name, "plasma") for name in BROKEN)
+    assert batches.bytes() == before
+
+
+def test_the_same_bytes_as_a_single_solve(batches: Batches, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_nests(batches.given, ("three with holes",))
+    batches.run()
+    monkeypatch.chdir(tmp_path)
+    assert kerfwise("solve", batches.given / "three with holes.json", "--work", WORK).code == 0
+    for ending in (".nc", ".plan.json", ".svg"):
+        name = f"three with holes{ending}"
+        assert contents(tmp_path / name) == contents(batches.out / "plasma" / name)
+
+
+@pytest.mark.slow
+def test_what_has_changed_is_planned_again_and_nothing_else(batches: Batches, tmp_path: Path) -> None:
+    write_nests(batches.given, ("one", "two"))
+    plant = tmp_path / "plant.yaml"
+    plant.write_text("based_on: base.yaml\nname: plant\n")
+    (tmp_path / "base.yaml").write_text("based_on: plasma-carbon-steel\nname: base\n")
+    batches.machines = [machine_of("plant", str(plant), False)]
+    batches.run()
+    (batches.given / "one.json").write_text(json.dumps(NESTS["one"] | {"units": "mm"}))
+    batches.run()
+    assert batches.begun == [("one", "plant")]
+    (tmp_path / "base.yaml").write_text("based_on: plasma-carbon-steel\nname: base\nmachine: {cut_feed: 3 m/min}\n")
+    batches.machines = [machine_of("plant", str(plant), False)]
+    batches.run()
+    assert [name for name, _ in batches.begun] == ["one", "two"]
+    batches.run(Options(work=WORK, seed=2))
+    assert [name for name, _ in batches.begun] == ["one", "two"]
+    (batches.out / "plant" / "two.nc").unlink()
+    batches.run(Options(work=WORK, seed=2))
+    assert [name for name, _ in batches.begun] == ["two"]
+
+
+@pytest.mark.slow
+def test_a_fault_of_one_stops_no_other_and_is_tried_again(batches: Batches, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_nests(batches.given, ("one", "two", "three"))
+    real = pieces.drawn_nest
+
+    def broken(nest: Path, *given: object, **more: object) -> object:
+        if nest.stem == "three":
+            raise ZeroDivisionError("by nought")
+        return real(nest, *given, **more)  # type: ignore[arg-type]
+
+    with monkeypatch.context() as patched:
+        patched.setattr(pieces, "drawn_nest", broken)
+        batch = batches.run()
+    assert batch.exit_code == 70
+    assert [row.ended for row in batch.rows] == ["planned", "fault", "planned"]
+    assert batch.rows[1].told == "a fault of kerfwise itself: ZeroDivisionError: by nought"
+    assert batches.run().exit_code == 0
+    assert batches.begun == [("three", "plasma")]
+
+
+def test_a_nest_that_changes_while_it_is_planned_is_not_taken(batches: Batches) -> None:
+    write_nests(batches.given, ("one",))
+    piece = Piece("one", batches.given / "one.json", batches.machines[0], Options(work=WORK), "1")
+    made = plan_piece(piece, "another key")
+    assert (made.row.ended, made.contents) == ("fault", {})
+    assert "its file changed" in made.row.told
+    other = Machine("plasma", "plasma-carbon-steel", "another sha256")
+    piece = Piece("one", batches.given / "one.json", other, Options(work=WORK), "1")
+    assert "the profile plasma-carbon-steel changed" in plan_piece(piece, piece.key()).row.told
+
+
+@pytest.mark.slow
+def test_rules_that_leave_no_plan_say_what_to_do(batches: Batches, tmp_path: Path) -> None:
+    write_nests(batches.given, ("two",))
+    plant = tmp_path / "plant.yaml"
+    lock = "locks:\n  - {contour: P1.outer, position: first}\n  - {contour: P2.outer, position: first}\n"
+    plant.write_text(f"based_on: plasma-carbon-steel\nname: plant\n{lock}")
+    batches.machines = [machine_of("plant", str(plant), False)]
+    batch = batches.run()
+    (row,) = batch.rows
+    assert (batch.exit_code, row.ended) == (1, "no plan")
+    assert "cannot all hold" in row.told
+    (group,) = json.loads(contents(batches.out / "index.json"))["refused"]
+    assert group["what"] == "The rules leave no plan"
+
+
+@pytest.mark.slow
+def test_an_index_that_names_the_better_machine(batches: Batches, tmp_path: Path) -> None:
+    write_nests(batches.given, ("one", "off the sheet"))
+    (tmp_path / "a.yaml").write_text(PRICED)
+    (tmp_path / "b.yaml").write_text(CHEAP)
+    batches.machines = [
+        machine_of(name, str(tmp_path / file), False) for name, file in (("a", "a.yaml"), ("b", "b.yaml"))
+    ]
+    batch = batches.run()
+    figures = {row.machine: row.figures for row in batch.rows if row.nest == "one"}
+    data = json.loads(contents(batches.out / "index.json"))
+    nest = next(of for of in data["nests"] if of["nest"] == "one")
+    for best, amount in (("quickest", "time_s"), ("cheapest", "cost")):
+        assert nest[best] == min(figures, key=lambda name: getattr(figures[name], amount))
+    assert [(total["planned"], total["refused"]) for total in data["machines"]] == [(1, 1), (1, 1)]
+    rows = list(csv.DictReader(io.StringIO(contents(batches.out / "index.csv").decode())))
+    assert [row["quickest"] == "yes" for row in rows if row["nest"] == "one"] == [
+        nest["quickest"] == m for m in ("a", "b")
+    ]
+    assert all(float(row["time_s"]) > 0 for row in rows if row["nest"] == "one")
+    assert len(data["refused"]) == 1, "two machines, one trouble"
+    page = contents(batches.out / "index.html").decode()
+    assert page.count("<svg ") == 2, "the nest that is refused is drawn, too"
+    Links(batches.out).feed(page)
+
+
+class Links(HTMLParser):
+    """Every link leads somewhere, and no tag asks for anything from elsewhere."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__()
+        self.folder = folder
+
+    def handle_starttag(self, tag: str, attrs: Iterable[tuple[str, str | None]]) -> None:
+        assert tag not in {"script", "link", "img", "iframe"}
+        for name, value in attrs:
+            if name == "href" and value and not value.startswith("#"):
+                assert (self.folder / value).is_file()
+
+
+def test_text_from_outside_is_shown_and_not_obeyed(batches: Batches) -> None:
+    batches.given.mkdir()
+    file = batches.given / "<b>&amp;.json"
+    file.write_text(json.dumps(plate(100, {"<i>x": (50, 20, 100, 50)})))
+    batches.run()
+    page = contents(batches.out / "index.html").decode()
+    assert "<b>&amp;amp;" not in page.replace("&lt;b&gt;&amp;amp;", "")
+    assert "<i>x" not in page
+
+
+@pytest.mark.slow
+def test_a_batch_that_is_interrupted_says_so_and_goes_on(batches: Batches) -> None:
+    write_nests(batches.given, ("one", "two", "three"))
+
+    def interrupted(tasks: Iterable[object], began: object) -> Iterable[object]:
+        for k, done in enumerate(in_turn(plan_task)(tasks, began)):  # type: ignore[arg-type]
+            if k == 1:
+                raise KeyboardInterrupt
+            yield done
+
+    batch = batches.run(run=interrupted)
+    assert (batch.exit_code, batch.interrupted, len(batch.rows), batch.waiting) == (130, True, 1, 2)
+    assert (batches.out / "index.html").exists()
+    batch = batches.run()
+    assert (batch.exit_code, batch.again, len(batches.begun)) == (0, 1, 2)

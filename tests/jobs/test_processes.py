@@ -1,0 +1,91 @@
+"""Processes that work side by side: each has its share of the cores, and one that dies takes nothing else with it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from kerfwise.jobs.processes import Died, Workers
+from kerfwise.models.kernels import cores, machine_cores
+
+LEFT_BEHIND = """
+import os, sys
+from kerfwise.jobs.processes import Workers
+from kerfwise.tests.jobs.test_processes import sleeps
+with Workers(sleeps, jobs=1) as workers:
+    for _ in workers.run([sys.argv[1]]):
+        pass
+"""
+
+
+def doubled(piece: int) -> int:
+    """Twice the number; 13 kills the process, 7 is an exception."""
+    if piece == 13:
+        os._exit(3)
+    if piece == 7:
+        raise ZeroDivisionError("seven")
+    return 2 * piece
+
+
+def shares(piece: int) -> tuple[int, int]:
+    """Threads that a process may start, and the cores that it may use; slow enough for every process to have one."""
+    time.sleep(0.3)
+    return cores(), len(machine_cores())
+
+
+def sleeps(place: str) -> None:
+    """Say who this is, and sleep."""
+    Path(place).write_text(str(os.getpid()))
+    time.sleep(60)
+
+
+@pytest.mark.slow
+def test_one_that_dies_takes_only_its_own_piece_with_it() -> None:
+    begun: list[int] = []
+    with Workers(doubled, jobs=2) as workers:
+        made = dict(workers.run([1, 13, 7, 2, 3, 13, 4], begun.append))
+        assert {piece: answer for piece, answer in made.items() if piece not in (13, 7)} == {1: 2, 2: 4, 3: 6, 4: 8}
+        assert isinstance(made[13], Died)
+        assert "exit code 3" in str(made[13])
+        assert "ZeroDivisionError: seven" in str(made[7])
+        assert begun == [1, 13, 7, 2, 3, 13, 4]
+        assert dict(workers.run([5, 6])) == {5: 10, 6: 12}, "the same processes serve again"
+
+
+@pytest.mark.slow
+def test_threads_of_all_are_no_more_than_cores() -> None:
+    there = len(machine_cores())
+    with Workers(shares, jobs=1000) as workers:
+        assert workers.jobs == there
+        made = list(workers.run(range(there)))
+    assert [answer for _, answer in made] == [(1, 1)] * there
+    with Workers(shares, jobs=1) as workers:
+        ((_, answer),) = workers.run([0])
+    assert answer == (there, there)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="SIGKILL")
+def test_nobody_works_on_for_one_that_was_killed(tmp_path: Path) -> None:
+    said = tmp_path / "who"
+    first = subprocess.Popen([sys.executable, "-c", LEFT_BEHIND, str(said)])
+    until_s = time.monotonic() + 60
+    while not (said.exists() and said.read_text()) and time.monotonic() < until_s:
+        time.sleep(0.05)
+    worker = int(said.read_text())
+    first.kill()
+    first.wait()
+    while time.monotonic() < until_s:
+        try:
+            os.kill(worker, 0)
+        except ProcessLookupError:
+            return
+        if Path(f"/proc/{worker}/stat").exists() and Path(f"/proc/{worker}/stat").read_text().split()[2] == "Z":
+            return  # dead, and not yet buried
+        time.sleep(0.05)
+    pytest.fail("the process works on")
