@@ -59,6 +59,7 @@ ALLOWED = {
     ("benchmarks/same_plans.py", "symlink_to"): "compares two checkouts, for developers; no part of what is installed",
     ("benchmarks/phases.py", "symlink_to"): "compares two checkouts, for developers; no part of what is installed",
     ("models/kernels.py", "os.sched_getaffinity"): "asked for only where the system has it",
+    ("jobs/processes.py", "os.sched_setaffinity"): "only where the system has it",
     ("encoder/swap.py", "os.path"): "is a program of its own, which starts in hundredths of a second: no pathlib",
     ("encoder/contents.py", "os.path"): "answers for every name, where paths raise",
     ("postproc/files.py", "os.path"): "samefile",

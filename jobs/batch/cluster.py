@@ -19,6 +19,21 @@ AHEAD = 4
 """Pieces handed out for each thread of the cluster: enough to keep it busy, few enough to be told what is done now."""
 
 
+def dask() -> Any:
+    """Dask's package for several machines, which is an extra.
+
+    Raises
+    ------
+    InputError
+        If it is not installed.
+    """
+    try:
+        import distributed
+    except ImportError:
+        raise InputError("--scheduler needs Dask: pip install 'kerfwise[cluster]'") from None
+    return distributed
+
+
 class Cluster(Generic[Piece, Made]):
     """Pieces of work done by the workers of a Dask scheduler.
 
@@ -32,14 +47,11 @@ class Cluster(Generic[Piece, Made]):
     """
 
     def __init__(self, work: Callable[[Piece], Made], scheduler: str, tell: Callable[[str], None]) -> None:
-        try:
-            from distributed import Client
-        except ImportError:
-            raise InputError("--scheduler needs Dask: pip install 'kerfwise[cluster]'") from None
+        client = dask().Client
         for name in ("distributed", "distributed.client", "distributed.core", "distributed.comm", "tornado"):
             logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is said here, in words
         try:
-            self._client: Any = Client(scheduler, timeout=ANSWER_S, set_as_default=False)
+            self._client: Any = client(scheduler, timeout=ANSWER_S, set_as_default=False)
         except (OSError, TimeoutError, ValueError) as error:
             said = f"no Dask scheduler answers ({error})"
             raise InputError(f"--scheduler {scheduler}: {said}; start one with `dask scheduler`") from None
@@ -60,11 +72,9 @@ class Cluster(Generic[Piece, Made]):
         InputError
             If the scheduler is lost.
         """
-        from distributed import as_completed
-
         left = iter(pieces)
         given: dict[Any, Piece] = {}
-        answers = as_completed(loop=self._client.loop)
+        answers = dask().as_completed(loop=self._client.loop)
         try:
             while True:
                 room = AHEAD * max(1, sum(worker["nthreads"] for worker in self._workers())) - len(given)

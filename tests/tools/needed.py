@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.jobs.batch import cluster
 from kerfwise.tests.tools import canon
 from kerfwise.tests.tools.outside import gcode_toolpath
 
@@ -43,7 +44,17 @@ def without_node() -> str | None:
     return None
 
 
+def without_dask() -> str | None:
+    """How to get Dask, where it is missing."""
+    try:
+        cluster.dask()
+    except InputError as missing:
+        return f"{missing}; -m 'not dask' {LEFT_OUT}"
+    return None
+
+
 WITHOUT: dict[str, Callable[[], str | None]] = {
+    "dask": without_dask,
     "linuxcnc": without_linuxcnc,
     "minizinc": without_minizinc,
     "node": without_node,
@@ -69,5 +80,7 @@ def keep_from(marker: str, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(gcode_toolpath, "modules", lambda: Unmarked(marker).path)
     elif marker == "linuxcnc":
         monkeypatch.setattr(canon, "find_rs274", lambda: Unmarked(marker).path)
+    elif marker == "dask":
+        monkeypatch.setattr(cluster, "dask", lambda: Unmarked(marker).module)
     else:
         monkeypatch.setattr(minizinc, "default_driver", Unmarked(marker))

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import minizinc
 import pytest
 
+from kerfwise.jobs.batch import cluster
 from kerfwise.tests.tools import canon
 from kerfwise.tests.tools.needed import WITHOUT, keep_from, without_linuxcnc, without_minizinc
 from kerfwise.tests.tools.outside import gcode_toolpath
 
 FIND, DRIVER, MODULES = canon.find_rs274, minizinc.default_driver, gcode_toolpath.modules
+DASK = cluster.dask
 
 
 @pytest.fixture
@@ -22,6 +25,8 @@ def bare(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(minizinc, "default_driver", None)
     monkeypatch.setattr(gcode_toolpath, "modules", MODULES)
     monkeypatch.setattr(gcode_toolpath, "ROOT", Path("nowhere"))
+    monkeypatch.setattr(cluster, "dask", DASK)
+    monkeypatch.setitem(sys.modules, "distributed", None)
     monkeypatch.delenv("NODE_READERS", raising=False)
     monkeypatch.delenv("RS274", raising=False)
     monkeypatch.setenv("PATH", "")
@@ -32,6 +37,7 @@ def test_what_is_missing_is_said_in_one_line() -> None:
     said = {marker: without() or "" for marker, without in WITHOUT.items()}
     assert "sh tests/tools/get_rs274.sh .tools/rs274" in said["linuxcnc"]
     assert "apt-get install minizinc" in said["minizinc"]
+    assert "pip install 'kerfwise[cluster]'" in said["dask"]
     assert "sh tests/tools/get_node_readers.sh .tools/node" in said["node"]
     for marker, text in said.items():
         assert "\n" not in text

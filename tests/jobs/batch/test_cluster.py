@@ -1,0 +1,117 @@
+"""The same batch on a Dask scheduler on the loopback, one of whose workers is killed in the middle."""
+
+from __future__ import annotations
+
+import socket
+import subprocess
+import sys
+import threading
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+
+import pytest
+
+from kerfwise.encoder.contents import contents
+from kerfwise.encoder.errors import InputError
+from kerfwise.jobs.batch.cluster import Cluster
+from kerfwise.jobs.batch.piece import Options, Piece
+from kerfwise.jobs.batch.rounds import machine_of
+from kerfwise.jobs.batch.row import Row
+from kerfwise.jobs.batch.run import Watcher, plan_task, run_batch
+from kerfwise.jobs.batch.sources import sources_in
+from kerfwise.jobs.batch.store import Store
+from kerfwise.jobs.processes import in_turn
+from kerfwise.tests.jobs.batch.nests import NESTS, write_nests
+
+pytestmark = [pytest.mark.dask, pytest.mark.slow]
+ANSWER_S = 120
+
+
+def free_port() -> int:
+    with closing(socket.socket()) as found:
+        found.bind(("127.0.0.1", 0))
+        port: int = found.getsockname()[1]
+        return port
+
+
+@contextmanager
+def scheduler_and_workers(folder: Path, count: int) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
+    """The address of a scheduler of this machine, and the processes of its workers; all end with the test."""
+    from distributed import Client
+
+    address, started = f"tcp://127.0.0.1:{free_port()}", []
+
+    def start(name: str, *given: str) -> None:
+        command = [sys.executable, "-m", f"distributed.cli.dask_{name}", *given, "--no-dashboard"]
+        log = (folder / f"{name}{len(started)}.log").open("wb")
+        started.append(subprocess.Popen(command, stdout=log, stderr=log, cwd=folder))
+
+    try:
+        start("scheduler", "--host", "127.0.0.1", "--port", address.rpartition(":")[2])
+        for _ in range(count):
+            start("worker", address, "--nthreads", "1", "--no-nanny", "--local-directory", str(folder))
+        with Client(address, timeout=ANSWER_S, set_as_default=False) as client:
+            if count:
+                client.wait_for_workers(count, timeout=ANSWER_S)
+        yield address, started[1:]
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+
+
+class Killing(Watcher):
+    """Kills a worker as soon as a nest is finished; counts what is finished."""
+
+    def __init__(self, worker: subprocess.Popen[bytes]) -> None:
+        self.worker, self.ends = worker, Counter[str]()
+        self.begun: list[str] = []
+
+    def began(self, piece: Piece) -> None:
+        self.begun.append(piece.name)
+
+    def ended(self, row: Row) -> None:
+        self.ends[row.nest] += 1
+        self.worker.kill()
+
+
+def test_every_nest_is_done_once_though_a_worker_is_killed(tmp_path: Path) -> None:
+    given, options = write_nests(tmp_path / "in"), Options(work=0.2)
+    machines, told = [machine_of("plasma", "plasma-carbon-steel", False)], []
+    with scheduler_and_workers(tmp_path, 2) as (address, workers):
+        watcher = Killing(workers[0])
+        with Cluster(plan_task, address, told.append) as cluster:
+            store = Store(tmp_path / "cluster")
+            batch = run_batch(sources_in([given], store.out), machines, store, options, "1", cluster.run, watcher)
+        assert workers[0].wait() != 0
+        assert workers[1].poll() is None
+    assert batch.exit_code == 1
+    assert watcher.ends == Counter(dict.fromkeys(NESTS, 1))
+    assert sorted(watcher.begun) == sorted(NESTS)
+    assert told == []
+    alone = Store(tmp_path / "alone")
+    run_batch(sources_in([given], alone.out), machines, alone, options, "1", in_turn(plan_task))
+    assert files(alone.out) == files(store.out)
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): contents(path) for path in folder.rglob("*") if path.is_file()}
+
+
+def test_a_scheduler_that_is_lost_or_never_was_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("kerfwise.jobs.batch.cluster.ANSWER_S", 1.0)
+    address = f"tcp://127.0.0.1:{free_port()}"
+    with pytest.raises(InputError, match=rf"--scheduler {address}: no Dask scheduler answers"):
+        Cluster(plan_task, address, print)
+    with pytest.raises(InputError, match="no Dask scheduler answers"):
+        Cluster(plan_task, "nonsense://x", print)
+    told: list[str] = []
+    with scheduler_and_workers(tmp_path, 0) as (there, _), Cluster(abs, there, told.append) as cluster:
+        assert ["has no worker yet" in text for text in told] == [True]
+        from distributed import Client
+
+        threading.Timer(1.0, lambda: Client(there, set_as_default=False).shutdown()).start()
+        with pytest.raises(InputError, match="was lost; the same command goes on from here"):
+            list(cluster.run([-1], lambda piece: None))
