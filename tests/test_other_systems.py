@@ -48,8 +48,8 @@ POSIX_CALLS = {
     "wait4",
 }
 """Of `os`: not on Windows or, as `kill`, `symlink` and `rename` over a file, not the same there."""
-SIGNALS = {"SIGINT", "SIGTERM", "SIGABRT", "SIGFPE", "SIGILL", "SIGSEGV"}
-"""Those that Windows has too."""
+SIGNALS = {"SIGINT", "SIGTERM", "SIGABRT", "SIGFPE", "SIGILL", "SIGSEGV", "SIG_IGN", "SIG_DFL"}
+"""Those that Windows has too, and the two ways to take them."""
 PLACES = ("/dev/", "/tmp", "/etc/", "/proc/", "/usr/", "/home/")
 TEXT_FILES = {"open", "fdopen", "read_text", "write_text", "TemporaryFile", "NamedTemporaryFile"}
 

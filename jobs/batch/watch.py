@@ -37,8 +37,8 @@ class Settling:
     --------
     >>> settling = Settling()
     >>> stands = {Path("a.dxf"): (10, 1)}
-    >>> [settling.settled(stands, now_s) for now_s in (0.0, 1.0, 2.5)]
-    [{}, {}, {PosixPath('a.dxf'): (10, 1)}]
+    >>> [[file.name for file in settling.settled(stands, now_s)] for now_s in (0.0, 1.0, 2.5)]
+    [[], [], ['a.dxf']]
     """
 
     _seen: dict[Path, tuple[Stand, float]] = field(default_factory=dict)
