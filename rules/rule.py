@@ -27,8 +27,10 @@ Forced = Callable[[str], frozenset[str]]
 """Contour id → the contours that the hard order rules put before it in every plan."""
 OptionsT = TypeVar("OptionsT")
 
-HEADINGS = ("What it does", "Why", "Wrong", "Right")
-"""The headings, in this order, of every rule's docstring."""
+OTHER_CUTS = "Links, tabs and other cuts"
+"""The heading under which a rule says what it means for cuts beyond one contour and one pierce."""
+HEADINGS = ("What it does", OTHER_CUTS, "Why", "Wrong", "Right")
+"""The headings, in this order, of every shipped rule's docstring."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,14 +69,15 @@ class NoGoodIds:
 class Rule(ABC, Generic[OptionsT]):
     """One rule of cutting; one file of `catalogue/` holds one.
 
-    The class docstring is the rule's page, under the headings `HEADINGS`. `sentence` says in one line what the rule
-    asks, `source` where it comes from. `strengths` are those a profile may give it, `default` the one it has where a
-    profile is silent, `default_weight` (mm of idle travel) what breaking it once costs when soft. A rule with
-    `gives_way` above 0 may be dropped where order rules contradict each other, the highest first. One that is
-    `excusable`, and hard, is broken where nothing else is left, in as few places as can be, and the plan says where.
-    `relaxable` is a rule that cannot be soft, but whose statements `--relax` may relax; those of one that is
-    `relaxed_last` only where all other rules together do not help. One rule is `of_fallen_metal`: what breaks it would
-    be cut in metal that has fallen out, so that it is never relaxed, and contours that stay uncut are told as its.
+    The class docstring is the rule's page, under the headings `HEADINGS`; a plant's rule may leave out `OTHER_CUTS`.
+    `sentence` says in one line what the rule asks, `source` where it comes from. `strengths` are those a profile may
+    give it, `default` the one it has where a profile is silent, `default_weight` (mm of idle travel) what breaking it
+    once costs when soft. A rule with `gives_way` above 0 may be dropped where order rules contradict each other, the
+    highest first. One that is `excusable`, and hard, is broken where nothing else is left, in as few places as can be,
+    and the plan says where. `relaxable` is a rule that cannot be soft, but whose statements `--relax` may relax; those
+    of one that is `relaxed_last` only where all other rules together do not help. One rule is `of_fallen_metal`: what
+    breaks it would be cut in metal that has fallen out, so that it is never relaxed, and contours that stay uncut are
+    told as its.
 
     Fields of `Options` that no key sets (no metadata) are filled in by the profile: from `Plant`, or from the option of
     the same name that another rule `shares`.

@@ -74,6 +74,8 @@ def lead_ins(
         pierced[number, rows] = clear
         for grants in (asks, clear_of_contours):
             clear[clear] = grants(leads.take(clear), left.joints.contour[clear])
+        if options.tab_places is not None:
+            clear[clear] = options.tab_places.beside(leads.take(clear), left.take(clear))
         done = rows[clear]
         found[done] = True
         pierce[done], bulge[done], length_mm[done] = leads.pierce[clear], leads.bulge[clear], leads.length_mm[clear]
@@ -136,4 +138,6 @@ def edge_starts(ways: Ways, around: Surroundings, options: LeadOptions) -> Appro
         & around.off_sheet(leads.pierce, beyond_mm / 2)
     )
     good[good] = around.clear_leads(leads.take(good), joints.contour[good], options.kerf_mm / 2)
+    if options.tab_places is not None:
+        good[good] = options.tab_places.beside(leads.take(good), ways.take(good))
     return Approaches(ways.take(good), leads.take(good), np.full(int(good.sum()), True))

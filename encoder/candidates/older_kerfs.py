@@ -83,6 +83,7 @@ def older_kerfs(
     if not burning:
         return OlderKerfs.none()
     nest = nest.without_scrap  # scrap lines are cut when no contour, and no lead, is left that their kerf could be in
+    candidates = [c for c in candidates if c.contour < len(nest.contours)]  # theirs are the last ones
     part = np.array(
         [len(nest.parts) + k if c.kind == "slit" else nest.owners[k] for k, c in enumerate(nest.contours)],
         dtype=np.int64,

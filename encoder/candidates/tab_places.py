@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+import shapely
 
 from kerfwise.arrays import Bools, Floats
 from kerfwise.encoder.cut import Tab
@@ -18,12 +19,15 @@ from .approaches import Ways
 from .candidate import IN_PROFILE
 from .entries import ANYWHERE, MIDDLE, Ranks, shorter_way_mm
 from .joints import Outline
+from .lead_shapes import Leads
 from .tab_room import Neighbours, Room, from_lead_mm, no_room, spread, wrong_places
 
 SAME_MM = 0.05
 _BESIDE_MM = 0.01
 """A corner in which the torch joins is in the way of a tab that ends there: round it the torch's ring is longer or
 shorter than the contour, and the tab would come to lie in the corner."""
+_NARROWER_MM = 0.02
+"""By so much a lead-in may narrow a tab; the check allows more."""
 _MORE = 100
 """Entries more that are tried where tabs are at the end."""
 
@@ -122,6 +126,19 @@ class TabPlaces:
                 good[rows] = shorter_way_mm(middles, tabbed.drawn_mm, around_mm) <= SAME_MM
             else:
                 good[rows] = tabbed.room.fits(middles, 2 * half_mm + _BESIDE_MM)
+        return good
+
+    def beside(self, leads: Leads, ways: Ways) -> Bools:
+        """Which lead-ins leave a tab at the end as wide as it is to be: one that leans over it burns its metal."""
+        good = np.full(len(ways), True)
+        if not self.at_end:
+            return good
+        for number in sorted(set(ways.joints.contour.tolist()) & self.wanted.keys()):
+            rows = np.flatnonzero(ways.joints.contour == number)
+            apart_mm = off_mm(self.wanted[number].tabs[0], self.kerf_mm)
+            stop = shapely.points(ways.joints.join[rows] - apart_mm * ways.along[rows])
+            gap_mm = shapely.distance(stop, shapely.linestrings(leads.take(rows).points()))
+            good[rows] = gap_mm >= apart_mm - _NARROWER_MM
         return good
 
     def on(self, number: int, outline: Outline, join_mm: float, ccw: bool) -> Left | None:

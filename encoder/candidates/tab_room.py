@@ -105,7 +105,8 @@ class Room:
         """Whether metal stays outside tabs with these middles."""
         if self.near.is_empty:
             return np.full(len(middles_mm), True)
-        points = shapely.points([self.curve.point_at(mm) for mm in middles_mm.tolist()])
+        at = [self.curve.point_at(mm) for mm in middles_mm.tolist()]
+        points = shapely.points(np.array(at, dtype=np.float64).reshape(-1, 2))
         return np.asarray(shapely.distance(self.near, points) >= self.clear_mm)
 
     def fits(self, middles_mm: Floats, tab_mm: float) -> Bools:

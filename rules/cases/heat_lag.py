@@ -29,7 +29,19 @@ def too_soon(first: str, second: str, at: tuple[int, int], missing: str) -> Viol
     return Violation("heat-lag", (first, second), text, at)
 
 
+def linked(cuts: CutSequence, *positions: int) -> CutSequence:
+    """The cuts, those at these positions linked with the one before."""
+    return CutSequence(tuple(replace(one, linked=k in positions) for k, one in enumerate(cuts, 1)))
+
+
 CASES = (
+    Case(
+        "a link leaves no time between near parts",
+        "fails",
+        ROW,
+        linked(in_order(ROW, "A.outer B.outer C.outer"), 2),
+        (too_soon("A.outer", "B.outer", (1, 2), "0 cuts, not 1"),),
+    ),
     Case("one far away between", "passes", ROW, in_order(ROW, "A.mark1 A.hole1 A.outer C.outer B.outer")),
     Case(
         "one right after the other",

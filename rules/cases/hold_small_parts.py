@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import CutSequence, Tab
+from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.case import Case, cut
@@ -31,7 +32,22 @@ def wrong(*texts: str, at: int = 2) -> tuple[Violation, ...]:
     return tuple(Violation("hold-small-parts", ("A.outer",), f"A.outer (cut {at}) {text}", (at,)) for text in texts)
 
 
+def ending(pierce: Point, sheet: Nest = SMALL) -> CutSequence:
+    """Cuts of all contours; that of A joins at (61.25, 19.25) and stops 2.5 mm before: a tab of 1 mm, and the kerf."""
+    lead_in, stop = (Curve.of(points, closed=False) for points in ([pierce, (61.25, 19.25)], [(58.75, 19.25)]))
+    made = cuts(sheet, *tab((60, 20)))
+    return CutSequence((*made[:-1], replace(made[-1], pierce=pierce, lead_in=lead_in, lead_out=stop)))
+
+
 CASES = (
+    Case("a lead-in straight off the cut", "passes", SMALL, ending((61.25, 13))),
+    Case(
+        "a lead-in that leans over the tab",
+        "fails",
+        SMALL,
+        ending((57, 13)),
+        wrong("burns all but 0.57 mm of its tab with its lead-in"),
+    ),
     Case("one tab where the cut of plasma ends", "passes", SMALL, cuts(SMALL, *tab((60, 20)))),
     Case("two tabs by laser", "passes", SMALL, cuts(SMALL, *tab((60, 20), (60, 70))), options=LASER),
     Case("no tab", "fails", SMALL, cuts(SMALL), wrong(f"has no tab: {WHY}")),

@@ -28,7 +28,21 @@ def held(sequence: CutSequence, name: str) -> CutSequence:
     return replace(sequence, cuts=tuple(cuts))
 
 
+def linked(sequence: CutSequence) -> CutSequence:
+    """The cuts, each after the first linked: it begins where the one before ends."""
+    first, *others = sequence.cuts
+    ends = [first, *others[:-1]]
+    made = (replace(one, pierce=before.end, linked=True) for before, one in zip(ends, others, strict=True))
+    return replace(sequence, cuts=(first, *made))
+
+
 CASES = (
+    Case(
+        "a link is no travel, wherever it leads",
+        "passes",
+        ROW,
+        linked(travel(("A", (5, 50)), ("B", (75, 50)), home=(75.0, 0.0))),
+    ),
     Case(
         "over a part that a tab holds",
         "passes",

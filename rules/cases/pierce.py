@@ -71,7 +71,25 @@ def case(name: str, kind: CaseKind, where: Nest, cuts: CutSequence, *violations:
     return Case(name, kind, where, cuts, violations, PierceOptions(clearance_mm=1.5))
 
 
+def linked(*points: Point) -> Cut:
+    """B.outer from the end of A.outer, entered from below at (100, 50), along the path given."""
+    return Cut("B.outer", (210, 50), "cw", points[0], Curve.of(points, closed=False), linked=True)
+
+
 CASES = (
+    case(
+        "a link is not pierced: it begins in the kerf of the part that it leaves",
+        "passes",
+        PLATE,
+        sequence(A_FROM_BELOW, linked((100, 49.25), (104, 44), (206, 44), (210, 49.25))),
+    ),
+    case(
+        "a link across a part",
+        "fails",
+        PLATE,
+        sequence(A_FROM_BELOW, linked((100, 49.25), (104, 44), (156, 44), (170, 60), (210, 49.25))),
+        broken((2,), ("B.outer",), "the link of B.outer (cut 2) crosses its own contour"),
+    ),
     case("a slit before its mouth, its contour elsewhere", "passes", SLOTTED, sequence(A_SLIT, A_FROM_BELOW)),
     case(
         "a contour in the kerf of the lead of its slit",

@@ -1,6 +1,9 @@
 """Cases of rule scrap-last."""
 
+from dataclasses import replace
+
 from kerfwise.encoder.by_hand import nest, part, rect
+from kerfwise.encoder.cut import CutSequence, Tab
 from kerfwise.rules.case import Case, in_order
 from kerfwise.rules.rule import Violation
 
@@ -16,7 +19,19 @@ def loose(line: str, at: int) -> Violation:
     return Violation("scrap-last", (line,), text, (at,))
 
 
+def held(cuts: CutSequence) -> CutSequence:
+    """The cuts, those of outer contours with a tab."""
+    tabs = (Tab((550, 100), 1.0),)
+    return CutSequence(tuple(replace(one, tabs=tabs) if one.contour == "A.outer" else one for one in cuts))
+
+
 CASES = (
+    Case(
+        "a part that tabs hold is out",
+        "passes",
+        STRIPS,
+        held(in_order(STRIPS, "A.hole1 A.outer scrap1 scrap2")),
+    ),
     Case("the outer strip first", "passes", STRIPS, in_order(STRIPS, "A.hole1 A.outer scrap1 scrap2")),
     Case(
         "a line before a part",

@@ -48,6 +48,12 @@ class CutDirection(Rule[CutDirectionOptions]):
     For each kind of contour (outer, hole, mark) the profile leaves the direction free or fixes it. Directions are as
     seen from above with y up.
 
+    ## Links, tabs and other cuts
+
+    - **Links**: A link leads to a contour by one of its lawful ways round, and changes none.
+    - **Tabs**: They change nothing: a ring with gaps is still cut one way round.
+    - **Scrap lines**: They have no side of their own, and may be cut from either end.
+
     ## Why
 
     A plasma arc swirls: one side of the kerf comes out square, the other bevelled. Outer contours clockwise and holes

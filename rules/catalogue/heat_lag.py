@@ -41,10 +41,15 @@ class HeatLag(Rule[HeatLagOptions]):
 
     Between the cuts of two contours of different parts that lie nearer than `heat_radius` there are `lag_cuts` other
     cuts, and `lag` seconds from the end of the one to the start of the other. Contours of one part are left out: they
-    belong together (see part-contiguous). Marks are left out: they heat little. So are scrap lines: they bend no part.
-    Nothing is asked between a cut made before a stop and one made after it: metal cools while the machine stands. Parts
-    that are linked follow each other at once, so that the rule, where it is hard, rules out the link. Tabs change
-    nothing: the metal beside them is as hot.
+    belong together (see part-contiguous). Marks are left out: they heat little. Nothing is asked between a cut
+    made before a stop and one made after it: metal cools while the machine stands.
+
+    ## Links, tabs and other cuts
+
+    - **Links**: Linked parts follow each other at once. Where the rule is hard it rules out the link, and so does a lag
+      in seconds; where it is soft the link is priced as any other near pair.
+    - **Tabs**: They change nothing: the metal beside a tab is as hot.
+    - **Scrap lines**: Nothing is asked of them: they bend no part. As other cuts between two contours they count.
 
     ## Why
 

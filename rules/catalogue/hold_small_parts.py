@@ -7,6 +7,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+import shapely
+
 from kerfwise.encoder.cut import Cut, CutSequence, Tab
 from kerfwise.encoder.nest import Contour, Nest, Part
 from kerfwise.encoder.tabs import LONGEST_MM, Axis, TabChoice, TabOptions
@@ -80,8 +82,16 @@ class HoldSmallParts(Rule[HoldSmallPartsOptions]):
     A laser makes `count` tabs a part, spread round it: the beam goes out and on again while it moves on. Each start of
     any other torch is a pierce, so there the cut of a part stops short of its begin: one tab, at the end.
 
-    A part that has no room for its tabs is refused, with what to do. The check allows 0.05 mm of width, and 45° of bend
+    No lead-in leans over a tab at the end, where it would burn the metal that holds. A part that has no room for its
+    tabs is refused, with what to do. The check allows 0.05 mm of width, and 45° of bend
     where the planner keeps to 40°.
+
+    ## Links, tabs and other cuts
+
+    - **Links**: No link leads to a part with tabs or from one, and links keep off the metal that tabs hang on.
+    - **Tabs**: The rule makes them, and the check looks for them in the program.
+    - **Scrap lines**: A part stays on its tabs, and leaves with its piece of the skeleton. Draw no line so that it ends
+      at a tab, where it would take metal that holds.
 
     ## Why
 
@@ -162,6 +172,9 @@ def _wrong(contour: Contour, part: Part | None, cut: Cut, options: HoldSmallPart
     if not cut.tabs:
         yield f"has no tab: {why}"
         return
+    beside_mm = _left_beside_lead_mm(cut, options)
+    if beside_mm is not None and beside_mm < cut.tabs[0].width_mm - WIDTH_MM:
+        yield f"burns all but {max(beside_mm, 0.0):.2f} mm of its tab with its lead-in"
     if len(cut.tabs) != given:
         yield f"has {_tabs(len(cut.tabs))}, not {given}: {why}"
     for tab in cut.tabs:
@@ -177,6 +190,13 @@ def _wrong(contour: Contour, part: Part | None, cut: Cut, options: HoldSmallPart
             yield f"{place}, {off_mm:.1f} mm off the contour"
         elif bend_deg(contour, tab.at, (tab.width_mm + options.kerf_mm) / 2 + options.corner_mm) > BENT_DEG:
             yield f"{place} that lies in a corner, or less than {options.corner_mm:g} mm from one"
+
+
+def _left_beside_lead_mm(cut: Cut, options: HoldSmallPartsOptions) -> float | None:
+    """The metal between the end of a cut, where its tab is, and its lead-in, mm; None where tabs lie elsewhere."""
+    if not options.at_end or len(cut.tabs) != 1 or cut.lead_in is None or cut.lead_out is None:
+        return None
+    return float(shapely.distance(shapely.Point(cut.end), cut.lead_in.line())) - options.kerf_mm
 
 
 def _asked(part: Part, options: HoldSmallPartsOptions) -> tuple[tuple[int, tuple[Tab, ...]] | None, str]:

@@ -34,6 +34,12 @@ class HullBefore(OrderRule[NoOptions]):
     the sheet, or in the same hole), is cut before it. A centroid on the hull is in it; one in the other part's own
     metal is not, as when a trough lies around that part.
 
+    ## Links, tabs and other cuts
+
+    - **Links**: They change no order: the two parts that a link joins are cut as they would be with a pierce.
+    - **Tabs**: They change nothing: a part on its tabs is out once it is cut.
+    - **Scrap lines**: Nothing is asked of them: they are cut when all parts are out.
+
     ## Why
 
     Pristupov 2016 (fig. 4): once a hook or a channel is out, what sits in its mouth hangs on an island of metal. The

@@ -26,6 +26,13 @@ class InnerBeforeOuter(OrderRule[NoOptions]):
     before that hole, and a slit before the contour that its slot is of. It is stated for each contour and the one
     immediately around it; the rest follows.
 
+    ## Links, tabs and other cuts
+
+    - **Links**: They change no order: a hole is never linked, and a link leads to an outer contour when its holes are
+      out.
+    - **Tabs**: The order is kept as ever: a part on its tabs may move a little.
+    - **Scrap lines**: They lie in no part, and no part lies in them.
+
     ## Why
 
     Cutting a contour frees the metal inside it: a contour cut there afterwards is cut in a piece that has fallen or

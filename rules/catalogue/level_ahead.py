@@ -34,7 +34,12 @@ class LevelAhead(OrderRule[NoOptions]):
     in direction d meets its outer contour: the space between the start side and the part, its own area left out. A
     part whose centroid lies in the shadow of another in the same place (straight on the sheet, or in the same hole)
     is cut before it. A ray that grazes the contour meets it; a centroid on the contour is not in its area.
-    Parts that tabs hold are ordered as all others: tabs do not stiffen what is cut later.
+
+    ## Links, tabs and other cuts
+
+    - **Links**: They change no order: the two parts that a link joins are cut as they would be with a pierce.
+    - **Tabs**: They change nothing: tabs do not stiffen what is cut later.
+    - **Scrap lines**: Nothing is asked of them: they are cut when all parts are out.
 
     ## Why
 

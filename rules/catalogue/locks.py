@@ -45,6 +45,13 @@ class Locks(Rule[LocksOptions]):
     that locks leave no room for are dropped, as few as can be, and listed; the zones follow positions that are locked.
     A lock that contradicts any other hard rule is an error that names both.
 
+    ## Links, tabs and other cuts
+
+    - **Links**: `linked: false` rules out each link to a contour. A locked entry or direction holds with a link, too.
+    - **Tabs**: `tab: [x, y]` and `tab: off` decide them. A locked entry keeps its place, and tabs give way to it.
+    - **Scrap lines**: They have names, `scrap1` and so on, by which positions and orders of them are locked, among each
+      other.
+
     ## Why
 
     The operator knows what no rule does: a scratch on the sheet, a part that is waited for, a clamp in the way.

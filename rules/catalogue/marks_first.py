@@ -39,6 +39,12 @@ class MarksFirst(Rule[MarksFirstOptions]):
     With `scope: sheet` every mark of the nest comes before the first contour that is cut through; with `scope: part`
     the marks of a part come before its own holes and outer contour only.
 
+    ## Links, tabs and other cuts
+
+    - **Links**: A mark is never linked: the torch goes off before it.
+    - **Tabs**: Only outer contours have tabs.
+    - **Scrap lines**: Marks come before them, as before everything that is cut.
+
     ## Why
 
     Metal moves as soon as it is cut: heat bends it and parts shift in their kerf, so that a line marked later is out

@@ -24,6 +24,12 @@ class NestedBeforeHostHoles(OrderRule[NoOptions]):
     Every part that lies straight in a hole of a host (first level) is out before the first inner contour of the host
     is cut, not only before the hole it lies in. A part is out with its outer contour, its own last cut.
 
+    ## Links, tabs and other cuts
+
+    - **Links**: They change no order. Parts in one hole may be linked with each other, never with the host.
+    - **Tabs**: The order is kept as ever: a part in a hole is out once it is cut, on its tabs or not.
+    - **Scrap lines**: Nothing is asked of them: none lies in a hole of a part.
+
     ## Why
 
     Verkhoturov et al., restriction 2: the host is still whole, and so stiff, while the parts inside it are cut, and

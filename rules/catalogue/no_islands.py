@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 ALLOWANCE = 0.05
 """How far under `frame_share` the judged share may be: facts see the boundary in cells, the judging sees it finer."""
+NEAR_MM = 0.5
+"""How much further than the web the judging looks: in other steps than the facts it may miss where two are nearest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,13 +46,19 @@ class NoIslands(Rule[NoIslandsOptions]):
     within the `web` of part-rigidity. A part hangs on the frame, which is never cut, if at least `frame_share` of its
     outer contour faces solid metal or the strip of sheet along the edge; a part inside a hole hangs on its host, which
     is cut after it. Of parts that hang together at the start, every one but the last must leave one behind that it
-    hangs on, or hang on the frame. What hangs together and on no frame ends with any of its parts. Tabs change nothing
-    here: they hold a part once it is cut, and the rule is about metal that is not cut yet. The check allows
-    0.05 less than `frame_share`, for it looks at the boundary in finer steps than the facts.
+    hangs on, or hang on the frame. What hangs together and on no frame ends with any of its parts. The check allows
+    0.05 less than `frame_share`, and looks 0.5 mm further than the web, for it looks at the boundary in other steps
+    than the facts.
 
     Where orders that may not be broken leave no other way, a plan under the hard rule excuses a part that hangs on
     nothing any more, in as few places as can be, and says so: in its list of exceptions and in the program, as
     `(EXCUSED no-islands P1.outer)`.
+
+    ## Links, tabs and other cuts
+
+    - **Links**: What a link burns of the skeleton is not looked at.
+    - **Tabs**: They change nothing: they hold a part once it is cut, and the rule is about metal that is not cut yet.
+    - **Scrap lines**: Nothing is asked of them: no part is left when they are cut.
 
     ## Why
 
@@ -97,7 +105,8 @@ class NoIslands(Rule[NoIslandsOptions]):
                 yield AtLeast(tuple(literals), tuple(weights), bound, about)
 
     def violations(self, nest: Nest, cuts: CutSequence, options: NoIslandsOptions) -> list[Violation]:
-        joined, framed = holding(nest, options.web_mm, options.edge_band_mm, options.frame_share - ALLOWANCE)
+        web_mm, share = options.web_mm + NEAR_MM, options.frame_share - ALLOWANCE
+        joined, framed = holding(nest, web_mm, options.edge_band_mm, share)
         number = {part.outer.id: k for k, part in enumerate(nest.parts)}
         at = {number[cut.contour]: k for k, cut in enumerate(cuts, 1) if cut.contour in number}
         found = []

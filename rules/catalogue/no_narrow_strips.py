@@ -53,6 +53,12 @@ class NoNarrowStrips(Rule[NoNarrowStripsOptions]):
     the hard rule excuses a part, in as few places as can be, and says so: in its list of exceptions and in the program,
     as `(EXCUSED no-narrow-strips P1.outer)`.
 
+    ## Links, tabs and other cuts
+
+    - **Links**: What a link burns of the metal is not looked at.
+    - **Tabs**: They change nothing: they hold a part once it is cut, and the rule is about metal that is not cut yet.
+    - **Scrap lines**: Nothing is asked of them: no part is left when they are cut.
+
     ## Why
 
     Petunin 2009 (fig. 3): a narrow strip left between two openings bends with the heat of the next cuts, and the parts

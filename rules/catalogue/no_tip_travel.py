@@ -29,8 +29,14 @@ class NoTipTravel(Rule[NoOptions]):
     The straight line from the end of each cut to the next pierce, from home to the first and from the last back home,
     does not cross the area of a part whose outer contour has been cut before. The area is all that the outer contour
     encloses: what falls out of a hole may stand up as well. Where the machine travels with its head down
-    (`machine.head: down`) a soft rule is hard. A part that tabs hold does not tip: travel over it is free. A link to
-    the next part is no idle travel: it runs through waste.
+    (`machine.head: down`) a soft rule is hard.
+
+    ## Links, tabs and other cuts
+
+    - **Links**: A link is no idle travel: it runs through waste.
+    - **Tabs**: A part that tabs hold does not tip: travel over it is free.
+    - **Scrap lines**: Travel to them and between them keeps off the parts that are out. Loose pieces of the skeleton
+      are not looked at.
 
     ## Why
 

@@ -38,8 +38,13 @@ class PartContiguous(Rule[PartContiguousOptions]):
 
     A part is cut in one go: its holes and slits in any order, its outer contour last, and no contour of another part in
     between. Marks are left out unless `marks: together` (which needs `marks-first: {scope: part}`). What is left of a
-    part when a program goes on after a stop is cut in one go as well, whenever its turn comes. No link leads to a part
-    with holes while the rule is hard: its holes come first.
+    part when a program goes on after a stop is cut in one go as well, whenever its turn comes.
+
+    ## Links, tabs and other cuts
+
+    - **Links**: No link leads to a part with holes while the rule is hard: its holes come first.
+    - **Tabs**: They change nothing.
+    - **Scrap lines**: They belong to no part, so that each is alone. They are a run of their own by scrap-last.
 
     ## Why
 

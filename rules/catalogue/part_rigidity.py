@@ -62,11 +62,15 @@ class PartRigidity(Rule[PartRigidityOptions]):
     Beside that, at most `head_rigid_max` of the first `head_share` should be rigid: it costs `head_weight` where more
     is. That is a wish only and is never judged.
 
-    A part with tabs does not come free when its cut ends, so that it may end along anything.
-
     Some contours can never keep the rule: every stretch faces an edge. These are exempt. Where orders that may not be
     broken leave a contour nothing to end on, the plan excuses it, in as few places as can be, and says so: in its list
     of exceptions and in the program, as `(EXCUSED part-rigidity P1.outer)`.
+
+    ## Links, tabs and other cuts
+
+    - **Links**: Where a link leads to a contour, it ends as it would after a pierce: the rule looks at the end alone.
+    - **Tabs**: A part with tabs does not come free when its cut ends, so that it may end along anything.
+    - **Scrap lines**: Nothing is asked of them, and a part does not end along them: they are not cut yet.
 
     ## Why
 

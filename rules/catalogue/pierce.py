@@ -55,8 +55,12 @@ class Pierce(Rule[PierceOptions]):
     leads keep to their own half of a street. Where a street is too narrow for that, an entry may only be used while
     the neighbour whose kerf it meets is still in.
 
-    A link from one contour to the next is judged as a lead, and is not pierced. It may be in the kerf of the contour
-    that it leaves, and of that contour's own lead.
+    ## Links, tabs and other cuts
+
+    - **Links**: A link is judged as a lead, and is not pierced. It may be in the kerf of the contour that it leaves,
+      and of that contour's own lead. The way that it leads to must be lawful with its pierce, too.
+    - **Tabs**: The kerf round a part counts as void over its tabs, too.
+    - **Scrap lines**: They begin in a void, when all parts are out: nothing is asked of them.
 
     ## Why
 

@@ -35,6 +35,13 @@ class ScrapLast(Rule[ScrapLastOptions]):
     the skeleton (of equal ones the lowest, then the leftmost). So pieces come off from the outside in. Stated for each
     line that does not bound the frame: another line that bounds the same piece is cut after it.
 
+    ## Links, tabs and other cuts
+
+    - **Links**: Where there are scrap lines there are no links: a link may cut metal off the skeleton, in which a line
+      is cut afterwards.
+    - **Tabs**: A part with tabs is out once it is cut, and leaves with its piece of the skeleton.
+    - **Scrap lines**: The rule orders them.
+
     ## Why
 
     The skeleton holds the parts until they are cut. A piece of it that is cut off lies loose on the slats; a line cut

@@ -46,6 +46,13 @@ class SharedMetal(Rule[SharedMetalOptions]):
     outer contour of the same part may be as thin as it likes: both kerfs lie in waste. Marks burn nothing through.
     Where the rule is off, as in wood, contours may touch; the check then only warns.
 
+    ## Links, tabs and other cuts
+
+    - **Links**: A link keeps as far off every part as a cut does; no-gouging of the check measures it.
+    - **Tabs**: They change nothing: the two kerfs are compared all round.
+    - **Scrap lines**: One that comes nearer than a kerf to a part is refused when the nest is read, whatever the rule
+      is.
+
     ## Why
 
     Parts of metal must keep their size. Pavlov 1999 (section 1) lets contours touch in wood only; in metal a common cut

@@ -61,6 +61,12 @@ class StartSide(Rule[StartSideOptions]):
     Differences under a millionth do not count, so that the place of the drawing does not decide. The profile
     may fix the side. The rule states nothing by itself: level-ahead and zone-order follow it.
 
+    ## Links, tabs and other cuts
+
+    - **Links**: They change nothing.
+    - **Tabs**: They change nothing.
+    - **Scrap lines**: What they cut does not count when the side is chosen.
+
     ## Why
 
     Petunin 2009 (fig. 2): long parts bend most, so they go first, while the sheet is cold and whole; a large offcut

@@ -51,7 +51,14 @@ class TMax(Rule[TMaxOptions]):
     of the orders tried, the one is taken whose program is done first. Waits stand in the plan (`dwell_s`) and in the
     program (`G4` before the torch is lit), and count in its time; the objective does not see them. Where neither helps
     there is no plan, and the answer says how hot the coolest one got, and which waits would do. The check simulates the
-    program as its own reader understands it. With `dwells: true` no part is linked with the next: the torch waits off.
+    program as its own reader understands it.
+
+    ## Links, tabs and other cuts
+
+    - **Links**: With `dwells: true` no part is linked with the next: the torch waits while it is off. Without, the
+      simulation burns the links of the program.
+    - **Tabs**: The check has the torch burn through the tab, so that it errs on the safe side.
+    - **Scrap lines**: They are simulated as all cuts are.
 
     ## Why
 

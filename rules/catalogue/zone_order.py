@@ -75,6 +75,12 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
     contains, has a zone of its own, and where locks put parts in zones these may pass it: both are exceptions that the
     plan lists. `kerfwise facts` gives the heat of every zone.
 
+    ## Links, tabs and other cuts
+
+    - **Links**: A link may lead from the last part of a zone to the first of the next.
+    - **Tabs**: They change nothing.
+    - **Scrap lines**: They are a zone of their own, the last, and no budget of heat is asked of it.
+
     ## Why
 
     Petunin 2009 (fig. 4): what is left of the sheet stays as close to a square as it can, and so stiff, and heat

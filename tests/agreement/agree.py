@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Set
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -17,6 +17,7 @@ from kerfwise.rules.statements import EXEMPTION_MM
 from kerfwise.rules.stating.lazy import afterthoughts
 from kerfwise.rules.stating.state_rules import Stated, state_rules
 from kerfwise.tests.agreement.by_check import Judge, Let, shifted
+from kerfwise.tests.agreement.cases import Kind as KindOfNest
 from kerfwise.tests.agreement.cases import judged_case
 from kerfwise.tests.agreement.engines import ENGINES, IMPOSSIBLE, UNPROVEN, Answer
 from kerfwise.tests.agreement.orders import ORDER_RULES, order_disagreements
@@ -47,7 +48,8 @@ plan may have them."""
 class Agreement:
     """`outcome` is solved, infeasible or unproven; `engines` those compared; `differ` has a line for each difference.
 
-    `blurred` says that the check's allowance leaves the optimum a range.
+    `blurred` says that the check's allowance leaves the optimum a range; `has` names what the nest has beyond contours
+    that are each pierced and cut all round.
     """
 
     outcome: str
@@ -55,11 +57,28 @@ class Agreement:
     blurred: bool
     order_sets: int
     differ: tuple[str, ...]
+    has: tuple[str, ...] = ()
 
 
-def agreement(seed: int, slits: bool = False, options: bool = False) -> Agreement:
-    """Everything compared on the nest of a seed; with `slits` on one that has some, with `options` under drawn ones."""
-    case = judged_case(seed, slits, options)
+def agreement(seed: int, kind: KindOfNest = "plain") -> Agreement:
+    """Everything compared on the nest of a seed, of a kind."""
+    case = judged_case(seed, kind)
+    return replace(_agreement(case), has=tuple(_techniques(case)))
+
+
+def _techniques(case: Case) -> Iterator[str]:
+    nest = case.facts.nest
+    if case.facts.tabbed:
+        yield "tabs"
+    if case.facts.links:
+        yield "links"
+    if nest.scrap:
+        yield "scrap lines"
+    if any(c.kind == "slit" for c in nest.contours):
+        yield "slits"
+
+
+def _agreement(case: Case) -> Agreement:
     few = case.facts.n <= FEW
     differ = order_disagreements(case.facts.nest, case.profile) if few else []
     sets = len(ORDER_RULES) if few else 0

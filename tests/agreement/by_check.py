@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import permutations, product
+from itertools import chain, pairwise, permutations, product
 from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kerfwise.encoder.cut import CutSequence
 from kerfwise.rules.catalogue import no_islands, part_rigidity
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.catalogue.no_islands import NoIslandsOptions
@@ -30,6 +31,8 @@ OF_OUTERS = ("no-islands", "no-narrow-strips")
 """Rules that look at outer contours alone."""
 OF_LEADS = "kerf of the lead"
 """What a violation says that is of the ways of two cuts: one meets the kerf of the other's lead."""
+OF_LINKS = "the link of"
+"""What a violation says of a link."""
 
 
 def shifted(profile: Profile, share: float) -> Profile:
@@ -76,6 +79,7 @@ class Judge:
         special = {*OF_ONE_CUT, *self.of_route}
         self.of_order = [rule for rule in self.rules if rule not in special and not self._of_pairs(rule)]
         self.of_order.sort(key=lambda rule: rule in OF_OUTERS)
+        self.of_links = bool(trial.taken)
         self.exempt = self._exempt()
 
     def price_mm(self, order: Order, picks: Sequence[int]) -> float:
@@ -85,7 +89,7 @@ class Judge:
                 return inf
         price = self._pair_prices(np.array([order], dtype=np.int8))[0] + self._of_order(order)
         stops = [self.trial.first[-1], *(self.trial.first[i] + picks[i] for i in order), self.trial.first[-1]]
-        travel = self.trial.price * float(self.trial.legs_mm[stops[:-1], stops[1:]].sum())
+        travel = float(self.trial.moves[stops[:-1], stops[1:]].sum())
         ways = self._of_ways(order)
         return float(price + travel + sum(ways[i][picks[i]] for i in order) + self._of_route_mm(order, picks))
 
@@ -105,7 +109,10 @@ class Judge:
         return None if best == inf else float(best)
 
     def _orders(self) -> Orders:
-        """All orders but those that a hard rule about pairs forbids: one inverted pair forbids all that invert it."""
+        """All orders but those that a hard rule about pairs forbids: one inverted pair forbids all that invert it.
+
+        Nor those that part what has to follow each other after all else.
+        """
         n = self.trial.n
         orders = np.array(list(permutations(range(n))), dtype=np.int8)
         at = np.argsort(orders, axis=1)
@@ -113,6 +120,9 @@ class Judge:
         for rule, setting in self.rules.items():
             if setting.weight is None and self._of_pairs(rule):
                 for before, after in self._inverted(rule):
+                    kept &= at[:, before] < at[:, after]
+            elif setting.weight is None and not self._excusable(rule):
+                for before, after in self._asked(rule)[0]:
                     kept &= at[:, before] < at[:, after]
         return orders[kept]
 
@@ -160,14 +170,14 @@ class Judge:
         return [(number[a], number[b]) for a, b in kept], [[number[name] for name in run] for run in runs]
 
     def _least_travel(self, orders: Orders) -> NDArray[np.float64]:
-        """Travel in every order, were each leg the shortest between any ways of its two contours."""
-        first, legs, n = [*self.trial.first, self.trial.first[-1] + 1], self.trial.legs_mm, self.trial.n
-        least = np.array(
-            [[legs[first[i] : first[i + 1], first[j] : first[j + 1]].min() for j in range(n + 1)] for i in range(n + 1)]
-        )
+        """Moves in every order, were each the cheapest between any ways of its two contours, with what those cost."""
+        first, n = self.trial.first, self.trial.n
+        moves = self.trial.moves + np.array([*chain.from_iterable(self.trial.way_prices), 0.0])
+        of = [slice(a, b) for a, b in pairwise([*first, first[-1] + 1])]
+        least = np.array([[moves[i, j].min() for j in of] for i in of])
         home = np.full((len(orders), 1), n)
         rounds = np.hstack([home, orders, home])
-        return np.asarray(self.trial.price * least[rounds[:, :-1], rounds[:, 1:]].sum(axis=1))
+        return np.asarray(least[rounds[:, :-1], rounds[:, 1:]].sum(axis=1))
 
     def _of_order(self, order: Order) -> float:
         """What the rules that look at the whole order cost; inf where a hard one is broken."""
@@ -204,7 +214,7 @@ class Judge:
         routes = []
         for picked in product(*ways):
             stops = [home, *(first[i] + w for i, w in zip(order, picked, strict=True)), home]
-            travel = trial.price * float(trial.legs_mm[stops[:-1], stops[1:]].sum())
+            travel = float(trial.moves[stops[:-1], stops[1:]].sum())
             cost = price + travel + sum(extra[i][w] for i, w in zip(order, picked, strict=True))
             routes.append((cost, picked))
         for cost, picked in sorted(routes):
@@ -248,16 +258,27 @@ class Judge:
 
     def _of_route_mm(self, order: Order, picks: Sequence[int]) -> float:
         """What the rules cost that look at single moves and at times; inf where a hard one is broken."""
-        if not self.of_route:
+        if not self.of_route and not self.of_links:
             return 0.0
-        sequence = self.trial.sequence(order, picks, timed=self.timed)
+        plain = self.trial.sequence(order, picks, timed=self.timed)
+        linked = self.trial.sequence(order, picks, linked=True) if self.of_links else plain
+        if self.of_links and not self._links_hold(linked):
+            return inf
         total = 0.0
         for rule in self.of_route:
             weight = self.rules[rule].weight
-            found = self._violations(rule, sequence)
+            found = self._violations(rule, plain if rule in OF_ONE_CUT else linked)
             breaches = sum(rule not in OF_ONE_CUT or OF_LEADS in violation.text for violation in found)
             total += (inf if weight is None else weight * breaches) if breaches else 0.0
         return total
+
+    def _links_hold(self, linked: CutSequence) -> bool:
+        """Whether the check lets the links of a plan pass: what else it asks of these cuts, it asks without links, too.
+
+        A way that a link leads to is asked for what its pierce and lead-in would be asked for.
+        """
+        hard = [rule for rule in OF_ONE_CUT if rule in self.rules and self.rules[rule].weight is None]
+        return not any(OF_LINKS in v.text for rule in hard for v in self._violations(rule, linked))
 
     def _exempt(self) -> frozenset[str]:
         """Outer contours none of whose ways keeps part-rigidity even while all others are in."""

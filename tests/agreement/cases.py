@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from math import prod
+from typing import Literal
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import compute_facts
+from kerfwise.encoder.facts.links import with_links
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.slits import with_slits
@@ -20,26 +22,85 @@ from kerfwise.postproc.clock.contour_heat import contour_heat_kj
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStripsOptions
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
-from kerfwise.rules.profile.cuts_section import Cuts
+from kerfwise.rules.profile.cuts_section import Cuts, Links
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import RuleSetting
+from kerfwise.tests.agreement.scrap_lines import with_lines
 from kerfwise.tests.drawn_options import with_drawn_options
-from kerfwise.tests.models.engines.minizinc.cases import Case, lead_options, random_nest, random_profile
+from kerfwise.tests.models.engines.minizinc.cases import Case, lead_options, near_parts, random_nest, random_profile
 
 ROUTES = {5: 256, 6: 128, 7: 64, 8: 16, 9: 4}
 """Contours → the most ways to pick entries and directions that are tried along each order."""
+WORK = 8
+"""The limit of each engine: enough for a proof, with a search before it that finds nothing more."""
 FIRM = ("inner-before-outer", "level-ahead", "zone-order")
 """Rules that are always hard on the larger nests, so that few enough orders are left to judge one by one."""
+SCRAP_LAST = "scrap-last"
+"""The rule that is always hard where there are scrap lines: without it the check fails for loose metal."""
+Kind = Literal["plain", "slits", "options", "links", "scrap"]
+"""What the nests of a run have besides tabs, and what is drawn for them."""
 
 
-def judged_case(seed: int, slits: bool = False, options: bool = False) -> Case:
-    """A nest of 5 to 9 contours under a random mixture of rules; the same for the same seed.
+def judged_case(seed: int, kind: Kind = "plain") -> Case:
+    """A nest of 5 to 9 contours under a random mixture of rules, tabs among them; the same for the same seed.
 
-    With `slits` one or two of 5 to 8 contours are slits. With `options` each option of each rule is drawn from what it
-    declares, for 5 or 6 contours.
+    With slits one or two of 5 to 8 contours are slits. With options each option of each rule is drawn from what it
+    declares, for 5 or 6 contours. With links 5 or 6 contours stand near each other, and 2 s a pierce make links worth
+    it. With scrap lines there are one to three, and 4 or 5 other contours.
     """
-    if options:
-        return _with_options(seed)
+    match kind:
+        case "options":
+            return _with_options(seed)
+        case "links":
+            return _with_links(seed)
+        case "scrap":
+            return _with_scrap(seed)
+        case "plain" | "slits":
+            return _with_slits_or_none(seed, kind == "slits")
+
+
+def kind_of(seed: int) -> Kind:
+    """What is tried with a seed where everything is to be in the mixture: of four nests one with links, one with scrap.
+
+    Four has no divisor in common with 3 and 5, by which seeds decide other things.
+    """
+    return ("plain", "links", "plain", "scrap")[seed % 4]  # type: ignore[return-value]
+
+
+def _with_links(seed: int) -> Case:
+    rng = np.random.default_rng([seed, 6])
+    drawn = near_parts(rng, 6)
+    profile = _visible(rng, random_profile(rng, drawn))
+    rules = dict(profile.rules)
+    heat = rules["heat-lag"]
+    rules["heat-lag"] = replace(heat, options=replace(heat.options, lag_s=0.0))  # type: ignore[type-var]
+    machine = replace(profile.machine, pierce_time_s=2.0)
+    profile = replace(profile, rules=rules, machine=machine, cuts=Cuts(links=Links(longest_mm=90.0)))
+    made = _as_case(rng, drawn, profile, seed)
+    return replace(made, facts=with_links(made.facts, profile.link_options()))
+
+
+def _with_scrap(seed: int) -> Case:
+    rng = np.random.default_rng([seed, 7])
+    while True:
+        drawn = random_nest(rng, 4 + seed % 2, 4)
+        profile = _visible(rng, random_profile(rng, drawn))
+        lined = with_lines(rng, drawn, 1 + seed % 3, profile.material.kerf_mm)
+        if lined is not None:
+            rules = dict(profile.rules) | {SCRAP_LAST: _hard(profile, SCRAP_LAST)}
+            return _as_case(rng, lined, replace(profile, rules=rules), seed)
+
+
+def _as_case(rng: np.random.Generator, drawn: Nest, profile: Profile, seed: int) -> Case:
+    if len(drawn.contours) > 7:
+        profile = replace(profile, rules=dict(profile.rules) | {rule: _hard(profile, rule) for rule in FIRM})
+    most = ROUTES[len(drawn.contours)]
+    candidates = thinned(rng, drawn, build_candidates(drawn, lead_options(profile, seed)), most)
+    facts = compute_facts(drawn, profile.fact_options(drawn), candidates)
+    return Case(facts, profile, options_for(drawn, profile, work=WORK))
+
+
+def _with_slits_or_none(seed: int, slits: bool) -> Case:
     rng = np.random.default_rng([seed, 4 if slits else 3])
     contours = 4 + seed % 3 if slits else 5 + seed % 5
     drawn = random_nest(rng, contours, contours)
@@ -48,14 +109,8 @@ def judged_case(seed: int, slits: bool = False, options: bool = False) -> Case:
         while (made := with_slits(slotted(rng, drawn, 1 + seed % 2), kerf_mm)) is drawn or made.drawn is None:
             drawn = random_nest(rng, contours, contours)  # without a rectangle that could have a slot
         drawn = made
-        contours = len(drawn.contours)
     profile = _visible(rng, random_profile(rng, drawn))
-    profile = replace(profile, cuts=Cuts("slit" if slits else "refuse"))
-    if contours > 7:
-        profile = replace(profile, rules=dict(profile.rules) | {rule: _hard(profile, rule) for rule in FIRM})
-    candidates = thinned(rng, drawn, build_candidates(drawn, lead_options(profile, seed)), ROUTES[contours])
-    facts = compute_facts(drawn, profile.fact_options(drawn), candidates)
-    return Case(facts, profile, options_for(drawn, profile, work=40))
+    return _as_case(rng, drawn, replace(profile, cuts=Cuts("slit" if slits else "refuse")), seed)
 
 
 def _with_options(seed: int) -> Case:
@@ -70,7 +125,7 @@ def _with_options(seed: int) -> Case:
         candidates = thinned(rng, drawn, candidates, ROUTES[len(drawn.contours)])
         heat_kj = contour_heat_kj(drawn, candidates, profile)
         facts = compute_facts(drawn, profile.fact_options(drawn), candidates, heat_kj)
-        return Case(facts, profile, options_for(drawn, profile, work=40))
+        return Case(facts, profile, options_for(drawn, profile, work=WORK))
 
 
 def slotted(rng: np.random.Generator, drawn: Nest, most: int) -> Nest:

@@ -15,7 +15,7 @@ from kerfwise.rules.registry import RULES
 from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.agreement.agree import agreement
 from kerfwise.tests.agreement.by_check import Judge
-from kerfwise.tests.agreement.cases import judged_case
+from kerfwise.tests.agreement.cases import judged_case, kind_of
 from kerfwise.tests.agreement.engines import gecode
 from kerfwise.tests.agreement.orders import (
     ORDER_RULES,
@@ -50,17 +50,48 @@ def test_the_engines_and_the_check_agree(seed: int) -> None:
 @pytest.mark.minizinc
 @pytest.mark.parametrize("seed", [0, 8, *(pytest.param(k, marks=pytest.mark.slow) for k in (2, 4, 12))])
 def test_they_agree_on_nests_with_slits(seed: int) -> None:
-    assert any(c.kind == "slit" for c in judged_case(seed, slits=True).facts.nest.contours)
-    found = agreement(seed, slits=True)
+    assert any(c.kind == "slit" for c in judged_case(seed, "slits").facts.nest.contours)
+    found = agreement(seed, "slits")
     assert found.outcome in ("solved", "infeasible")
     assert found.differ == ()
+
+
+@pytest.mark.minizinc
+@pytest.mark.parametrize("seed", [0, 5, 7, *(pytest.param(k, marks=pytest.mark.slow) for k in (2, 4, 6))])
+def test_they_agree_on_nests_with_links(seed: int) -> None:
+    found = agreement(seed, "links")
+    assert found.outcome in ("solved", "infeasible")
+    assert found.differ == ()
+
+
+def test_links_are_offered_and_taken() -> None:
+    judge = Judge(Trial.of(judged_case(5, "links")), frozenset())
+    assert judge.trial.taken
+    without = Judge(replace(judge.trial, links={}), frozenset()).cheapest_mm()
+    least = judge.cheapest_mm()
+    assert least is not None
+    assert without is not None
+    assert least < without
+
+
+@pytest.mark.minizinc
+@pytest.mark.parametrize("seed", [2, 6, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 3, 4, 5, 7))])
+def test_they_agree_on_nests_with_scrap_lines(seed: int) -> None:
+    assert judged_case(seed, "scrap").facts.nest.scrap
+    found = agreement(seed, "scrap")
+    assert found.outcome in ("solved", "infeasible")
+    assert found.differ == ()
+
+
+def test_of_four_nests_one_has_links_and_one_scrap_lines() -> None:
+    assert [kind_of(seed) for seed in range(5)] == ["plain", "links", "plain", "scrap", "plain"]
 
 
 @pytest.mark.minizinc
 @pytest.mark.parametrize("seed", [2, *(pytest.param(k, marks=pytest.mark.slow) for k in (0, 4, 10))])
 def test_they_agree_whatever_the_options(seed: int) -> None:
     """Each option of each rule is drawn from what it declares: a new one is drawn by itself."""
-    found = agreement(seed, options=True)
+    found = agreement(seed, "options")
     assert found.outcome in ("solved", "infeasible")
     assert found.differ == ()
 
@@ -79,7 +110,7 @@ SIDES: dict[str, tuple[type, str]] = {
 def test_an_option_that_one_side_ignores_is_noticed(side: str, monkeypatch: pytest.MonkeyPatch) -> None:
     owner, name = SIDES[side]
     rightly = getattr(owner, name)
-    case = judged_case(IGNORED, options=True)
+    case = judged_case(IGNORED, "options")
     assert case.profile.rules["heat-lag"].strength != "off"
     assert case.profile.rules["heat-lag"].options.lag_cuts > 1
     assert order_disagreements(case.facts.nest, case.profile) == []

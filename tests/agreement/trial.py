@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import combinations
+from itertools import combinations, pairwise, product
 
 import numpy as np
 import shapely
 
 from kerfwise.arrays import Floats
 from kerfwise.encoder.cut import Cut, CutSequence, Side
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.models.physics.timing.constant import Leg, schedule
 from kerfwise.models.plan.make import feeds_of
 from kerfwise.postproc.check.runs_from_cuts import runs_from_cuts
@@ -33,16 +34,23 @@ class Trial:
     ways: tuple[tuple[Cut, ...], ...]
     start_side: Side | None
     profile: Profile
+    links: Mapping[tuple[int, int], Curve] = field(default_factory=dict)
+    """The links that are offered, by the numbers of the two ways to cut that they join, counted as `first` does."""
 
     @staticmethod
     def of(case: Case) -> Trial:
-        """The candidates of a case as cuts."""
+        """The candidates of a case as cuts, and its links."""
         facts = case.facts
         ways: list[list[Cut]] = [[] for _ in range(facts.n)]
         for c in facts.candidates:
             name, zone = facts.nest.contours[c.contour].id, int(facts.zone[c.contour])
             ways[c.contour].append(c.as_cut(name, zone))
-        return Trial(facts.nest, tuple(map(tuple, ways)), facts.start_side, case.profile)
+        links = {
+            (a, b): Curve.of(list(link.path), closed=False)
+            for link in facts.links
+            for a, b in product(link.leave, link.reach)
+        }
+        return Trial(facts.nest, tuple(map(tuple, ways)), facts.start_side, case.profile, links)
 
     @property
     def n(self) -> int:
@@ -55,20 +63,59 @@ class Trial:
         objective = self.profile.objective
         return objective.idle + objective.time / self.profile.machine.travel_mm_s
 
+    @property
+    def counts_pierces(self) -> bool:
+        """Whether plans are compared by all their time: links save pierces and leads."""
+        return self.profile.cuts.links.longest_mm > 0 and self.profile.no_links(self.nest) is None
+
+    @cached_property
+    def second(self) -> float:
+        """What a second costs beside idle travel."""
+        objective = self.profile.objective
+        return objective.time + (objective.idle * self.profile.machine.travel_mm_s if self.counts_pierces else 0.0)
+
     @cached_property
     def way_prices(self) -> list[list[float]]:
-        """What each way to cut a contour costs for the seconds that it takes beyond the contour's quickest one."""
-        machine, found = self.profile.machine, []
+        """What each way to cut a contour costs for its seconds: with links all, else those over the quickest way's."""
+        found = []
         for contour, own in zip(self.nest.contours, self.ways, strict=True):
-            mark = contour.kind == "mark"
-            feed = machine.mark_feed_mm_s if mark else machine.cut_feed_mm_s
-            seconds = [
-                sum(lead.length_mm for lead in (cut.lead_in, cut.lead_out) if lead is not None) / feed
-                + (machine.pierce_time_s if not mark and self._sheet.intersects(shapely.Point(cut.pierce)) else 0.0)
-                for cut in own
-            ]
-            more = [s - min(seconds) for s in seconds]
-            found.append([self.profile.objective.time * s if s >= LEAST_S else 0.0 for s in more])
+            seconds = [self._start_s(contour, cut) + self._lead_s(contour, cut.lead_out) for cut in own]
+            least = 0.0 if self.counts_pierces else min(seconds)
+            found.append([self.second * (s - least) if s - least >= LEAST_S else 0.0 for s in seconds])
+        return found
+
+    def _start_s(self, contour: Contour, cut: Cut) -> float:
+        """Seconds to the place where the torch joins the contour."""
+        machine = self.profile.machine
+        if contour.kind == "mark":
+            pierce_s = machine.mark_time_s if self.counts_pierces else 0.0
+        else:
+            pierce_s = machine.pierce_time_s if self._sheet.intersects(shapely.Point(cut.pierce)) else 0.0
+        return pierce_s + self._lead_s(contour, cut.lead_in)
+
+    def _lead_s(self, contour: Contour, lead: Curve | None) -> float:
+        machine = self.profile.machine
+        feed = machine.mark_feed_mm_s if contour.kind == "mark" else machine.cut_feed_mm_s
+        return 0.0 if lead is None else lead.length_mm / feed
+
+    @cached_property
+    def moves(self) -> Floats:
+        """What each move costs, numbered as in `legs_mm`: idle travel, or a link that costs less."""
+        found = self.price * self.legs_mm
+        for (a, b), (cost, _) in self.taken.items():
+            found[a, b] = cost
+        return found
+
+    @cached_property
+    def taken(self) -> dict[tuple[int, int], tuple[float, Curve]]:
+        """The links that cost less than idle travel: what each costs, less the pierce and the lead-in that it saves."""
+        found = {}
+        cuts = [(contour, cut) for contour, own in zip(self.nest.contours, self.ways, strict=True) for cut in own]
+        for (a, b), path in self.links.items():
+            contour, cut = cuts[b]
+            cost = self.second * (self._lead_s(contour, path) - self._start_s(contour, cut))
+            if cost < self.price * self.legs_mm[a, b]:
+                found[a, b] = cost, path
         return found
 
     def leads_near(self, options: PierceOptions) -> bool:
@@ -100,8 +147,10 @@ class Trial:
         """Number of the first cut of every contour, and of home, as `legs_mm` counts them."""
         return np.cumsum([0, *(len(own) for own in self.ways)]).tolist()
 
-    def sequence(self, order: Sequence[int], picks: Sequence[int], timed: bool = False) -> CutSequence:
-        """The cuts of contours in order, by the way picked for each contour (by its number)."""
+    def sequence(
+        self, order: Sequence[int], picks: Sequence[int], timed: bool = False, linked: bool = False
+    ) -> CutSequence:
+        """The cuts of contours in order, by the way picked for each contour (by its number); `linked` with links."""
         cuts = tuple(self.ways[i][picks[i]] for i in order)
         home = self.profile.machine.home
         if timed:
@@ -119,6 +168,13 @@ class Trial:
             ]
             times = schedule(legs, feeds_of(self.profile), home)
             cuts = tuple(replace(cut, start_s=a, end_s=b) for cut, (a, b) in zip(cuts, times, strict=True))
+        if linked:
+            moves = pairwise(self.first[i] + picks[i] for i in order)
+            links = [None, *(self.taken.get(move) for move in moves)]
+            cuts = tuple(
+                cut if link is None else replace(cut, pierce=before.end, lead_in=link[1], linked=True)
+                for before, cut, link in zip((cuts[0], *cuts[:-1]), cuts, links, strict=True)
+            )
         return CutSequence(cuts, self.start_side, home)
 
     def violations(self, rule: str, sequence: CutSequence) -> list[Violation]:

@@ -10,7 +10,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from itertools import chain, product
+from itertools import product
 from pathlib import Path
 
 import click
@@ -18,9 +18,10 @@ import click
 from kerfwise.rules.profile.profile import shipped_profiles
 from kerfwise.tests.metal.findings import KINDS
 from kerfwise.tests.metal.made_nests import made
-from kerfwise.tests.metal.planned import Tried, tried
+from kerfwise.tests.metal.planned import BEYOND, Tried, beyond, tried
+from kerfwise.tests.until_stopped import until_stopped
 
-Task = tuple[int, str, tuple[str, ...], bool]
+Task = tuple[int, str, tuple[str, ...], bool, str]
 PLANS_PER_PROCESS = 40
 """A process plans this many and then gives its memory back."""
 
@@ -37,6 +38,8 @@ PLANS_PER_PROCESS = 40
 )
 @click.option("--rests", is_flag=True, help="Stop after half of each program's cuts, and plan and judge the rest too.")
 @click.option("--each", is_flag=True, help="Print every finding.")
+@click.option("--plain", is_flag=True, help="No links, tabs and scrap lines, whatever the seed.")
+@click.option("--minutes", type=float, help="Begin no more plans after so long.")
 def main(
     nests: int,
     first: int,
@@ -47,18 +50,26 @@ def main(
     save: Path | None,
     rests: bool,
     each: bool,
+    plain: bool,
+    minutes: float | None,
 ) -> None:
-    """Plan made nests under profiles and judge every program by what it burns."""
+    """Plan made nests under profiles and judge every program by what it burns.
+
+    Ctrl-C ends it early, with the counts so far.
+    """
     names = tuple(shipped_profiles()) if profiles == "all" else tuple(map(_profile, profiles.split(",")))
     effort = ("--time-limit", str(time_s)) if time_s else ("--work", str(work))
-    tasks = [(seed, name, effort, rests) for seed, name in product(range(first, first + nests), names)]
+    pairs = product(range(first, first + nests), names)
+    tasks = [(seed, name, effort, rests, "" if plain else beyond(seed, name)) for seed, name in pairs]
     started, tally = time.monotonic(), Tally()
-    for done in chain.from_iterable(_run(tasks, processes)):
-        tally.add(done)
-        for line in _told(done, each):
-            click.echo(line)
-    sizes = [made(seed).contours for seed in range(first, first + nests)]
-    click.echo(f"nests made: {nests} (seeds {first} to {first + nests - 1}, {min(sizes)} to {max(sizes)} contours)")
+    for of_one in until_stopped(_run(tasks, processes), len(tasks), "plans", minutes):
+        for done in of_one:
+            tally.add(done)
+            for line in _told(done, each):
+                click.echo(line)
+    sizes = [made(seed).contours for seed in sorted(tally.seeds)] or [0]
+    seeds = f"seeds {min(tally.seeds, default=first)} to {max(tally.seeds, default=first)}"
+    click.echo(f"nests made: {len(tally.seeds)} ({seeds}, {min(sizes)} to {max(sizes)} contours)")
     click.echo("\n".join(tally.lines(names)))
     if save:
         tally.save(save)
@@ -82,8 +93,8 @@ def _run(tasks: list[Task], processes: int) -> Iterator[tuple[Tried, ...]]:
 
 
 def _one(task: Task) -> tuple[Tried, ...]:
-    seed, profile, effort, rests = task
-    return tried(made(seed), profile, effort, rests)
+    seed, profile, effort, rests, cuts_with = task
+    return tried(made(seed), profile, effort, rests, cuts_with)
 
 
 def _told(done: Tried, each: bool) -> Iterable[str]:
@@ -95,7 +106,7 @@ def _told(done: Tried, each: bool) -> Iterable[str]:
 
 
 def _by(done: Tried) -> str:
-    return f"{done.profile}, the rest" if done.rest else done.profile
+    return ", ".join(word for word in (done.profile, done.cuts_with, "the rest" if done.rest else "") if word)
 
 
 class Tally:
@@ -103,6 +114,8 @@ class Tally:
 
     def __init__(self) -> None:
         self.plans, self.rests = 0, 0
+        self.seeds: set[int] = set()
+        self.programs_with: Counter[str] = Counter()
         self.refused: Counter[str] = Counter()
         self.programs: Counter[str] = Counter()
         self.cuts: Counter[str] = Counter()
@@ -119,6 +132,7 @@ class Tally:
 
     def add(self, done: Tried) -> None:
         """Count one."""
+        self.seeds.add(done.seed)
         self.plans += not done.rest
         self.rests += done.rest
         if done.refused:
@@ -127,6 +141,7 @@ class Tally:
             self.broken += 1
         else:
             self.programs[done.profile] += 1
+            self.programs_with[done.cuts_with] += 1
             self.cuts[done.profile] += done.cuts
         kinds = Counter[str](f.kind for f in done.findings)
         self.found.update(kinds)
@@ -144,6 +159,8 @@ class Tally:
         for text, count in sorted(self.refused.items(), key=lambda item: (-item[1], item[0])):
             yield f"  refused {count:5d}  {text}"
         yield f"programs burnt: {self.programs.total()}, cuts: {self.cuts.total()}, findings: {self.found.total()}"
+        for with_what in (what for what in BEYOND if self.programs_with[what]):
+            yield f"  with {with_what or 'none of these':17s} programs {self.programs_with[with_what]:4d}"
         for name in profiles:
             counts = f"programs {self.programs[name]:4d}  cuts {self.cuts[name]:6d}  findings {self.found_by[name]:5d}"
             yield f"  {Path(name).stem:22s} {counts}"

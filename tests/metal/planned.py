@@ -8,15 +8,17 @@ import os
 import re
 import tempfile
 import traceback
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from kerfwise.cli import main as kerfwise
 from kerfwise.encoder.readers import read_nest
+from kerfwise.models.plan.reader import read_plan
 from kerfwise.rules.profile.profile import load_profile
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.made_nests import Made
-from kerfwise.tests.metal.plant import plant
+from kerfwise.tests.metal.plant import plant, tabs_of
 from kerfwise.tests.metal.program import UnreadableProgram, read_program
 from kerfwise.tests.metal.simulate import simulate
 
@@ -25,11 +27,13 @@ from kerfwise.tests.metal.simulate import simulate
 class Tried:
     """What came of a nest under a profile: a refusal, something broken, or a program with its findings.
 
-    `rest` says that it takes up the work of another program, which stopped after half of its cuts.
+    `cuts_with` names what the profile was given besides (`BEYOND`). `rest` says that it takes up the work of another
+    program, which stopped after half of its cuts.
     """
 
     seed: int
     profile: str
+    cuts_with: str = ""
     rest: bool = False
     refused: str = ""
     broken: str = ""
@@ -38,7 +42,28 @@ class Tried:
     program: str = ""
 
 
-def tried(nest: Made, profile: str, effort: tuple[str, ...], rests: bool = False) -> tuple[Tried, ...]:
+LINKS = "machine: {pierce_time: 2 s}\ncuts: {links: {longest: 90 mm}}\n"
+TABS = "rules: {hold-small-parts: {strength: hard, tabs: tipping, width: 0.5 mm, corner: 1 mm}}\n"
+BEYOND: Mapping[str, str] = {
+    "": "",
+    "links": LINKS,
+    "tabs": TABS,
+    "links, tabs": LINKS + TABS,
+    "scrap lines": "cuts: {scrap: {grid: 150 mm}}\n",
+    "remnant, tabs": "cuts: {scrap: {remnant: right}}\n" + TABS,
+    "scrap lines, tabs": "cuts: {scrap: {grid: 100 mm}}\n" + TABS,
+}
+"""What a profile is given besides, by name: cuts beyond one contour and one pierce."""
+
+
+def beyond(seed: int, profile: str) -> str:
+    """What a profile is given besides with the nest of a seed: each in turn, another under another profile."""
+    return list(BEYOND)[(seed + sum(profile.encode())) % len(BEYOND)]
+
+
+def tried(
+    nest: Made, profile: str, effort: tuple[str, ...], rests: bool = False, cuts_with: str = ""
+) -> tuple[Tried, ...]:
     """Plan, and judge what comes out; `effort` are the limit's words on the command line.
 
     With `rests` the work stops after half of the cuts, and what is left is planned and judged too.
@@ -46,32 +71,39 @@ def tried(nest: Made, profile: str, effort: tuple[str, ...], rests: bool = False
     with tempfile.TemporaryDirectory(prefix="metal-") as name:
         folder = Path(name)
         (folder / "nest.json").write_text(nest.text, encoding="utf-8")
-        words = ("-p", profile, *effort)
-        whole = _planned(Tried(nest.seed, profile), folder, "nest.nc", (*words, "--plan", "nest.plan.json"))
+        own = f"name: tried\nbased_on: {profile}\n{BEYOND[cuts_with]}"
+        (folder / "profile.yaml").write_text(own, encoding="utf-8")
+        words = ("-p", "profile.yaml", *effort)
+        asked = Tried(nest.seed, profile, cuts_with)
+        whole = _planned(asked, folder, "nest", words)
         if not rests or whole.cuts < 2:
             return (whole,)
         before = (folder / "nest.nc").read_text(encoding="utf-8")
         resumed = (*words, "--lock-from", "nest.plan.json", "--upto", str(whole.cuts // 2))
-        return whole, _planned(Tried(nest.seed, profile, rest=True), folder, "rest.nc", resumed, before)
+        return whole, _planned(replace(asked, rest=True), folder, "rest", resumed, before)
 
 
-def _planned(asked: Tried, folder: Path, file: str, words: tuple[str, ...], before: str | None = None) -> Tried:
+def _planned(asked: Tried, folder: Path, name: str, words: tuple[str, ...], before: str | None = None) -> Tried:
     """What comes of `kerfwise solve` with these words."""
-    code, said = _solve(folder, ("-o", file, *words))
-    if code in (1, 2) and not (folder / file).exists():
+    program = folder / f"{name}.nc"
+    code, said = _solve(folder, ("-o", program.name, "--plan", f"{name}.plan.json", *words))
+    if code in (1, 2) and not program.exists():
         return replace(asked, refused=reason(said))
-    if code != 0 or not (folder / file).exists():
+    if code != 0 or not program.exists():
         return replace(asked, broken=f"exit code {code}: {said.strip()[-400:]}")
-    return _burnt(asked, folder, (folder / file).read_text(encoding="utf-8"), before)
+    return _burnt(asked, folder, name, before)
 
 
-def _burnt(asked: Tried, folder: Path, text: str, before: str | None) -> Tried:
+def _burnt(asked: Tried, folder: Path, name: str, before: str | None) -> Tried:
     """The program's findings."""
-    profile = load_profile(asked.profile)
+    profile = load_profile(str(folder / "profile.yaml"))
     nest = read_nest(folder / "nest.json", profile.read_options())
+    lined = replace(nest, scrap=profile.as_cut(nest).scrap)
+    text = (folder / f"{name}.nc").read_text(encoding="utf-8")
+    tabs = tabs_of(read_plan(folder / f"{name}.plan.json"))
     try:
-        cuts = len(read_program(text).paths)
-        found = simulate(nest, text, before=before, **plant(profile))
+        cuts = len({path.order for path in read_program(text).paths})
+        found = simulate(lined, text, before=before, tabs=tabs, **plant(profile))
     except UnreadableProgram as error:
         return replace(asked, broken=f"unreadable: {error}", program=text)
     return replace(asked, cuts=cuts, findings=tuple(found), program=text if found else "")

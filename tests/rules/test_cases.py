@@ -12,7 +12,7 @@ from kerfwise.rules import cases
 from kerfwise.rules.case import Case
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.rule import HEADINGS
+from kerfwise.rules.rule import HEADINGS, OTHER_CUTS
 from kerfwise.rules.run_cases import cases_of
 
 ALL = [pytest.param(rule, case, id=f"{rule}: {case.name}") for rule in RULES for case in cases_of(rule)]
@@ -78,6 +78,15 @@ def test_docstring_has_its_headings(rule: str) -> None:
     assert tuple(line.removeprefix("## ") for line in page.splitlines() if line.startswith("## ")) == HEADINGS
     sections = page.split("## ")[1:]
     assert all(len(section.splitlines()) > 2 for section in sections), "a heading without text"
+
+
+@pytest.mark.parametrize("kind", ["Links", "Tabs", "Scrap lines"])
+@pytest.mark.parametrize("rule", RULES)
+def test_page_says_what_the_rule_means_for_other_cuts(rule: str, kind: str) -> None:
+    page = inspect.getdoc(type(RULES[rule])) or ""
+    section = page.split(f"## {OTHER_CUTS}")[1].split("## ")[0]
+    (said,) = (text for text in section.split("- **") if text.startswith(f"{kind}**:"))
+    assert len(said.split()) > 3, f"say under '{OTHER_CUTS}' what {rule} means for {kind.lower()}"
 
 
 @pytest.mark.parametrize("rule", RULES)

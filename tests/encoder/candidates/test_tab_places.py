@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -126,3 +127,24 @@ def test_what_is_offered_the_rule_has_nothing_against(
     for way in _offered(drawn, leads):
         cuts = CutSequence((way.as_cut(drawn.contours[way.contour].id),))
         assert rule.violations(drawn, cuts, options) == []
+
+
+def test_a_part_without_any_place_for_a_tab_at_the_end_is_refused() -> None:
+    """All round there is less metal than tabs want, so that no place is left to ask about."""
+    close = [part(name, rect(50 + 40.5 * k, 50, 40, 40)) for k, name in enumerate("ABC")]
+    rows = [part(f"{k}{j}", rect(9.5 + 40.5 * j, 50 + 40.5 * k, 40, 40)) for k in (-1, 1) for j in range(5)]
+    drawn = nest(300, 200, *close, *rows)
+    with pytest.raises(InputError, match="room"):
+        ways(drawn, at_end=True)
+
+
+@pytest.mark.parametrize("lead", ["line", "arc"])
+def test_no_lead_in_leans_over_a_tab_at_the_end(lead: str) -> None:
+    """Streets of 5 mm, in which a straight lead-in has no room everywhere."""
+    grid = [part(f"{i}{j}", rect(20 + 45 * i, 20 + 45 * j, 40, 40)) for i in range(3) for j in range(3)]
+    options = replace(LEADS, kerf_mm=1.5, lead=lead, tabs=replace(ASKED, width_mm=1.0, at_end=True), entries=6)
+    found = build_candidates(nest(300, 300, *grid), options)
+    for way in found:
+        assert way.lead_in is not None
+        gap_mm = shapely.distance(shapely.Point(way.end), way.lead_in.line()) - 1.5
+        assert gap_mm >= 1.0 - 0.05

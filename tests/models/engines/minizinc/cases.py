@@ -73,7 +73,7 @@ def drawn_case(seed: int, contours: int = 6) -> Case | None:
 
 def linked_case(seed: int, contours: int = 5) -> Case:
     """As `case`, with links wherever 2 s a pierce make them worth it; no rule counts seconds."""
-    drawn = _near_parts(np.random.default_rng([seed, 31]), contours)
+    drawn = near_parts(np.random.default_rng([seed, 31]), contours)
     profile = load_profile()
     profile = replace(
         profile,
@@ -105,7 +105,7 @@ def _rules_of_moves(rng: np.random.Generator, profile: Profile) -> dict[str, Rul
     return rules
 
 
-def _near_parts(rng: np.random.Generator, contours: int) -> Nest:
+def near_parts(rng: np.random.Generator, contours: int) -> Nest:
     """Rectangles and a disc in rows of three, few millimetres apart; the first has a hole now and then."""
     parts = []
     for k in range(contours - 1):
