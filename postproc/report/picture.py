@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,10 +54,52 @@ def make_scene(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), s
     """
     cuts = tuple(p.cut for p in plan.cuts) if plan else ()
     _check_known(nest, [c.contour for c in cuts] + (sorted(spot.contours) if spot else []))
+    view, window = _frame(nest, cuts, home, spot)
+    drawn = _drawn(nest, plan, home, spot, view, window)
+    caption = spot.caption if spot else f"resumed after cut {plan.resumed_after}" if plan and plan.already else ""
+    around = (header_layer(nest, plan, view, caption), footer_layer(view, drawn.clock, drawn.kinds))
+    enlarge = _enlargement(drawn.numbers, view)
+    return Scene(view.width, view.height, (*drawn.layers, *around), nest_name(nest, plan), enlarge)
+
+
+def bare_picture(nest: Nest, plan: Plan, home: Point, width: float, most_high: float) -> Scene:
+    """The drawing alone, without title and key, on a page of its own size.
+
+    It is `width` wide, and lower than that where the whole would be higher than `most_high`.
+
+    Raises
+    ------
+    InputError
+        If the plan cuts a contour that the nest does not have.
+    """
+    cuts = tuple(p.cut for p in plan.cuts)
+    _check_known(nest, [c.contour for c in cuts])
+    x0, y0, x1, y1 = _whole(nest, cuts, home)
+    scale = min(width / max(x1 - x0, 1e-6), most_high / max(y1 - y0, 1e-6))
+    pitch = scale * math.sqrt(_used_mm2(nest) / max(len(nest.contours), 1))
+    left, high = (width - (x1 - x0) * scale) / 2, (y1 - y0) * scale
+    view = View((x0, y0, x1, y1), scale, left, width, high, pitch, top=0.0)
+    drawn = _drawn(nest, plan, home, None, view, None)
+    return Scene(width, high, drawn.layers, nest_name(nest, plan))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Drawn:
+    """The layers of a drawing, the colours of its travel, what is to be told in its key, and the layer of numbers."""
+
+    layers: tuple[SceneLayer, ...]
+    clock: Clock | None
+    kinds: frozenset[str]
+    numbers: SceneLayer
+
+
+def _drawn(
+    nest: Nest, plan: Plan | None, home: Point, spot: Spot | None, view: View, window: shapely.Polygon | None
+) -> _Drawn:
+    cuts = tuple(p.cut for p in plan.cuts) if plan else ()
     order = {cut.contour: k for k, cut in enumerate(cuts, 1)}
     made = plan.resumed_after if plan else 0
     out = frozenset(p.cut.contour for p in plan.already_cut) if plan else frozenset()
-    view, window = _frame(nest, cuts, home, spot)
     zones = zone_map(nest, {nest.contour(c.contour).part: c.zone for c in cuts})
     named = spot.contours if spot else frozenset()
     parts = {nest.contour(c).part for c in named}
@@ -90,15 +133,13 @@ def make_scene(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), s
     if not all(shapely.intersects_xy(nest.sheet.polygon, *pierce) for pierce in torch):
         kinds.add("edge")
     numbers = number_layer(nest, view, places, order)
-    caption = spot.caption if spot else f"resumed after cut {made}" if plan and plan.already else ""
     if out:
         kinds.add("out")
     layers.append(numbers)
     if plan is not None and plan.waits:
         kinds.add("wait")
         layers.append(wait_layer(view, plan.cuts, list(places.values())))
-    layers += [header_layer(nest, plan, view, caption), footer_layer(view, clock, frozenset(kinds))]
-    return Scene(view.width, view.height, tuple(layers), nest_name(nest, plan), _enlargement(numbers, view))
+    return _Drawn(tuple(layers), clock, frozenset(kinds), numbers)
 
 
 def _check_known(nest: Nest, contours: list[str]) -> None:
@@ -112,14 +153,17 @@ def _check_known(nest: Nest, contours: list[str]) -> None:
 
 def _frame(nest: Nest, cuts: tuple[Cut, ...], home: Point, spot: Spot | None) -> tuple[View, shapely.Polygon | None]:
     if spot is None:
-        x0, y0, x1, y1 = nest.sheet.bounds
-        if cuts:
-            x0, y0, x1, y1 = min(x0, home[0]), min(y0, home[1]), max(x1, home[0]), max(y1, home[1])
-        return View.of((x0, y0, x1, y1), len(nest.contours), _used_mm2(nest)), None
+        return View.of(_whole(nest, cuts, home), len(nest.contours), _used_mm2(nest)), None
     window = _around(nest, spot)
     seen = shapely.box(*window)
     inside = shapely.intersects(np.array([c.line for c in nest.contours]), seen)
     return View.of(window, int(inside.sum()), seen.area), seen
+
+
+def _whole(nest: Nest, cuts: tuple[Cut, ...], home: Point) -> Window:
+    """The sheet, and the torch's home where it leaves from there."""
+    x0, y0, x1, y1 = nest.sheet.bounds
+    return (min(x0, home[0]), min(y0, home[1]), max(x1, home[0]), max(y1, home[1])) if cuts else (x0, y0, x1, y1)
 
 
 def _around(nest: Nest, spot: Spot) -> Window:

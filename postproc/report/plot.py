@@ -12,6 +12,7 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.files import write_files
 
 from .page import html_text
+from .pdf import on_paper
 from .picture import Spot, make_scene
 from .png import png_bytes
 from .scene import Scene
@@ -20,6 +21,7 @@ from .svg import svg_text
 _DRAWN: dict[str, Callable[[Scene, Plan | None], bytes]] = {
     ".svg": lambda scene, plan: svg_text(scene).encode(),
     ".png": lambda scene, plan: png_bytes(scene),
+    ".pdf": lambda scene, plan: on_paper(scene),
     ".html": lambda scene, plan: html_text(scene, plan).encode(),
 }
 
@@ -35,7 +37,7 @@ def draw(nest: Nest, plan: Plan | None, suffix: str, home: Point = (0.0, 0.0), s
         Its plan: order numbers, zones, pierces, leads, directions and idle travel. Without one the parts have their
         names.
     suffix
-        ".svg", ".png", or ".html" for a page that plays the cuts in order.
+        ".svg", ".png", ".pdf" for a sheet of A4, or ".html" for a page that plays the cuts in order.
     home
         Where the torch starts and ends, mm.
     spot

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import groupby
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -12,6 +12,7 @@ import numpy as np
 from .scene import CAP_HEIGHT, HALO, Dot, Item, Scene, Shape, Style, TextLine
 
 if TYPE_CHECKING:
+    from matplotlib.collections import PathCollection
     from matplotlib.path import Path
 
 
@@ -19,7 +20,6 @@ def png_bytes(scene: Scene) -> bytes:
     """The scene as a PNG file, `scene.enlarge` pixels a page unit; the same scene gives the same bytes."""
     # Loading matplotlib takes longer than drawing an SVG, so only those who want a PNG pay for it.
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.collections import PathCollection
     from matplotlib.figure import Figure
 
     # At 72 dots per inch a point, the unit of line widths, is one page unit.
@@ -29,22 +29,34 @@ def png_bytes(scene: Scene) -> bytes:
     axes.set_axis_off()
     axes.set_xlim(0, scene.width)
     axes.set_ylim(scene.height, 0)
-    for depth, (_, group) in enumerate(groupby(_stroked(scene), key=_dash)):
+    for collection in as_collections(scene):
+        axes.add_collection(collection, autolim=False)
+    file = io.BytesIO()
+    figure.savefig(file, format="png", metadata={"Software": None})
+    return file.getvalue()
+
+
+def as_collections(
+    scene: Scene, scale: float = 1.0, without: Callable[[TextLine], bool] = lambda text: False
+) -> Iterator[PathCollection]:
+    """Everything as collections of paths, from the bottom up; lines are `scale` times as wide.
+
+    Texts that are `without` are left to whoever writes them in another way.
+    """
+    from matplotlib.collections import PathCollection
+
+    for depth, (_, group) in enumerate(groupby(_stroked(scene, without), key=_dash)):
         painted = list(group)
-        collection = PathCollection(
+        yield PathCollection(
             [p.path for p in painted],
             facecolors=[p.style.fill or "none" for p in painted],
             edgecolors=[p.style.stroke or "none" for p in painted],
-            linewidths=[p.style.width if p.style.stroke else 0.0 for p in painted],
+            linewidths=[scale * p.style.width if p.style.stroke else 0.0 for p in painted],
             linestyles=[_dash(painted[0])],
             capstyle="round",
             joinstyle="round",
             zorder=depth,
         )
-        axes.add_collection(collection, autolim=False)
-    file = io.BytesIO()
-    figure.savefig(file, format="png", metadata={"Software": None})
-    return file.getvalue()
 
 
 class _Stroked(NamedTuple):
@@ -58,10 +70,10 @@ def _dash(painted: _Stroked) -> str | tuple[float, tuple[float, ...]]:
     return (0.0, tuple(d / style.width for d in style.dash)) if style.dash else "solid"
 
 
-def _stroked(scene: Scene) -> Iterator[_Stroked]:
+def _stroked(scene: Scene, without: Callable[[TextLine], bool]) -> Iterator[_Stroked]:
     """Everything as paths from the bottom up; in a layer the rims of all texts lie below all texts."""
     for layer in scene:
-        texts = [item for item in layer.items if isinstance(item, TextLine)]
+        texts = [item for item in layer.items if isinstance(item, TextLine) and not without(item)]
         for item in layer.items:
             if not isinstance(item, TextLine):
                 yield _Stroked(_path(item), item.style)

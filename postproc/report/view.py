@@ -27,7 +27,10 @@ _CHORD = 0.03  # page units that a flattened line may stray from its curve: not 
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """A window of the nest (xmin, ymin, xmax, ymax in mm) on a page; `pitch` is the room a contour has, page units."""
+    """A window of the nest (xmin, ymin, xmax, ymax in mm) on a page; `pitch` is the room a contour has, page units.
+
+    The window begins at `left` and `top` of the page.
+    """
 
     window: Window
     scale: float
@@ -35,6 +38,7 @@ class View:
     width: float
     height: float
     pitch: float
+    top: float = HEADER
 
     @staticmethod
     def of(window: Window, contours: int, used_mm2: float) -> View:
@@ -50,7 +54,7 @@ class View:
         """Points (n, 2) in mm as page points."""
         p = np.asarray(points, dtype=np.float64).reshape(-1, 2)
         x0, _, _, y1 = self.window
-        return np.column_stack([(p[:, 0] - x0) * self.scale + self.left, (y1 - p[:, 1]) * self.scale + HEADER])
+        return np.column_stack([(p[:, 0] - x0) * self.scale + self.left, (y1 - p[:, 1]) * self.scale + self.top])
 
     def point(self, point: Sequence[float]) -> Point:
         """One point in mm as a page point."""
