@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from kerfwise.jobs.given import Given
     from kerfwise.rules.profile.profile import Profile
 
-_KINDS = (".svg", ".png", ".html")
+_KINDS = (".svg", ".png", ".html", ".pdf")
 _HOW = (
     "give two plans or programs, or -p A -p B, or --without RULE, or --with RULE; one plan or program alone is "
     "compared with a new plan"
@@ -47,8 +47,8 @@ def _options(verb: Callable[..., Any]) -> Callable[..., Any]:
 @click.option("--with", "with_", multiple=True, metavar="RULE[=hard|soft]",
               help="B is planned with this rule on; may be repeated.")  # fmt: skip
 @click.option("--heat", is_flag=True, help="Simulate how hot both make the sheet.")
-@click.option("-o", "--output", "outputs", multiple=True, metavar="OUT.svg|.png|.html",
-              help="A picture of both routes, or a page with all; may be repeated.")  # fmt: skip
+@click.option("-o", "--output", "outputs", multiple=True, metavar="OUT.svg|.png|.html|.pdf",
+              help="A picture of both routes, or a page or paper with all; may be repeated.")  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
 @click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit of each plan by the clock, in seconds.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
@@ -185,6 +185,9 @@ def _compared(asked: Sequence[SideAsked], heat: bool) -> Comparison | None:
 
 def _content(made: Comparison, suffix: str) -> str | bytes:
     from kerfwise.jobs.compare.page import page
+    from kerfwise.jobs.compare.paper import paper
     from kerfwise.jobs.compare.picture import picture
 
+    if suffix == ".pdf":
+        return paper(made)
     return page(made) if suffix == ".html" else picture(made, suffix)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 @click.command()
 @given_options
 @click.argument("plan", metavar="[PLAN.json]", required=False)
-@click.option("-o", "--output", required=True, metavar="OUT.svg|.png|.html", help="File of the picture.")
+@click.option("-o", "--output", required=True, metavar="OUT.svg|.png|.pdf|.html", help="File of the picture.")
 @FEED
 @KERF
 def command(plan: str | None, output: str, feed: float | None, kerf: float | None, **given: Any) -> None:

@@ -23,7 +23,7 @@ from .numbers import AMOUNT_OVER_ZERO, Amount
 @click.option("-o", "--output", metavar="OUT.nc", help="The program. If no output is named: NEST.nc, .plan.json, .svg.")
 @click.option("--plan", "plan_path", metavar="PLAN.json", help="The plan.")
 @click.option("--dxf", metavar="OUT.dxf", help="The torch's paths as a drawing, a polyline a cut, in order.")
-@click.option("--picture", metavar="OUT.svg|.png|.html", help="A picture of the plan.")
+@click.option("--picture", metavar="OUT.svg|.png|.pdf|.html", help="A picture of the plan.")
 @click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit by the clock, in seconds.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
               help="Limit without --time-limit. The same work gives the same bytes, on each machine.")  # fmt: skip

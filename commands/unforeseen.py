@@ -19,7 +19,7 @@ from kerfwise.encoder.faults import rule_of
 from kerfwise.encoder.shown import shown, shown_lines
 
 LIBRARIES = ("click", "ezdxf", "jsonschema", "llvmlite", "matplotlib", "numba", "numpy", "ortools", "pyyaml", "rich",
-             "scipy", "shapely", "svgelements")  # fmt: skip
+             "scipy", "segno", "shapely", "svgelements")  # fmt: skip
 _SECRET = re.compile(
     r"(?i)((?:[\w-]*(?:password|passwd|token|secret|api[-_]?key))\s*[=:]\s*|(?<=://))[^\s@/]+(?=@|\s|$)"
 )

@@ -99,4 +99,8 @@ def _costs(a: Side, b: Side) -> Iterator[Figure]:
     currencies = {cost.currency for cost in (first, second) if cost is not None}
     if len(currencies) == 1:
         totals = [None if cost is None else cost.total for cost in (first, second)]
-        yield Figure("cost", "cost", "money", totals[0], totals[1], currencies.pop())
+        currency = currencies.pop()
+        yield Figure("cost", "cost", "money", totals[0], totals[1], currency)
+        parts = [{} if cost is None else dict(cost.parts) for cost in (first, second)]
+        for name in dict.fromkeys([*parts[0], *parts[1]]):
+            yield Figure(f"cost_{name}", f"  {name}", "money", parts[0].get(name), parts[1].get(name), currency)

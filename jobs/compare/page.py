@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from html import escape
-from pathlib import Path
-
-from kerfwise.encoder.shown import shown
 
 from .comparison import Comparison
-from .picture import picture
+from .picture import picture, title_of
 from .text import cut_row, figure_rows, proofs, rule_rows, sides, summary_of
 
 _STYLE = (
@@ -21,12 +18,12 @@ _STYLE = (
 
 def page(made: Comparison) -> str:
     """The page, in HTML."""
-    name = escape(shown(Path(made.a.given.nest.file or "nest").name))
+    title = escape(title_of(made))
     drawn = str(picture(made, ".svg"))
     parts = [
         '<!doctype html><html lang="en"><head><meta charset="utf-8">',
-        f"<title>{name} compared</title><style>{_STYLE}</style></head><body>",
-        f"<h1>{name} compared</h1>",
+        f"<title>{title}</title><style>{_STYLE}</style></head><body>",
+        f"<h1>{title}</h1>",
         _paragraphs(sides(made)),
         _table(("", "A", "B", ""), figure_rows(made)),
         _paragraphs(proofs(made)),

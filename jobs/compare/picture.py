@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from kerfwise.postproc.report.burns import Panel, draw_burns
+from kerfwise.encoder.shown import shown
+from kerfwise.postproc.report.burns import Panel, burns_scene, draw_burns
+from kerfwise.postproc.report.scene import Scene
 
 from .comparison import Comparison
 from .side import Side
@@ -18,9 +20,22 @@ _SAME_S = 1e-3
 
 def picture(made: Comparison, suffix: str) -> str | bytes:
     """The picture as SVG text or as PNG bytes."""
+    return draw_burns(_panels(made), suffix, title_of(made))
+
+
+def picture_scene(made: Comparison) -> Scene:
+    """The picture, to be set on a page."""
+    return burns_scene(_panels(made), title_of(made))
+
+
+def title_of(made: Comparison) -> str:
+    """What a picture or page of the comparison is called."""
+    return f"{shown(Path(made.a.given.nest.file or 'nest').name)} compared"
+
+
+def _panels(made: Comparison) -> list[Panel]:
     changed = {pair.contour for pair in made.changed}
-    panels = [_panel(letter, side, changed) for letter, side in (("A", made.a), ("B", made.b))]
-    return draw_burns(panels, suffix, f"{Path(made.a.given.nest.file or 'nest').name} compared")
+    return [_panel(letter, side, changed) for letter, side in (("A", made.a), ("B", made.b))]
 
 
 def _panel(letter: str, side: Side, changed: Collection[str]) -> Panel:

@@ -53,7 +53,7 @@ def draw_burns(panels: Sequence[Panel], suffix: str, title: str) -> str | bytes:
     title
         Of the picture.
     """
-    scene = _scene(panels, title)
+    scene = burns_scene(panels, title)
     return png_bytes(scene) if suffix.lower() == ".png" else svg_text(scene)
 
 
@@ -70,7 +70,8 @@ def expect_kind(path: str) -> None:
         raise InputError(f"cannot draw a program as {suffix or path!r}: give a name ending in .svg or .png", file=path)
 
 
-def _scene(panels: Sequence[Panel], title: str) -> Scene:
+def burns_scene(panels: Sequence[Panel], title: str) -> Scene:
+    """The same picture as a scene."""
     x0, y0, x1, y1 = _bounds(panels)
     wide, high = max(x1 - x0, 1.0), max(y1 - y0, 1.0)
     px = _LONG_PX / max(wide, high)

@@ -5,6 +5,7 @@ from __future__ import annotations
 SHEET = "#eceef0"
 PAGE = "#ffffff"
 INK = "#212529"
+NAME = "#495057"
 FAINT = "#868e96"
 OUTER = "#343a40"
 HOLE = "#9c3612"

@@ -173,6 +173,15 @@ def home_layer(view: View, home: Point) -> SceneLayer:
     )
 
 
+def name_layer(nest: Nest, view: View, places: Mapping[str, TextPlace]) -> SceneLayer:
+    """The names of parts at their places, faint."""
+    items = []
+    for place in places.values():
+        x, y = view.point((place.x, place.y))
+        items.append(TextLine(x, y, place.text, place.size_mm * view.scale, colours.NAME, turned=place.turned))
+    return SceneLayer("names", tuple(items))
+
+
 def number_layer(nest: Nest, view: View, places: Mapping[str, TextPlace], order: Mapping[str, int]) -> SceneLayer:
     """The labels of the contours at their places: bold for outer contours, in the ink of the contour."""
     items = []

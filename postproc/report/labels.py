@@ -16,6 +16,7 @@ from .text_room import TextPlace, find_room
 
 _ENOUGH = 0.8  # share of the wanted size with which no better place is looked for
 _FINE = 0.02  # of the wanted size: how far an outline may be simplified
+_NAME = 0.85  # of the numbers' size
 _BESIDE = 2.5  # a hole's number outside it stands within so many font sizes
 
 
@@ -57,6 +58,24 @@ def place_labels(
             tried = max(tried, again, key=_smallest)
         places |= tried
     return places | _in_the_skeleton(nest, labels, wanted_mm, window)
+
+
+def place_names(
+    nest: Nest, numbers: Mapping[str, TextPlace], wanted_mm: float, least_mm: float
+) -> dict[str, TextPlace]:
+    """Where the name of each part stands in the metal that the numbers leave, by part id, where it has room."""
+    taken = shapely.STRtree([place.box() for place in numbers.values()])
+    boxes = taken.geometries
+    found: dict[str, TextPlace] = {}
+    for part in nest.parts:
+        metal = _free_metal(part, wanted_mm, None)
+        near = boxes[taken.query(metal, predicate="intersects")]
+        if len(near):
+            metal = metal.difference(shapely.union_all(near).buffer(0.2 * wanted_mm, join_style="mitre"))
+        place = find_room(metal, part.id, _NAME * wanted_mm)
+        if place is not None and place.size_mm >= least_mm:
+            found[part.id] = place
+    return found
 
 
 def _in_the_skeleton(

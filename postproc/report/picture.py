@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -19,12 +19,13 @@ from .cuts import (
     direction_layer,
     home_layer,
     lead_layer,
+    name_layer,
     number_layer,
     pierce_layer,
     tab_layer,
     travel_layer,
 )
-from .labels import Label, place_labels
+from .labels import Label, place_labels, place_names
 from .legend import Clock, footer_layer, header_layer, nest_name
 from .metal import out_layer, part_layer, sheet_layer, zone_layer, zone_map
 from .scene import Scene, SceneLayer, TextLine
@@ -33,6 +34,7 @@ from .waits import wait_layer
 
 _READABLE = 12.0  # pixels that a number should be high in a PNG
 _MAX_PIXELS = 4000.0
+_LEAST_NUMBER, _LEAST_NAME = 5.0, 4.5  # points on paper: numbers are no smaller, smaller names of parts are not drawn
 _SPOT_PROPORTION = (1.6, 2.6)  # least and greatest width for a height of 1
 
 
@@ -79,7 +81,7 @@ def bare_picture(nest: Nest, plan: Plan, home: Point, width: float, most_high: f
     pitch = scale * math.sqrt(_used_mm2(nest) / max(len(nest.contours), 1))
     left, high = (width - (x1 - x0) * scale) / 2, (y1 - y0) * scale
     view = View((x0, y0, x1, y1), scale, left, width, high, pitch, top=0.0)
-    drawn = _drawn(nest, plan, home, None, view, None)
+    drawn = _drawn(nest, plan, home, None, view, None, names=True)
     return Scene(width, high, drawn.layers, nest_name(nest, plan))
 
 
@@ -94,8 +96,15 @@ class _Drawn:
 
 
 def _drawn(
-    nest: Nest, plan: Plan | None, home: Point, spot: Spot | None, view: View, window: shapely.Polygon | None
+    nest: Nest,
+    plan: Plan | None,
+    home: Point,
+    spot: Spot | None,
+    view: View,
+    window: shapely.Polygon | None,
+    names: bool = False,
 ) -> _Drawn:
+    """The drawing; with `names` parts have theirs, beside the numbers of their cuts."""
     cuts = tuple(p.cut for p in plan.cuts) if plan else ()
     order = {cut.contour: k for k, cut in enumerate(cuts, 1)}
     made = plan.resumed_after if plan else 0
@@ -107,11 +116,14 @@ def _drawn(
 
     size_mm = view.number_size * view.mm
     places = place_labels(nest, _labels(nest, cuts, named, size_mm, made), size_mm, window)
+    if names:
+        places = {name: replace(p, size_mm=max(p.size_mm, _LEAST_NUMBER * view.mm)) for name, p in places.items()}
+    called = place_names(nest, places, size_mm, _LEAST_NAME * view.mm) if names else {}
     layers = [sheet_layer(nest, view), part_layer(nest, view, zones, order, faded, made)]
     if out:
         layers.append(out_layer(nest, view, out))
     if spot is None:
-        layers.append(zone_layer(nest, view, zones, [p.box() for p in places.values()]))
+        layers.append(zone_layer(nest, view, zones, [p.box() for p in (*places.values(), *called.values())]))
     layers.append(contour_layer(nest, view, order, named, out))
     clock = None
     if cuts:
@@ -135,7 +147,7 @@ def _drawn(
     numbers = number_layer(nest, view, places, order)
     if out:
         kinds.add("out")
-    layers.append(numbers)
+    layers += [name_layer(nest, view, called), numbers] if called else [numbers]
     if plan is not None and plan.waits:
         kinds.add("wait")
         layers.append(wait_layer(view, plan.cuts, list(places.values())))

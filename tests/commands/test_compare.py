@@ -131,7 +131,7 @@ def test_a_plan_of_another_nest_is_one_message(sheet: Path) -> None:
         (["--without", "level-ahed"], "--without level-ahed: unknown rule 'level-ahed': did you mean 'level-ahead'?"),
         (["--with", "level-ahead=strong"], "a rule is on as hard or soft"),
         (["-p", "water-jet", "-p", "water-jet", "-p", "water-jet"], "two at the most"),
-        (["a.plan.json", "-o", "x.txt"], "a comparison is written as .svg, .png, .html"),
+        (["a.plan.json", "-o", "x.txt"], "a comparison is written as .svg, .png, .html, .pdf"),
         (["a.plan.json", "-o", "a.plan.json"], "is written as"),
         (["gone.nc", "gone.nc"], "gone.nc: cannot read the program"),
     ],

@@ -1,0 +1,52 @@
+"""kerfwise sheet: a plan on paper, for the operator."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.shown import shown
+
+from .given import given_options, protect, read_given, tell_note
+
+
+@click.command()
+@given_options
+@click.argument("plan", metavar="PLAN.json")
+@click.option("-o", "--output", metavar="OUT.pdf", help="The work sheet; NEST.pdf if none is named.")
+@click.option(
+    "--program", metavar="OUT.nc", help="The program's file, whose hash is printed; else as the plan makes it."
+)
+@click.option("--date", default="", metavar="TEXT", help="A date to print; none stands there otherwise.")
+@click.option("--about", multiple=True, metavar="NAME=TEXT", help="More to print, such as order=4711; may be repeated.")
+def command(
+    plan: str, output: str | None, program: str | None, date: str, about: tuple[str, ...], **options: Any
+) -> None:
+    """Print PLAN.json of NEST as a work sheet: picture, settings, times, boxes to tick, cuts in order, program's hash.
+
+    One sheet of A4; many cuts go on to further pages. The same plan gives the same bytes.
+    """
+    from kerfwise.jobs.sheets import sheets_pdf, work_sheet
+    from kerfwise.models.plan.reader import read_plan
+    from kerfwise.postproc.files import expect_outputs, write_files
+
+    path = Path(output or f"{Path(options['nest']).stem}.pdf")
+    if path.suffix.lower() != ".pdf":
+        raise InputError("a work sheet is a PDF: give a name ending in .pdf", file=path)
+    facts = dict(_fact(text) for text in about)
+    expect_outputs([path], [Path(name) for name in (options["nest"], plan, program) if name])
+    given = read_given(**options)
+    protect(given, options["nest"], [path], plan, program)
+    made = work_sheet(given, read_plan(plan), program, about=facts, tell=tell_note)
+    write_files({path: sheets_pdf([made], date)})
+    click.echo(f"written: {shown(str(path))}")
+
+
+def _fact(text: str) -> tuple[str, str]:
+    name, equals, value = text.partition("=")
+    if not (name.strip() and equals):
+        raise click.UsageError(f"--about {text!r}: expected a name and a text, such as order=4711")
+    return name.strip(), value.strip()

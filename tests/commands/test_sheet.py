@@ -1,0 +1,181 @@
+"""kerfwise sheet: what is printed, what is refused, and the same bytes each time."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import kerfwise as package
+from kerfwise.encoder.by_hand import rect
+from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.nest_file import nest_file
+
+pytest.importorskip("segno")
+PARTS = [{"id": f"P{k}", "outer": rect(20 + 120 * k, 20, 100, 100)} for k in range(3)]
+
+
+@pytest.fixture
+def plan() -> Path:
+    nest_file("sheet.json", PARTS)
+    assert kerfwise("solve", "sheet.json", "--work", 1, "-o", "a.nc", "--plan", "a.plan.json").code == 0
+    return Path("a.plan.json")
+
+
+def read(path: str) -> Any:
+    return pytest.importorskip("pymupdf").open(path)
+
+
+def test_what_stands_on_it(plan: Path) -> None:
+    Path("shop.yaml").write_text(
+        "based_on: plasma-carbon-steel\nmaterial: {amps: 65 A, gas: air}\nprices: {machine_hour: 80}\n"
+        "locks: [{contour: P1.outer, position: first}]\n"
+    )
+    assert (
+        kerfwise("solve", "sheet.json", "--work", 1, "-p", "shop.yaml", "-o", "b.nc", "--plan", "b.plan.json").code == 0
+    )
+    words = ["--program", "b.nc", "--date", "2026-11-22", "--about", "order=47/11", "-o", "b.pdf"]
+    ended = kerfwise("sheet", "sheet.json", "b.plan.json", "-p", "shop.yaml", *words)
+    assert (ended.code, ended.out, ended.err) == (0, "written: b.pdf\n", "")
+    document = read("b.pdf")
+    assert len(document) == 1
+    text = document[0].get_text()
+    sha256 = hashlib.sha256(Path("b.nc").read_bytes()).hexdigest()
+    assert sha256 in text.replace("\n", "")
+    for said in (
+        "sheet.json",
+        "program b.nc",
+        "2026-11-22",
+        "47/11",
+        "S235, 6 mm, 400 × 140 mm, 3 parts",
+        "65 A",
+        "air",
+        "cut 2500",
+        "EUR",
+        "{contour: P1.outer, position: first}",
+        "3 cuts, in order",
+        "page 1 of 1",
+    ):
+        assert said in text, said
+    order = [cut["contour"] for cut in json.loads(Path("b.plan.json").read_text())["cuts"]]
+    rows = text[text.index("in order") :].split("\n")
+    assert [row for row in rows if row.endswith(".outer")] == order
+    cell = document[0].search_for("contour")[0]
+    assert cell.y1 < document[0].rect.height
+
+
+def test_without_the_program_it_is_the_one_that_solve_writes(plan: Path) -> None:
+    assert kerfwise("sheet", "sheet.json", plan, "-o", "one.pdf", "--program", "a.nc").code == 0
+    Path("sheet.nc").write_bytes(Path("a.nc").read_bytes())
+    assert kerfwise("sheet", "sheet.json", plan, "-o", "two.pdf", "--program", "sheet.nc").code == 0
+    assert kerfwise("sheet", "sheet.json", plan).code == 0
+    assert Path("sheet.pdf").read_bytes() == Path("two.pdf").read_bytes()
+    assert Path("one.pdf").read_bytes() != Path("two.pdf").read_bytes(), "the program's name is printed"
+
+
+@pytest.mark.slow
+def test_the_same_bytes_in_another_process(plan: Path) -> None:
+    made = []
+    for seed in "12":
+        env = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": str(Path(package.__file__).parents[1])}
+        env["PYTHONPATH"] = os.pathsep.join([env["PYTHONPATH"], os.environ.get("PYTHONPATH", "")])
+        command = [sys.executable, "-m", "kerfwise", "sheet", "sheet.json", str(plan), "-o", f"{seed}.pdf"]
+        subprocess.run(command, check=True, env=env)
+        made.append(Path(f"{seed}.pdf").read_bytes())
+    assert made[0] == made[1]
+
+
+@pytest.mark.slow
+def test_many_cuts_go_on_to_more_pages_and_every_number_can_be_read(plan: Path) -> None:
+    small = [{"id": f"P{k}", "outer": rect(20 + 60 * (k % 15), 20 + 60 * (k // 15), 50, 50)} for k in range(120)]
+    nest_file("many.json", small, (940, 520))
+    Path("loose.yaml").write_text("based_on: plasma-carbon-steel\nrules: {part-rigidity: off, level-ahead: off}\n")
+    solved = kerfwise("solve", "many.json", "-p", "loose.yaml", "--work", 0.05, "-o", "m.nc", "--plan", "m.plan.json")
+    assert solved.code == 0, solved.err
+    assert kerfwise("sheet", "many.json", "m.plan.json", "-p", "loose.yaml", "-o", "m.pdf").code == 0
+    document = read("m.pdf")
+    assert len(document) == 2
+    rows = [row for page in document for row in page.get_text().split("\n") if row.endswith(".outer")]
+    assert len(rows) == len(set(rows)) == 120
+
+    from kerfwise.encoder.readers import read_nest
+    from kerfwise.models.plan.reader import read_plan
+    from kerfwise.postproc.report.paper import ROOM
+    from kerfwise.postproc.report.picture import bare_picture
+    from kerfwise.postproc.report.scene import TextLine
+
+    drawn = bare_picture(read_nest("many.json"), read_plan("m.plan.json"), (0.0, 0.0), ROOM, 470.0)
+    numbers = [item for item in drawn.layer("numbers") if isinstance(item, TextLine)]
+    assert sorted(int(item.text) for item in numbers) == list(range(1, 121))
+    assert min(item.size for item in numbers) >= 5.0
+    assert all(0 <= item.x <= drawn.width and 0 <= item.y <= drawn.height for item in numbers)
+
+
+def test_several_nests_make_one_paper(plan: Path) -> None:
+    from kerfwise.jobs.given import given_of
+    from kerfwise.jobs.sheets import sheets_pdf, work_sheet
+    from kerfwise.models.plan.reader import read_plan
+
+    one = work_sheet(given_of("sheet.json"), read_plan(plan))
+    Path("both.pdf").write_bytes(sheets_pdf([one, one], "today"))
+    texts = [page.get_text() for page in read("both.pdf")]
+    assert len(texts) == 2
+    assert all("page 1 of 1" in text and "today" in text for text in texts)
+
+
+def test_a_plan_that_the_check_refuses_has_no_sheet(plan: Path) -> None:
+    data = json.loads(plan.read_text())
+    data["cuts"] = [*data["cuts"][:-1]]
+    Path("short.plan.json").write_text(json.dumps(data))
+    ended = kerfwise("sheet", "sheet.json", "short.plan.json")
+    assert ended.code == 1
+    assert "the check refuses the plan: " in ended.err
+    assert not Path("sheet.pdf").exists()
+
+
+def test_a_program_that_does_not_follow_the_plan_is_refused(plan: Path) -> None:
+    first = json.loads(plan.read_text())["cuts"][0]["contour"]
+    Path("last.yaml").write_text(f"based_on: plasma-carbon-steel\nlocks: [{{contour: {first}, position: last}}]\n")
+    assert kerfwise("solve", "sheet.json", "--work", 1, "-p", "last.yaml", "-o", "b.nc").code == 0
+    ended = kerfwise("sheet", "sheet.json", plan, "--program", "b.nc")
+    assert ended.code == 1
+    assert "does not follow the plan" in ended.err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["a.plan.json", "-o", "x.png"], "give a name ending in .pdf"),
+        (["a.plan.json", "-o", "a.plan.json.pdf", "--about", "order"], "expected a name and a text"),
+        (["a.plan.json", "-o", "gone/x.pdf"], "there is no folder"),
+        (["gone.plan.json"], "gone.plan.json: cannot read the plan"),
+        (["a.plan.json", "--program", "gone.nc"], "gone.nc: cannot read the program"),
+    ],
+)
+def test_what_cannot_be(plan: Path, words: list[str], said: str) -> None:
+    ended = kerfwise("sheet", "sheet.json", *words)
+    assert (ended.code, said in ended.err) == (2, True), ended.err
+    assert not list(Path().glob("*.pdf"))
+
+
+def test_a_plan_of_another_nest_is_one_message(plan: Path) -> None:
+    nest_file("other.json", PARTS[:1])
+    ended = kerfwise("sheet", "other.json", plan)
+    assert ended.code == 2
+    assert ended.err.splitlines()[-1].startswith("kerfwise: other.json: the plan was made from another nest")
+
+
+def test_plot_and_compare_print_too(plan: Path) -> None:
+    assert kerfwise("plot", "sheet.json", plan, "-o", "plan.pdf").code == 0
+    assert "P2" not in read("plan.pdf")[0].get_text()
+    assert kerfwise("plot", "sheet.json", "-o", "nest.pdf").code == 0
+    assert kerfwise("compare", "sheet.json", plan, "a.nc", "-o", "both.pdf").code == 0
+    text = read("both.pdf")[0].get_text()
+    assert "both make the same cuts in the same order" in text
+    assert "idle travel" in text

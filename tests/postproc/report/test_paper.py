@@ -1,0 +1,127 @@
+"""Texts, tables and pictures on sheets of A4: nothing is lost, and nothing stands beyond the margins."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kerfwise.postproc.report.paper import BOX, FOOT, HEIGHT, MARGIN, ROOM, WIDTH, Paper, broken, moved, shortened
+from kerfwise.postproc.report.pdf import A4, on_paper, pdf_bytes
+from kerfwise.postproc.report.scene import Dot, Scene, SceneLayer, Shape, Style, TextLine, text_width
+
+WORDS = st.text(st.characters(codec="utf-8", categories=("L", "N", "P")), min_size=1, max_size=40)
+
+
+def texts(paper: Paper) -> list[list[TextLine]]:
+    return [[item for item in scene.layers[0].items if isinstance(item, TextLine)] for scene in paper.scenes()]
+
+
+def expect_inside(paper: Paper) -> None:
+    for page in texts(paper):
+        for text in page:
+            wide = text_width(text.text, text.size, text.bold)
+            left = {"start": text.x, "end": text.x - wide, "middle": text.x - wide / 2}[text.anchor]
+            assert left >= MARGIN - 0.01, text
+            assert left + wide <= WIDTH - MARGIN + 0.01, text
+            assert MARGIN <= text.y + text.size / 2 <= HEIGHT, text
+
+
+@given(st.lists(WORDS, max_size=12), st.floats(40, ROOM))
+def test_broken_lines_fit_and_lose_no_letter(words: list[str], width: float) -> None:
+    lines = broken(" ".join(words), 8.0, width)
+    assert "".join("".join(lines).split()) == "".join("".join(words).split())
+    assert all(text_width(line, 8.0) <= width for line in lines)
+
+
+@given(WORDS, st.floats(10, 300))
+def test_a_shortened_text_fits_and_begins_alike(text: str, width: float) -> None:
+    made = shortened(text, 7.5, width)
+    assert text_width(made, 7.5) <= width or made == "…"
+    assert made == text or (made.endswith("…") and text.startswith(made[:-1]))
+
+
+@pytest.mark.parametrize("blocks", [1, 2, 3])
+@pytest.mark.parametrize("count", [1, 2, 7, 130, 431])
+def test_every_row_of_a_table_stands_once_in_reading_order(blocks: int, count: int) -> None:
+    paper = Paper("a table")
+    paper.heading("rows")
+    paper.table(("", "number"), [(BOX, f"row {k}") for k in range(count)], (1, 5), blocks)
+    paper.lines(["after it"])
+    told = [text.text for page in texts(paper) for text in page if text.text.startswith("row ")]
+    assert told == [f"row {k}" for k in range(count)]
+    boxes = [
+        item for scene in paper.scenes() for item in scene.layers[0].items if isinstance(item, Shape) and item.closed
+    ]
+    assert len(boxes) == count
+    expect_inside(paper)
+
+
+@given(st.lists(st.tuples(st.sampled_from(["lines", "heading", "table"]), WORDS, st.integers(1, 90)), max_size=8))
+def test_pages_are_numbered_and_nothing_is_beyond_the_margins(blocks: list[tuple[str, str, int]]) -> None:
+    paper = Paper("several things with a title that is long " * 5)
+    for kind, word, count in blocks:
+        if kind == "lines":
+            paper.lines([word] * count, 8.0, BOX)
+        elif kind == "heading":
+            paper.heading("heading")
+        else:
+            paper.table(("a", "b"), [(word, str(k)) for k in range(count)], (3, 1), 2)
+    pages = texts(paper)
+    assert [page[-1].text for page in pages] == [f"page {k} of {len(pages)}" for k in range(1, len(pages) + 1)]
+    expect_inside(paper)
+    assert all(text.y <= HEIGHT - FOOT + 6 for page in pages for text in page[:-2])
+
+
+def test_a_heading_is_not_left_at_the_foot() -> None:
+    paper = Paper("t")
+    paper.skip(paper.left_over - 25)
+    paper.heading("cuts")
+    assert len(paper.scenes()) == 2
+
+
+def test_a_picture_larger_than_a_page_is_made_smaller() -> None:
+    square = Shape(
+        (np.array([(0.0, 0.0), (900.0, 0.0), (900.0, 3000.0), (0.0, 3000.0)]),), Style(stroke="#000000", width=2)
+    )
+    paper = Paper("t")
+    paper.picture(Scene(900, 3000, (SceneLayer("a", (square,)),)))
+    (drawn,) = (item for item in paper.scenes()[0].layers[0].items if isinstance(item, Shape))
+    low, high = drawn.lines[0].min(axis=0), drawn.lines[0].max(axis=0)
+    assert low[0] >= MARGIN
+    assert high[0] <= WIDTH - MARGIN
+    assert high[1] <= HEIGHT - FOOT
+    assert drawn.style.width < 2
+
+
+def test_what_is_moved_keeps_its_form() -> None:
+    assert moved(Dot(1, 2, 3, Style()), 10, 20, 2.0) == Dot(12, 24, 6, Style())
+    assert moved(TextLine(1, 2, "t", 8), 1, 1) == TextLine(2, 3, "t", 8)
+
+
+SCENE = Scene(
+    300, 200,
+    (SceneLayer("a", (TextLine(150, 100, "Träger 7 $x$ <&>", 12), TextLine(20, 50, "12", 9, halo="#ffffff"),
+                      Shape((np.array([(10.0, 10.0), (290.0, 10.0)]),), Style(stroke="#ff0000", width=1), False))),),
+    "ü",
+)  # fmt: skip
+
+
+def test_the_same_scene_gives_the_same_bytes_without_a_date() -> None:
+    made = pdf_bytes([SCENE, SCENE], "two")
+    assert made == pdf_bytes([SCENE, SCENE], "two")
+    assert b"CreationDate" not in made
+    assert made.count(b"/Type /Page\n") + made.count(b"/Type /Page ") == 2
+
+
+def test_a_pdf_is_read_back() -> None:
+    pymupdf = pytest.importorskip("pymupdf")
+    with pymupdf.open(stream=on_paper(SCENE)) as document:
+        (page,) = document
+        assert tuple(page.rect)[2:] == pytest.approx(A4[::-1], abs=0.5)
+        assert "Träger 7 $x$ <&>" in page.get_text()
+        (word,) = (word for word in page.get_text("words") if word[4] == "Träger")
+        assert 0 < word[0] < word[2] < page.rect.width
+        red = page.get_pixmap(dpi=36).pixel(int(page.rect.width / 4), 0)
+        assert len(red) == 3
