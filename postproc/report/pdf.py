@@ -16,7 +16,6 @@ A4 = (595.28, 841.89)
 """Width and height of the paper upright, points of 1/72 inch."""
 _MARGIN = 24.0
 _INCH = 72.0
-_SETTINGS: dict[str, Any] = {"pdf.fonttype": 42, "pdf.compression": 6}
 _NO_DATE: dict[str, None] = {"CreationDate": None, "Creator": None, "Producer": None}
 
 
@@ -38,7 +37,10 @@ def _pdf(figures: Iterable[Figure], title: str) -> bytes:
     from matplotlib.backends.backend_pdf import PdfPages
 
     file = io.BytesIO()
-    with rc_context(_SETTINGS), PdfPages(file, metadata={"Title": title, **_NO_DATE}) as pdf:
+    with (
+        rc_context({"pdf.fonttype": 42, "pdf.compression": 6}),
+        PdfPages(file, metadata={"Title": title, **_NO_DATE}) as pdf,
+    ):
         for figure in figures:
             pdf.savefig(figure)
     return file.getvalue()

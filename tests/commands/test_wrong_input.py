@@ -82,7 +82,7 @@ def test_an_output_in_the_place_of_another_or_of_what_is_read(tmp_path: Path) ->
 def test_a_picture_of_no_known_type_is_refused_before_the_work(tmp_path: Path) -> None:
     for option in ("--picture", "--conflict-picture"):
         ended = kerfwise("solve", NEST, "-o", tmp_path / "cut.nc", option, "cut.jpg")
-        refused(ended, "cannot draw a picture of type '.jpg'", ".svg, .png, .html")
+        refused(ended, "cannot draw a picture of type '.jpg'", ".svg, .png, .pdf, .html")
         assert ended.out == ""
     assert list(tmp_path.iterdir()) == []
 
