@@ -19,10 +19,10 @@ def facts_of_sheet(sheet: WorkSheet) -> Iterator[tuple[str, str]]:
     feeds = (("cut", machine.cut_feed_mm_s), ("mark", machine.mark_feed_mm_s), ("travel", machine.travel_mm_s))
     told = ", ".join(f"{name} {mm_s * 60:g}" for name, mm_s in feeds)
     spent = (
-        ("cut", report.cut_s),
-        ("travel", report.idle_s),
-        ("pierce", report.pierce_s),
-        *([("wait", report.dwell_s)] if report.dwell_s else []),
+        ("cutting", report.cut_s),
+        ("travelling", report.idle_s),
+        ("piercing", report.pierce_s),
+        *([("waiting", report.dwell_s)] if report.dwell_s else []),
     )
     shares = ", ".join(f"{name} {clock_text(seconds)}" for name, seconds in spent)
     yield "sheet", f"{_stock(sheet)}, {_parts(sheet)}"

@@ -152,7 +152,7 @@ def shortened(text: str, size: float, width: float) -> str:
     Examples
     --------
     >>> shortened("P1.outer", 8, 100), shortened("P1.outer", 8, 30)
-    ('P1.outer', 'P1.ou…')
+    ('P1.outer', 'P1.o…')
     """
     if text_width(text, size) <= width:
         return text
