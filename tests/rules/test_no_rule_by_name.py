@@ -34,6 +34,7 @@ WORDS = {
         "rules/profile/schema.py",
     },
     "pierce": {
+        "jobs/sheets/facts.py",
         "jobs/summary.py",
         "jobs/times.py",
         "encoder/candidates/no_room.py",
