@@ -62,10 +62,10 @@ def _with_chains(facts: Facts, statements: Sequence[Statement], chains: Sequence
         own = next((run for run in runs if id(run) not in gone and chain[0] in run.contours), None)
         before = [] if own is None else [k for k in own.contours if k != chain[0]]
         gone |= set() if own is None else {id(own)}
-        about = _about(facts, chain, f"one burn cuts {', '.join(facts.nest.contours[k].id for k in chain)}")
-        yield Contiguous((*before, *chain), about)
-        yield from (Precede(k, chain[0], about) for k in before)
-        yield from (Precede(first, then, about) for first, then in pairwise(chain))
+        sentence = f"one burn cuts {', '.join(facts.nest.contours[k].id for k in chain)}"
+        yield Contiguous((*before, *chain), _about(facts, (*before, *chain), sentence))
+        for first, then in [*((k, chain[0]) for k in before), *pairwise(chain)]:
+            yield Precede(first, then, _about(facts, (first, then), sentence))
     yield from (s for s in statements if id(s) not in gone)
 
 

@@ -150,7 +150,7 @@ def read_old_job(
     partly: Told | None = None
     try:
         told = told_at(kerf_mm)
-        if not afresh and kerf_mm > 0 and not fits_kerf(told, kerf_mm):
+        if not afresh and kerf_mm > 0 and not fits_kerf(told, kerf_mm, program.step_mm):
             raise NoNest(())
     except NoNest as none:
         unclear = none.unclear

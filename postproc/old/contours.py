@@ -179,14 +179,16 @@ def _contour(contour_id: str, part: str, kind: Kind, of: Tagged, kerf_mm: float)
     return Contour(contour_id, part, kind, ring)
 
 
-def fits_kerf(told: Told, kerf_mm: float) -> bool:
-    """Whether the torch's way round each contour is the round that it was told from, both ways."""
+def fits_kerf(told: Told, kerf_mm: float, step_mm: float = 0.0) -> bool:
+    """Whether the torch's way round each contour is the round that it was told from, both ways, within a step."""
     for contour in told.nest.contours:
         if contour.encloses:
             try:
                 ring = compensated(contour, kerf_mm).line()
             except InputError:
                 return False
-            if shapely.hausdorff_distance(ring, told.round_of[contour.id].line(), densify=0.1) > _CORNER_MM:
+            if shapely.hausdorff_distance(ring, told.round_of[contour.id].line(), densify=0.1) > max(
+                _CORNER_MM, step_mm
+            ):
                 return False
     return True

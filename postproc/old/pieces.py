@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.postproc.check.reader.old import OldProgram, Traced
-from kerfwise.postproc.check.reader.old_words import State
+from kerfwise.postproc.check.reader.old import OldProgram
 from kerfwise.postproc.check.reader.program import Burn
+from kerfwise.postproc.check.reader.traced import State, Traced
 
 NUMBER = re.compile(r"^\s*N\s*(?P<number>[0-9]+)(?:\.[0-9]*)?\s*", re.IGNORECASE)
 """The number of a line."""
@@ -39,7 +39,9 @@ class Piece:
 class TakenApart:
     """A program as what comes before its first travel, the pieces, and what comes after the last burn.
 
-    `rapid` is the word of its travel, `ours` says that kerfwise wrote it.
+    `rapid` is the word of its travel, `ours` says that kerfwise wrote it. Where all moves count from the last one, in
+    steps of `step_mm` (else 0), `begin` is where the torch is at first, and `homing` the first travel of the tail: the
+    number of its line, from 0, and where it leads.
     """
 
     head: tuple[str, ...]
@@ -51,6 +53,9 @@ class TakenApart:
     numbered: tuple[int, int] | None = None
     burns: tuple[Burn, ...] = field(repr=False, default=())
     file: str = ""
+    step_mm: float = 0.0
+    begin: Point = (0.0, 0.0)
+    homing: tuple[int, Point] | None = None
 
 
 def taken_apart(old: OldProgram, file: str = "") -> TakenApart:
@@ -64,13 +69,6 @@ def taken_apart(old: OldProgram, file: str = "") -> TakenApart:
     rows, burns, texts = old.lines, old.program.burns, [text.removesuffix("\r") for text in old.text.split("\n")]
     if not burns:
         raise InputError("the program cuts nothing: the torch is never on", file=file or None)
-    if not rows:
-        raise _refused(
-            "every line of this control counts from the one before it: its burns are not put into another order here; "
-            "plan its contours afresh (--paths new)",
-            1,
-            file,
-        )
     if any(comment.upper().startswith(_RESUMED) for comment in old.program.comments):
         raise InputError(
             "the program goes on after a stop: what was cut before stands in no burn of it; give the first program",
@@ -86,15 +84,22 @@ def taken_apart(old: OldProgram, file: str = "") -> TakenApart:
         begin = first if n == 0 else ends[n - 1] + 1
         if n and ends[n - 1] == last:
             raise _refused("one line ends a burn and begins the next", burn.line, file)
-        pieces.append(_piece(burn, rows, range(begin, last + 1), texts, ours, file))
+        since = rows[ends[n - 1]].line if n else rows[first].line - 1
+        pieces.append(_piece(burn, rows, range(begin, last + 1), since, texts, ours, file))
     head = tuple(texts[: rows[first].line - 1])
     tail = tuple(texts[rows[ends[-1]].line :])
     rapid = next((row.rapid for row in rows if row.rapid), "")
     state = rows[first - 1].state if first else State()
-    return TakenApart(head, state, tuple(pieces), tail, rapid, ours, _numbering(texts), burns, file)
+    step_mm, end = old.program.step_mm, rows[ends[-1]].line
+    numbering = None if step_mm else _numbering(texts)
+    return TakenApart(
+        head, state, tuple(pieces), tail, rapid, ours, numbering, burns, file, step_mm, old.begin, _homing(old, end)
+    )
 
 
-def _piece(burn: Burn, rows: Sequence[Traced], own: range, texts: Sequence[str], ours: bool, file: str) -> Piece:
+def _piece(
+    burn: Burn, rows: Sequence[Traced], own: range, since: int, texts: Sequence[str], ours: bool, file: str
+) -> Piece:
     travels = [k for k in own if rows[k].travels and rows[k].line < burn.line]
     begin = travels[-1] + 1 if travels else own.start
     for k in own:
@@ -119,13 +124,17 @@ def _piece(burn: Burn, rows: Sequence[Traced], own: range, texts: Sequence[str],
                 file,
             )
     before = rows[begin - 1].state if begin else State()
-    since = rows[own.start].line - 1
     body_from = rows[begin - 1].line if begin > own.start else since
-    comments = () if ours else tuple(text for text in texts[since:body_from] if is_comment(text))
+    comments = () if ours else tuple(_for_people(texts[since:body_from]))
     body = tuple(text for text in texts[body_from : rows[own.stop - 1].line] if not (ours and is_comment(text)))
     (x0, y0), (x1, y1) = burn.path.vertices[0, :2].tolist(), burn.path.vertices[-1, :2].tolist()
     after = rows[own.stop - 1].state
     return Piece(burn.line, comments, tuple(filter(str.strip, body)), before, after, (x0, y0), (x1, y1))
+
+
+def _homing(old: OldProgram, after: int) -> tuple[int, Point] | None:
+    """The first travel behind a line: the number of its line from there on, from 0, and where it leads."""
+    return next(((line - after - 1, at) for line, at in old.program.rapids if line > after), None)
 
 
 def _refused(message: str, line: int, file: str) -> InputError:
@@ -135,6 +144,16 @@ def _refused(message: str, line: int, file: str) -> InputError:
 def is_comment(text: str) -> bool:
     """Whether a line is for people only."""
     return bool(_COMMENT_LINE.match(text))
+
+
+def _for_people(texts: Sequence[str]) -> Iterator[str]:
+    """The lines that are for people only, those between 3 and 4 of ESSI, too."""
+    between = False
+    for text in texts:
+        begins, ends = not between and text.strip() == "3", between and text.strip() == "4"
+        if between or begins or is_comment(text):
+            yield text
+        between = (between or begins) and not ends
 
 
 def _numbering(texts: Sequence[str]) -> tuple[int, int] | None:

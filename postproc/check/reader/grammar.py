@@ -10,6 +10,8 @@ from .words import Block, Word
 MOTION = frozenset({0.0, 1.0, 2.0, 3.0})
 ARCS = frozenset({2.0, 3.0})
 DWELL, NO_MOTION, ROUNDING, PER_MINUTE = 4.0, 80.0, 64.0, 94.0
+UNCHANGING = frozenset({17.0, 40.0, 54.0, 92.1, 94.0, 97.0})
+"""Words that all others of their group are refused for, so that nothing of what they say ever changes."""
 _KERF = "the control would shift the path by its own kerf, which the program does not show; post the program without"
 _PLANE = "arcs outside the XY plane are not checked; post the program with G17"
 _REFUSED_G: Mapping[float, str] = {18.0: _PLANE, 19.0: _PLANE, 41.0: _KERF, 42.0: _KERF, 41.1: _KERF, 42.1: _KERF}

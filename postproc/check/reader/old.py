@@ -8,12 +8,14 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
 
 from .controls import QTPLASMAC, Control
-from .grammar import DWELL, MOTION, NO_MOTION, ROUNDING, group_of
-from .old_words import OldWords, State
+from .essi import read_essi
+from .grammar import DWELL, MOTION, NO_MOTION, ROUNDING, UNCHANGING, group_of
+from .old_words import OldWords
 from .program import NcProgram
-from .reader import Machine, blocks, read_nc
+from .reader import Machine, blocks
 from .rows import in_file
 from .tools_on import HALTS
+from .traced import State, Traced
 from .words import Block, Word
 
 
@@ -24,29 +26,12 @@ class Trusted:
     feed_mm_min: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Traced:
-    """One line that holds words: how many burns are over after it, and what it does while nothing burns.
-
-    `state` is what is in force after it: units, feed, material and so on.
-    `travels` says that it moves with the torch off, `waits` that it stands so, `halts` that the program stops there.
-    """
-
-    line: int
-    burns: int
-    travels: bool
-    waits: bool
-    halts: bool
-    state: State
-    rapid: str = ""
-
-
 @dataclass(frozen=True, eq=False, slots=True)
 class OldProgram:
     """What a program does, line by line, in its own coordinates.
 
     `kerfs_mm` are those of the materials that it describes. `fed_by` are the lines where a feed was needed that the
-    program does not say. Programs of ESSI are not read line by line, and have no `lines`.
+    program does not say. `begin` is where it finds the torch.
     """
 
     program: NcProgram
@@ -54,6 +39,7 @@ class OldProgram:
     kerfs_mm: tuple[float, ...]
     fed_by: tuple[int, ...]
     text: str = field(repr=False, default="")
+    begin: Point = (0.0, 0.0)
 
 
 def read_old(
@@ -82,8 +68,11 @@ def read_old(
     >>> old.program.burns[0].feeds_mm_s, [row.line for row in old.lines if row.travels]
     ((10.0,), [2])
     """
-    if control.arcs:  # it has lines of its own, none of which can stand elsewhere
-        return OldProgram(read_nc(text, travel_mm_s, file, home, control, held_s), (), (), (), text)
+    if control.arcs:
+        steps: list[Traced] = []
+        program = read_essi(text, travel_mm_s, file, home, control, held_s, steps)
+        _expect_cold_rapids(program, file)
+        return OldProgram(program, tuple(steps), (), (), text, home)
     further = OldWords(control.filtered, feed_mm_min)
     machine = Machine(travel_mm_s, control, held_s, home, tab_mm, further)
     traced: list[Traced] = []
@@ -113,8 +102,8 @@ def read_old(
                 line=machine.line or None,
             )
         program = machine.done()
-        _expect_cold_rapids(program)
-    return OldProgram(program, tuple(traced), tuple(sorted(further.kerfs_mm)), tuple(further.used), text)
+        _expect_cold_rapids(program, file)
+    return OldProgram(program, tuple(traced), tuple(sorted(further.kerfs_mm)), tuple(further.used), text, home)
 
 
 def _names_place(block: Block, machine: Machine) -> bool:
@@ -136,7 +125,7 @@ def _note(block: Block, further: OldWords, control: Control) -> None:
     """Keep note of what the words of a block have set."""
     state = further.state
     for word in block.g:
-        if word.value not in MOTION and word.value not in (DWELL, NO_MOTION):
+        if word.value not in MOTION | UNCHANGING | {DWELL, NO_MOTION}:
             with_it = "PQ" if word.value == ROUNDING else ""
             state[group_of(word)] = (_with(word, block, with_it),)
     for word in block.m:
@@ -164,9 +153,10 @@ def _with(word: Word, block: Block, letters: str) -> str:
     return " ".join((word.text, *(block.words[letter].text for letter in letters if letter in block.words)))
 
 
-def _expect_cold_rapids(program: NcProgram) -> None:
+def _expect_cold_rapids(program: NcProgram, file: str) -> None:
     if program.hot_rapids:
         raise InputError(
-            "a rapid (G0) with the torch on: nobody can be sure what it cuts; post the program without",
+            "a rapid with the torch on: nobody can be sure what it cuts; post the program without",
+            file=file or None,
             line=program.hot_rapids[0].line,
         )

@@ -14,9 +14,7 @@ from kerfwise.encoder.errors import InputError
 
 from .comments import COMMENT, Row
 from .moves import ModalState
-
-State = dict[str, tuple[str, ...]]
-"""What is in force: for each thing that words can set, the blocks that have set it."""
+from .traced import State
 
 _HOLE_WORDS = ("HOLES", "H_DIAMETER", "I_DIAMETER", "M_DIAMETER", "H_VELOCITY", "OCLENGTH", "KEEP-Z-MOTION")
 _NAMED = re.compile(r"#<(?P<name>[A-Z0-9_-]+)>=(?P<value>[-+]?[0-9.]+)")

@@ -10,6 +10,8 @@ order; or why it is refused. Where no nest can be told the burns are put in orde
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
@@ -20,25 +22,46 @@ from kerfwise.postproc.old.pieces import taken_apart
 from kerfwise.postproc.old.reordered import expect_same, reordered
 
 
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """What became of one program: idle travel before and after, mm, or why it was refused, and its line."""
+
+    name: str
+    told: str
+    idle_mm: tuple[float, float] | None
+    line: int | None = None
+
+    @property
+    def longer(self) -> bool:
+        """Whether the new one travels further."""
+        return self.idle_mm is not None and self.idle_mm[1] > self.idle_mm[0] + 1e-6
+
+
+def samples(folder: Path, feed_mm_min: float = 2500.0) -> Iterator[Sample]:
+    """All programs of a folder, by name."""
+    for path in sorted(path for path in folder.iterdir() if path.suffix in (".ngc", ".nc")):
+        try:
+            apart = taken_apart(read_old(path.read_text(), feed_mm_min=feed_mm_min, file=path.name))
+            order = list(range(len(apart.pieces)))[::-1]
+            expect_same(apart, order, read_old(reordered(apart, order), feed_mm_min=feed_mm_min))
+            made = resequence(path, work=5, asked=Asked(feed_mm_min=feed_mm_min), without_rules=True)
+        except InputError as error:
+            yield Sample(path.name, f"refused: {error.message} (line {error.line})", None, error.line)
+            continue
+        kind = "no nest" if made.nest is None else f"{len(made.nest.parts)} parts"
+        idle_mm = made.before.idle_mm, made.after.idle_mm
+        told = f"{len(apart.pieces)} burns, {kind}, idle {idle_mm[0]:.1f} -> {idle_mm[1]:.1f} mm"
+        yield Sample(path.name, told, idle_mm)
+
+
 def main(folder: str, feed: str = "2500") -> int:
     """Print the table; the exit code says whether a program got longer."""
-    files = sorted(path for path in Path(folder).iterdir() if path.suffix in (".ngc", ".nc"))
-    read = longer = 0
-    for path in files:
-        try:
-            apart = taken_apart(read_old(path.read_text(), feed_mm_min=float(feed), file=path.name))
-            order = list(range(len(apart.pieces)))[::-1]
-            expect_same(apart, order, read_old(reordered(apart, order), feed_mm_min=float(feed)))
-            made = resequence(path, work=5, asked=Asked(feed_mm_min=float(feed)), without_rules=True)
-        except InputError as error:
-            print(f"{path.name}: refused: {error.message} (line {error.line})")
-            continue
-        read += 1
-        longer += made.after.idle_mm > made.before.idle_mm
-        kind = "no nest" if made.nest is None else f"{len(made.nest.parts)} parts"
-        idle = f"idle {made.before.idle_mm:.1f} -> {made.after.idle_mm:.1f} mm"
-        print(f"{path.name}: {len(apart.pieces)} burns, {kind}, {idle}")
-    print(f"{read} of {len(files)} read, {longer} longer than before")
+    found = []
+    for sample in samples(Path(folder), float(feed)):
+        found.append(sample)
+        print(f"{sample.name}: {sample.told}")
+    longer = sum(sample.longer for sample in found)
+    print(f"{sum(s.idle_mm is not None for s in found)} of {len(found)} read, {longer} longer than before")
     return int(longer > 0)
 
 

@@ -1,16 +1,19 @@
 """Burns in another order: each is the same, with what holds for it; what leans on others is refused."""
 
 import random
+from itertools import permutations
 
 import numpy as np
 import pytest
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.old import OldProgram, read_old
 from kerfwise.postproc.old.pieces import taken_apart
 from kerfwise.postproc.old.reordered import expect_same, reordered
 from kerfwise.tests.postproc.old.programs import FEED, HEAD, READ, REFUSED, line
 from kerfwise.tests.tools import canon
+from kerfwise.tests.tools.outside.mapped import in_linuxcnc
 
 
 def read(text: str) -> OldProgram:
@@ -112,3 +115,101 @@ def test_linuxcnc_finds_the_same_burns(name: str) -> None:
         was = before.burns[k]
         assert np.abs(np.array(burn.points) - np.array(was.points)).max() <= 0.001
         assert (burn.tool, burn.feeds_mm_min) == (was.tool, was.feeds_mm_min)
+
+
+ESSI = """\
+%
+71
+81
+48
+5
++100+100
+3
+the first
+4
+6
+53
+39+2500
+++500
++500+0
+47
++250+250+0+250+
+48
+54
+5
+3
+between
+4
+-400+200
+6
+53
+39+1200
++300+
++-300
+54
+5
++700-200
+6
+9
+39+6000
++50+50
+10
+5
+-800-350
+0
+"""
+
+
+def essi(text: str) -> OldProgram:
+    return read_old(text, CONTROLS["essi"])
+
+
+@pytest.mark.parametrize("order", list(permutations(range(3))))
+def test_burns_that_count_from_place_to_place_stay_as_they_are(order: tuple[int, ...]) -> None:
+    old = essi(ESSI)
+    apart = taken_apart(old)
+    text = reordered(apart, order)
+    written = essi(text)
+    expect_same(apart, order, written)
+    for k, burn in zip(order, written.program.burns, strict=True):
+        assert np.abs(burn.path.vertices - old.program.burns[k].path.vertices).max() <= 1e-9
+        assert (burn.tool, burn.feeds_mm_s) == (old.program.burns[k].tool, old.program.burns[k].feeds_mm_s)
+    assert written.program.end == pytest.approx(old.program.end, abs=1e-9)
+    assert text.splitlines().count("the first") == text.splitlines().count("between") == 1
+    assert written.program.slow_travel == written.program.faults == ()
+
+
+def test_a_program_of_essi_in_its_own_order_has_the_same_lines() -> None:
+    assert sorted(reordered(taken_apart(essi(ESSI)), range(3)).split("\n")) == sorted(ESSI.split("\n"))
+
+
+@pytest.mark.linuxcnc
+def test_linuxcnc_finds_the_burns_of_essi_where_they_were() -> None:
+    plain = ESSI  # without arcs, each zero with its digit, as it can be spelt for LinuxCNC
+    for old, new in (("++", "+0+"), ("+300+\n", "+300+0\n"), ("+-300", "+0-300"), ("+0+250+\n", "\n")):
+        assert old in plain
+        plain = plain.replace(old, new)
+    apart = taken_apart(essi(plain))
+    before = canon.run(in_linuxcnc(plain, "essi"), 0.001)
+    after = canon.run(in_linuxcnc(reordered(apart, [2, 0, 1]), "essi"), 0.001)
+    assert (before.error, after.error) == (None, None)
+    for k, burn in zip([2, 0, 1], after.burns, strict=True):
+        assert np.abs(np.array(burn.points) - np.array(before.burns[k].points)).max() <= 0.001
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "said"),
+    [
+        ("5\n3\nbetween", "5\n0\n3\nbetween", 20, "halts here"),
+        ("5\n3\nbetween", "5\n41+500\n3\nbetween", 20, "a wait with the torch off"),
+        ("6\n53\n39+1200\n", "53\n39+1200\n", 26, "a rapid with the torch on"),
+        ("+300+\n", "29\n+300+\n", 27, "29 is not supported here"),
+        ("+300+\n", "82\n+300+\n", 27, "82 is not supported here"),
+        ("48\n5\n+100", "5\n+100", 10, "48 comes later in the program"),
+    ],
+)
+def test_what_is_refused_of_essi_names_its_line(old: str, new: str, line: int, said: str) -> None:
+    assert old in ESSI
+    with pytest.raises(InputError, match=said) as caught:
+        reordered(taken_apart(essi(ESSI.replace(old, new, 1))), [2, 1, 0])
+    assert caught.value.line == line
