@@ -21,6 +21,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.listening import Reached
 from kerfwise.jobs.no_plan import NoPlan
 from kerfwise.jobs.picture import Picture
+from kerfwise.jobs.resequenced import Resequenced
 from kerfwise.jobs.result import Result
 from kerfwise.jobs.simulation import Simulation
 from kerfwise.jobs.times import Times
@@ -35,6 +36,7 @@ from kerfwise.rules.profile.profile import Profile
 from .judging import check, draw, explain, simulate, times
 from .planning import conflict, facts, solve, trade_off
 from .reading import load_profile, read_nest, read_plan
+from .reordering import resequence
 
 __all__ = [
     "CheckResult",
@@ -50,6 +52,7 @@ __all__ = [
     "Plan",
     "Profile",
     "Reached",
+    "Resequenced",
     "Result",
     "RulesConflict",
     "Simulation",
@@ -62,6 +65,7 @@ __all__ = [
     "load_profile",
     "read_nest",
     "read_plan",
+    "resequence",
     "simulate",
     "solve",
     "times",

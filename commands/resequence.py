@@ -19,7 +19,6 @@ from .numbers import AMOUNT_OVER_ZERO
 from .old_given import asked_of, old_options
 
 if TYPE_CHECKING:
-    from kerfwise.jobs.resequenced import Resequenced
     from kerfwise.rules.profile.profile import Profile
 
 
@@ -79,7 +78,7 @@ def command(
     made = resequence(old, plant, **limits, listener=listener, tell=tell_note)
     files: dict[Path, str | bytes] = {Path(out): made.program}
     if picture:
-        files[Path(picture)] = _picture(made, Path(picture).suffix, plant)
+        files[Path(picture)] = made.picture("png" if Path(picture).suffix.lower() == ".png" else "svg").content
     if plan_path and made.plan is not None:
         files[Path(plan_path)] = made.plan.to_json()
     elif plan_path:
@@ -101,16 +100,6 @@ def _expect(plant: Profile, file: Path, out: str, picture: str | None, plan_path
     expect_outputs(outputs, [file, *files_of(plant)])
     if picture:
         expect_kind(picture)
-
-
-def _picture(made: Resequenced, suffix: str, plant: Profile) -> str | bytes:
-    from kerfwise.postproc.report.burns import Panel, draw_burns
-
-    panels = [
-        Panel(title, f"idle {of.idle_mm / 1000:.3f} m, {of.pierces} pierces", of.burns, made.home, of.end)
-        for title, of in (("before", made.before), ("after", made.after))
-    ]
-    return draw_burns(panels, suffix, f"{Path(made.name).name} resequenced")
 
 
 def _folder(folder: Path, plant: Profile, output: str | None, jobs: int, limits: dict[str, Any]) -> int:

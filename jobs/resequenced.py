@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 from kerfwise.encoder.geometry.segment import Point
@@ -11,7 +12,10 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.postproc.clock.timed import time_program
+from kerfwise.postproc.files import expect_outputs, write_files
 from kerfwise.rules.profile.profile import Profile
+
+from .picture import Picture
 
 Paths = Literal["keep", "new"]
 
@@ -86,6 +90,30 @@ class Resequenced:
     def changed(self) -> bool:
         """Whether the new program is another than the old one."""
         return self.before is not self.after
+
+    def save(self, path: str | Path) -> Path:
+        """Write the new program, whole or not at all; it may not take the place of the old one.
+
+        Raises
+        ------
+        InputError
+            If it cannot be written there.
+        """
+        path = Path(path)
+        expect_outputs([path], [Path(self.name)])
+        write_files({path: self.program})
+        return path
+
+    def picture(self, kind: Literal["svg", "png"] = "svg") -> Picture:
+        """Both orders side by side."""
+        from kerfwise.postproc.report.burns import Panel, draw_burns
+
+        panels = [
+            Panel(title, f"idle {of.idle_mm / 1000:.3f} m, {of.pierces} pierces", of.burns, self.home, of.end)
+            for title, of in (("before", self.before), ("after", self.after))
+        ]
+        drawn = draw_burns(panels, f".{kind}", f"{Path(self.name).name} resequenced")
+        return Picture(drawn.encode() if isinstance(drawn, str) else drawn, kind)
 
     def __str__(self) -> str:
         from .resequence_table import table
