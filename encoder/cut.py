@@ -78,6 +78,20 @@ class Cut:
 
 
 @dataclass(frozen=True, slots=True)
+class Pierce:
+    """A hole that is pierced before the cut that begins there, in a pass of its own.
+
+    `before` is the position of the first cut after it. `contour` is that which is cut from there, "" where nobody says.
+    """
+
+    contour: str
+    at: Point
+    before: int
+    start_s: float = 0.0
+    end_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class HotSpot:
     """Where and when a simulation found metal hottest while one cut had its effect: °C, mm, s from the start.
 
@@ -99,6 +113,7 @@ class CutSequence(Sequence[Cut]):
     the others begin. Times of these count from the start of the old program.
 
     `begun` are burns that cut a stretch of a contour and finish none, each with the position of the next cut.
+    `pierces` are holes that were pierced in a pass before, in order.
     """
 
     cuts: tuple[Cut, ...]
@@ -107,6 +122,7 @@ class CutSequence(Sequence[Cut]):
     hot_spots: tuple[HotSpot, ...] | None = None
     made: int = 0
     begun: tuple[tuple[int, Cut], ...] = ()
+    pierces: tuple[Pierce, ...] = ()
 
     @overload
     def __getitem__(self, key: int) -> Cut: ...
@@ -135,6 +151,14 @@ class CutSequence(Sequence[Cut]):
                 yield begun.pop(0)
             yield position, cut
         yield from begun
+
+    @property
+    def pierced(self) -> dict[int, list[Pierce]]:
+        """Position of a cut → the holes that are pierced right before it, in order."""
+        found: dict[int, list[Pierce]] = {}
+        for pierce in self.pierces:
+            found.setdefault(pierce.before, []).append(pierce)
+        return found
 
     def positions(self) -> dict[str, int]:
         """Contour id → position, counted from 1."""

@@ -215,7 +215,8 @@ def _at_its_feeds(profile: Profile, program: NcProgram) -> Profile:
     corners = profile.corners
     if len(cut) < 2:
         holes, corners = replace(holes, small_hole_feed=1.0), Corners()
-    cuts = replace(profile.cuts, narrow="refuse")  # no way to cut but that of each burn
+    # no way to cut but that of each burn
+    cuts = replace(profile.cuts, narrow="refuse", pierce_pass=None)
     return replace(profile, machine=machine, small_holes=holes, corners=corners, cuts=cuts)
 
 

@@ -27,6 +27,7 @@ from kerfwise.rules.stating.state_rules import Stated
 
 from .ask import Asked
 from .costs import cost_of_plan
+from .pierce_pass import with_pierces
 from .zones_cost import SHARE, along, look_for, once_more, without_zones, zoned_by, zones_cost
 
 if TYPE_CHECKING:
@@ -104,6 +105,7 @@ def produce(
     def planned(solution: Solution) -> Plan:
         stated = replace(asked.stated, statements=(*asked.stated.statements, *seen_in(solution.route)))
         plan = make_plan(facts, profile, stated, solution, engine_named, limits.seed)
+        plan = with_pierces(plan, facts.whole_nest, profile, limits)
         return with_times(plan, facts.whole_nest, profile)
 
     if (limit := profile.temperature_limit()) is not None:

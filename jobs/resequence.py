@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.models.engines.names import Engine
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.postproc.check.reader.on_machine import read_on_machine
@@ -67,6 +67,13 @@ def resequence(
     """
     plant, listener = plant_of(profile), listener or Listener()
     job = read_old_job(path, plant, asked, afresh=paths == "new", tell=tell)
+    if (hole := next((burn for burn in job.program.burns if burn.pierces_only), None)) is not None:
+        raise InputError(
+            "the torch is lit here and does not move, as in a pierce pass: in another order cuts could come before "
+            "their holes; such a program keeps its order",
+            file=job.name,
+            line=hole.line,
+        )
     if job.told is not None:
         limits = options_for(job.told.nest, job.profile, work=work, seed=seed, time_s=time_s, engine=engine)
     else:

@@ -77,8 +77,10 @@ def stopped_plan(plan: Plan, nest: Nest, upto: int, redo_last: bool = False, fil
     Raises
     ------
     InputError
-        If the plan has fewer cuts, begins later, or does not fit the nest.
+        If the plan has fewer cuts, begins later, does not fit the nest, or has a pierce pass.
     """
+    if plan.pierces:
+        raise _with_a_pass("plan", file)
     cuts = [planned.cut for planned in (*plan.already_cut, *plan.cuts)]
     _expect(upto, plan.resumed_after, len(cuts), "plan", file)
     for k, cut in enumerate(cuts[:upto], 1):
@@ -104,9 +106,11 @@ def stopped_program(
     Raises
     ------
     InputError
-        If the program cannot be read, has fewer cuts, begins later, or does not fit the nest.
+        If the program cannot be read, has fewer cuts, begins later, does not fit the nest, or has a pierce pass.
     """
     program = read_on_machine(text, nest, profile, file)
+    if any(burn.pierces_only for burn in program.burns):
+        raise _with_a_pass("program", file)
     kerf_mm = profile.material.kerf_mm
     cuts_elsewhere(program, nest, kerf_mm, file)
     built = rebuild(nest, program, kerf_mm, profile.home_on(nest))
@@ -120,6 +124,13 @@ def stopped_program(
             message = f"cut {k} runs along no contour of {_named(nest)}: is it the nest of this program?"
             raise InputError(message, file=file, line=program.burns[k - made - 1].line if a_run_a_burn else None)
     return _stopped(built.cuts, upto, redo_last, "program", file)
+
+
+def _with_a_pass(what: str, file: str) -> InputError:
+    text = f"the {what} has a pierce pass: holes of contours that are not cut yet are in the sheet"
+    return InputError(
+        f"{text}, and no work can go on from there; cut the rest by hand, or from the old program", file=file
+    )
 
 
 def _upto(count: int) -> str:

@@ -33,7 +33,7 @@ class FactOptions:
     how many contours a zone has, about, None for as many as a proof bears; `parts_in_one_go` says that the contours of
     a part follow each other. `zone_heat_kj` is how much heat may go into a zone, None for any. `kerf_mm` is what a cut
     burns away; `splash_mm` the metal between a pierced hole and the kerf of an older cut, None where nobody asks what
-    meets older kerfs.
+    meets older kerfs. `pierce_pass` says that the holes of a zone, or of the sheet, are pierced before its cuts.
     """
 
     web_mm: float = 25.0
@@ -53,6 +53,7 @@ class FactOptions:
     tail_share: float = 0.25
     kerf_mm: float = 1.5
     splash_mm: float | None = 0.5
+    pierce_pass: Literal["zone", "sheet"] | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from kerfwise.encoder.already_cut import AlreadyCut
-from kerfwise.encoder.cut import Cut, CutSequence, Side
+from kerfwise.encoder.cut import Cut, CutSequence, Pierce, Side
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.models.physics.timing.cost import Cost
@@ -23,6 +23,8 @@ RELAXED = "relaxed: "
 """How the reason of a statement begins that is relaxed because the hard rules cannot all hold."""
 WAITS = "waits "
 """How the reason of a wait begins, among the reasons of a cut."""
+IN_PASS = "begins at a hole of the pierce pass"
+"""How the reason of a pierce in a pass begins, among the reasons of the cut that begins there."""
 LINKED = "linked: "
 """How the reason of a link begins, among the reasons of the cut that it leads to."""
 Status = Literal["optimal", "feasible"]
@@ -46,6 +48,11 @@ class PlannedCut:
     def linked_because(self) -> str:
         """Why the torch stays on before the cut; "" if it does not, or the plan does not say."""
         return next((text for text in self.because if text.startswith(LINKED)), "") if self.cut.linked else ""
+
+    @property
+    def pierced_because(self) -> str:
+        """In which pierce pass its hole is made; "" in none."""
+        return next((text for text in self.because if text.startswith(IN_PASS)), "")
 
     @property
     def waits_because(self) -> str:
@@ -134,7 +141,8 @@ class Plan:
     one sheet costs, None where the profile has no prices. `left_out` are small holes that are not cut. `zones_cost` is
     what cutting zone after zone costs, where that was looked for. Where a
     program goes on after a stop, `already_cut` are the cuts made before, with times of the program that made them, and
-    `cuts` go on from there; `broken_off` is the one that is cut again, as it was begun.
+    `cuts` go on from there; `broken_off` is the one that is cut again, as it was begun. `pierces` are the holes that
+    are pierced in passes of their own, in order; the cuts of their contours begin there.
     """
 
     nest: Mapping[str, str]
@@ -154,6 +162,7 @@ class Plan:
     zero: Point = (0.0, 0.0)
     already_cut: tuple[PlannedCut, ...] = ()
     broken_off: PlannedCut | None = None
+    pierces: tuple[Pierce, ...] = ()
 
     @property
     def resumed_after(self) -> int:
@@ -198,7 +207,7 @@ class Plan:
     def sequence(self, home: tuple[float, float] = (0.0, 0.0)) -> CutSequence:
         """The bare cuts, those made before among them, as rules judge them."""
         cuts = tuple(p.cut for p in (*self.already_cut, *self.cuts))
-        return CutSequence(cuts, self.start_side, home, made=self.resumed_after)
+        return CutSequence(cuts, self.start_side, home, made=self.resumed_after, pierces=self.pierces)
 
     def to_json(self) -> str:
         """The plan as kerfwise-plan/1 text: stable key order, one cut a line, a newline at the end."""
@@ -243,6 +252,9 @@ class Plan:
             row = _cut_row(self.resumed_after + 1, self.broken_off)
             lines.append(f' "broken_off": {json.dumps(row, ensure_ascii=False)}')
         lines.append(f' "cuts": {_rows(self.cuts, self.resumed_after + 1)}')
+        if self.pierces:
+            rows = ",\n  ".join(json.dumps(_pierce_row(pierce), ensure_ascii=False) for pierce in self.pierces)
+            lines.append(f' "pierces": [\n  {rows}\n ]')
         lines += [f' "{k}": {json.dumps(v, ensure_ascii=False)}' for k, v in tail.items()]
         return "{\n" + ",\n".join(lines) + "\n}\n"
 
@@ -259,6 +271,11 @@ def _round(value: object, digits: int = 6) -> object:
 
 def _path(curve: Curve | None) -> list[list[float]]:
     return [] if curve is None else [[round(v, 6) for v in row] for row in curve.as_rows()]
+
+
+def _pierce_row(pierce: Pierce) -> dict[str, Any]:
+    times = {"start_s": round(pierce.start_s, 3), "end_s": round(pierce.end_s, 3)}
+    return {"contour": pierce.contour, "at": [round(v, 6) for v in pierce.at], "before": pierce.before, **times}
 
 
 def _cut_row(order: int, planned: PlannedCut) -> dict[str, Any]:

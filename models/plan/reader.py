@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kerfwise.encoder.contents import contents
-from kerfwise.encoder.cut import Cut, Span, Tab
+from kerfwise.encoder.cut import Cut, Pierce, Span, Tab
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.meetings import MOST_MEETINGS, meets_itself_too_often
@@ -178,6 +178,10 @@ def _plan_of(data: dict[str, Any]) -> Plan:
         zero=(float(data["zero"][0]), float(data["zero"][1])) if "zero" in data else (0.0, 0.0),
         already_cut=_cuts(data.get("already_cut", [])),
         broken_off=_cut(data["broken_off"]) if "broken_off" in data else None,
+        pierces=tuple(
+            Pierce(p["contour"], (float(p["at"][0]), float(p["at"][1])), p["before"], p["start_s"], p["end_s"])
+            for p in data.get("pierces", ())
+        ),
     )
 
 

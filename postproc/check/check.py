@@ -25,6 +25,7 @@ from .links import bad_links
 from .loose_metal import burnt_loose
 from .loose_skeleton import off_the_frame
 from .metal import Pairs, gouges, off_sheet
+from .pierce_pass import not_of_a_pass
 from .planned import Planned, strays_from
 from .program_rules import in_steps_of, judgement, tolerance_mm
 from .rebuild import rebuild
@@ -120,7 +121,8 @@ def _judge_program(
     profile = on_its_origin(program, profile)
     nest, slots = with_passes(nest, passes_of_program(nest, program, profile), profile)
     judged_by = replace(judged_by, nest=nest)
-    built = rebuild(nest, program, profile.material.kerf_mm, profile.home_on(nest), tabs, planned, profile.tabs())
+    kerf_mm, in_passes = profile.material.kerf_mm, profile.cuts.pierce_pass is not None
+    built = rebuild(nest, program, kerf_mm, profile.home_on(nest), tabs, planned, profile.tabs(), in_passes)
     if built.cuts.start_side is None and side is not None:
         built = replace(built, cuts=replace(built.cuts, start_side=side))
     astray = rapids_beyond_travel(nest, program, profile)
@@ -181,6 +183,7 @@ def _judge_paths(
         ),
         *([judgement("tabs", cut_tabs(several))] if tabs else []),
         *([judgement("bridges", broken_bridges(nest, runs, kerf_mm))] if nest.bridges else []),
+        *([judgement("pierce-pass", not_of_a_pass(nest, cuts, profile))] if profile.cuts.pierce_pass else []),
         judgement("burnt-twice", burnt_twice(several, _overcut_mm(profile))),
         judgement("links", bad_links(runs, kerf_mm, profile.cuts.links.longest_mm)),
         judgement("loose-metal", [*burnt_loose(nest, runs, kerf_mm), *off_the_frame(nest, runs, made, kerf_mm)]),

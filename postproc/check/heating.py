@@ -63,14 +63,17 @@ def measured(cuts: CutSequence, heatings: Iterator[Heating], thermometer: Thermo
 
 def heatings_of_cuts(nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], profile: Profile) -> Iterator[Heating]:
     """The stretches of a plan, at the times that it states; marks heat nothing worth speaking of."""
-    machine = profile.machine
+    machine, pierced = profile.machine, cuts.pierced
+    holes = {hole.contour for hole in cuts.pierces}
     for run in runs:
+        for hole in pierced.get(run.position, ()):
+            yield Heating(hole.contour, np.array([hole.at]), hole.start_s, hole.end_s, 0.0, hole.start_s)
         if run.marks or run.contour is None:
             continue
         cut = cuts[run.position - 1]
         points = np.concatenate([shapely.get_coordinates(line) for line in _in_order(run, cut)])
         pierce_s = machine.pierce_time_s if _pierced(nest, cut.pierce) else machine.edge_preheat_s
-        pierce_s = 0.0 if cut.linked else pierce_s
+        pierce_s = 0.0 if cut.linked or cut.contour in holes else pierce_s
         end_s = max(cut.start_s, cut.end_s)
         yield Heating(run.name, points, cut.start_s, end_s, pierce_s, cut.start_s, slowness_of(points, profile))
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.cut import Cut, CutSequence, Pierce
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.profile import Profile
@@ -44,7 +44,13 @@ def same(one: CutSequence, other: CutSequence) -> bool:
     measured = (one.hot_spots, other.hot_spots) != (None, None)
     if measured or one.begun or other.begun or (one.start_side, one.made) != (other.start_side, other.made):
         return False
-    return len(one) == len(other) and _near(one.home, other.home) and all(map(_same_cut, one, other))
+    if len(one) != len(other) or not _near(one.home, other.home) or len(one.pierces) != len(other.pierces):
+        return False
+    return all(map(_same_cut, one, other)) and all(map(_same_hole, one.pierces, other.pierces))
+
+
+def _same_hole(one: Pierce, other: Pierce) -> bool:
+    return (one.contour, one.before) == (other.contour, other.before) and _near(one.at, other.at)
 
 
 def _same_cut(one: Cut, other: Cut) -> bool:

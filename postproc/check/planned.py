@@ -61,6 +61,14 @@ def strays_from(planned: Planned, nest: Nest, made: CutSequence, kerf_mm: float)
             closed = cut.contour in nest.index and nest.contour(cut.contour).curve.closed
             for text in _differences(cut, asked, closed, 2 * tolerance_mm(kerf_mm)):
                 yield Violation(_RULE, (cut.contour,), f"cut {k} of {cut.contour} {text}", (k,))
+    asked_holes = planned.cuts.pierces
+    for k, (hole, said) in enumerate(zip(made.pierces, asked_holes, strict=False), 1):
+        if hole.before != said.before or math.dist(hole.at, said.at) > 2 * tolerance_mm(kerf_mm):
+            text = f"pierce {k} of its passes is not the one of the plan, at ({said.at[0]:z.2f}, {said.at[1]:z.2f})"
+            yield Violation(_RULE, (said.contour,) if said.contour else (), text, (hole.before,))
+    if len(made.pierces) != len(asked_holes):
+        text = f"it makes {len(made.pierces)} holes in pierce passes, the plan {len(asked_holes)}"
+        yield Violation(_RULE, (), text)
     if len(made.new) != len(planned.cuts.new):
         yield Violation(_RULE, (), f"it makes {len(made.new)} cuts, the plan {len(planned.cuts.new)}")
 

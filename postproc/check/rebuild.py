@@ -10,7 +10,7 @@ from itertools import zip_longest
 
 import shapely
 
-from kerfwise.encoder.cut import Cut, CutSequence, Side
+from kerfwise.encoder.cut import Cut, CutSequence, Pierce, Side
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.tabs import TabOptions
@@ -20,6 +20,7 @@ from kerfwise.rules.rule import Violation
 from .cut_from_burn import cut_from_burn
 from .matching import Matcher
 from .names import folded, ids_by_name
+from .pierce_pass import named as told_of_holes
 from .planned import Planned
 from .resumed import read_resumed
 from .shared_cuts import Tabs, shared_cuts
@@ -54,6 +55,7 @@ def rebuild(
     tabs: Tabs | None = None,
     planned: Planned | None = None,
     tabs_asked: TabOptions | None = None,
+    in_passes: bool = False,
 ) -> Rebuilt:
     """Match every torch-on path of a program with a contour of the nest.
 
@@ -61,9 +63,12 @@ def rebuild(
     `EXCUSED part-rigidity P1.outer`, where there are any, and so does what was cut before the program began (see
     `resumed`); which contour is cut, its entry, direction and leads come
     from geometry alone. What the comments do not say the plan does, where there is one. Where `tabs_asked` are at the
-    end of cuts, a cut that stops short of its begin has a tab there.
+    end of cuts, a cut that stops short of its begin has a tab there. Where holes are pierced `in_passes`, a burn that
+    does not move is one.
     """
     matcher = Matcher(nest, kerf_mm)
+    holes = {burn.line: burn for burn in program.burns if in_passes and burn.pierces_only}
+    program = replace(program, burns=tuple(burn for burn in program.burns if burn.line not in holes))
     burns = program.burns if tabs_asked is None or not tabs_asked.at_end else up_to_tabs(program.burns, nest, matcher)
     paths = [line_of(burn.path) or _dot(burn) for burn in burns]
     told = [_CUT.search(burn.comment) for burn in burns]
@@ -85,7 +90,9 @@ def rebuild(
     runs: list[TorchRun] = []
     violations: list[Violation] = list(before.violations)
     warnings: list[str] = []
+    pierces: list[Pierce] = []
     for k, (burn, path, words, name, match) in enumerate(zip(burns, paths, told, named, matches, strict=True)):
+        pierces += _pierced(holes, len(cuts) + 1, burn.line)
         if k in several:
             if not any(piece.out for piece in several[k]):
                 begun.append((len(cuts) + 1, several[k][0].cut))
@@ -112,10 +119,23 @@ def rebuild(
         cuts.append(replace(cut, excused=excused[contour.id]))
         runs.append(run)
         violations += wrong
+    pierces += _pierced(holes, len(cuts) + 1)
     side = next((_SIDES[found[1].upper()] for found in map(_SIDE.search, program.comments) if found), None)
     sequence = CutSequence(tuple(cuts), side, home, made=made, begun=tuple(begun))
+    sequence = replace(sequence, pierces=told_of_holes(pierces, sequence.cuts)) if pierces else sequence
     sequence = sequence if planned is None else planned.completed(sequence)
     return Rebuilt(sequence, tuple(runs), tuple(violations), tuple(warnings), before.broken_off)
+
+
+def _pierced(holes: dict[int, Burn], before: int, line: int | None = None) -> list[Pierce]:
+    """The holes before a line of the program, taken out of those that are left, as pierced before that cut."""
+    due = [holes.pop(at) for at in sorted(holes) if line is None or at < line]
+    return [Pierce("", _xy(burn), before, burn.start_s, burn.end_s) for burn in due]
+
+
+def _xy(burn: Burn) -> Point:
+    x, y = burn.path.vertices[0, :2].tolist()
+    return x, y
 
 
 def _zones(comments: Iterable[str], ids: Mapping[str, str]) -> dict[str, int]:

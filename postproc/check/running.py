@@ -13,7 +13,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check.reader.controls import Control
 from kerfwise.postproc.check.reader.on_machine import control_of
-from kerfwise.postproc.check.reader.program import Burn, NcProgram
+from kerfwise.postproc.check.reader.program import Burn, NcProgram, at_holes
 from kerfwise.postproc.dialects import pierce_dwell_of
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
@@ -121,10 +121,13 @@ def _waits(nest: Nest, burns: Sequence[Burn], profile: Profile) -> Iterator[tupl
     points = shapely.points(np.array([burn.path.vertices[0, :2] for burn in burns]))
     sheet = shapely.make_valid(nest.sheet.polygon)
     inside, near = (shapely.contains(shapely.buffer(sheet, by), points) for by in (-tolerance_mm(), tolerance_mm()))
-    for burn, pierced, maybe in zip(burns, inside.tolist(), near.tolist(), strict=True):
+    passes = profile.cuts.pierce_pass is not None
+    holes = at_holes(burns) if passes else [False] * len(burns)
+    for burn, pierced, maybe, hole in zip(burns, inside.tolist(), near.tolist(), holes, strict=True):
         marks = burn.tool != 0
         start_s = {machine.pierce_time_s} if pierced else {machine.edge_preheat_s}
         start_s |= {machine.pierce_time_s} if maybe else set()
+        start_s = {0.0} if hole else start_s
         allowed = ({machine.mark_time_s} if marks else start_s) if waits else {0.0}
         if all(abs(burn.pierce_s - s) > _WAIT_S for s in allowed):
             says = " or ".join(f"{s:g} s" for s in sorted(allowed))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import shapely
 
@@ -37,10 +38,14 @@ class Claims:
 
 
 def idle_mm(nest: Nest, cuts: CutSequence) -> float:
-    """Idle travel: home, every pierce and end in order, and home again, mm."""
+    """Idle travel: home, every pierce and end in order, those of pierce passes among them, and home again, mm."""
     ends = [cuts.home, *(end_of(nest, cut) for cut in cuts.new)]
     starts = [*(cut.pierce for cut in cuts.new), cuts.home]
-    return math.fsum(map(math.dist, ends, starts))
+    pierced = cuts.pierced
+    ways = (
+        (a, *(hole.at for hole in pierced.get(k, ())), b) for k, (a, b) in enumerate(zip(ends, starts, strict=True), 1)
+    )
+    return math.fsum(math.dist(a, b) for way in ways for a, b in pairwise(way))
 
 
 def totals(nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], claims: Claims) -> list[Violation]:

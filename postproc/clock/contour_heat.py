@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.compensation import compensated
+from kerfwise.encoder.cut import Pierce
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.physics.timing.acceleration import Accelerated
@@ -87,7 +88,10 @@ def _most_blocks(nest: Nest, candidates: Sequence[Candidate], profile: Profile) 
     """How many blocks a program has at the most: an entry may divide a line or arc, and the torch may have to wait."""
     limit = profile.temperature_limit()
     dwells = limit is not None and limit.dwells
-    return count_blocks(_paths(nest, candidates, profile), nest, profile) + (2 if dwells else 1) * len(nest.contours)
+    paths = list(_paths(nest, candidates, profile))
+    each = profile.cuts.pierce_pass is not None
+    pierces = [Pierce("", made.planned.cut.pierce, k) for k, made in enumerate(paths, 1) if each and not made.marks]
+    return count_blocks(paths, nest, profile, pierces) + (2 if dwells else 1) * len(nest.contours)
 
 
 def _paths(nest: Nest, candidates: Sequence[Candidate], profile: Profile) -> Iterator[Toolpath]:

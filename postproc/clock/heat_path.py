@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
+
 from kerfwise.encoder.corner_feed import chords, paced
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
@@ -32,7 +34,10 @@ def path_of_plan(plan: Plan, nest: Nest, profile: Profile) -> TimedPath:
         raise InputError("the plan does not say when its contours are cut: start_s and end_s are needed for heat")
     law = profile.corner_feed()
     burns: list[TorchOn] = []
-    for made in toolpaths(plan, nest, profile):
+    pierced = plan.sequence().pierced
+    for order, made in enumerate(toolpaths(plan, nest, profile), plan.resumed_after + 1):
+        for pierce in pierced.get(order, ()):
+            burns.append(torch_on(pierce.contour, np.array([pierce.at]), pierce.start_s, pierce.end_s))
         if made.marks:
             continue
         cut = made.planned.cut
@@ -44,7 +49,7 @@ def path_of_plan(plan: Plan, nest: Nest, profile: Profile) -> TimedPath:
 
 def _stands_s(made: Toolpath, profile: Profile) -> float:
     """How long the torch burns where a cut begins."""
-    if made.linked:
+    if made.linked or made.pierced:
         return 0.0
     return profile.machine.edge_preheat_s if made.edge_start else profile.machine.pierce_time_s
 

@@ -16,7 +16,7 @@ from kerfwise.models.physics.timing.run import Job, Run
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check.reader.old import Trusted
 from kerfwise.postproc.check.reader.on_machine import read_on_machine
-from kerfwise.postproc.check.reader.program import NcProgram
+from kerfwise.postproc.check.reader.program import NcProgram, at_holes
 from kerfwise.postproc.nc.plan_paths import outside, toolpaths
 from kerfwise.postproc.nc.program import count_blocks
 from kerfwise.rules.profile.profile import Profile
@@ -53,23 +53,27 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
     paths = toolpaths(plan, nest, profile)
     profile = profile.at_origin(plan.origin)
     home = profile.home_on(nest)
-    runs, at = [], home
-    for made in paths:
+    runs, at, pierced = [], home, plan.sequence().pierced
+    for order, made in enumerate(paths, plan.resumed_after + 1):
+        for pierce in pierced.get(order, ()):
+            runs.append(Run(_stands(pierce.at), travels_mm=(math.dist(at, pierce.at),)))
+            at = pierce.at
         travels_mm = () if made.linked else (math.dist(at, _start(made.path)),)
         runs.append(
             Run(
                 made.path,
                 made.marks,
-                not made.edge_start,
+                not (made.edge_start or made.pierced),
                 travels_mm,
                 made.planned.dwell_s,
+                standing_s=0.0 if made.pierced else None,
                 feed_share=made.feed_share,
                 linked=made.linked,
                 unlit_mm=sum(high - low for low, high in made.unlit),
             )
         )
         at = _end(made.path)
-    return Job(tuple(runs), (math.dist(at, home),), count_blocks(paths, nest, profile))
+    return Job(tuple(runs), (math.dist(at, home),), count_blocks(paths, nest, profile, plan.pierces))
 
 
 def job_of_program(program: NcProgram, nest: Nest | None, own: Profile | None = None) -> Job:
@@ -81,8 +85,11 @@ def job_of_program(program: NcProgram, nest: Nest | None, own: Profile | None = 
     starts = [_start(burn.path) for burn in program.burns]
     edge_starts = [False] * len(starts) if nest is None else outside(nest, starts)
     runs = []
-    for burn, edge_start in zip(program.burns, edge_starts, strict=True):
-        run = Run(burn.path, burn.tool != 0, not edge_start, burn.travels_mm, burn.wait_s, unlit_mm=burn.unlit_mm)
+    holes = at_holes(program.burns)
+    for burn, edge_start, hole in zip(program.burns, edge_starts, holes, strict=True):
+        pierced = not (edge_start or hole)
+        run = Run(burn.path, burn.tool != 0, pierced, burn.travels_mm, burn.wait_s, unlit_mm=burn.unlit_mm)
+        run = replace(run, standing_s=0.0) if hole else run
         if own is not None:
             run = replace(run, moving_s=burn.moving_s, standing_s=burn.held_s + burn.pierce_s + burn.paused_s)
         runs.append(run)
@@ -108,12 +115,21 @@ def read_program(text: str, nest: Nest, profile: Profile, file: str = "", truste
 def with_times(plan: Plan, nest: Nest, profile: Profile) -> Plan:
     """The plan with the times of its program by the model of the profile, which it then states."""
     timed = time_job(job_of_plan(plan, nest, profile), profile)
-    cuts = tuple(
-        replace(planned, cut=replace(planned.cut, start_s=begin, end_s=end))
-        for planned, (begin, end) in zip(plan.cuts, timed.times.spans, strict=True)
-    )
+    spans, pierced = iter(timed.times.spans), plan.sequence().pierced
+    cuts, pierces = [], []
+    for order, planned in enumerate(plan.cuts, plan.resumed_after + 1):
+        for pierce in pierced.get(order, ()):
+            begin, end = next(spans)
+            pierces.append(replace(pierce, start_s=begin, end_s=end))
+        begin, end = next(spans)
+        cuts.append(replace(planned, cut=replace(planned.cut, start_s=begin, end_s=end)))
     totals = replace(plan.totals, time_s=timed.times.total_s)
-    return replace(plan, cuts=cuts, totals=totals, time=timed.report)
+    return replace(plan, cuts=tuple(cuts), totals=totals, time=timed.report, pierces=tuple(pierces))
+
+
+def _stands(at: Point) -> Curve:
+    """A path that goes nowhere."""
+    return Curve.of([at], closed=False)
 
 
 def _start(path: Curve) -> Point:

@@ -19,7 +19,8 @@ def fitting_dialect(profile: Profile) -> Dialect:
     ------
     InputError
         If there is none of that name, if it is for another process and the profile does not accept that, or if the
-        profile asks for edge starts of a control that waits at every start: with the place in the profile's file.
+        profile asks for edge starts, or a pierce pass, of a control that waits at every start, or for a pierce pass
+        where the torch waits for metal to cool: with the place in the profile's file.
     """
     machine = profile.machine
     dialect = load_dialect(machine.dialect)
@@ -30,6 +31,18 @@ def fitting_dialect(profile: Profile) -> Dialect:
             f"machine.dialect: '{machine.dialect}' is for {' and '.join(dialect.processes)}, the machine's process is "
             f"{machine.process}: its programs would not run, or would run wrong. Say dialect: {' or '.join(others)}, "
             "correct machine.process, or say accept_dialect: true to have it all the same",
+        )
+    if profile.cuts.pierce_pass and pierce_dwell_of(profile, dialect) == "machine":
+        raise wrong_at(
+            _said_at(profile, ("cuts", "pierce_pass")),
+            f"cuts.pierce_pass: under the dialect '{dialect.name}' the machine waits at every start, also where a cut "
+            "begins at a hole: say machine: {pierce_dwell: program} and set the machine's own delay to 0",
+        )
+    if profile.cuts.pierce_pass and (limit := profile.temperature_limit()) is not None and limit.dwells:
+        raise wrong_at(
+            _said_at(profile, ("cuts", "pierce_pass")),
+            "cuts.pierce_pass: where the torch waits for metal to cool (dwells) holes are pierced one by one: say "
+            "pierce_pass: off, or dwells: false",
         )
     if profile.leads.edge_start and pierce_dwell_of(profile, dialect) == "machine":
         raise wrong_at(_said_at(profile, ("leads", "edge_start")), f"leads.edge_start: {MACHINE_WAITS}")
@@ -70,6 +83,12 @@ def expect_words(nest: Nest, profile: Profile, dialect: Dialect, resumes: bool =
             _said_at(profile, ("material", "mark_power"), ("material", "power"), ("material", "chart")),
             f"material.mark_power: S{powers['mark_power']} is more than half of S{powers['power']}, which cuts, and "
             "might cut too: give material.mark_power, a smaller share of full power",
+        )
+    if resumes and profile.cuts.pierce_pass:
+        raise wrong_at(
+            _said_at(profile, ("cuts", "pierce_pass")),
+            "cuts.pierce_pass: a program that goes on after a stop cannot have a pierce pass, for nobody knows which "
+            "holes are there: say pierce_pass: off for the rest",
         )
     if resumes and dialect.comment is None:
         raise wrong_at(

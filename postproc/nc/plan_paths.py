@@ -25,6 +25,7 @@ SHA_DIGITS = 12
 class Toolpath:
     """One cut of the plan with its whole path; `edge_start` where it comes in from the edge and pierces nothing.
 
+    One that is `pierced` begins at a hole that was pierced in a pass before.
     The torch follows it at `feed_share` of the cut feed, unlit along the stretches `unlit`, mm from its start.
     """
 
@@ -34,6 +35,7 @@ class Toolpath:
     edge_start: bool
     feed_share: float = 1.0
     unlit: tuple[tuple[float, float], ...] = ()
+    pierced: bool = False
 
     @property
     def pieces(self) -> tuple[Curve, ...]:
@@ -60,13 +62,14 @@ def toolpaths(plan: Plan, nest: Nest, profile: Profile) -> tuple[Toolpath, ...]:
     nest = profile.as_cut(nest)
     _same_nest(plan, nest)
     edge_starts = outside(nest, [p.cut.pierce for p in plan.cuts])
-    made = []
+    made, pierced = [], {pierce.contour for pierce in plan.pierces}
     for planned, edge_start in zip(plan.cuts, edge_starts, strict=True):
         contour = nest.contour(planned.cut.contour)
         cut, kerf_mm = _as_filed(planned.cut), profile.material.kerf_mm
         path, unlit = torch_path(contour, cut, kerf_mm), unlit_on(contour, cut, kerf_mm)
         edge_start = edge_start and not planned.cut.linked
-        made.append(Toolpath(planned, path, contour.kind == "mark", edge_start, contour.feed_share, unlit))
+        mark, hole = contour.kind == "mark", planned.cut.contour in pierced
+        made.append(Toolpath(planned, path, mark, edge_start, contour.feed_share, unlit, hole))
     return tuple(made)
 
 

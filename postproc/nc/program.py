@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain, tee
 from pathlib import PurePath
 
-from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.cut import Cut, Pierce
+from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.dialects import Dialect, expect_words, fitting_dialect, load_dialect, pierce_dwell_of, powers_of
@@ -36,7 +37,8 @@ def write_program(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect | N
     expect_words(nest, profile, dialect, bool(plan.already))
     profile = profile.at_origin(plan.origin)
     names = program_names(profile.as_cut(nest), dialect)
-    body = _body(toolpaths(plan, nest, profile), names, nest, profile, dialect, plan.resumed_after + 1)
+    paths, first = toolpaths(plan, nest, profile), plan.resumed_after + 1
+    body = _body(paths, names, nest, profile, dialect, first, plan.pierces)
     return "\n".join([*numbered([*_header(plan, names, nest, profile, dialect), *body], dialect), ""])
 
 
@@ -53,10 +55,11 @@ def cut_comment(order: int, name: str, cut: Cut, marks: bool, dialect: Dialect) 
     return comment(dialect, f"{'MARK' if marks else 'CUT'} {order}", name, f"ZONE {cut.zone} {cut.direction.upper()}")
 
 
-def count_blocks(paths: Iterable[Toolpath], nest: Nest, profile: Profile) -> int:
-    """How many blocks a program of these paths has, comments left out, without writing it."""
+def count_blocks(paths: Iterable[Toolpath], nest: Nest, profile: Profile, pierces: Sequence[Pierce] = ()) -> int:
+    """How many blocks a program of these paths and pierces has, comments left out, without writing it."""
     dialect = load_dialect(profile.machine.dialect)
-    return sum(not is_comment(block, dialect) for block in _body(paths, {}, nest, profile, dialect))
+    body = _body(paths, {}, nest, profile, dialect, pierces=pierces)
+    return sum(not is_comment(block, dialect) for block in body)
 
 
 def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, dialect: Dialect) -> Iterator[str]:
@@ -80,6 +83,9 @@ def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, 
         yield comment(dialect, "TIME MODEL", plan.time.model.upper())
     if plan.cuts:
         yield from _assumed(plan, profile, dialect)
+    if plan.pierces:
+        passes = len({pierce.before for pierce in plan.pierces})
+        yield comment(dialect, f"PIERCED IN PASSES OF THEIR OWN {len(plan.pierces)}, PASSES {passes}")
     if plan.waits:
         yield comment(dialect, f"WAITS FOR METAL TO COOL {len(plan.waits)}, {seconds_text(plan.wait_s)}")
     if nest.spotted:
@@ -137,12 +143,22 @@ def _body(
     profile: Profile,
     dialect: Dialect,
     first: int = 1,
+    pierces: Sequence[Pierce] = (),
 ) -> Iterator[str]:
-    """All but the comments at the top, which make no blocks; `first` is the number of the first cut."""
+    """All but the comments at the top, which make no blocks; `first` is the number of the first cut.
+
+    `pierces` are made before the cuts that they say.
+    """
     yield from (block.format(program=program_number(dialect)) for block in dialect.header)
     x, y = profile.frame_on(nest).corner
     pen = Pen(dialect, profile.machine.home, powers_of(dialect, profile))
+    due: dict[int, list[tuple[int, Pierce]]] = {}
+    for count, pierce in enumerate(pierces, 1):
+        due.setdefault(pierce.before, []).append((count, pierce))
     for order, (made, after) in enumerate(_with_next(paths), first):
+        for count, pierce in due.get(order, ()):
+            at = round(pierce.at[0], 6) - x, round(pierce.at[1], 6) - y
+            yield from _pierce(count, names.get(pierce.contour, ""), at, profile, pen)
         name, lit = names.get(made.planned.cut.contour, ""), after is not None and after.linked
         yield from _cut(order, name, replace(made, path=made.path.moved(-x, -y)), profile, pen, stays_on=lit)
     yield comment(dialect, "HOME")
@@ -162,6 +178,16 @@ def program_number(dialect: Dialect) -> str:
     return "" if dialect.program is None else str(dialect.program.number).zfill(dialect.program.digits)
 
 
+def _pierce(count: int, name: str, at: Point, profile: Profile, pen: Pen) -> Iterator[str]:
+    """The blocks of one pierce of a pass: there, torch on, the dwell, off."""
+    machine = profile.machine
+    yield comment(pen.dialect, f"PIERCE {count}", name)
+    yield from pen.select(False)
+    yield pen.rapid(at)
+    yield from pen.start(False, machine.pierce_time_s, machine.cut_feed_mm_s)
+    yield from pen.stop(False)
+
+
 def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: Pen, stays_on: bool) -> Iterator[str]:
     """The blocks of one cut; of one that is linked without those that light the torch, of one before it without off."""
     cut, machine, mark, dialect = made.planned.cut, profile.machine, made.marks, pen.dialect
@@ -173,7 +199,7 @@ def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: Pen, stay
         if made.planned.dwell_s > 0:  # metal cools, the torch being off
             yield pen.wait(made.planned.dwell_s)
         waits = pierce_dwell_of(profile, dialect) == "program"
-        start_s = machine.edge_preheat_s if made.edge_start else machine.pierce_time_s
+        start_s = machine.edge_preheat_s if made.edge_start else 0.0 if made.pierced else machine.pierce_time_s
         yield from pen.start(mark, (machine.mark_time_s if mark else start_s) if waits else 0.0, feed_mm_s)
     slowed = made.feed_share < 1.0
     yield from dialect.height_off if slowed else ()

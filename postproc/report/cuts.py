@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.cut import Cut, Pierce
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import KINDS, Contour, Nest
 
@@ -139,14 +139,28 @@ def tab_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> SceneLayer:
     return SceneLayer("tabs", tuple(items))
 
 
-def travel_layer(view: View, cuts: Sequence[Cut], home: Point, shares: Sequence[float]) -> SceneLayer:
-    """Idle travel as dashed arrows, coloured by `shares`: when each begins, 0 … 1; the last leads home."""
+def travel_layer(
+    view: View,
+    cuts: Sequence[Cut],
+    home: Point,
+    shares: Sequence[float],
+    pierced: Mapping[int, Sequence[Pierce]] | None = None,
+) -> SceneLayer:
+    """Idle travel as dashed arrows, coloured by `shares`: when each begins, 0 … 1; the last leads home.
+
+    The way through the holes that are `pierced` in a pass before a cut, counted from 1, is dotted.
+    """
     stops = [(home, cuts[0].pierce), *((a.end, b.pierce) for a, b in pairwise(cuts))]
     stops.append((cuts[-1].end, home))
     width = max(view.line_width, 0.7)
     items: list[Item] = []
     heads: list[Item] = []
     for k, ((start, end), share) in enumerate(zip(stops, shares, strict=True), 1):
+        if holes := (pierced or {}).get(k):
+            way = np.array([view.point(at) for at in (start, *(hole.at for hole in holes))])
+            dots = Style(stroke=colours.PIERCE, width=0.8 * width, dash=(width, 2 * width))
+            items.append(Shape((way,), dots, closed=False, cut=k))
+            start = holes[-1].at
         a, b = view.point(start), view.point(end)
         length = math.dist(a, b)
         if length < 0.5 or (k <= len(cuts) and cuts[k - 1].linked):

@@ -194,6 +194,7 @@ def _key(items: list[Item], x: float, end: float, y: float, kinds: frozenset[str
     """Samples with their names, as many as there is room for."""
     for kind, label in (
         ("pierce", "pierce and lead"),
+        ("pass", "pierce pass"),
         ("edge", "begins off the sheet"),
         ("wait", "waits for metal to cool"),
         ("outer", "outer contour"),
@@ -228,6 +229,8 @@ def _sample(kind: str, x: float, y: float) -> list[Item]:
         bar = np.array([(x + 11, y - 6), (x + 11, y + 6)])
         outline = Shape((line,), Style(stroke=INKS["outer"], width=1.4), closed=False)
         return [outline, Shape((bar,), Style(stroke=colours.TAB, width=3), closed=False)]
+    if kind == "pass":
+        return [Shape((line,), Style(stroke=colours.PIERCE, width=1.0, dash=(1.2, 2.4)), closed=False)]
     if kind == "edge":
         return [Dot(x + 11, y, 3, Style(fill=colours.PAGE, stroke=colours.PIERCE, width=1.5))]
     if kind == "wait":

@@ -128,8 +128,9 @@ def _drawn(
     clock = None
     if cuts:
         clock, shares = _clock(cuts)
+        pierced = {} if plan is None else {k - made: holes for k, holes in plan.sequence().pierced.items()}
         layers += [
-            travel_layer(view, cuts, home, shares),
+            travel_layer(view, cuts, home, shares, pierced),
             direction_layer(nest, view, cuts),
             lead_layer(view, cuts),
             pierce_layer(nest, view, cuts),
@@ -139,6 +140,8 @@ def _drawn(
     if any(cut.tabs for cut in cuts):
         kinds.add("tab")
         layers.append(tab_layer(nest, view, cuts))
+    if plan is not None and plan.pierces:
+        kinds.add("pass")
     if nest.not_cut:
         kinds.add("small")
     torch = [c.pierce for c in cuts if nest.contour(c.contour).kind != "mark"]

@@ -75,8 +75,16 @@ class NoTipTravel(Rule[NoOptions]):
         at = cuts.positions()
         held = {cut.contour for cut in cuts if cut.tabs}
         parts = [part for part in nest.parts if part.outer.id in at and part.outer.id not in held]
-        legs = np.array([[cuts.home, *(cut.end for cut in cuts.new)], [*(cut.pierce for cut in cuts.new), cuts.home]])
-        lines = shapely.linestrings(legs.transpose(1, 0, 2))
+        ends = [cuts.home, *(cut.end for cut in cuts.new)], [*(cut.pierce for cut in cuts.new), cuts.home]
+        holes = cuts.pierced
+        lines = (
+            [
+                shapely.LineString([begin, *(hole.at for hole in holes.get(k, ())), end])
+                for k, (begin, end) in enumerate(zip(*ends, strict=True), cuts.made + 1)
+            ]
+            if holes
+            else shapely.linestrings(np.array(ends).transpose(1, 0, 2))
+        )
         areas = shapely.buffer([part.outer.polygon for part in parts], -GRAZE_MM)
         leg, over = shapely.STRtree(areas).query(lines, predicate="intersects")
         found = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
@@ -11,7 +12,7 @@ import shapely
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.judging.pierce_kerfs import over_older_kerfs
+from kerfwise.rules.judging.pierce_kerfs import over_holes, over_older_kerfs
 from kerfwise.rules.judging.pierce_places import PiercePlaces
 from kerfwise.rules.options.by_thickness import LENGTH_BY_THICKNESS
 from kerfwise.rules.options.option import option
@@ -61,6 +62,8 @@ class Pierce(Rule[PierceOptions]):
       and of that contour's own lead. The way that it leads to must be lawful with its pierce, too.
     - **Tabs**: The kerf round a part counts as void over its tabs, too.
     - **Scrap lines**: They begin in a void, when all parts are out: nothing is asked of them.
+    - **Pierce pass**: Where the holes of a zone are pierced before its cuts ([pierce pass](pierce-pass.md)), a lead
+      crosses no such hole either, but its own, and holes keep half the kerf and `splash` from each other.
 
     ## Why
 
@@ -89,6 +92,7 @@ class Pierce(Rule[PierceOptions]):
     def statements(self, facts: Facts, options: PierceOptions) -> Iterator[AtLeast]:
         yield from self._in_waste(facts)
         yield from self._off_kerfs(facts)
+        yield from self._off_holes(facts, options)
 
     def _off_kerfs(self, facts: Facts) -> Iterator[AtLeast]:
         """What would meet the kerf of a contour, or of a lead, goes before it."""
@@ -106,6 +110,17 @@ class Pierce(Rule[PierceOptions]):
             )
             about = self.about((cut, older), sentence)
             yield AtLeast((Before(contour, other), Pick(earlier)), (1, -1), 0, about, when=number)
+
+    def _off_holes(self, facts: Facts, options: PierceOptions) -> Iterator[AtLeast]:
+        """Where holes are pierced before all cuts of a zone, or of the sheet: what would meet another's is not used."""
+        for number, other in meeting_holes(facts, options.kerf_mm, options.splash_mm):
+            one, beside = (facts.candidates[k].contour for k in (number, other))
+            cut, hole = facts.nest.contours[one].id, facts.nest.contours[beside].id
+            sentence = (
+                f"from {_entered(facts, number)} {cut} would meet the hole that is pierced before for {hole} at "
+                f"{_entered(facts, other)}"
+            )
+            yield AtLeast((Pick(other),), (-1,), 0, self.about((cut, hole), sentence), when=number)
 
     def _in_waste(self, facts: Facts) -> Iterator[AtLeast]:
         """What is pierced in the waste of a hole goes before that hole."""
@@ -155,8 +170,24 @@ class Pierce(Rule[PierceOptions]):
             *places.over_dropped_waste(),
             *places.crossing_leads(),
             *over_older_kerfs(nest, cuts, options.kerf_mm, options.splash_mm),
+            *over_holes(nest, cuts, options.kerf_mm, options.splash_mm),
         ]
         return [Violation(self.id, ids, text, at) for at, ids, text in sorted(findings)]
+
+
+def meeting_holes(facts: Facts, kerf_mm: float, splash_mm: float) -> Iterator[tuple[int, int]]:
+    """Pairs of candidates of which the first, or a lead of it, would meet the hole of the other, of one pass."""
+    in_pass = facts.options.pierce_pass
+    rows = facts.older_kerfs.leads if in_pass else ()
+    for number, other in np.asarray(rows, dtype=np.int64).reshape(-1, 2).tolist():
+        one, beside = facts.candidates[number], facts.candidates[other]
+        if in_pass == "zone" and facts.zone[one.contour] != facts.zone[beside.contour]:
+            continue
+        hole = shapely.Point(beside.pierce)
+        leads = [lead.line() for lead in (one.lead_in, one.lead_out) if lead is not None]
+        near = any(shapely.dwithin(lead, hole, kerf_mm / 2) for lead in leads)
+        if near or math.dist(one.pierce, beside.pierce) < kerf_mm + splash_mm:
+            yield number, other
 
 
 def _entered(facts: Facts, candidate: int) -> str:

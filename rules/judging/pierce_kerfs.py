@@ -83,6 +83,36 @@ def over_older_kerfs(nest: Nest, cuts: CutSequence, kerf_mm: float, splash_mm: f
             yield (burn.position, lead.position), (lead.contour.id, burn.contour.id), text
 
 
+def over_holes(nest: Nest, cuts: CutSequence, kerf_mm: float, splash_mm: float) -> Iterator[Finding]:
+    """Leads that cross holes pierced in a pass before, and holes that are too near to each other: half kerf and splash.
+
+    A cut begins at its own hole, and meets that alone.
+    """
+    holes, at = cuts.pierces, cuts.positions()
+    if not holes:
+        return
+    tree = shapely.STRtree(shapely.points(np.array([hole.at for hole in holes])))
+    through = [(k, cut, nest.contour(cut.contour)) for k, cut in cuts.burns if _burns(nest, cut)]
+    leads = [lead for row in through for lead in _leads_of(*row, kerf_mm)]
+    free = np.array([lead.line for lead in leads], dtype=object)
+    for row, h in pairs_found(tree.query(free, "dwithin", distance=kerf_mm / 2 - SLACK_MM)):
+        lead, hole = leads[row], holes[h]
+        if hole.before <= lead.position and hole.contour != lead.contour.id:
+            other = hole.contour or "nothing"
+            text = f"the {lead.name} of {lead.contour.id} (cut {lead.position}) crosses the hole pierced for {other}"
+            yield (lead.position,), (lead.contour.id, *([hole.contour] if hole.contour else ())), text
+    points = tree.geometries
+    for a, b in pairs_found(tree.query(points, "dwithin", distance=kerf_mm + splash_mm - SLACK_MM)):
+        if a < b:
+            gap_mm = float(shapely.distance(points[a], points[b])) - kerf_mm / 2
+            names = tuple(hole.contour for hole in (holes[a], holes[b]) if hole.contour)
+            at_mm = f"({holes[b].at[0]:.2f}, {holes[b].at[1]:.2f})"
+            text = (
+                f"the hole at {at_mm} is pierced {gap_mm:.2f} mm from another, less than {kerf_mm / 2 + splash_mm:g} mm"
+            )
+            yield tuple(at[name] for name in names if name in at), names, text
+
+
 def _burns(nest: Nest, cut: Cut) -> bool:
     return nest.contour(cut.contour).shapes_part
 

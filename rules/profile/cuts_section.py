@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import get_args
+from typing import Literal, get_args
 
 from kerfwise.encoder.candidates.candidate import Narrow
 from kerfwise.encoder.cut import Side
@@ -38,6 +38,9 @@ class Scrap:
     )
 
 
+PiercePass = Literal["zone", "sheet"]
+
+
 @dataclass(frozen=True, slots=True)
 class Cuts:
     """Ways to cut what the torch cannot follow as it is drawn."""
@@ -52,4 +55,11 @@ class Cuts:
     scrap: Scrap = field(default=Scrap(), metadata=option(Members(Scrap), "lines that cut up the skeleton, made"))
     links: Links = field(
         default=Links(), metadata=option(Members(Links), "ways through waste from one contour to the next, torch on")
+    )
+    pierce_pass: PiercePass | None = field(
+        default=None,
+        metadata=option(
+            Choice(("off", *get_args(PiercePass)), none="off"),
+            "pierce all holes of each zone, or of the sheet, before the cuts that begin there",
+        ),
     )

@@ -317,6 +317,7 @@ class Profile:
             zone_fixed=tuple((lock.part, lock.zone) for lock in self.locks if lock.part and lock.zone),
             kerf_mm=self.material.kerf_mm,
             splash_mm=None,
+            pierce_pass=self.cuts.pierce_pass,
         )
         for rule, options, strength in self._every_rule:
             given = rule.fact_options(given, options, strength)

@@ -18,6 +18,8 @@ Kind = Literal[
     "pierce-over-void",
     "lead-over-void",
     "pierce-in-part",
+    "not-pierced",
+    "pierce-unused",
     "off-sheet",
     "loose-part-burnt",
     "loose-waste-burnt",

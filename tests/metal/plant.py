@@ -21,6 +21,7 @@ def plant(profile: Profile) -> dict[str, Any]:
         "edge_starts": profile.leads.edge_start,
         "touching": shared is not None and shared.strength == "off",
         "slits": profile.cuts.narrow == "slit",
+        "pierce_pass": profile.cuts.pierce_pass is not None,
     }
 
 

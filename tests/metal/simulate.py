@@ -15,6 +15,7 @@ from kerfwise.tests.metal.coverage import Tabs, uncut, unmarked
 from kerfwise.tests.metal.drawing import Drawing, drawing_of
 from kerfwise.tests.metal.erosion import PartMetal
 from kerfwise.tests.metal.findings import KINDS, Finding
+from kerfwise.tests.metal.passes import holes_of, wrong_passes
 from kerfwise.tests.metal.pieces import Pieces
 from kerfwise.tests.metal.program import Path, Program, read_program
 from kerfwise.tests.metal.slots import Slots
@@ -37,6 +38,7 @@ def simulate(
     slits: bool = False,
     excused: Collection[str] = (),
     tabs: Tabs | None = None,
+    pierce_pass: bool = False,
 ) -> list[Finding]:
     """Burn a program and say what is wrong with it.
 
@@ -62,6 +64,8 @@ def simulate(
         Ids of contours that are not to be cut (small holes that are skipped or only spotted).
     tabs
         By id of an outer contour x, y and width of each tab: stretches that are to stay, and to hold the part.
+    pierce_pass
+        Whether all holes of a zone, or of the sheet, are pierced before the cuts that begin there.
 
     Returns
     -------
@@ -92,7 +96,8 @@ def simulate(
     first = len(burns_of(history, drawing, kerf_mm))
     slots = Slots(drawing, kerf_mm, slits)
     pieces, metal = Pieces(drawing.sheet), PartMetal(drawing, kerf_mm, touching, slots)
-    kerfs = OlderKerfs(burns, drawing.sheet, kerf_mm, splash_mm)
+    own = holes_of(burns) if pierce_pass else {}
+    kerfs = OlderKerfs(burns, drawing.sheet, kerf_mm, splash_mm, own)
     for k, burn in enumerate(burns):
         if k >= first:
             findings += metal.judge(burn)
@@ -101,6 +106,7 @@ def simulate(
             findings += on_loose(burn, pieces, drawing)
         pieces.burn(burn.kerf(kerf_mm / 2))
     findings += [found for k, found in twice(burns) if k >= first]
+    findings += wrong_passes(burns, own, drawing.sheet) if pierce_pass else []
     findings += uncut(drawing, burns, kerf_mm, excused, tabs or {})
     findings += slots.shut(burns)
     findings += unmarked(drawing, paths)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import shapely
@@ -15,9 +15,17 @@ from kerfwise.tests.metal.tolerances import NUMERIC_MM
 
 
 class OlderKerfs:
-    """The kerfs of a row of burns, in the order in which they come to be."""
+    """The kerfs of a row of burns, in the order in which they come to be; `own` is the hole that a burn begins at."""
 
-    def __init__(self, burns: list[Burn], sheet: shapely.Polygon, kerf_mm: float, splash_mm: float) -> None:
+    def __init__(
+        self,
+        burns: list[Burn],
+        sheet: shapely.Polygon,
+        kerf_mm: float,
+        splash_mm: float,
+        own: Mapping[int, int] | None = None,
+    ) -> None:
+        self.own = own or {}
         self.burns, self.sheet, self.kerf_mm, self.splash_mm = burns, sheet, kerf_mm, splash_mm
         self.lines = np.array([b.line for b in burns], dtype=object)
         self.tree = shapely.STRtree(self.lines)
@@ -36,7 +44,7 @@ class OlderKerfs:
 
     def _older(self, k: int, what: shapely.Geometry, within_mm: float) -> list[int]:
         near = self.tree.query(what, predicate="dwithin", distance=within_mm)
-        return sorted(j for j in near.tolist() if j < k)
+        return sorted(j for j in near.tolist() if j < k and j != self.own.get(k))
 
     def _pierce(self, k: int) -> Iterator[Finding]:
         burn, point = self.burns[k], shapely.Point(self.burns[k].pierce)

@@ -57,6 +57,7 @@ class Explanation:
     slit: str = ""
     linked: str = ""
     tabs: str = ""
+    pierced: str = ""
 
     def __str__(self) -> str:
         from .words import as_text
@@ -110,4 +111,5 @@ def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour:
         slit_because(facts.whole_nest, profile.material.kerf_mm).get(contour, ""),
         plan.cuts[k].linked_because,
         tabs_because(facts, profile).get(contour, ""),
+        plan.cuts[k].pierced_because,
     )

@@ -41,7 +41,7 @@ def _lines(e: Explanation, everything: bool) -> Iterator[str]:
         yield f"zone {e.zone} takes up {e.zone_heat_kj:.1f} kJ at the most, of a budget of {e.zone_budget_kj:g} kJ"
     if e.dwell_s:
         yield e.waits_because or f"waits {e.dwell_s:g} s first, so that metal may cool"
-    yield from filter(None, (e.linked,))
+    yield from filter(None, (e.linked, e.pierced))
     yield from _holds("not earlier", e.earlier, everything)
     yield from _holds("not later", e.later, everything)
     if e.also:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+import shapely
 
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point, Segment
@@ -49,6 +52,11 @@ class Burn:
         return tuple((s, feed / most) for s, feed in zip(self.path.segments, self.step_feeds_mm_s, strict=False))
 
     @property
+    def pierces_only(self) -> bool:
+        """Whether it is a hole that the torch pierces, and does not move."""
+        return self.tool == 0 and not self.path.segments
+
+    @property
     def unlit_mm(self) -> float:
         """How far the torch is off along its path."""
         return sum(high - low for low, high in self.unlit)
@@ -57,6 +65,28 @@ class Burn:
     def moving_s(self) -> float:
         """How long the tool moves, at the program's own feeds, s."""
         return self.end_s - self.start_s - self.held_s - self.pierce_s - self.paused_s
+
+
+AT_HOLE_MM = 0.05
+"""How far from a hole that was pierced before a cut may begin, and begin there."""
+
+
+def at_holes(burns: Sequence[Burn], within_mm: float = AT_HOLE_MM) -> list[bool]:
+    """Whether each burn begins where an earlier burn of the torch has stood and not moved: at a hole pierced before."""
+    holes = [(k, _start(burn)) for k, burn in enumerate(burns) if burn.pierces_only]
+    if not holes:
+        return [False] * len(burns)
+    tree = shapely.STRtree(shapely.points([at for _, at in holes]))
+    begins = shapely.points([_start(burn) for burn in burns])
+    found = [False] * len(burns)
+    for k, hole in zip(*(row.tolist() for row in tree.query(begins, "dwithin", distance=within_mm)), strict=True):
+        found[k] = found[k] or (holes[hole][0] < k and burns[k].tool == 0 and not burns[k].pierces_only)
+    return found
+
+
+def _start(burn: Burn) -> Point:
+    x, y = burn.path.vertices[0, :2].tolist()
+    return x, y
 
 
 @dataclass(frozen=True, slots=True)
