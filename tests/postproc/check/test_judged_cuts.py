@@ -93,6 +93,10 @@ def test_cuts_are_not_the_same_where_temperatures_were_measured_or_some_are_miss
     assert not same(cuts, replace(cuts, cuts=cuts.cuts[:-1]))
     assert not same(cuts, replace(cuts, start_side="right" if cuts.start_side != "right" else "left"))
     assert not same(cuts, replace(cuts, made=1))
+    holes = tuple(Pierce(cut.contour, cut.pierce, 1) for cut in cuts)
+    assert not same(cuts, replace(cuts, pierces=holes))
+    assert same(replace(cuts, pierces=holes), replace(cuts, pierces=holes))
+    assert not same(replace(cuts, pierces=holes), replace(cuts, pierces=(replace(holes[0], before=2), *holes[1:])))
 
 
 def test_every_field_of_a_cut_is_looked_at() -> None:
@@ -100,5 +104,5 @@ def test_every_field_of_a_cut_is_looked_at() -> None:
     points = {"entry", "pierce", "lead_in", "lead_out", "start_s", "end_s"}
     words = {"contour", "direction", "zone", "excused", "linked", "span", "tabs"}
     assert {field.name for field in fields(Cut)} == points | words
-    looked_at = {"cuts", "start_side", "home", "hot_spots", "made", "begun"}
+    looked_at = {"cuts", "start_side", "home", "hot_spots", "made", "begun", "pierces"}
     assert {field.name for field in fields(CutSequence)} == looked_at
