@@ -7,7 +7,7 @@ from functools import cache
 import pytest
 
 from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.encoder.cut import Cut, CutSequence, Span, Tab
+from kerfwise.encoder.cut import Cut, CutSequence, Pierce, Span, Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.jobs.given import Given
 from kerfwise.jobs.main_job import Finished, plan_nest
