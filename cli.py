@@ -23,6 +23,7 @@ VERBS = {
     "facts": "Write the facts of a nest, as JSON or MiniZinc data.",
     "sheet": "Print a plan as a work sheet for the operator (PDF).",
     "plot": "Draw a nest or a plan (SVG, PNG, PDF or HTML).",
+    "job": "Check a job file, which says what belongs to one nest.",
     "profile": "Check a profile, or show it with every default filled in.",
     "dialects": "List the languages of controls, or begin one of a plant's own.",
     "rules": "List the rules, print one rule's page, begin a new one, run the cases.",

@@ -19,6 +19,7 @@ from __future__ import annotations
 from kerfwise.encoder.errors import InputError, KerfwiseError, RulesConflict
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.listening import Reached
+from kerfwise.jobs.nest_job import Job
 from kerfwise.jobs.no_plan import NoPlan
 from kerfwise.jobs.picture import Picture
 from kerfwise.jobs.resequenced import Resequenced
@@ -35,7 +36,7 @@ from kerfwise.rules.profile.profile import Profile
 
 from .judging import check, draw, explain, simulate, times
 from .planning import conflict, facts, solve, trade_off
-from .reading import load_profile, read_nest, read_plan
+from .reading import load_profile, read_job, read_nest, read_plan
 from .reordering import resequence
 
 __all__ = [
@@ -43,6 +44,7 @@ __all__ = [
     "Conflict",
     "Explanation",
     "InputError",
+    "Job",
     "KerfwiseError",
     "Lock",
     "Nest",
@@ -63,6 +65,7 @@ __all__ = [
     "explain",
     "facts",
     "load_profile",
+    "read_job",
     "read_nest",
     "read_plan",
     "resequence",

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from kerfwise.jobs.checking import check_made
 from kerfwise.jobs.explaining import Explainer
-from kerfwise.jobs.given import NestLike, ProfileLike, given_of
+from kerfwise.jobs.given import NestLike, ProfileLike
+from kerfwise.jobs.nest_job.asked import JobLike, given_for
 from kerfwise.jobs.picture import Picture, PictureKind
 from kerfwise.jobs.result import Result
 from kerfwise.jobs.simulation import Simulation, simulate_made
@@ -18,15 +19,21 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.report import draw as drawn
 from kerfwise.postproc.report.picture import Spot
-from kerfwise.rules.profile.profile import DEFAULT
 
 if TYPE_CHECKING:
     from kerfwise.rules.profile.heat_section import HeatModel
 
-from .reading import Made, plan_of, plan_or_path
+from .reading import Made, asked_of, plan_of, plan_or_path
 
 
-def check(nest: NestLike, made: Made, profile: ProfileLike = DEFAULT, plan: Made | None = None) -> CheckResult:
+def check(
+    nest: NestLike,
+    made: Made,
+    profile: ProfileLike | None = None,
+    plan: Made | None = None,
+    *,
+    job: JobLike = None,
+) -> CheckResult:
     """Judge a plan or an NC program by every rule, independently of whatever made it: from geometry and profile alone.
 
     Parameters
@@ -36,10 +43,12 @@ def check(nest: NestLike, made: Made, profile: ProfileLike = DEFAULT, plan: Made
     made
         A plan, a result, or the path of a plan (.json) or of an NC program.
     profile
-        A profile, its name or its path.
+        A profile, its name or its path; None for that of the job file, or "plasma-carbon-steel".
     plan
         The plan of an NC program, a result, or its path: the program has to follow it, and what the program's comments
         do not say is taken from there.
+    job
+        As for `solve`: None for the job file beside the nest's file, False for none.
 
     Returns
     -------
@@ -61,11 +70,16 @@ def check(nest: NestLike, made: Made, profile: ProfileLike = DEFAULT, plan: Made
     (True, 'holds')
     """
     of_plan = None if plan is None else plan_or_path(plan)
-    return check_made(given_of(nest, profile), plan_or_path(made), plan=of_plan)
+    return check_made(given_for(nest, asked_of(profile, job, last=made)), plan_or_path(made), plan=of_plan)
 
 
 def explain(
-    nest: NestLike, made: Plan | Result | str | Path, contour: str, profile: ProfileLike = DEFAULT
+    nest: NestLike,
+    made: Plan | Result | str | Path,
+    contour: str,
+    profile: ProfileLike | None = None,
+    *,
+    job: JobLike = None,
 ) -> Explanation:
     """Say why a contour is cut where it is, then, and so, and what moving it would cost.
 
@@ -73,7 +87,7 @@ def explain(
 
     Parameters
     ----------
-    nest, profile
+    nest, profile, job
         As for `check`.
     made
         A plan, a result, or the path of a plan.
@@ -93,15 +107,15 @@ def explain(
     >>> str(told).splitlines()[0]  # doctest: +ELLIPSIS
     'part#1.outer is cut ...'
     """
-    return Explainer(given_of(nest, profile), plan_of(made)).explain(contour)
+    return Explainer(given_for(nest, asked_of(profile, job, last=made)), plan_of(made)).explain(contour)
 
 
-def times(nest: NestLike, made: Made, profile: ProfileLike = DEFAULT) -> Times:
+def times(nest: NestLike, made: Made, profile: ProfileLike | None = None, *, job: JobLike = None) -> Times:
     """Say how long a plan or an NC program takes by the profile's time model, and what it costs.
 
     Parameters
     ----------
-    nest, made, profile
+    nest, made, profile, job
         As for `check`.
 
     Returns
@@ -122,17 +136,22 @@ def times(nest: NestLike, made: Made, profile: ProfileLike = DEFAULT) -> Times:
     >>> took.total_s > took.report.cut_s > 0
     True
     """
-    return time_made(given_of(nest, profile), plan_or_path(made))
+    return time_made(given_for(nest, asked_of(profile, job, last=made)), plan_or_path(made))
 
 
 def simulate(
-    nest: NestLike, made: Made, profile: ProfileLike = DEFAULT, *, model: HeatModel | None = None
+    nest: NestLike,
+    made: Made,
+    profile: ProfileLike | None = None,
+    *,
+    model: HeatModel | None = None,
+    job: JobLike = None,
 ) -> Simulation:
     """Simulate how hot a plan or an NC program makes the sheet.
 
     Parameters
     ----------
-    nest, made, profile
+    nest, made, profile, job
         As for `check`; the profile's section `heat` says how fine the grid is and how hot is too hot.
     model
         "physical" or "logical", instead of the profile's.
@@ -155,23 +174,24 @@ def simulate(
     >>> heat.peak_c > 20, len(heat.parts)
     (True, 8)
     """
-    return simulate_made(given_of(nest, profile), plan_or_path(made), model)
+    return simulate_made(given_for(nest, asked_of(profile, job, last=made)), plan_or_path(made), model)
 
 
 def draw(
     nest: NestLike,
     made: Plan | Result | str | Path | None = None,
-    profile: ProfileLike = DEFAULT,
+    profile: ProfileLike | None = None,
     *,
     kind: PictureKind = "svg",
     contours: Iterable[str] = (),
     caption: str = "",
+    job: JobLike = None,
 ) -> Picture:
     """Draw a nest, a plan of it, or some of its contours enlarged.
 
     Parameters
     ----------
-    nest, profile
+    nest, profile, job
         As for `check`.
     made
         A plan, a result, or the path of a plan; without one, the parts are drawn with their names.
@@ -198,7 +218,7 @@ def draw(
     >>> kerfwise.draw("examples/nests/e1x_6.json").content[:4]
     b'<svg'
     """
-    given = given_of(nest, profile)
+    given = given_for(nest, asked_of(profile, job, last=made))
     plan = None if made is None else plan_of(made)
     plant = given.profile if plan is None else given.profile.at_origin(plan.origin)
     named = frozenset([contours] if isinstance(contours, str) else contours)

@@ -9,9 +9,10 @@ from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.errors import InputError, KerfwiseError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.jobs.ask import facts_of
-from kerfwise.jobs.given import Given, NestLike, ProfileLike, given_of, plant_of
+from kerfwise.jobs.given import Given, NestLike, ProfileLike
 from kerfwise.jobs.listening import Listener, OnProgress
 from kerfwise.jobs.main_job import plan_nest
+from kerfwise.jobs.nest_job.asked import JobLike, given_for
 from kerfwise.jobs.no_plan import NOT_SHOWN, NoPlan
 from kerfwise.jobs.prices import PRICES_MM
 from kerfwise.jobs.result import Result
@@ -26,16 +27,17 @@ from kerfwise.models.engines.solution import MEMORY_GB
 from kerfwise.models.plan.conflict import Conflict, NotAnswered, find_conflict
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.options.suggest import unknown
-from kerfwise.rules.profile.profile import DEFAULT
 
-from .reading import LockLike, locked, plan_or_path
+from .reading import LockLike, Settings, asked_of, plan_or_path
 
 
 def solve(
     nest: NestLike,
-    profile: ProfileLike = DEFAULT,
+    profile: ProfileLike | None = None,
     *,
     locks: Iterable[LockLike] | LockLike = (),
+    job: JobLike = None,
+    settings: Settings = (),
     time_s: float | None = None,
     work: float = WORK,
     seed: int = 1,
@@ -61,11 +63,16 @@ def solve(
     nest
         A nest, or the path of its file.
     profile
-        A profile, its name or its path.
+        A profile, its name or its path; None for that of the job file, or "plasma-carbon-steel".
     locks
-        Your own decisions, always hard, added to those of the profile: lines such as "P1.outer before P2.outer",
-        "P1.outer position first", "P1.outer entry [10, 20]", "P1.outer direction cw", "P1 zone 2"; or `Lock` objects,
-        or mappings as in a profile.
+        Your own decisions, always hard: lines such as "P1.outer before P2.outer", "P1 first", "#7 last",
+        "P1.outer entry (10, 20)", "P1.outer cw", "no link P1", "P1 in zone 2"; or `Lock` objects, or mappings as in a
+        profile. They go before those of the job file, and these before those of the profile.
+    job
+        A job file's path, or what `read_job` makes of it; None for the one beside the nest's file, `NEST.job.yaml`, if
+        there is one; False to go without.
+    settings
+        Values of the profile for this nest only: {"leads.lead_in": "4 mm"}, or lines such as "leads.lead_in=4 mm".
     time_s
         Wall-clock limit, s, instead of `work`.
     work
@@ -118,7 +125,8 @@ def solve(
     >>> result.program.splitlines()[0]
     '(KERFWISE FOR LINUXCNC, QTPLASMAC)'
     """
-    given = given_of(nest, locked(plant_of(profile), locks))
+    notes: list[str] = []
+    given = given_for(nest, asked_of(profile, job, settings, locks, resume_from), notes.append)
     engine = OLD_NAMES.get(engine, engine)
     limits = options_for(
         given.nest, given.profile,
@@ -127,7 +135,6 @@ def solve(
     )  # fmt: skip
     if strategy not in STRATEGIES:
         raise InputError(unknown("strategy", str(strategy), STRATEGIES))
-    notes: list[str] = []
     listener = Listener(on_progress)
     try:
         done = plan_nest(
@@ -146,9 +153,11 @@ def solve(
 
 def conflict(
     nest: NestLike,
-    profile: ProfileLike = DEFAULT,
+    profile: ProfileLike | None = None,
     *,
     locks: Iterable[LockLike] | LockLike = (),
+    job: JobLike = None,
+    settings: Settings = (),
     time_s: float | None = None,
     work: float = WORK,
 ) -> Conflict | None:
@@ -156,7 +165,7 @@ def conflict(
 
     Parameters
     ----------
-    nest, profile, locks
+    nest, profile, locks, job, settings
         As for `solve`.
     time_s, work
         How long to look, as for `solve`.
@@ -186,7 +195,7 @@ def conflict(
     >>> kerfwise.conflict(nest) is None
     True
     """
-    given = given_of(nest, locked(plant_of(profile), locks))
+    given = given_for(nest, asked_of(profile, job, settings, locks))
     limits = options_for(given.nest, given.profile, work=work, time_s=time_s)
     known = facts_of(given.nest, given.profile)
     try:
@@ -195,8 +204,13 @@ def conflict(
         raise KerfwiseError(f"{NOT_SHOWN}: give more time_s or work") from None
 
 
-def facts(nest: NestLike, profile: ProfileLike = DEFAULT) -> Facts:
+def facts(nest: NestLike, profile: ProfileLike | None = None, *, job: JobLike = None) -> Facts:
     """What the rules are told of a nest: containment, what lies ahead, hulls, neighbours, zones, candidates.
+
+    Parameters
+    ----------
+    nest, profile, job
+        As for `solve`.
 
     Raises
     ------
@@ -212,16 +226,18 @@ def facts(nest: NestLike, profile: ProfileLike = DEFAULT) -> Facts:
     >>> found.n, len(found.candidates) > found.n
     (16, True)
     """
-    given = given_of(nest, profile)
+    given = given_for(nest, asked_of(profile, job))
     return facts_of(given.nest, given.profile)
 
 
 def trade_off(
     nest: NestLike,
-    profile: ProfileLike = DEFAULT,
+    profile: ProfileLike | None = None,
     *,
     prices_mm: Iterable[float] = PRICES_MM,
     locks: Iterable[LockLike] | LockLike = (),
+    job: JobLike = None,
+    settings: Settings = (),
     time_s: float | None = None,
     work: float = 10.0,
     seed: int = 1,
@@ -237,7 +253,7 @@ def trade_off(
 
     Parameters
     ----------
-    nest, profile, locks, relax, resume_from, upto, redo_last
+    nest, profile, locks, job, settings, relax, resume_from, upto, redo_last
         As for `solve`.
     prices_mm
         Prices of one overheat, each in mm of idle travel.
@@ -265,7 +281,7 @@ def trade_off(
     >>> len(offer.front)
     1
     """
-    given = given_of(nest, locked(plant_of(profile), locks))
+    given = given_for(nest, asked_of(profile, job, settings, locks, resume_from))
     prices = tuple(prices_mm)
     for price in prices:
         if not isinstance(price, int | float) or not 0 <= price < float("inf"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -10,11 +11,15 @@ from typing import TYPE_CHECKING, Any
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.given import ProfileLike, drawn_nest, plant_of
+from kerfwise.jobs.nest_job import Job
+from kerfwise.jobs.nest_job import read_job as read_job_file
+from kerfwise.jobs.nest_job.asked import Asked, JobLike
 from kerfwise.jobs.result import Result
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.reader import read_plan as read_plan_file
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.lock_text import read_lock
+from kerfwise.rules.profile.one_nest import Setting, read_setting
 from kerfwise.rules.profile.profile import DEFAULT, Profile
 
 if TYPE_CHECKING:
@@ -24,6 +29,8 @@ if TYPE_CHECKING:
 LockLike = Lock | str | Mapping[str, Any]
 """A lock, a line such as `P1.outer before P2.outer`, or a mapping as in a profile."""
 
+Settings = Mapping[str, Any] | Iterable[str]
+"""Keys of the profile with values, or lines such as `leads.lead_in=4mm`."""
 
 Made = Result | Plan | str | Path
 """A result, a plan, or the path of a plan (.json) or of an NC program."""
@@ -121,6 +128,24 @@ def read_plan(path: str | Path) -> Plan:
     return read_plan_file(path)
 
 
+def read_job(path: str | Path) -> Job:
+    """Read a job file, `NEST.job.yaml`: what a planner has written down about one nest.
+
+    Functions that take the path of a nest read the file beside it by themselves; give them `job=False` to go without.
+
+    Returns
+    -------
+    Job
+        `profile`, `machine`, `quantity`, `order`, `due`, `locks`, `settings`.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or is wrong anywhere: with file, line and column.
+    """
+    return read_job_file(path)
+
+
 def plan_or_path(made: Made) -> Plan | str | Path:
     if isinstance(made, Plan | str | Path):
         return made
@@ -134,9 +159,33 @@ def plan_of(made: Made) -> Plan:
     return found if isinstance(found, Plan) else read_plan(found)
 
 
+def asked_of(
+    profile: ProfileLike | None,
+    job: JobLike = None,
+    settings: Settings = (),
+    locks: Iterable[LockLike] | LockLike = (),
+    last: Plan | Result | str | Path | None = None,
+) -> Asked:
+    """What is asked for a nest; `last` is the plan in which contours have the numbers that locks call them by."""
+    plan = None if last is None else plan_or_path(last)
+    return Asked(profile, job, _settings(settings), tuple(map(lock_of, _listed(locks))), plan)
+
+
+def _listed(locks: Iterable[LockLike] | LockLike) -> list[LockLike]:
+    return [locks] if isinstance(locks, Lock | str | Mapping) else list(locks)
+
+
+def _settings(given: Settings) -> tuple[Setting, ...]:
+    if isinstance(given, Mapping):
+        lines = [f"{key}={value if isinstance(value, str) else json.dumps(value)}" for key, value in given.items()]
+    else:
+        lines = [given] if isinstance(given, str) else list(given)
+    return tuple(map(read_setting, lines))
+
+
 def locked(profile: Profile, locks: Iterable[LockLike] | LockLike) -> Profile:
     """The profile with further locks."""
-    listed = [locks] if isinstance(locks, Lock | str | Mapping) else list(locks)
+    listed = _listed(locks)
     return replace(profile, locks=(*profile.locks, *map(lock_of, listed))) if listed else profile
 
 
@@ -144,8 +193,6 @@ def lock_of(given: LockLike) -> Lock:
     if isinstance(given, str):
         return read_lock(given)
     if isinstance(given, Mapping):
-        import json
-
         return read_lock(json.dumps(dict(given), ensure_ascii=False))
     if not isinstance(given, Lock):
         raise InputError(f"locks: expected a Lock, a line of text or a mapping, got {type(given).__name__}")

@@ -29,6 +29,6 @@ def command(made: str | None, plan: str | None, feed: float | None, kerf: float 
             raise click.UsageError("--plan is held against a program of a nest: give the nest too")
         result = check_old(read_alone(feed, kerf, given))
     else:
-        result = check_made(read_given(**given), str(made), tell_note, plan, trusted_if(feed))
+        result = check_made(read_given(**given, last=made), str(made), tell_note, plan, trusted_if(feed))
     click.echo(report(result))
     return 0 if result.ok else 1

@@ -82,7 +82,7 @@ def command(
 
     _expect_two(a, b, profiles, with_, without)
     _expect_outputs(outputs, (options["nest"], a, b))
-    given = _given_twice(profiles or [DEFAULT], options)
+    given = _given_twice(profiles or [None], options | {"last": a})
     for side in given:
         protect(side, options["nest"], outputs, a, b)
     limits = {"work": work, "seed": seed, "time_s": time_limit}
@@ -124,7 +124,7 @@ def _expect_outputs(outputs: Sequence[str], inputs: Sequence[str | None]) -> Non
     expect_outputs(map(Path, outputs), (Path(name) for name in inputs if name))
 
 
-def _given_twice(profiles: Sequence[str], options: dict[str, Any]) -> tuple[Given, Given]:
+def _given_twice(profiles: Sequence[str | None], options: dict[str, Any]) -> tuple[Given, Given]:
     """The nest by the profile of A and by that of B; what the reader says twice is said once."""
     first = read_given(profile=profiles[0], **options)
     if len(profiles) < 2 or profiles[0] == profiles[1]:

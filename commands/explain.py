@@ -26,6 +26,6 @@ def command(plan: str, contour: str, everything: bool, as_data: bool, **given: A
     from kerfwise.models.plan.explain import as_text, explanation_as_json
     from kerfwise.models.plan.reader import read_plan
 
-    asked = read_given(**given)
+    asked = read_given(**given, last=plan)
     told = Explainer(asked, read_plan(plan)).explain(contour)
     click.echo(explanation_as_json(told) if as_data else as_text(told, everything))

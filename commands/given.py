@@ -13,9 +13,12 @@ from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.faults import RuleFault
 from kerfwise.encoder.shown import shown
 from kerfwise.jobs.given import Given, drawn_nest, plant_of, tabs_not_left
+from kerfwise.jobs.nest_job.beside import job_beside
 from kerfwise.rules.profile.machine_section import ORIGINS, Origin
 from kerfwise.rules.profile.made_of import files_of
 from kerfwise.rules.profile.profile import DEFAULT
+
+from .one_nest import JOB, LOCK, NO_JOB, SET, asked_of
 
 if TYPE_CHECKING:
     from kerfwise.encoder.readers.options import FrameName
@@ -40,7 +43,7 @@ def given_options(verb: Verb) -> Verb:
 
 
 _PROFILE = click.option(
-    "-p", "--profile", metavar="PROFILE", default=DEFAULT, show_default=True, help="Name or path of the profile."
+    "-p", "--profile", metavar="PROFILE", help=f"Name or path of the profile. Else that of the job file, or {DEFAULT}."
 )
 
 
@@ -63,6 +66,10 @@ def nest_options(verb: Verb, profile: Callable[[Verb], Verb]) -> Verb:
         ),
         click.option("--units", metavar="UNIT", help="Unit of the drawing: mm, cm, m, in or ft."),
         TRUST,
+        LOCK,
+        SET,
+        NO_JOB,
+        JOB,
         profile,
         click.argument("nest", metavar="NEST"),
     ):
@@ -91,16 +98,26 @@ def _naming_the_nest(verb: Verb) -> Verb:
 
 def read_given(
     nest: str,
-    profile: str,
+    profile: str | None,
     units: str | None,
     sheet: str | None,
     frame: FrameName | None,
     repair: bool,
     origin: Origin | None = None,
     trust: bool = False,
+    **of_nest: Any,
 ) -> Given:
-    """Read both, the nest as the profile has it cut; what the reader has to say goes to standard error, a line each."""
-    plant = plant_of(profile, trust)
+    """Read both, the nest as the profile has it cut; what the reader has to say goes to standard error, a line each.
+
+    What its job file, --set and --lock say is laid over the profile: `of_nest` is what `asked_of` takes.
+    """
+    from kerfwise.jobs.nest_job.asked import job_for, locked_for, locks_told, profile_for
+
+    asked = asked_of(profile, **of_nest)
+    job = job_for(nest, asked.job, tell_note)
+    plant = profile_for(asked, job, tell_note, lambda named: plant_of(named, trust))
+    if told := locks_told(plant):
+        tell_note(told)
     plant = plant.at_origin(origin) if origin else plant
     size_mm = size_of(sheet) if sheet else None
     read = drawn_nest(nest, plant, units=units, sheet_mm=size_mm, frame=frame, repair=repair)
@@ -108,7 +125,7 @@ def read_given(
         click.echo(f"{note.severity}: {note.text}", err=True)
     if cut_all_the_same := tabs_not_left(read, plant):
         click.echo(f"warning: {cut_all_the_same}", err=True)
-    return Given(plant.as_cut(read), plant)
+    return locked_for(plant.as_cut(read), nest, plant, asked, job, tell_note)
 
 
 def protect(given: Given, nest: str, outputs: Iterable[str | Path | None], *others: str | Path | None) -> None:
@@ -121,7 +138,7 @@ def protect(given: Given, nest: str, outputs: Iterable[str | Path | None], *othe
     """
     from kerfwise.postproc.files import expect_outputs
 
-    read = (Path(nest), *files_of(given.profile), *(Path(other) for other in others if other))
+    read = (Path(nest), *files_of(given.profile), *(Path(other) for other in (*others, job_beside(nest)) if other))
     expect_outputs((Path(output) for output in outputs if output), read)
 
 

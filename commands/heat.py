@@ -57,7 +57,7 @@ def command(
         protect(asked, given["nest"], [output])
         found = simulate_old(job, model, tell_note, count)
     else:
-        asked = read_given(**given)
+        asked = read_given(**given, last=made)
         protect(asked, given["nest"], [output], made)
         found = simulate_made(asked, str(made), model, tell_note, count, trusted_if(feed))
     files: dict[Path, str | bytes] = {Path(frames or "") / name: png for name, png in found.frames.items()}

@@ -58,11 +58,15 @@ def read_alone(feed: float | None, kerf: float | None, given: Mapping[str, Any])
     """
     from kerfwise.jobs.given import plant_of
     from kerfwise.jobs.old_program import read_old_job
+    from kerfwise.rules.profile.profile import DEFAULT
 
     asked, program = asked_of(feed, kerf, given["sheet"]), given["nest"]
     if named := [name for name in ("units", "frame", "repair", "origin") if given[name]]:
         raise InputError(f"--{named[0]} is for drawings; {program} is read as a program", file=program)
-    return read_old_job(program, plant_of(given["profile"], given["trust"]), asked, tell=tell_note)
+    of_nest = {"job": "job", "no_job": "no-job", "settings": "set", "lock": "lock"}
+    if named := [option for name, option in of_nest.items() if given[name]]:
+        raise InputError(f"--{named[0]} is for a nest; {program} is a program alone", file=program)
+    return read_old_job(program, plant_of(given["profile"] or DEFAULT, given["trust"]), asked, tell=tell_note)
 
 
 def trusted_if(feed: float | None) -> Trusted | None:

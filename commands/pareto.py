@@ -71,7 +71,7 @@ def command(
         expect_folders([Path(output)])
     if plans:
         expect_place(Path(plans))
-    given = read_given(**options)
+    given = read_given(**options, last=lock_from)
     protect(given, options["nest"], [output], lock_from)
     note_placing(given)
     already = already_cut(given, lock_from, upto, redo_last, tell_note)

@@ -41,7 +41,7 @@ def command(plan: str | None, output: str, feed: float | None, kerf: float | Non
         _draw_program(output, feed, kerf, given)
         return
     try:
-        asked = read_given(**given)
+        asked = read_given(**given, last=plan)
     except BrokenNest as broken:
         _draw_broken(broken, output)
         return

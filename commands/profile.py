@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,8 @@ from kerfwise.rules.profile.profile import DEFAULT, load_profile
 from kerfwise.rules.profile.said_at import Sources
 from kerfwise.rules.profile.text import profile_yaml
 
-from .given import TRUST
+from .given import TRUST, tell_note
+from .one_nest import LOCK, SET, asked_of
 from .terminal import expect_printed
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ def command() -> None:
 @TRUST
 def check(profile: str, trust: bool) -> None:
     """Say whether PROFILE can be used, and if not, where it is wrong."""
+    from kerfwise.jobs.nest_job.asked import locks_told
     from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 
     loaded = load_profile(profile, trust=trust)
@@ -41,17 +43,30 @@ def check(profile: str, trust: bool) -> None:
     click.echo(f"{loaded.name}: fine, {hard} hard and {soft} soft rules")
     for text in Sources(loaded).charted():
         click.echo(f"  {text}")
-    for text in loaded.chart_notes():
-        click.echo(f"note: {text}", err=True)
+    for text in (*loaded.chart_notes(), locks_told(loaded)):
+        if text:
+            tell_note(text)
 
 
 @command.command()
-@click.argument("profile", metavar="PROFILE")
+@click.argument("profile", metavar="[PROFILE]", required=False)
 @click.option("--sources", is_flag=True, help="Say of each value where it is from: file and line.")
+@click.option("--job", metavar="JOB", help="Lay this job file over it; PROFILE may then be the one that it names.")
+@SET
+@LOCK
 @TRUST
-def show(profile: str, sources: bool, trust: bool) -> None:
-    """Print PROFILE as YAML with every default filled in."""
-    click.echo(profile_yaml(load_profile(profile, trust=trust), sources), nl=False)
+def show(
+    profile: str | None, sources: bool, job: str | None, settings: Sequence[str], lock: Sequence[str], trust: bool
+) -> None:
+    """Print PROFILE as YAML with every default filled in, and with what a job file, --set and --lock lay over it."""
+    from kerfwise.jobs.nest_job.asked import job_for, laid_for, profile_for
+
+    if profile is None and job is None:
+        raise click.UsageError("Missing argument 'PROFILE', or --job JOB.")
+    asked = asked_of(profile, job if job is not None else None, job is None, settings, lock)
+    read = job_for("", asked.job, tell_note)
+    loaded = profile_for(asked, read, tell_note, lambda named: load_profile(str(named), trust=trust))
+    click.echo(profile_yaml(laid_for(loaded, asked, read), sources), nl=False)
     expect_printed()
 
 

@@ -38,7 +38,7 @@ def command(
         raise InputError("a work sheet is a PDF: give a name ending in .pdf", file=path)
     facts = dict(_fact(text) for text in about)
     expect_outputs([path], [Path(name) for name in (options["nest"], plan, program) if name])
-    given = read_given(**options)
+    given = read_given(**options, last=plan)
     protect(given, options["nest"], [path], plan, program)
     made = work_sheet(given, read_plan(plan), program, about=facts, tell=tell_note)
     write_files({path: sheets_pdf([made], date)})

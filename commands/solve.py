@@ -97,7 +97,7 @@ def command(
     _expect(outputs, (picture, conflict_picture), (file, lock_from))
     if named_after:
         expect_own(file, Path(str(output)), Path(str(plan_path)), Path(str(picture)))
-    given = read_given(**options)
+    given = read_given(**options, last=lock_from)
     beside_program = remnant_names(output, given.profile) if output else ()
     protect(given, options["nest"], (*outputs, *beside_program), lock_from)
     note_placing(given)

@@ -27,5 +27,5 @@ def command(made: str | None, as_json: bool, feed: float | None, kerf: float | N
     if program_alone(given["nest"], made):
         times = time_old(read_alone(feed, kerf, given))
     else:
-        times = time_made(read_given(**given), str(made), tell_note, trusted_if(feed))
+        times = time_made(read_given(**given, last=made), str(made), tell_note, trusted_if(feed))
     click.echo(json.dumps(times.as_json()) if as_json else times)

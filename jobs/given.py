@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.profile.machine_section import Origin
+from kerfwise.rules.profile.for_one_nest import changed_since
 from kerfwise.rules.profile.profile import DEFAULT, Profile, load_profile
 
 if TYPE_CHECKING:
@@ -83,19 +83,6 @@ def drawn_nest(
     return read_nest(_path("nest", nest, "a Nest or a path"), options)
 
 
-def given_of(nest: NestLike, profile: ProfileLike = DEFAULT, origin: Origin | None = None) -> Given:
-    """Both, read where they are not objects yet.
-
-    Raises
-    ------
-    InputError
-        As `plant_of` and `drawn_nest` do.
-    """
-    plant = plant_of(profile)
-    plant = plant.at_origin(origin) if origin else plant
-    return Given(plant.as_cut(drawn_nest(nest, plant)), plant)
-
-
 def tabs_not_left(nest: Nest, plant: Profile) -> str:
     """That the nest draws tabs and the profile leaves none, in a sentence; "" where it is not so."""
     drawn = [part.outer.id for part in nest.parts if part.tabs]
@@ -113,6 +100,7 @@ def differences(plan: Plan, given: Given) -> Iterator[str]:
     for what, stands, now in (("nest", plan.nest, given.nest.sha256), ("profile", plan.profile, given.profile.sha256)):
         if stands.get("sha256") != now:
             yield f"the {what} is not the one the plan was made with (its sha256 differs)"
+    yield from changed_since(plan.made_with, given.profile.for_one_nest)
     if plan.origin != given.profile.machine.origin:
         yield f"the plan's origin is {plan.origin}, here it is {given.profile.machine.origin}: the plan's counts"
 

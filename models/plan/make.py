@@ -78,6 +78,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
     return Plan(
         nest={"file": nest.file, "sha256": nest.sha256},
         profile={"name": profile.name, "sha256": profile.sha256, **_charted(profile)},
+        made_with=profile.for_one_nest,
         start_side=facts.start_side,
         start_side_because=facts.start_side_because,
         origin=machine.origin,

@@ -13,6 +13,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.models.physics.timing.cost import Cost
 from kerfwise.models.physics.timing.report import TimeReport
+from kerfwise.rules.profile.for_one_nest import ForOneNest
 from kerfwise.rules.profile.machine_section import Origin
 from kerfwise.rules.statements import EXEMPTION_MM, RELAXED_MM
 
@@ -136,6 +137,8 @@ class Dropped:
 class Plan:
     """The whole answer; `nest` and `profile` name files and their sha256.
 
+    `made_with` names the job file likewise, and what was set and locked beside it; None for a plan without.
+
     Coordinates are the drawing's; `zero` is the point of it that is the machine's zero, as its `origin` says. `time`
     says by which model the times are, and what they are spent on; None where no program has been timed. `cost` is what
     one sheet costs, None where the profile has no prices. `left_out` are small holes that are not cut. `zones_cost` is
@@ -156,6 +159,7 @@ class Plan:
     dropped: tuple[Dropped, ...] = field(default=())
     time: TimeReport | None = None
     cost: Cost | None = None
+    made_with: ForOneNest | None = None
     left_out: tuple[LeftOut, ...] = ()
     zones_cost: ZonesCost | None = None
     origin: Origin = "drawing"
@@ -215,6 +219,7 @@ class Plan:
             "format": FORMAT,
             "nest": dict(self.nest),
             "profile": dict(self.profile),
+            **({} if self.made_with is None else {"job": self.made_with.as_json()}),
             "start_side": self.start_side,
             "start_side_because": self.start_side_because,
             **({} if self.origin == "drawing" else {"origin": self.origin, "zero": [round(v, 6) for v in self.zero]}),

@@ -22,6 +22,7 @@ from kerfwise.encoder.readers.limits import LIMIT_MM, checked_curve
 from kerfwise.encoder.strict_json import strict_json
 from kerfwise.models.physics.timing.cost import Cost
 from kerfwise.models.physics.timing.report import TimeReport
+from kerfwise.rules.profile.for_one_nest import ForOneNest
 
 from .plan import FORMAT, Dropped, LeftOut, Plan, PlannedCut, RuleReport, SolveReport, Totals
 from .zones_cost import ZonesCost
@@ -171,6 +172,7 @@ def _plan_of(data: dict[str, Any]) -> Plan:
         ),
         dropped=tuple(Dropped(d["rule"], tuple(d["contours"]), d["why"]) for d in data["dropped"]),
         time=_record(TimeReport, data["time"]) if "time" in data else None,
+        made_with=ForOneNest.of_json(data["job"]) if "job" in data else None,
         cost=Cost.of_json(data["totals"]["cost"]) if "cost" in data["totals"] else None,
         left_out=tuple(LeftOut(left["contour"], left["why"]) for left in data.get("left_out", ())),
         zones_cost=ZonesCost.of_json(data["zones_cost"]) if "zones_cost" in data else None,

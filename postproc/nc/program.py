@@ -68,6 +68,8 @@ def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, 
     of_file = f"SHA256 {nest.sha256[:SHA_DIGITS]}" if nest.sha256 else "TOLD FROM AN OLDER PROGRAM"
     yield comment(dialect, "NEST", PurePath(nest.file).name, of_file)
     yield comment(dialect, "PROFILE", profile.name, f"SHA256 {profile.sha256[:SHA_DIGITS]}")
+    if profile.for_one_nest is not None and (job := profile.for_one_nest).file:
+        yield comment(dialect, "JOB", job.file, f"SHA256 {job.sha256[:SHA_DIGITS]}")
     for name, file in profile.rule_files().items():
         what = "RULE FILE IN PLACE OF" if file.in_place_of_shipped else "RULE FILE"
         yield comment(dialect, what, name, f"SHA256 {file.sha256[:SHA_DIGITS]}")

@@ -16,6 +16,7 @@ from kerfwise.postproc.check import CheckResult, Claims, Heating, JudgedCuts, Pl
 from kerfwise.postproc.check import check_program as check_nc
 from kerfwise.postproc.check.reader.old import Trusted
 from kerfwise.postproc.dialects import load_dialect
+from kerfwise.rules.profile.for_one_nest import changed_since
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule_file import RuleFile
 
@@ -40,7 +41,7 @@ def check_plan(nest: Nest, plan: Plan, profile: Profile) -> CheckResult:
         plan.totals.time_s,
         tuple(planned.length_mm for planned in plan.cuts),
         {rule.id: rule.holds for rule in plan.rules},
-        plan.profile.get("sha256") == profile.sha256,
+        plan.profile.get("sha256") == profile.sha256 and not any(changed_since(plan.made_with, profile.for_one_nest)),
     )
     relaxed = _relaxed_of(plan)
     thermometer = thermometer_of(nest, profile)

@@ -37,9 +37,10 @@ class Locks(Rule[LocksOptions]):
 
     ## What it does
 
-    A profile's `locks` fix single decisions: `{contour: ID, before: ID}`, `{contour: ID, position: first | last | N}`
-    (over all contours, marks included; 1 is first, and the number of contours is last),
-    `{contour: ID, entry: [x, y]}`, `{contour: ID, direction: cw | ccw}`, `{part: ID, zone: N}`,
+    The `locks` of a job file (of a profile, before) fix single decisions, in words such as `P2.outer first`, or as
+    mappings: `{contour: ID, before: ID}`, `{contour: ID, position: first | last | N}` (over all contours, marks
+    included; 1 is first, and the number of contours is last), `{contour: ID, entry: [x, y]}`,
+    `{contour: ID, direction: cw | ccw}`, `{part: ID, zone: N}`,
     `{contour: ID, tab: [x, y] | off}`, and `{contour: ID, linked: false}`: no link leads to it, it is pierced. Tabs are
     made by hold-small-parts, which must be on for one to be there. Always hard. Orders of level-ahead and hull-before
     that locks leave no room for are dropped, as few as can be, and listed; the zones follow positions that are locked.

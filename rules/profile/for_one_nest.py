@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -37,3 +37,29 @@ class ForOneNest:
             tuple(data.get("locks", ())),
             dict(data.get("numbered", {})),
         )
+
+
+def changed_since(then: ForOneNest | None, now: ForOneNest | None) -> Iterator[str]:
+    """A sentence for each thing that a plan was made with, and is not given now, or the other way round.
+
+    Examples
+    --------
+    >>> list(changed_since(ForOneNest("plate.job.yaml", "1a2b"), None))
+    ['the plan was made with the job file plate.job.yaml, which is not given here']
+    >>> list(changed_since(None, ForOneNest(settings=("leads.lead_in=4 mm",))))
+    ['the plan was made without --set leads.lead_in=4 mm, which is given here']
+    """
+    then, now = then or ForOneNest(), now or ForOneNest()
+    if then.sha256 and now.sha256 and then.sha256 != now.sha256:
+        yield "the job file is not the one the plan was made with (its sha256 differs)"
+    elif then.sha256 and not now.sha256:
+        yield f"the plan was made with the job file {then.file}, which is not given here"
+    elif now.sha256 and not then.sha256:
+        yield f"the plan was made without the job file {now.file}, which is given here"
+    for option, before, given in (("--set", then.settings, now.settings), ("--lock", then.locks, now.locks)):
+        yield from (f"the plan was made with {option} {said}, which is not given here" for said in _only(before, given))
+        yield from (f"the plan was made without {option} {said}, which is given here" for said in _only(given, before))
+
+
+def _only(these: tuple[str, ...], those: tuple[str, ...]) -> Iterator[str]:
+    return (one for one in these if one not in those)

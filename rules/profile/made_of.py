@@ -19,7 +19,10 @@ if TYPE_CHECKING:
 
 
 def files_of(profile: Profile) -> tuple[Path, ...]:
-    """Every file that a profile is made of: its own and those it is based on, its dialect's, its chart, its rules'."""
+    """Every file that a profile is made of: its own, those it is based on, its dialect's, its chart, its rules'.
+
+    A job file that is laid over it is one of them.
+    """
     dialect = (profile.machine.dialect,) if is_own_dialect(profile.machine.dialect) else ()
     chart = (profile.chart.file,) if profile.chart is not None else ()
     rules = (rule.path for rule in profile.own_rules if isinstance(rule, OwnFile))

@@ -24,6 +24,10 @@ class Sources:
             return self._row(self._charted[key])
         return self._profile.said_at.get(key, "default")
 
+    def says(self, key: str) -> bool:
+        """Whether a chart or a file, or the command line, gives a key."""
+        return key in self._charted or key in self._profile.said_at
+
     def charted(self) -> Iterator[str]:
         """A sentence for each value that the chart has given."""
         for key, one in self._charted.items():

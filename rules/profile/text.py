@@ -32,7 +32,7 @@ def profile_yaml(profile: Profile, sources: bool = False) -> str:
     lines += ["", "rules:"]
     for name in sorted(profile.rules):
         lines += _rule(known[name], profile.rules[name], told)
-    lines += ["", *_locks(profile.locks)]
+    lines += ["", *_locks(profile.locks, sources)]
     own = [rule.plain() for rule in profile.own_rules]
     lines += ["", yaml.safe_dump({"own_rules": own}, allow_unicode=True, sort_keys=False).rstrip()]
     return "\n".join(lines) + "\n"
@@ -55,23 +55,28 @@ def _rule(rule: Rule[Any], setting: RuleSetting, told: Sources | None = None) ->
     yield _line(4, f"strength: {setting.strength}", " | ".join(rule.strengths))
     if setting.weight is not None:
         yield _line(4, f"weight: {LENGTH.write(setting.weight)}", "cost of breaking it once, in idle travel")
-    yield from _options(setting.options, 4)
+    yield from _options(setting.options, 4, told, f"rules.{rule.id}", said_only=True)
 
 
-def _options(owner: Any, indent: int, told: Sources | None = None, path: str = "") -> Iterator[str]:
+def _options(
+    owner: Any, indent: int, told: Sources | None = None, path: str = "", said_only: bool = False
+) -> Iterator[str]:
+    """The options of a section, or of a rule or a group, which name their place only if somebody said them."""
     for option in options_of(owner):
         if isinstance(option.kind, Members):
             yield _line(indent, f"{option.key}:", option.help)
-            yield from _options(getattr(owner, option.name), indent + 2)
+            yield from _options(getattr(owner, option.name), indent + 2, told, f"{path}.{option.key}", True)
             continue
         value = option.kind.write(getattr(owner, option.name))
-        said = f"; {told.of(f'{path}.{option.key}')}" if told is not None and path else ""
+        key = f"{path}.{option.key}"
+        said = f"; {told.of(key)}" if told is not None and (told.says(key) or not said_only) else ""
         yield _line(indent, f"{option.key}: {value}", f"{option.help}{said}")
 
 
-def _locks(locks: tuple[Lock, ...]) -> Iterator[str]:
+def _locks(locks: tuple[Lock, ...], sources: bool) -> Iterator[str]:
     yield "locks:" if locks else "locks: []"
-    yield from (f"  - {lock_text(lock)}" for lock in locks)
+    for lock in locks:
+        yield _line(2, f"- {lock_text(lock)}", str(lock.place or "--lock")) if sources else f"  - {lock_text(lock)}"
 
 
 def lock_text(lock: Lock) -> str:

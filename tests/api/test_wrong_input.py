@@ -37,11 +37,11 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
     "half a seed": (lambda: kerfwise.solve(PAIR, seed=0.5), "seed: expected a whole number from 0, got 0.5"),  # type: ignore[arg-type]
     "a lock on what is not there": (
         lambda: kerfwise.solve(PAIR, locks="P3.outer position first"),
-        "lock: unknown contour 'P3.outer': did you mean 'P2.outer'",
+        "lock 'P3.outer first': unknown contour or part 'P3.outer': did you mean 'P2.outer'",
     ),
     "a lock that is none": (
         lambda: kerfwise.solve(PAIR, locks="P1.outer soon"),
-        "lock 'P1.outer soon': expected ID before ID",
+        "lock 'P1.outer soon': 'soon' decides nothing: expected ID before ID",
     ),
     "a lock of another type": (
         lambda: kerfwise.solve(PAIR, locks=[3]),

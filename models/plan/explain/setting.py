@@ -20,6 +20,7 @@ from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.by_kind import by_kind
+from kerfwise.rules.profile.for_one_nest import changed_since
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import Precede
 from kerfwise.rules.stating.state_rules import Stated
@@ -82,6 +83,7 @@ def make_setting(facts: Facts, profile: Profile, stated: Stated, plan: Plan) -> 
     ):
         if stands.get("sha256") != now:
             notes.append(f"the {what} is not the one the plan was made with (its sha256 differs)")
+    notes += changed_since(plan.made_with, profile.for_one_nest)
     candidates = [_candidate_of(facts, problem, planned.cut, notes) for planned in plan.cuts]
     route = tuple(int(problem.candidate_site[c]) for c in candidates)
     conditions: dict[int, list[Condition]] = defaultdict(list)

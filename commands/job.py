@@ -1,0 +1,74 @@
+"""kerfwise job: check a job file, or print the schema of job files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from kerfwise.encoder.contents import is_file
+from kerfwise.encoder.readers.read import SUFFIXES
+
+from .given import TRUST, tell_note
+from .terminal import expect_printed
+
+if TYPE_CHECKING:
+    from kerfwise.jobs.nest_job import Job
+
+
+@click.group()
+def command() -> None:
+    """Check a job file, NEST.job.yaml, or print the schema of job files."""
+
+
+@command.command()
+@click.argument("job", metavar="JOB")
+@click.argument("nest", metavar="[NEST]", required=False)
+@TRUST
+def check(job: str, nest: str | Path | None, trust: bool) -> None:
+    """Say whether JOB can be used, and if not, where it is wrong.
+
+    Its profile is looked up, and its contours in NEST, or in the nest beside it.
+    """
+    from kerfwise.jobs.given import drawn_nest, plant_of
+    from kerfwise.jobs.nest_job import read_job
+    from kerfwise.jobs.nest_job.asked import Asked, locked_for, profile_for
+
+    read = read_job(job)
+    plant = profile_for(Asked(job=read), read, tell_note, lambda named: plant_of(named, trust))
+    nest = nest or _beside(job)
+    if nest is not None:
+        locked_for(plant.as_cut(drawn_nest(nest, plant)), nest, plant, Asked(), read, tell_note)
+    elif read.locks:
+        tell_note("there is no nest beside the job file: whether the contours of its locks are there is not known")
+    click.echo(f"{read.name}: fine, {', '.join(_told(read, plant.name))}")
+
+
+@command.command()
+def schema() -> None:
+    """Print the JSON Schema that editors complete job files by."""
+    from kerfwise.jobs.nest_job.schema import schema_text
+
+    click.echo(schema_text(), nl=False)
+    expect_printed()
+
+
+def _beside(job: str) -> Path | None:
+    """The nest that a job file is beside; None where there is none. An SVG there may be a picture of a plan."""
+    from kerfwise.jobs.nest_job.beside import ENDING
+
+    path = Path(job)
+    named = [path.with_name(path.name.removesuffix(ENDING) + suffix) for suffix in SUFFIXES if suffix != ".svg"]
+    return next((file for file in named if is_file(file)), None)
+
+
+def _told(job: Job, profile: str) -> list[str]:
+    def counted(count: int, what: str) -> str:
+        return f"{count} {what}{'' if count == 1 else 's'}"
+
+    said = [f"profile {profile}", counted(job.quantity, "sheet")]
+    said += [f"order {job.order}"] if job.order else []
+    said += [f"due {job.due}"] if job.due else []
+    said += [counted(len(job.locks), "lock")] if job.locks else []
+    return said + ([counted(len(job.settings), "value") + " of its own"] if job.settings else [])

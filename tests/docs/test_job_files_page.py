@@ -1,0 +1,35 @@
+"""docs/job-files.md: its example is read, and each lock that it names."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+import kerfwise
+from kerfwise.jobs.nest_job.read import job_of
+from kerfwise.rules.profile.lock_text import lines_of, read_lock
+from kerfwise.rules.profile.one_nest import with_settings
+from kerfwise.rules.profile.profile import load_profile
+
+PAGE = (Path(kerfwise.__file__).parent / "docs" / "job-files.md").read_text(encoding="utf-8")
+ROWS = PAGE.partition("| words | what holds |\n|---|---|\n")[2].partition("\n\n")[0].splitlines()
+LOCKS = [lock for row in ROWS for lock in re.findall("`([^`]+)`", row.split(" | ")[0])]
+
+
+def test_the_example_is_read_and_can_be_used() -> None:
+    [example] = re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)
+    job = job_of(example, "plate.job.yaml")
+    assert (job.machine, job.quantity, job.order, str(job.due)) == ("laser 2", 4, "4711", "2026-12-24")
+    assert [next(lines_of(lock)) for lock in job.locks] == [
+        "P2 first", "P2.outer before P3.outer", "#7 last", "no link P4", "P5 tab (525, 220)", "no tab P6"
+    ]  # fmt: skip
+    laid = with_settings(load_profile(), job.settings, job.file)
+    assert (laid.material.thickness_mm, laid.rules["pierce"].options.clearance_mm) == (8.0, 1.48)
+
+
+@pytest.mark.parametrize("text", LOCKS)
+def test_each_lock_of_the_table_is_read(text: str) -> None:
+    assert len(LOCKS) == 14
+    assert len(list(lines_of(read_lock(text)))) == 1
