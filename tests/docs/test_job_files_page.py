@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
 
 import kerfwise
 from kerfwise.jobs.nest_job.read import job_of
+from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.lock_text import lines_of, read_lock
 from kerfwise.rules.profile.one_nest import with_settings
 from kerfwise.rules.profile.profile import load_profile
@@ -29,7 +31,15 @@ def test_the_example_is_read_and_can_be_used() -> None:
     assert (laid.material.thickness_mm, laid.rules["pierce"].options.clearance_mm) == (8.0, 1.48)
 
 
+def test_the_table_has_all_that_a_lock_decides() -> None:
+    assert len(LOCKS) == 13
+    decided = {
+        field.name for text in LOCKS for field in fields(Lock) if getattr(read_lock(text), field.name) is not None
+    }
+    assert {"before", "position", "entry", "direction", "linked", "tab", "zone"} <= decided
+    assert decided == {field.name for field in fields(Lock)} - {"place"}  # a new decision is missing from the table
+
+
 @pytest.mark.parametrize("text", LOCKS)
 def test_each_lock_of_the_table_is_read(text: str) -> None:
-    assert len(LOCKS) == 14
     assert len(list(lines_of(read_lock(text)))) == 1
