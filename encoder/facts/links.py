@@ -1,9 +1,9 @@
 """Links: ways through waste on which the torch may stay on from the end of one outer contour to the next.
 
-A link is a straight line from where the torch leaves one part to where it joins another. It keeps off all metal of
-parts as the cut itself does; off third contours, and the leads to them, by so much that no kerf meets another; and off
-what the torch has just burnt, but for the first kerf. No two links that a plan could use both come near each
-other, so that nobody has to remember which have been burnt.
+A link leads from where the torch leaves one part to where it joins another, straight or, where no straight one is free
+between two parts, round one corner. It keeps off all metal of parts as the cut itself does; off third contours, and the
+leads to them, by so much that no kerf meets another; and off what the torch has just burnt, but for the first kerf. No
+two links that a plan could use both come near each other, so that nobody has to remember which have been burnt.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.candidates.candidate import Candidate
@@ -23,6 +23,8 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 
 from .facts import Facts, LinkPath
+from .link_corners import round_corners
+from .link_lines import Lines, LinkLines, Places
 
 _OFF_MM = 0.01
 """What chords may make of a distance."""
@@ -32,8 +34,6 @@ _AT_ONCE = 20_000
 _NOBODY = -1
 _CHORD_MM = 0.02
 
-Lines = NDArray[np.object_]
-
 
 @dataclass(frozen=True, slots=True)
 class LinkOptions:
@@ -42,19 +42,6 @@ class LinkOptions:
     longest_mm: float
     kerf_mm: float
     splash_mm: float = 0.0
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class _Places:
-    """Candidates that no link tells apart, k places: their contour, and where links begin or end, (k, 2).
-
-    `leads` (k,) are those of the place's own contour that a link from or to it keeps off, as one shape each.
-    """
-
-    members: list[tuple[int, ...]]
-    contour: Ints
-    at: Floats
-    leads: Lines
 
 
 def with_links(facts: Facts, options: LinkOptions | None, cut_before: Iterable[Cut] = ()) -> Facts:
@@ -90,26 +77,33 @@ def _links(facts: Facts, options: LinkOptions, cut_before: Sequence[Cut]) -> lis
     kept = kept[np.lexsort((other[kept], one[kept]))]
     one, other = one[kept], other[kept]
     in_the_way = _InTheWay.of(facts, options, cut_before)
-    clear = np.zeros(len(one), dtype=np.bool_)
-    for begin in range(0, len(one), _AT_ONCE):
-        rows = slice(begin, begin + _AT_ONCE)
-        clear[rows] = in_the_way.clear(leave, one[rows], reach, other[rows])
-    clear[clear] = _off_tabs(facts, leave.at[one[clear]], reach.at[other[clear]], options.kerf_mm)
-    one, other = one[clear], other[clear]
-    alone = _without_meetings(leave, one, reach, other, options.kerf_mm)
+
+    def free(links: LinkLines) -> LinkLines:
+        clear = np.zeros(len(links), dtype=np.bool_)
+        for begin in range(0, len(links), _AT_ONCE):
+            rows = slice(begin, begin + _AT_ONCE)
+            clear[rows] = in_the_way.clear(leave, reach, links.take(np.arange(len(links))[rows]))
+        clear[clear] = _off_tabs(facts, links.take(clear), options.kerf_mm)
+        return links.take(clear)
+
+    asked = LinkLines.straight(leave, one, reach, other)
+    straight = free(asked)
+    bent = round_corners(asked, straight, leave, reach, options.longest_mm, options.kerf_mm, free)
+    alone = _without_meetings(leave, reach, (straight, bent), options.kerf_mm)
     return [
-        LinkPath(leave.members[i], reach.members[j], (_xy(leave.at[i]), _xy(reach.at[j])))
-        for i, j in zip(one[alone].tolist(), other[alone].tolist(), strict=True)
+        LinkPath(leave.members[i], reach.members[j], tuple(_xy(at) for at in points))
+        for links, kept in zip((straight, bent), alone, strict=True)
+        for i, j, points in zip(links.one[kept].tolist(), links.other[kept].tolist(), links.points[kept], strict=True)
     ]
 
 
-def _off_tabs(facts: Facts, begin: Floats, end: Floats, kerf_mm: float) -> Bools:
-    """Whether straight links leave the metal that tabs hang on."""
+def _off_tabs(facts: Facts, links: LinkLines, kerf_mm: float) -> Bools:
+    """Whether links leave the metal that tabs hang on."""
     tabs = {tab.at: tab.width_mm for candidate in facts.candidates for tab in candidate.tabs}
-    if not tabs or not len(begin):
-        return np.full(len(begin), True)
+    if not tabs or not len(links):
+        return np.full(len(links), True)
     near = shapely.union_all(shapely.buffer(shapely.points(list(tabs)), [w / 2 + 3 * kerf_mm for w in tabs.values()]))
-    return np.asarray(~shapely.intersects(shapely.linestrings(np.stack([begin, end], axis=1)), near))
+    return np.asarray(~shapely.intersects(links.lines, near))
 
 
 def _xy(at: Floats) -> Point:
@@ -138,7 +132,7 @@ def _places(
     facts: Facts,
     place: Callable[[Candidate], tuple[Point, object]],
     leads: Callable[[Candidate], list[shapely.LineString]],
-) -> _Places:
+) -> Places:
     members: dict[tuple[int, object], list[int]] = defaultdict(list)
     at: dict[tuple[int, object], Point] = {}
     for number, candidate in enumerate(facts.candidates):
@@ -148,7 +142,7 @@ def _places(
             members[key].append(number)
             at[key] = point
     contour = np.array([contour for contour, _ in members], dtype=np.int64)
-    return _Places(
+    return Places(
         [tuple(of) for of in members.values()],
         contour,
         np.array(list(at.values()), dtype=np.float64).reshape(-1, 2),
@@ -193,11 +187,10 @@ class _InTheWay:
             np.array([contour for contour, _ in holes], dtype=np.int64),
         )
 
-    def clear(self, leave: _Places, one: Ints, reach: _Places, other: Ints) -> Bools:
-        """Which straight lines from the places `one` to the places `other` are links."""
+    def clear(self, leave: Places, reach: Places, links: LinkLines) -> Bools:
+        """Which lines from places that are left to places that are reached are links."""
         kerf_mm = self.options.kerf_mm
-        begin, end, of, to = leave.at[one], reach.at[other], leave.contour[one], reach.contour[other]
-        lines = shapely.linestrings(np.stack([begin, end], axis=1))
+        of, to, lines = leave.contour[links.one], reach.contour[links.other], links.lines
         clear = np.asarray(shapely.covers(self.sheet, lines))
         near_mm = max(kerf_mm / 2 - _OFF_MM - _CHORD_MM, 0.0)
         clear[self.metal.query(lines, "dwithin", distance=near_mm)[0]] = False
@@ -211,31 +204,23 @@ class _InTheWay:
             row = rows[row]
             clear[row[(whose[k] != of[row]) & (whose[k] != to[row])]] = False
         rows = np.flatnonzero(clear)
-        clear[rows] = self._off_own(leave, one[rows], reach, other[rows])
+        clear[rows] = self._off_own(leave, reach, links.take(rows))
         return clear
 
-    def _off_own(self, leave: _Places, one: Ints, reach: _Places, other: Ints) -> Bools:
+    def _off_own(self, leave: Places, reach: Places, links: LinkLines) -> Bools:
         """Which links part from what has just been burnt, and keep off the lead-out of the contour that they reach."""
         kerf_mm = self.options.kerf_mm
-        begin, end = leave.at[one], reach.at[other]
-        onward = _trimmed(begin, end, _OWN_KERFS * kerf_mm)
-        clear = shapely.distance(onward, self.rings.geometries[leave.contour[one]]) >= kerf_mm - _OFF_MM
-        clear &= _far(onward, leave.leads[one], kerf_mm / 2)
-        inward = _trimmed(end, begin, _OWN_KERFS * kerf_mm)
-        return np.asarray(clear & _far(inward, reach.leads[other], kerf_mm / 2))
+        onward, inward = links.onward(_OWN_KERFS * kerf_mm), links.inward(_OWN_KERFS * kerf_mm)
+        clear = shapely.distance(onward, self.rings.geometries[leave.contour[links.one]]) >= kerf_mm - _OFF_MM
+        clear &= _far(onward, leave.leads[links.one], kerf_mm / 2)
+        if links.bent:  # a corner leaves the choice: the way that is burnt next has metal on both sides
+            clear &= shapely.distance(inward, self.rings.geometries[reach.contour[links.other]]) >= kerf_mm - _OFF_MM
+        return np.asarray(clear & _far(inward, reach.leads[links.other], kerf_mm / 2))
 
 
 def _far(lines: Lines, others: Lines, least_mm: float) -> Bools:
     """Whether each line is so far from the other; what is empty is far from everything."""
     return np.asarray(~(shapely.distance(lines, others) < least_mm))
-
-
-def _trimmed(begin: Floats, end: Floats, less_mm: float) -> Lines:
-    """Lines without their first `less_mm`; their very end where they are shorter."""
-    length_mm = np.hypot(*(end - begin).T)
-    share = np.minimum(less_mm / np.maximum(length_mm, 1e-9), 1.0)[:, None]
-    lines: Lines = shapely.linestrings(np.stack([begin + share * (end - begin), end], axis=1))
-    return lines
 
 
 def _leads(candidate: Candidate) -> list[shapely.LineString]:
@@ -252,11 +237,13 @@ def _lines(leads: Iterable[Curve | None]) -> list[shapely.LineString]:
     return [lead.line(_CHORD_MM) for lead in leads if lead is not None and lead.segments]
 
 
-def _without_meetings(leave: _Places, one: Ints, reach: _Places, other: Ints, kerf_mm: float) -> Ints:
-    """The numbers of links of which no two can meet in one plan, the shorter before the longer."""
-    begin, end, of, to = leave.at[one], reach.at[other], leave.contour[one], reach.contour[other]
-    lines = shapely.linestrings(np.stack([begin, end], axis=1))
-    onward = _trimmed(begin, end, _OWN_KERFS * kerf_mm)
+def _without_meetings(leave: Places, reach: Places, groups: Sequence[LinkLines], kerf_mm: float) -> list[Ints]:
+    """The numbers of links in each group, of which no two can meet in one plan, the shorter before the longer."""
+    one = np.concatenate([links.one for links in groups])
+    other = np.concatenate([links.other for links in groups])
+    of, to = leave.contour[one], reach.contour[other]
+    lines = np.concatenate([links.lines for links in groups])
+    onward = np.concatenate([links.onward(_OWN_KERFS * kerf_mm) for links in groups])
     tree = shapely.STRtree(lines)
     rivals: dict[int, set[int]] = defaultdict(set)
     entered, left = [frozenset(m) for m in reach.members], [frozenset(m) for m in leave.members]
@@ -274,9 +261,11 @@ def _without_meetings(leave: _Places, one: Ints, reach: _Places, other: Ints, ke
         for a, b in zip(p[apart].tolist(), q[apart].tolist(), strict=True):
             rivals[a].add(b)
             rivals[b].add(a)
-    length_mm = np.hypot(*(end - begin).T)
+    length_mm = np.concatenate([links.length_mm for links in groups])
     kept: set[int] = set()
     for k in np.lexsort((np.arange(len(lines)), length_mm)).tolist():
         if rivals[k].isdisjoint(kept):
             kept.add(k)
-    return np.array(sorted(kept), dtype=np.int64)
+    first = np.cumsum([0, *(len(links) for links in groups)])
+    every = np.array(sorted(kept), dtype=np.int64)
+    return [every[(every >= a) & (every < b)] - a for a, b in pairwise(first)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import combinations
 from typing import Literal
 
@@ -75,6 +76,25 @@ def test_every_link_keeps_off_metal_and_off_third_parts() -> None:
 def test_a_part_in_between_shuts_the_way() -> None:
     wall = part("W", rect(54, 0, 4, 70))
     assert ("A.outer", "B.outer") not in pairs(facts(nest(400, 200, A, B, wall)))
+
+
+def test_where_no_straight_link_is_free_one_goes_round_a_corner() -> None:
+    """The only entry of each is at its lower right corner: straight on lies the whole of the other part's side."""
+    found = facts(nest(400, 200, A, B, part("W", rect(54, 24, 4, 4))), 60.0, entries=1)
+    bent = [link for link in found.links if len(link.path) == 3]
+    assert ("A.outer", "B.outer") in pairs(replace(found, links=tuple(bent)))
+    for link in bent:
+        one, corner, other = link.path
+        assert min(math.dist(one, corner), math.dist(corner, other)) > KERF_MM
+        assert math.dist(one, other) ** 2 >= math.dist(one, corner) ** 2 + math.dist(corner, other) ** 2 - 1e-6
+        assert link.length_mm <= 60
+        assert all(c.polygon.distance(line(link)) >= KERF_MM / 2 - 0.03 for c in found.nest.contours)
+        free = substring(line(link), KERF_MM, link.length_mm - KERF_MM)
+        assert all(c.line.distance(free) >= KERF_MM - 0.02 for c in found.nest.contours)
+
+
+def test_parts_with_a_straight_link_have_none_round_a_corner() -> None:
+    assert all(len(link.path) == 2 for link in facts(PAIR).links)
 
 
 def test_only_outers_in_the_same_metal_are_linked() -> None:
