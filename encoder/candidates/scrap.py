@@ -32,6 +32,8 @@ def scrap_problems(nest: Nest, kerf_mm: float) -> list[str]:
 
 def _severed(nest: Nest, kerf_mm: float) -> list[str]:
     lines = [c.line for c in nest.scrap]
+    if len(lines) < 2:  # nothing else ends on it
+        return []
     metal = skeleton(nest.sheet.polygon, [part.outer.polygon for part in nest.parts], kerf_mm)
     found = []
     for k, places_mm in where_severed(lines, metal, kerf_mm).items():

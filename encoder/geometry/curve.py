@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 import shapely
 
-from kerfwise.arrays import Floats
+from kerfwise.arrays import Floats, Ints
 
 from .segment import Point, Segment
 
@@ -144,16 +144,30 @@ class Curve:
         return self.between(s_mm, self.length_mm)
 
     def flatten(self, tolerance_mm: float = 0.01) -> Floats:
-        """Array (m, 2) of points whose chords stay within `tolerance_mm`; a closed curve does not repeat its first."""
+        """Array (m, 2) of points whose chords stay within `tolerance_mm`; a closed curve does not repeat its first.
+
+        Those of closed curves are kept: contours are asked for them again and again. They are not to be changed.
+        """
+        if not self.closed:
+            return self._flattened(tolerance_mm)
+        if tolerance_mm not in self._kept:
+            points = self._flattened(tolerance_mm)
+            points.flags.writeable = False
+            self._kept[tolerance_mm] = points
+        return self._kept[tolerance_mm]
+
+    @cached_property
+    def _kept(self) -> dict[float, Floats]:
+        """The points of a closed curve by tolerance."""
+        return {}
+
+    def _flattened(self, tolerance_mm: float) -> Floats:
         if not self.segments:
-            return np.asarray(self.vertices[:1, :2])
-        rows: list[Sequence[float]] = [self.segments[0].start]
-        for segment in self.segments:
-            if segment.bulge == 0.0:
-                rows.append(segment.end)
-            else:
-                rows += segment.flatten(tolerance_mm).tolist()
-        points = np.array(rows)
+            return self.vertices[:1, :2].copy()
+        count = [1, *(s.chords_within(tolerance_mm) for s in self.segments)]
+        ends = [self.segments[0].start, *(s.end for s in self.segments)]
+        straight = max(count) == 1
+        points = np.array(ends) if straight else _with_arcs(self.segments, np.array(count), np.array(ends))
         return points[:-1] if self.closed else points
 
     def line(self, tolerance_mm: float = 0.01) -> shapely.LineString:
@@ -169,3 +183,20 @@ class Curve:
     def moved(self, dx_mm: float, dy_mm: float) -> Curve:
         """The curve shifted by (dx, dy)."""
         return Curve(self.vertices + np.array([dx_mm, dy_mm, 0.0]), self.closed)
+
+
+def _with_arcs(segments: Sequence[Segment], count: Ints, ends: Floats) -> Floats:
+    """The points of all chords: of every segment, after the first point, as many as are counted, the last its end."""
+    last = np.cumsum(count) - 1
+    points = np.empty((last[-1] + 1, 2))
+    arcs = np.flatnonzero(count[1:] > 1)
+    rows = [(*s.centre, s.radius_mm, s.angle_rad, s.sweep_rad) for s in (segments[k] for k in arcs.tolist())]
+    n = count[arcs + 1]
+    place = np.arange(int(n.sum())) - np.repeat(np.cumsum(n) - n, n)
+    x, y, r, begin, sweep = np.repeat(np.array(rows), n, axis=0).T
+    angle = begin + sweep * (place + 1) / np.repeat(n, n)
+    at = np.repeat(last[arcs] + 1, n) + place
+    points[at, 0] = x + r * np.cos(angle)
+    points[at, 1] = y + r * np.sin(angle)
+    points[last] = ends
+    return points

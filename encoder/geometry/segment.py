@@ -120,15 +120,27 @@ class Segment:
         d0, d1 = math.dist(point, self.start), math.dist(point, self.end)
         return (0.0, d0) if d0 <= d1 else (1.0, d1)
 
-    def flatten(self, tolerance_mm: float) -> NDArray[np.float64]:
-        """Array (m, 2) of the points after `start`, the last exactly `end`; chords within `tolerance_mm`."""
-        if not self.is_arc:
-            return np.array([self.end])
+    @property
+    def angle_rad(self) -> float:
+        """Where on its circle an arc starts, rad from the x axis (meaningless for a line)."""
+        return self._angle_at(0.0)
+
+    def chords_within(self, tolerance_mm: float) -> int:
+        """How many chords stay within `tolerance_mm`."""
+        if self.bulge == 0.0:
+            return 1
         r = self.radius_mm
         # 1 - cos(step / 2) = tolerance / r, written so that the widest arc keeps its digits
         step = math.pi / 2 if r <= tolerance_mm else min(4 * math.asin(math.sqrt(tolerance_mm / (2 * r))), math.pi / 2)
-        n = max(1, math.ceil(abs(self.sweep_rad) / step - 1e-9))
-        (cx, cy), a0 = self.centre, self._angle_at(0.0)
+        return max(1, math.ceil(abs(self.sweep_rad) / step - 1e-9))
+
+    def flatten(self, tolerance_mm: float) -> NDArray[np.float64]:
+        """Array (m, 2) of the points after `start`, the last exactly `end`; chords within `tolerance_mm`."""
+        n = self.chords_within(tolerance_mm)
+        if n == 1:
+            return np.array([self.end])
+        r = self.radius_mm
+        (cx, cy), a0 = self.centre, self.angle_rad
         a = a0 + self.sweep_rad * np.arange(1, n + 1) / n
         points = np.column_stack([cx + r * np.cos(a), cy + r * np.sin(a)])
         points[-1] = self.end

@@ -12,6 +12,7 @@ import numpy as np
 from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.geometry.microns import cost_um, points_um
 from kerfwise.models.physics.timing.constant import Feeds
 from kerfwise.rules.by_kind import by_kind
@@ -40,6 +41,7 @@ from .pace import Pace
 from .problem import Problem, SoftGroup
 
 
+@few_collections()
 def make_problem(
     facts: Facts,
     statements: tuple[Statement, ...],

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from kerfwise.arrays import Bools, Ints
+from kerfwise.encoder.few_collections import few_collections
 from kerfwise.rules.statements import Pick, plain
 
 from .conditions import Condition
@@ -21,6 +22,7 @@ from .links import Links
 from .problem import Problem
 
 
+@few_collections()
 def simplify(problem: Problem) -> Problem:
     """A problem with the same optimum; every route of it is a route of the given one at the same cost."""
     decided, unlawful = _decided(problem)

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+import numpy as np
+
 from kerfwise.encoder.cut import Cut, CutSequence, Pierce
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
@@ -16,6 +18,9 @@ from .result import Judgement
 
 SAME = 1e-3
 """Millimetres and seconds that two cuts may differ by and be the same: what a program's decimals make of a plan's."""
+
+DRIFT = 1e-7
+"""Share of a time that it may be off besides: what the same decimals add up to over thousands of cuts."""
 
 MIDWAY_MM = 3e-3
 """The same of the middle of a lead's arc: programs have a line for an arc that rises less."""
@@ -46,11 +51,20 @@ def same(one: CutSequence, other: CutSequence) -> bool:
         return False
     if len(one) != len(other) or not _near(one.home, other.home) or len(one.pierces) != len(other.pierces):
         return False
-    return all(map(_same_cut, one, other)) and all(map(_same_hole, one.pierces, other.pierces))
+    cuts_alike = all(map(_same_cut, one, other)) and _same_times(one, other)
+    return cuts_alike and all(map(_same_hole, one.pierces, other.pierces))
 
 
 def _same_hole(one: Pierce, other: Pierce) -> bool:
     return (one.contour, one.before) == (other.contour, other.before) and _near(one.at, other.at)
+
+
+def _same_times(one: CutSequence, other: CutSequence) -> bool:
+    """Whether each cut takes as long, as long after the one before, and both get to it at the same time."""
+    times = np.array([[(cut.start_s, cut.end_s) for cut in cuts] for cuts in (one, other)]).reshape(2, -1)
+    off_s = np.abs(np.diff(times, axis=0))
+    steps_off_s = np.abs(np.diff(np.diff(times, axis=1), axis=0))
+    return bool((off_s <= SAME + DRIFT * np.abs(times[0])).all() and (steps_off_s <= SAME).all())
 
 
 def _same_cut(one: Cut, other: Cut) -> bool:
@@ -67,7 +81,7 @@ def _words(cut: Cut) -> tuple[object, ...]:
 
 
 def _numbers(cut: Cut) -> list[float]:
-    return [*cut.entry, *cut.pierce, cut.start_s, cut.end_s]
+    return [*cut.entry, *cut.pierce]
 
 
 def _same_lead(one: Curve | None, other: Curve | None) -> bool:

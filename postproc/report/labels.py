@@ -138,7 +138,7 @@ def _place_part(
         else:
             place = in_holes[contour.id]
             if place is None or place.size_mm < _ENOUGH * wanted_mm:
-                beside = _beside(metal, contour, label, wanted_mm)
+                beside = _beside(metal, contour, label, wanted_mm, 0.0 if place is None else place.size_mm)
                 if beside is not None and (place is None or beside.size_mm > place.size_mm):
                     place = beside
         if place is not None:
@@ -167,9 +167,12 @@ def _in_hole(
     return find_room(area if clear.is_empty else clear, label.text, wanted_mm, _point(label))
 
 
-def _beside(metal: shapely.Geometry, hole: Contour, label: Label, wanted_mm: float) -> TextPlace | None:
+def _beside(
+    metal: shapely.Geometry, hole: Contour, label: Label, wanted_mm: float, above_mm: float
+) -> TextPlace | None:
+    """The place in the metal by a hole, for a text larger than it could be elsewhere."""
     band = metal.intersection(hole.polygon.buffer(_BESIDE * wanted_mm, quad_segs=4))
-    return find_room(band, label.text, wanted_mm, _point(label) or hole.line)
+    return find_room(band, label.text, wanted_mm, _point(label) or hole.line, above_mm=above_mm)
 
 
 def _seen(area: shapely.Geometry, wanted_mm: float, window: shapely.Polygon | None) -> shapely.Geometry:

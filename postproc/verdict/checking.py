@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from kerfwise.encoder.cut import HotSpot, Side
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.shown import shown
 from kerfwise.encoder.still_going import long_job, so_much, told_if_long
@@ -104,6 +105,7 @@ def thermometer_of(nest: Nest, profile: Profile) -> Thermometer | None:
     return measure
 
 
+@few_collections()
 def judge(nest: Nest, plan: Plan, program: str, profile: Profile, trusted: Trusted | None = None) -> CheckResult:
     """Judge a plan and the program written from it: a rule holds if it holds in both.
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
 
@@ -21,6 +21,9 @@ SOLID, EDGE = -1, -2
 """Faced by a boundary that looks at wide uncut metal, or at the end of the sheet."""
 AT_ONCE = 1 << 16
 """Spots that are looked at together: more would take memory, and no less time."""
+DOUBT_MM2 = 1e-6
+"""Areas this small may be rounding: a thousand times what it makes of a sheet of a hundred metres."""
+RAYS_IN_BOX = 4
 CONTACT_MM = 0.05
 """Outlines that overlap by less touch; a contour's own line nearer than this is where one stands."""
 
@@ -63,9 +66,14 @@ def spots_along(part: int, line: shapely.LineString, begin_mm: float, length_mm:
     where = (begin_mm + length_mm * (np.arange(count) + 0.5) / count) % ends[-1]
     k = np.minimum(np.searchsorted(ends, where, side="right"), len(ends) - 1)
     along = step[k] / step_mm[k, None]
-    outwards = 1.0 if shapely.is_ccw(shapely.LinearRing(line.coords)) else -1.0
+    outwards = 1.0 if shapely.is_ccw(ring_of(line)) else -1.0
     at = points[k] + along * (where - ends[k] + step_mm[k])[:, None]
     return Spots(np.full(count, part), at, outwards * np.column_stack([along[:, 1], -along[:, 0]]))
+
+
+def ring_of(line: shapely.LineString) -> Any:
+    """A closed line as a ring, which shapely tells the turning of."""
+    return shapely.linearrings(shapely.get_coordinates(line))
 
 
 class Facing:
@@ -105,10 +113,8 @@ class Facing:
         """See `faced`; of not too many spots."""
         found = np.full(len(spots.part), SOLID, dtype=np.int64)
         start = spots.at - CONTACT_MM * spots.normal
-        rays = shapely.linestrings(
-            np.stack([start, spots.at + (max(self.web_mm, self.edge_band_mm) + 1e-6) * spots.normal], axis=1)
-        )
-        ray, chord = self.tree.query(rays, predicate="intersects")
+        end = spots.at + (max(self.web_mm, self.edge_band_mm) + 1e-6) * spots.normal
+        ray, chord = self._met(start, end, spots.part)
         away_mm = self._away(start[ray], spots.normal[ray], chord) - CONTACT_MM
         owner = self.owner[chord]
         itself = (owner == spots.part[ray]) & (away_mm < CONTACT_MM)
@@ -122,6 +128,37 @@ class Facing:
         found[ray[near]] = owner[near]
         return found
 
+    def _met(self, start: Floats, end: Floats, part: Ints) -> tuple[Ints, Ints]:
+        """The numbers of rays and of chords that meet: mostly told by the sides that ends lie on, else by shapely."""
+        ray, chord = self._near(start, end, part)
+        u_at = _side(start[ray], end[ray], self.begin[chord])
+        v_at = _side(start[ray], end[ray], self.end[chord])
+        maybe = np.flatnonzero(~_surely_alike(u_at, v_at))
+        ray, chord, u_at, v_at = ray[maybe], chord[maybe], u_at[maybe], v_at[maybe]
+        p, q, u, v = start[ray], end[ray], self.begin[chord], self.end[chord]
+        p_at, q_at = _side(u, v, p), _side(u, v, q)
+        met = (u_at * v_at < 0) & (p_at * q_at < 0)
+        least = np.minimum(np.minimum(abs(u_at), abs(v_at)), np.minimum(abs(p_at), abs(q_at)))
+        doubt = np.flatnonzero(~_surely_alike(p_at, q_at) & (least < DOUBT_MM2))
+        rays = shapely.linestrings(np.stack([p[doubt], q[doubt]], axis=1))
+        met[doubt] = shapely.intersects(rays, self.tree.geometries[chord[doubt]])
+        return ray[met], chord[met]
+
+    def _near(self, start: Floats, end: Floats, part: Ints) -> tuple[Ints, Ints]:
+        """The numbers of rays and of chords that may meet: chords are looked up in the box of some rays in a row."""
+        if not len(part):
+            return np.empty(0, np.int64), np.empty(0, np.int64)
+        new = np.flatnonzero(np.diff(part, prepend=-1))
+        place = np.arange(len(part)) - np.repeat(new, np.diff(new, append=len(part)))
+        first = np.flatnonzero(place % RAYS_IN_BOX == 0)
+        count = np.diff(first, append=len(part))
+        low = np.minimum.reduceat(np.minimum(start, end), first)
+        high = np.maximum.reduceat(np.maximum(start, end), first)
+        box, chord = self.tree.query(shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1]))
+        times = count[box]
+        within = np.arange(int(times.sum())) - np.repeat(np.cumsum(times) - times, times)
+        return np.repeat(first[box], times) + within, np.repeat(chord, times)
+
     def _away(self, start: Floats, normal: Floats, chord: Ints) -> Floats:
         """How far along the normals the chords are that they meet, mm; along a chord itself, its nearer end."""
         ends = np.stack([self.begin[chord] - start, self.end[chord] - start])
@@ -131,6 +168,17 @@ class Facing:
         share = np.where(np.abs(width) > 1e-12, aside[0] / np.where(width == 0, 1.0, width), 0.0)
         across = along[0] + np.clip(share, 0.0, 1.0) * (along[1] - along[0])
         return np.asarray(np.where(np.abs(width) > 1e-12, across, np.maximum(along.min(axis=0), 0.0)))
+
+
+def _side(begin: Floats, end: Floats, at: Floats) -> Floats:
+    """On which side of a line from begin to end a place lies, as twice the area of the triangle, mm²."""
+    along, towards = end - begin, at - begin
+    return np.asarray(along[:, 0] * towards[:, 1] - along[:, 1] * towards[:, 0])
+
+
+def _surely_alike(one: Floats, other: Floats) -> Bools:
+    """Whether two places lie on the same side of a line, whatever rounding did."""
+    return np.asarray((one * other > 0) & (np.minimum(abs(one), abs(other)) >= DOUBT_MM2))
 
 
 @kept_with_nest(most=2)

@@ -34,8 +34,8 @@ def holding(nest: Nest, web_mm: float, edge_band_mm: float, frame_share: float) 
     faced = facing(nest, web_mm, edge_band_mm).faced(every)
     joined: dict[int, set[int]] = {k: set() for k in range(len(nest.parts))}
     framed: set[int] = set()
-    met = np.unique(np.column_stack([every.part, faced])[faced >= 0], axis=0)
-    for k, other in met.tolist():
+    pairs = np.unique((every.part * len(nest.parts) + faced)[faced >= 0])
+    for k, other in (divmod(pair, len(nest.parts)) for pair in pairs.tolist()):
         if place[k] == place[other]:
             joined[k].add(other)
             joined[other].add(k)

@@ -13,7 +13,7 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
 
-from .facing import EDGE, Spots, facing, spots_along
+from .facing import EDGE, Spots, facing, ring_of, spots_along
 
 STEP_MM, LEAST_SPOTS, MOST_SPOTS = 1.0, 100, 200
 """The end of a cut is looked at a millimetre apart, in no less and no more spots than these."""
@@ -37,7 +37,7 @@ def rigid_at_the_end(
         around_mm = contour.line.length
         tail_mm = tail_share * around_mm
         entry_mm = shapely.line_locate_point(contour.line, shapely.Point(cut.entry))
-        as_drawn = (cut.direction == "ccw") == bool(shapely.is_ccw(shapely.LinearRing(contour.line.coords)))
+        as_drawn = (cut.direction == "ccw") == bool(shapely.is_ccw(ring_of(contour.line)))
         count = min(max(math.ceil(tail_mm / STEP_MM), LEAST_SPOTS), MOST_SPOTS)
         tails.append(spots_along(part, contour.line, entry_mm, -tail_mm if as_drawn else tail_mm, count))
         judged.append((k, count))

@@ -13,7 +13,7 @@ from kerfwise.jobs.given import Given
 from kerfwise.jobs.main_job import Finished, plan_nest
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.postproc.check import check, check_program
-from kerfwise.postproc.check.judged_cuts import SAME, same
+from kerfwise.postproc.check.judged_cuts import DRIFT, SAME, same
 from kerfwise.postproc.verdict import checking
 from kerfwise.rules.profile.profile import load_profile
 
@@ -84,6 +84,22 @@ def bent(cut: Cut, by: float) -> Cut:
 def test_what_makes_cuts_the_same(change: Callable[[Cut], Cut], alike: bool) -> None:
     cuts = sequence()
     assert same(cuts, replace(cuts, cuts=(*cuts.cuts[:-1], change(cuts.cuts[-1])))) is alike
+
+
+@pytest.mark.parametrize(("share", "alike"), [(DRIFT / 2, True), (4 * DRIFT, False)])
+def test_times_of_a_long_program_drift_as_decimals_add_up(share: float, alike: bool) -> None:
+    """A program of thirty hours, of which each cut takes as long as in the plan."""
+    cuts = sequence()
+    late = [replace(cut, start_s=cut.start_s + 1e5, end_s=cut.end_s + 1e5) for cut in cuts]
+    drifted = [replace(c, start_s=c.start_s * (1 + share), end_s=c.end_s * (1 + share)) for c in late]
+    assert same(replace(cuts, cuts=tuple(late)), replace(cuts, cuts=tuple(drifted))) is alike
+
+
+def test_cuts_of_another_length_are_others_however_late_they_are() -> None:
+    cuts = sequence()
+    late = [replace(cut, start_s=cut.start_s + 1e5, end_s=cut.end_s + 1e5) for cut in cuts]
+    longer = [*late[:-1], replace(late[-1], end_s=late[-1].end_s + 4 * SAME)]
+    assert not same(replace(cuts, cuts=tuple(late)), replace(cuts, cuts=tuple(longer)))
 
 
 def test_cuts_are_not_the_same_where_temperatures_were_measured_or_some_are_missing() -> None:
