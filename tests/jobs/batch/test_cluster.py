@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import socket
 import subprocess
-import sys
 import threading
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
+from kerfwise.benchmarks.dask_here import cluster
 from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.batch.cluster import Cluster
@@ -29,37 +28,16 @@ pytestmark = [pytest.mark.dask, pytest.mark.slow]
 ANSWER_S = 120
 
 
-def free_port() -> int:
-    with closing(socket.socket()) as found:
-        found.bind(("127.0.0.1", 0))
-        port: int = found.getsockname()[1]
-        return port
-
-
 @contextmanager
 def scheduler_and_workers(folder: Path, count: int) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
-    """The address of a scheduler of this machine, and the processes of its workers; all end with the test."""
+    """The address of a scheduler of this machine that answers, and the processes of its workers."""
     from distributed import Client
 
-    address, started = f"tcp://127.0.0.1:{free_port()}", []
-
-    def start(name: str, *given: str) -> None:
-        command = [sys.executable, "-m", f"distributed.cli.dask_{name}", *given, "--no-dashboard"]
-        log = (folder / f"{name}{len(started)}.log").open("wb")
-        started.append(subprocess.Popen(command, stdout=log, stderr=log, cwd=folder))
-
-    try:
-        start("scheduler", "--host", "127.0.0.1", "--port", address.rpartition(":")[2])
-        for _ in range(count):
-            start("worker", address, "--nthreads", "1", "--no-nanny", "--local-directory", str(folder))
+    with cluster(folder, count) as (address, workers):
         with Client(address, timeout=ANSWER_S, set_as_default=False) as client:
             if count:
                 client.wait_for_workers(count, timeout=ANSWER_S)
-        yield address, started[1:]
-    finally:
-        for process in started:
-            process.kill()
-            process.wait()
+        yield address, workers
 
 
 class Killing(Watcher):
@@ -82,9 +60,9 @@ def test_every_nest_is_done_once_though_a_worker_is_killed(tmp_path: Path) -> No
     machines, told = [machine_of("plasma", "plasma-carbon-steel", False)], []
     with scheduler_and_workers(tmp_path, 2) as (address, workers):
         watcher = Killing(workers[0])
-        with Cluster(plan_task, address, told.append) as cluster:
+        with Cluster(plan_task, address, told.append) as workers_there:
             store = Store(tmp_path / "cluster")
-            batch = run_batch(sources_in([given], store.out), machines, store, options, "1", cluster.run, watcher)
+            batch = run_batch(sources_in([given], store.out), machines, store, options, "1", workers_there.run, watcher)
         assert workers[0].wait() != 0
         assert workers[1].poll() is None
     assert batch.exit_code == 1
@@ -102,16 +80,16 @@ def files(folder: Path) -> dict[str, bytes]:
 
 def test_a_scheduler_that_is_lost_or_never_was_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("kerfwise.jobs.batch.cluster.ANSWER_S", 1.0)
-    address = f"tcp://127.0.0.1:{free_port()}"
+    address = "tcp://127.0.0.1:1"  # nobody listens there
     with pytest.raises(InputError, match=rf"--scheduler {address}: no Dask scheduler answers"):
         Cluster(plan_task, address, print)
     with pytest.raises(InputError, match="no Dask scheduler answers"):
         Cluster(plan_task, "nonsense://x", print)
     told: list[str] = []
-    with scheduler_and_workers(tmp_path, 0) as (there, _), Cluster(abs, there, told.append) as cluster:
+    with scheduler_and_workers(tmp_path, 0) as (there, _), Cluster(abs, there, told.append) as lost:
         assert ["has no worker yet" in text for text in told] == [True]
         from distributed import Client
 
         threading.Timer(1.0, lambda: Client(there, set_as_default=False).shutdown()).start()
         with pytest.raises(InputError, match="was lost; the same command goes on from here"):
-            list(cluster.run([-1], lambda piece: None))
+            list(lost.run([-1], lambda piece: None))
