@@ -84,8 +84,8 @@ def _lines(batch: Batch, out: Path) -> Iterator[str]:
         )
     for group in groups_of(batch.rows):
         yield f"{group.head}. {group.remedy}"
-        for row in group.rows:
-            yield f"  {shown(row.nest)} on {row.machine}: {row.told}".replace("\n", "\n    ")
+        for nest, told, machines in group.said():
+            yield f"  {shown(nest)} on {', '.join(machines)}: {told}".replace("\n", "\n    ")
     planned = sum(row.planned for row in batch.rows)
     counts = [f"{planned} of {len(batch.rows) + batch.waiting} planned"]
     if batch.again:

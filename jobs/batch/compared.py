@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from .row import Figures, Row
+from .row import Row
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +54,8 @@ def by_nest(rows: Iterable[Row]) -> Mapping[str, tuple[Row, ...]]:
 
 
 def quickest(rows: Sequence[Row]) -> str:
-    """The machine on which a nest is cut in the least time, the first of equals; "" where fewer than two can cut it."""
-    return _least([(row.machine, row.figures.time_s) for row in rows if row.figures is not None])
+    """The machine on which a nest is cut in the least time, the first of equals; "" where one was tried."""
+    return _least(len(rows), [(row.machine, row.figures.time_s) for row in rows if row.figures is not None])
 
 
 def cheapest(rows: Sequence[Row]) -> str:
@@ -63,13 +63,10 @@ def cheapest(rows: Sequence[Row]) -> str:
     priced = [(row.machine, row.figures) for row in rows if row.figures is not None]
     if len({figures.currency for _, figures in priced}) != 1:
         return ""
-    return _least([(machine, _cost(figures)) for machine, figures in priced])
+    return _least(len(rows), [(machine, figures.cost) for machine, figures in priced])
 
 
-def _cost(figures: Figures) -> float | None:
-    return figures.cost
-
-
-def _least(of: Sequence[tuple[str, float | None]]) -> str:
+def _least(tried: int, of: Sequence[tuple[str, float | None]]) -> str:
+    """The machine of the least amount; `tried` is how many were, whether they can cut the nest or not."""
     amounts = [(amount, place, machine) for place, (machine, amount) in enumerate(of) if amount is not None]
-    return min(amounts)[2] if len(amounts) == len(of) > 1 else ""
+    return min(amounts)[2] if amounts and len(amounts) == len(of) and tried > 1 else ""

@@ -64,14 +64,10 @@ def _refused(groups: Sequence[Group]) -> Iterator[str]:
     if groups:
         yield '<h2 id="refused">Refused</h2>'
     for group in groups:
-        told = dict.fromkeys(row.told for row in group.rows)
-        yield f"<section class=group><h3>{escape(group.head)}</h3><p class=remedy>{escape(group.remedy)}</p>"
-        for text in told:
-            names = ", ".join(_where(nest, group, text) for nest in by_nest(r for r in group.rows if r.told == text))
-            yield f"<p class=who>{names}</p><pre>{escape(shown_lines(text))}</pre>"
+        told: dict[str, list[str]] = {}
+        for nest, text, on in group.said():
+            link = f'<a href="#{anchor(nest)}">{escape(shown(nest))}</a> ({escape(", ".join(on))})'
+            told.setdefault(text, []).append(link)
+        for text, links in told.items():
+            yield f"<p class=who>{', '.join(links)}</p><pre>{escape(shown_lines(text))}</pre>"
         yield "</section>"
-
-
-def _where(nest: str, group: Group, text: str) -> str:
-    machines = ", ".join(row.machine for row in group.rows if row.nest == nest and row.told == text)
-    return f'<a href="#{anchor(nest)}">{escape(shown(nest))}</a> ({escape(machines)})'

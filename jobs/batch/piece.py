@@ -101,7 +101,8 @@ def plan_piece(piece: Piece, key: str) -> Made:
         return _without_plan(piece, "fault", str(changed))
     except InputError as error:
         seen = _seen(error.nest, error.wrong) if isinstance(error, BrokenNest) else ""
-        return _without_plan(piece, "refused", _told(error, piece.source), thumbnail=seen)
+        wrong = "refused" if _is_of(error, piece.source) else "no fit"
+        return _without_plan(piece, wrong, _told(error, piece.source), thumbnail=seen)
     except NoPlan as error:
         conflict = error.conflict
         seen = _seen(error.facts.nest, conflict.contours if conflict is not None else ())
@@ -198,9 +199,14 @@ def _notes(drawn: Nest, given: Given) -> Iterator[str]:
     yield from (f"note: {text}" for text in given.profile.chart_notes())
 
 
+def _is_of(error: InputError, source: Path) -> bool:
+    """Whether it is the file of a nest that is wrong."""
+    return error.file is not None and Path(str(error.file)).name == source.name
+
+
 def _told(error: InputError, source: Path) -> str:
     """What is wrong with a nest, without the name of its file, which stands in the row."""
-    if error.file is None or Path(str(error.file)).name != source.name:
+    if not _is_of(error, source):
         return str(error)
     place = ", ".join(f"{what} {at}" for what, at in (("line", error.line), ("column", error.column)) if at is not None)
     return str(InputError(f"{place}: {error.message}" if place else error.message, details=error.details))

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, get_args
 
-Ended = Literal["planned", "refused", "no plan", "not safe", "fault"]
+Ended = Literal["planned", "refused", "no fit", "no plan", "not safe", "fault"]
 FORMAT = "kerfwise-batch/1"
 RECORD = ".batch.json"
 """What the name of a record ends in, beside the program."""
