@@ -28,7 +28,7 @@ _REMEDIES = {
     "not safe": "Plan the nest alone with `kerfwise solve`, which prints the verdict of every rule.",
     "fault": "Run the same command again. If it stays so, `kerfwise solve` of the nest alone writes a report.",
 }
-_RELAX = "With --relax the batch takes the way out that is named, and marks it in plan and program. Otherwise: "
+_RELAX = "With --relax the batch takes the way out that is named, and marks it in plan and program. "
 
 
 @dataclass(frozen=True, slots=True)

@@ -64,6 +64,7 @@ def _refused(groups: Sequence[Group]) -> Iterator[str]:
     if groups:
         yield '<h2 id="refused">Refused</h2>'
     for group in groups:
+        yield f"<section class=group><h3>{escape(group.head)}</h3><p class=remedy>{escape(group.remedy)}</p>"
         told: dict[str, list[str]] = {}
         for nest, text, on in group.said():
             link = f'<a href="#{anchor(nest)}">{escape(shown(nest))}</a> ({escape(", ".join(on))})'

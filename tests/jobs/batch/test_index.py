@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 
 import pytest
 
@@ -72,6 +73,14 @@ def test_the_same_trouble_is_one_group_whatever_the_names_and_numbers() -> None:
 def test_what_is_said_of_several_machines_is_said_once() -> None:
     (group,) = groups_of([refused("a", "open", "x"), refused("a", "open", "y"), refused("b", "open", "y")])
     assert list(group.said()) == [("a", "open", ("x", "y")), ("b", "open", ("y",))]
+
+
+def test_the_page_has_a_group_with_its_remedy_and_a_link_to_each_nest() -> None:
+    page = index_files([refused("a", "open <here>", "x"), refused("a", "open <here>", "y")], ["x", "y"])["index.html"]
+    assert "<h3>The nest cannot be cut as it is drawn</h3><p class=remedy>Mend the drawing" in page
+    assert page.count("<pre>open &lt;here&gt;</pre>") == 1
+    (link,) = re.findall(r'<a href="#(\w+)">a</a> \(x, y\)', page)
+    assert f'<article id="{link}">' in page
 
 
 def test_any_name_can_be_in_the_index() -> None:
