@@ -9,9 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.given import Given
 from kerfwise.jobs.main_job import plan_nest
 from kerfwise.jobs.old_program import Asked
@@ -25,6 +23,7 @@ from kerfwise.postproc.old.reordered import reordered
 from kerfwise.rules.catalogue.start_side import StartSideOptions
 from kerfwise.rules.profile.cuts_section import Links
 from kerfwise.rules.profile.profile import Profile, RuleSetting, load_profile
+from kerfwise.tests.postproc.dialects.cases import plates
 from kerfwise.tests.postproc.dialects.reading import with_dialect
 from kerfwise.tests.postproc.plans import with_tabs
 
@@ -32,12 +31,6 @@ PLAIN = load_profile()
 LINKED = dataclasses.replace(PLAIN, cuts=dataclasses.replace(PLAIN.cuts, links=Links(30.0)))
 STEPS = pytest.mark.scrap("ESSI moves in steps of 0.1 mm, which the simulation of the metal does not know")
 SHEET = Asked(sheet_mm=(520, 260))
-
-
-def plates() -> Nest:
-    """Two rows of four plates, 12 mm apart; two have a hole."""
-    low = [part(f"A{k}", rect(40 + 112 * k, 30, 100, 80), [circle(90 + 112 * k, 70, 15)] * (k % 2)) for k in range(4)]
-    return nest(520, 260, *low, *(part(f"B{k}", rect(40 + 112 * k, 122, 100, 90)) for k in range(4)))
 
 
 def from_left(profile: Profile) -> Profile:

@@ -1,0 +1,101 @@
+"""Plans that every dialect is tried on: real nests, and nests with what burns can have beside rounds and leads."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import kerfwise
+from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.readers import ReadOptions
+from kerfwise.encoder.readers.json_nest import read_json
+from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.produce import produce
+from kerfwise.jobs.solve_options import options_for
+from kerfwise.models.plan.plan import Plan
+from kerfwise.postproc.dialects import dialect_names, load_dialect
+from kerfwise.rules.profile.cuts_section import Links
+from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.tests.postproc.plans import with_tabs
+
+HOME = Path(kerfwise.__file__).parent
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Case:
+    """A nest, the profile that it is planned by, and the process that its dialects must be for ("" for any)."""
+
+    nest: Nest
+    profile: Profile
+    process: str = ""
+
+    @property
+    def dialects(self) -> list[str]:
+        """The dialects that can spell it."""
+        return [name for name in dialect_names() if not self.process or self.process in load_dialect(name).processes]
+
+
+def plates() -> Nest:
+    """Two rows of four plates, 12 mm apart; two have a hole."""
+    low = [part(f"A{k}", rect(40 + 112 * k, 30, 100, 80), [circle(90 + 112 * k, 70, 15)] * (k % 2)) for k in range(4)]
+    return nest(520, 260, *low, *(part(f"B{k}", rect(40 + 112 * k, 122, 100, 90)) for k in range(4)))
+
+
+def _example(name: str) -> Case:
+    return Case(kerfwise.read_nest(HOME / f"examples/nests/{name}.dxf"), load_profile())
+
+
+def _plate115() -> Case:
+    return Case(read_json(json.dumps(make_sheet(1, 115)).encode(), ReadOptions()), load_profile())
+
+
+def _links() -> Case:
+    base = load_profile()
+    return Case(plates(), dataclasses.replace(base, cuts=dataclasses.replace(base.cuts, links=Links(30.0))))
+
+
+def _tabs() -> Case:
+    return Case(plates(), with_tabs("plasma-carbon-steel", slat_pitch_mm=120.0))
+
+
+def _laser_tabs() -> Case:
+    laser = with_tabs("laser-st10kp-2mm", width_mm=0.5, slat_pitch_mm=120.0)
+    return Case(read_json((HOME / "docs/tabs.nest.json").read_bytes(), ReadOptions()), laser, "laser")
+
+
+def _scrap() -> Case:
+    profile = load_profile(HOME / "examples/profiles/scrap-grid.yaml")
+    return Case(read_json((HOME / "docs/scrap.nest.json").read_bytes(), ReadOptions()), profile)
+
+
+_MADE = {
+    "e1x_6": lambda: _example("e1x_6"),
+    "s8877": lambda: _example("s8877"),
+    "a made plate of 115 contours": _plate115,
+    "plates with links": _links,
+    "plates with a tab each": _tabs,
+    "a laser's parts with tabs": _laser_tabs,
+    "a skeleton cut up": _scrap,
+}
+NAMES = tuple(_MADE)
+SMALL = tuple(name for name in NAMES if "115" not in name)
+"""Those that take no time."""
+
+
+@cache
+def case(name: str) -> Case:
+    """One of them."""
+    return _MADE[name]()
+
+
+@cache
+def planned(name: str, work: float = 1.0) -> Plan:
+    """Its plan."""
+    made = case(name)
+    asked = ask(facts_of(made.nest, made.profile), made.profile)
+    return produce(asked, made.profile, options_for(made.nest, made.profile, work=work)).plan
