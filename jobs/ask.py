@@ -19,6 +19,7 @@ from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.postproc.clock.contour_heat import contour_heat_kj
 from kerfwise.rules.flat.compiler import minizinc_program
 from kerfwise.rules.lock import check_locks
+from kerfwise.rules.profile.common_use import expect_common_cuts
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import (
     HOPELESS,
@@ -66,6 +67,7 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) ->
     so_much(len(nest.contours), "contour", "contours")
     nest = profile.as_cut(nest)
     check_locks(profile.locks, nest)
+    expect_common_cuts(profile, nest, bool(already))
     if unknown := sorted(already.contours - nest.index.keys()):
         had = f"the plan says of contours that {nest.file or 'the nest'} does not have that they are cut already"
         raise InputError(f"{had}: it was made from another nest", details=tuple(unknown))

@@ -21,3 +21,4 @@ class Plant:
     absorbed_power_w: float
     locks: tuple[Lock, ...]
     process: str = "plasma"
+    common_cuts: bool = False

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
+from kerfwise.encoder.components import weak_components
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
@@ -16,6 +17,8 @@ from kerfwise.encoder.nest import Nest
 from .again import again_as_it_was
 from .approaches import Approaches
 from .candidate import IN_PROFILE, Candidate, LeadOptions
+from .common_edges import CommonEdges
+from .common_ways import common_ways, with_neighbours_in
 from .joints import Joints, Outline
 from .keep_apart import keep_apart
 from .lead_in import least_clearance_mm
@@ -94,28 +97,46 @@ def build_with_older_kerfs(
             details=spoilt,
         )
     again = again_as_it_was(nest, already.broken_off, tried, options.kerf_mm)
-    redone = {c.contour for c in again}
+    edges, along = common_ways(nest, sorted(tried.outlines), options)
+    along = within_reach(along, options.reach)
+    redone = {c.contour for c in (*again, *along)}
     shut = {k: why for k, why in tried.shut.items() if k not in redone}
     tried = replace(tried, bare=tuple(k for k in tried.bare if k not in redone), shut=shut)
     if tried.faulty:
         raise refusal(nest, tried, around, options)
     bare_lines = [(k, nest.contours[k]) for k in left if nest.contours[k].kind in ("mark", "scrap")]
     marks = [c for k, line in bare_lines for c in mark_candidates(k, line, options)]
-    reached = [
-        *within_reach(_candidates(tried.found, tried.outlines, around, options), options.reach),
-        *tried.slits,
-        *again,
-    ]
-    if lost := sorted(set(tried.outlines) - {c.contour for c in reached}):
+    whole = within_reach(_candidates(tried.found, tried.outlines, around, options), options.reach)
+    reached = [*with_neighbours_in(nest, whole, edges), *tried.slits, *again]
+    if shut_in := _shut_in(nest, edges, reached):
+        raise InputError(
+            "of parts that are cut with common edges none can be pierced",
+            file=nest.file or None,
+            details=shut_in,
+        )
+    if lost := sorted(set(tried.outlines) - {c.contour for c in (*reached, *along)}):
         details = tuple(f"{nest.contours[k].id}: no lead to it stays within the machine's travel" for k in lost)
         raise InputError(cannot_be_cut(len(lost)), file=nest.file or None, details=details)
     if options.splash_mm is None:
-        return tuple(sorted([*marks, *reached], key=lambda c: c.contour)), None
+        return tuple(sorted([*marks, *reached, *along], key=lambda c: c.contour)), None
     met = older_kerfs(nest, reached, options.kerf_mm, options.splash_mm, around)
     kept = keep_apart(reached, met, _locked(reached, tried.locked))
-    every = [*reached, *marks]
+    every = [*reached, *marks, *along]
     places = sorted([*range(len(reached), len(every)), *kept], key=lambda k: every[k].contour)
     return tuple(every[k] for k in places), met.of_kept(places, len(every))
+
+
+def _shut_in(nest: Nest, edges: CommonEdges, candidates: Sequence[Candidate]) -> tuple[str, ...]:
+    """Groups of parts with common edges of which none can be cut first, each with what to do."""
+    label = weak_components(len(nest.contours), edges.pairs)
+    begun = {int(label[c.contour]) for c in candidates if c.contour in edges.of}
+    first = {int(label[k]): k for k in sorted(edges.of, reverse=True)}
+    return tuple(
+        f"{nest.contours[k].id} and those that it has edges in common with: no lead to any of them has room; leave "
+        f"more web beside one of them, or shorten {IN_PROFILE['lead_in_mm']}"
+        for group, k in sorted(first.items())
+        if group not in begun
+    )
 
 
 def _spoilt_by_tabs(nest: Nest, tried: TriedLeads, around: Surroundings, options: LeadOptions) -> tuple[str, ...]:

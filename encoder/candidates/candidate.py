@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
-from kerfwise.encoder.cut import Cut, Direction, Tab
+from kerfwise.encoder.cut import Cut, Direction, Span, Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import KINDS, Kind
@@ -32,8 +32,21 @@ IN_PROFILE = {
     "least_mm": "small_holes.min_hole",
     "splash_mm": "rules.pierce.splash",
     "tabs": "rules.hold-small-parts",
+    "common": "cuts.common",
 }
 """What the people who read messages know these options as."""
+
+
+@dataclass(frozen=True, slots=True)
+class CommonOptions:
+    """Which edges two parts have in common: so long at the least, and so near to one kerf apart, mm.
+
+    With `kerf_start` the torch is lit in the old kerf and moves on at once; else it waits there as at a pierce.
+    """
+
+    shortest_mm: float
+    gap_mm: float
+    kerf_start: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +63,8 @@ class LeadOptions:
     assumed (`Sheet.stated`), and only where `reach` says that the machine gets there. `entry_points` are entries that
     must be among the candidates, at the point of the contour nearest to the one given. Holes under the limit of
     `holes` are refused, and so are slots that the kerf would lose: `narrow` says whether a slit could keep them.
-    `tabs` say which parts have tabs, None where none have; `tab_places` where these are, once that is known.
+    `tabs` say which parts have tabs, None where none have; `tab_places` where these are, once that is known. `common`
+    says which edges of two parts are cut once, None for none.
     """
 
     entries: int = 8
@@ -73,6 +87,7 @@ class LeadOptions:
     narrow: Narrow = "refuse"
     tabs: TabOptions | None = None
     tab_places: TabPlaces | None = None
+    common: CommonOptions | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -86,6 +101,11 @@ class Candidate:
     `lead_out` begins where `lead_in` ends; for an open mark or a slit it is the far end of the line alone. `leaves`
     says that its last piece is a lead into the waste; else it is overcut, if anything. `tabs` stay uncut; `cut_mm` is
     without them. Before one at the end of the round the torch goes off, and `lead_out` is that place alone.
+
+    One with a `span` follows that stretch of its contour alone, `along_mm` of it as drawn, from one old kerf to
+    another: with `kerf_start` nothing is pierced. It may be used once the contours `out` are cut, and while those of
+    `still_in` are not (ids of neighbours with common edges). One that goes all round such a contour has neighbours
+    that are still in, too.
     """
 
     contour: int
@@ -100,7 +120,27 @@ class Candidate:
     edge_start: bool = False
     leaves: bool = False
     tabs: tuple[Tab, ...] = ()
+    span: Span | None = None
+    along_mm: float | None = None
+    kerf_start: bool = False
+    out: tuple[str, ...] = ()
+    still_in: tuple[str, ...] = ()
+
+    @property
+    def unpierced(self) -> bool:
+        """Whether the torch begins where there is no metal to pierce: off the sheet's edge, or in an old kerf."""
+        return self.edge_start or self.kerf_start
 
     def as_cut(self, name: str, zone: int = 0) -> Cut:
         """The cut of the contour of that name that it makes."""
-        return Cut(name, self.entry, self.direction, self.pierce, self.lead_in, self.lead_out, zone, tabs=self.tabs)
+        return Cut(
+            name,
+            self.entry,
+            self.direction,
+            self.pierce,
+            self.lead_in,
+            self.lead_out,
+            zone,
+            span=self.span,
+            tabs=self.tabs,
+        )

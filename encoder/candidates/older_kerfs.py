@@ -68,7 +68,8 @@ def older_kerfs(
 
     The kerf of a cut is the strip of `kerf_mm` around the torch's path. A pierce keeps `kerf_mm / 2 + splash_mm` from
     it, measured from the middle of the pierce; a lead's middle line does not enter it, but for the last
-    `kerf_mm / 2` beside the lead's own contour. An edge start pierces nothing.
+    `kerf_mm / 2` beside the lead's own contour. An edge start pierces nothing. Ways along a stretch of a contour begin
+    in an old kerf, and have no leads.
 
     Examples
     --------
@@ -79,7 +80,7 @@ def older_kerfs(
     >>> older_kerfs(two, ways, 1.5, 0.5).leads[:2].tolist()
     [[2, 8], [2, 9]]
     """
-    burning = [k for k, c in enumerate(candidates) if nest.contours[c.contour].shapes_part]
+    burning = [k for k, c in enumerate(candidates) if nest.contours[c.contour].shapes_part and c.span is None]
     if not burning:
         return OlderKerfs.none()
     nest = nest.without_scrap  # scrap lines are cut when no contour, and no lead, is left that their kerf could be in

@@ -136,7 +136,8 @@ def _places(
     members: dict[tuple[int, object], list[int]] = defaultdict(list)
     at: dict[tuple[int, object], Point] = {}
     for number, candidate in enumerate(facts.candidates):
-        if facts.nest.contours[candidate.contour].kind == "outer" and not candidate.tabs:
+        common = candidate.out or candidate.still_in
+        if facts.nest.contours[candidate.contour].kind == "outer" and not candidate.tabs and not common:
             point, like = place(candidate)
             key = candidate.contour, like
             members[key].append(number)

@@ -1,7 +1,7 @@
 """What the first and the last stretch of every candidate's path face (Petunin 2009, section 2.1).
 
-The path runs once round the contour from the entry, so its head and tail are stretches of the boundary; leads and
-overcut are left out.
+The path runs once round the contour from the entry, or along a stretch of it, so its head and tail are stretches of
+the boundary; leads and overcut are left out.
 """
 
 from __future__ import annotations
@@ -59,9 +59,13 @@ def stretch_of(
     is_ccw = np.fromiter((c.direction == "ccw" for c in candidates), np.bool_, m)
     as_drawn = is_ccw == outlines.is_ccw[contour]
     around_mm = outlines.length_mm[contour]
-    total_mm = share * around_mm
+    way_mm = np.array([np.nan if c.along_mm is None else c.along_mm for c in candidates], dtype=np.float64)
+    total_mm = share * np.where(np.isnan(way_mm), around_mm, way_mm)
     after_entry = as_drawn if part == "head" else ~as_drawn
-    begin_mm = np.where(after_entry, entry_mm, entry_mm - total_mm) % around_mm
+    begin_mm = np.where(after_entry, entry_mm, entry_mm - total_mm)
+    if part == "tail":  # once round it ends where it begins
+        begin_mm += np.nan_to_num(np.where(as_drawn, way_mm, -way_mm))
+    begin_mm %= around_mm
 
     count = (runs.first[1:] - runs.first[:-1])[contour]
     run = laid_out(runs.first[contour], count)

@@ -26,6 +26,7 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import Link
 from kerfwise.rules.stating.state_rules import Stated
 
+from .common import common_because
 from .excused import excused, excuses_used
 from .plan import Dropped, LeftOut, Plan, PlannedCut, SolveReport, Totals
 from .reasons import reasons
@@ -45,7 +46,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
     links = links_on(facts.candidates, stated.statements, solution.route, home)
     ways = [_way(c, link) for c, link in zip(candidates, links, strict=True)]
     legs = [
-        Leg(way.begin, c.end, way.length_mm, k.kind == "mark", not (c.edge_start or link), k.feed_share, bool(link))
+        Leg(way.begin, c.end, way.length_mm, k.kind == "mark", not (c.unpierced or link), k.feed_share, bool(link))
         for c, k, way, link in zip(candidates, contours, ways, links, strict=True)
     ]
     times = schedule(legs, feeds, home)
@@ -67,7 +68,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
             contour.part,
             contour.kind,
             way.length_mm,
-            (told[contour.id], *because) if contour.id in told else because,
+            (*((told[contour.id],) if contour.id in told else ()), *common_because(candidate, contour.id), *because),
         )
         for candidate, contour, way, link, (begin, end), because in zip(
             candidates, contours, ways, links, times, why, strict=True

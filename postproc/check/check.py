@@ -11,6 +11,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check.reader.old import Trusted
 from kerfwise.postproc.check.reader.on_machine import on_its_origin, other_origin, read_on_machine
 from kerfwise.postproc.check.reader.program import NcProgram
+from kerfwise.rules.judging.kerf_starts import in_older_kerfs
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
@@ -68,7 +69,8 @@ def check_cuts(
     warnings += relaxed_warnings(relaxed)
     if claims is not None:
         broken, told = claims_kept(claims, rules)
-        judged += [judgement("totals", totals(nest, cuts, runs, claims)), judgement("claims", broken)]
+        unpierced = in_older_kerfs(nest, cuts, profile.material.kerf_mm) if profile.kerf_starts else ()
+        judged += [judgement("totals", totals(nest, cuts, runs, claims, unpierced)), judgement("claims", broken)]
         warnings += told
     return CheckResult((*judged, *rules), tuple(warnings), _measured(runs, idle_mm(nest, cuts)), by_rules)
 
@@ -134,7 +136,9 @@ def _judge_program(
     )
     if planned is not None:
         judged.append(judgement("follows-plan", strays_from(planned, nest, built.cuts, profile.material.kerf_mm)))
-    judged += judge_running(nest, program, profile, built.runs, judged_by.shares)
+    begun = in_older_kerfs(nest, built.cuts, profile.material.kerf_mm) if profile.kerf_starts else frozenset[int]()
+    in_kerfs = {run.where for run in built.runs if run.position in begun}
+    judged += judge_running(nest, program, profile, built.runs, judged_by.shares, in_kerfs)
     felt = measured(once_each(nest, built.cuts), heatings_of_program(program), thermometer)
     same = None if known is None else known.known(nest, felt, profile, relaxed)
     rules = tuple(judge(nest, felt, profile, relaxed)) if same is None else same

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 import shapely
@@ -33,10 +33,12 @@ def judge_running(
     profile: Profile,
     runs: Sequence[TorchRun] = (),
     shares: Mapping[str, Shares] | None = None,
+    in_kerfs: Collection[str] = (),
 ) -> list[Judgement]:
     """What a program does with the machine.
 
-    `runs` say which contour each burn follows, `shares` at which shares of the cut feed a small hole may be cut.
+    `runs` say which contour each burn follows, `shares` at which shares of the cut feed a small hole may be cut. Burns
+    that are `in_kerfs` ("line 40") begin in the kerf of an older one, where there is nothing to pierce.
     """
     control, _ = control_of(profile)
     found = {
@@ -45,7 +47,7 @@ def judge_running(
         ],
         "program-state": [],
         "feeds": list(_feeds(program, profile, control, runs, shares or {})),
-        "pierce-delay": list(_waits(nest, program.burns, profile)),
+        "pierce-delay": list(_waits(nest, program.burns, profile, in_kerfs)),
         "returns-home": list(_home(program, profile.home_on(nest))),
     }
     corner = profile.frame_on(nest).corner
@@ -111,7 +113,7 @@ def _powers(burns: Sequence[Burn], profile: Profile, control: Control) -> Iterat
                     yield burn.line, f"it {does} with S{power:g}, {says}"
 
 
-def _waits(nest: Nest, burns: Sequence[Burn], profile: Profile) -> Iterator[tuple[int, str]]:
+def _waits(nest: Nest, burns: Sequence[Burn], profile: Profile, in_kerfs: Collection[str]) -> Iterator[tuple[int, str]]:
     """Pierces too short or too long. A torch that comes in from the sheet's edge pierces nothing, but may preheat."""
     if not burns:
         return
@@ -125,8 +127,9 @@ def _waits(nest: Nest, burns: Sequence[Burn], profile: Profile) -> Iterator[tupl
     holes = at_holes(burns) if passes else [False] * len(burns)
     for burn, pierced, maybe, hole in zip(burns, inside.tolist(), near.tolist(), holes, strict=True):
         marks = burn.tool != 0
+        pierced = pierced and f"line {burn.line}" not in in_kerfs
         start_s = {machine.pierce_time_s} if pierced else {machine.edge_preheat_s}
-        start_s |= {machine.pierce_time_s} if maybe else set()
+        start_s |= {machine.pierce_time_s} if maybe and f"line {burn.line}" not in in_kerfs else set()
         start_s = {0.0} if hole else start_s
         allowed = ({machine.mark_time_s} if marks else start_s) if waits else {0.0}
         if all(abs(burn.pierce_s - s) > _WAIT_S for s in allowed):

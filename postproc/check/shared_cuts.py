@@ -52,7 +52,7 @@ def shared_cuts(
     within_mm = tolerance_mm(kerf_mm)
     paths = [burn.path if burn.tool == 0 else None for burn in burns]
     around = [ring if contour.encloses else None for ring, contour in zip(rings, nest.contours, strict=True)]
-    own = [_own(match, within_mm) for match in matches]
+    own = [_own(match, line, within_mm) for match, line in zip(matches, lines, strict=True)]
     tabbed = frozenset(k for k, contour in enumerate(nest.contours) if tabs and contour.id in tabs)
     odd = shared(paths, lines, around, own, within_mm, tabbed)
     if not odd.burns:
@@ -85,9 +85,11 @@ def shared_cuts(
     return {burn: cuts for burn, cuts in made.items() if cuts}
 
 
-def _own(match: Match | None, within_mm: float) -> int | None:
-    """The ring that a burn covers by itself, on whichever side of its contour."""
-    return match.contour if match is not None and match.deviation_mm <= within_mm else None
+def _own(match: Match | None, line: shapely.LineString, within_mm: float) -> int | None:
+    """The ring that a burn covers by itself, on whichever side of its contour; one that is too short does not."""
+    if match is None or match.deviation_mm > within_mm or line.length < match.ring.length - 4 * within_mm:
+        return None
+    return match.contour
 
 
 def _given_up(done: Covered, ring: shapely.LineString | None) -> Covered:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -48,8 +48,10 @@ def idle_mm(nest: Nest, cuts: CutSequence) -> float:
     return math.fsum(math.dist(a, b) for way in ways for a, b in pairwise(way))
 
 
-def totals(nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], claims: Claims) -> list[Violation]:
-    """Totals, lengths and times that do not fit the cuts."""
+def totals(
+    nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], claims: Claims, unpierced: Collection[int] = ()
+) -> list[Violation]:
+    """Totals, lengths and times that do not fit the cuts; those at the positions `unpierced` begin in an old kerf."""
     found: list[Violation] = []
 
     def wrong(text: str, position: int | None = None) -> None:
@@ -69,7 +71,7 @@ def totals(nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], claims: Clai
     cut = math.fsum(run.length_mm for run in runs)
     if abs(cut - claims.cut_mm) > max(allowed, _LENGTH_MM):
         wrong(f"the torch is on for {cut:.3f} mm, the plan says {claims.cut_mm:.3f} mm")
-    fewest, most = _pierces(nest, cuts)
+    fewest, most = _pierces(nest, cuts, unpierced)
     if not fewest <= claims.pierces <= most:
         wrong(f"there are {fewest} pierces, the plan says {claims.pierces}")
     before = 0.0
@@ -96,9 +98,10 @@ def end_of(nest: Nest, cut: Cut) -> Point:
     return cut.entry
 
 
-def _pierces(nest: Nest, cuts: CutSequence) -> tuple[int, int]:
+def _pierces(nest: Nest, cuts: CutSequence, unpierced: Collection[int]) -> tuple[int, int]:
     """Cuts that pierce the sheet; an edge start right at the edge may count or not."""
-    cut = (c for c in cuts.new if not c.linked and c.contour in nest.index)
+    new = enumerate(cuts.new, cuts.made + 1)
+    cut = (c for k, c in new if not c.linked and k not in unpierced and c.contour in nest.index)
     torch = [c.pierce for c in cut if nest.contour(c.contour).kind != "mark"]
     points = shapely.points(torch) if torch else []
     sheet = shapely.make_valid(nest.sheet.polygon)

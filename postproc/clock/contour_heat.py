@@ -59,7 +59,7 @@ def contour_heat_kj(nest: Nest, candidates: Sequence[Candidate], profile: Profil
             rounds_s[number] = motion.run_s(ring.opened_at(0.0), False, contour.feed_share) + stop_s + corner_s
         leads = (lead for lead in (candidate.lead_in, candidate.lead_out) if lead is not None)
         leads_s = sum(motion.run_s(lead, False, contour.feed_share) for lead in leads)
-        on_s = rounds_s[number] + leads_s + (machine.edge_preheat_s if candidate.edge_start else machine.pierce_time_s)
+        on_s = rounds_s[number] + leads_s + (machine.edge_preheat_s if candidate.unpierced else machine.pierce_time_s)
         if contour.kind == "outer" and links is not None:
             out_s = 0.0 if candidate.lead_out is None else motion.run_s(candidate.lead_out, False, contour.feed_share)
             on_s = max(on_s, rounds_s[number] + out_s + link_s / contour.feed_share)
@@ -106,7 +106,7 @@ def _paths(nest: Nest, candidates: Sequence[Candidate], profile: Profile) -> Ite
         kerf_mm = profile.material.kerf_mm
         path, unlit = torch_path(contour, cut, kerf_mm), unlit_on(contour, cut, kerf_mm)
         planned = PlannedCut(cut, contour.part, contour.kind, candidate.cut_mm)
-        yield Toolpath(planned, path, contour.kind == "mark", candidate.edge_start, contour.feed_share, unlit)
+        yield Toolpath(planned, path, contour.kind == "mark", candidate.unpierced, contour.feed_share, unlit)
 
 
 def _lead_moves(candidate: Candidate) -> int:

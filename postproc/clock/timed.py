@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
 
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.tolerance import TOLERANCE_MM
 from kerfwise.models.physics.timing.choose import machine_feeds, motion_of
 from kerfwise.models.physics.timing.clock import RunTimes, times_of
 from kerfwise.models.physics.timing.motion import Motion
@@ -76,14 +81,17 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Profile) -> Job:
     return Job(tuple(runs), (math.dist(at, home),), count_blocks(paths, nest, profile, plan.pierces))
 
 
-def job_of_program(program: NcProgram, nest: Nest | None, own: Profile | None = None) -> Job:
+def job_of_program(program: NcProgram, nest: Nest | None, own: Profile | None = None, kerf_starts: bool = False) -> Job:
     """What a program does, as the check reads it; the nest, if there is one, tells which cuts come in from the edge.
 
     With a profile every path takes as long as the program's own F words and G4 say, and piercing as long as that
-    profile's machine does it for, where its dialect leaves that to the machine.
+    profile's machine does it for, where its dialect leaves that to the machine. With `kerf_starts` nothing is pierced
+    where an earlier path has run.
     """
     starts = [_start(burn.path) for burn in program.burns]
     edge_starts = [False] * len(starts) if nest is None else outside(nest, starts)
+    if kerf_starts:
+        edge_starts = [a or b for a, b in zip(edge_starts, _in_older_kerfs(program, starts), strict=True)]
     runs = []
     holes = at_holes(program.burns)
     for burn, edge_start, hole in zip(program.burns, edge_starts, holes, strict=True):
@@ -98,7 +106,8 @@ def job_of_program(program: NcProgram, nest: Nest | None, own: Profile | None = 
 
 def time_program(program: NcProgram, nest: Nest | None, profile: Profile) -> Timed:
     """The times of a program by the model of the profile: by its own words where that is the constant feed."""
-    return time_job(job_of_program(program, nest, profile if profile.time.model == "constant" else None), profile)
+    own = profile if profile.time.model == "constant" else None
+    return time_job(job_of_program(program, nest, own, profile.kerf_starts), profile)
 
 
 def read_program(text: str, nest: Nest, profile: Profile, file: str = "", trusted: Trusted | None = None) -> NcProgram:
@@ -130,6 +139,15 @@ def with_times(plan: Plan, nest: Nest, profile: Profile) -> Plan:
 def _stands(at: Point) -> Curve:
     """A path that goes nowhere."""
     return Curve.of([at], closed=False)
+
+
+def _in_older_kerfs(program: NcProgram, starts: Sequence[Point]) -> list[bool]:
+    """Whether each burn begins on the path of an earlier one."""
+    burnt = [k for k, burn in enumerate(program.burns) if burn.tool == 0]
+    tree = shapely.STRtree([program.burns[k].path.line() for k in burnt])
+    later, earlier = tree.query(shapely.points(np.array(starts).reshape(-1, 2)), "dwithin", distance=TOLERANCE_MM)
+    found = {k for k, row in zip(later.tolist(), earlier.tolist(), strict=True) if burnt[row] < k}
+    return [k in found for k in range(len(starts))]
 
 
 def _start(path: Curve) -> Point:

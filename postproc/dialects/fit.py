@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.options.yaml_positions import Place, place_in, wrong_at
-from kerfwise.rules.profile.checks import MACHINE_WAITS
+from kerfwise.rules.profile.machine_section import MACHINE_WAITS
 from kerfwise.rules.profile.profile import Profile
 
 from .dialect import Dialect
@@ -46,6 +46,9 @@ def fitting_dialect(profile: Profile) -> Dialect:
         )
     if profile.leads.edge_start and pierce_dwell_of(profile, dialect) == "machine":
         raise wrong_at(_said_at(profile, ("leads", "edge_start")), f"leads.edge_start: {MACHINE_WAITS}")
+    if profile.kerf_starts and pierce_dwell_of(profile, dialect) == "machine":
+        place = _said_at(profile, ("machine", "kerf_start"), ("cuts", "common"))
+        raise wrong_at(place, f"machine.kerf_start: {MACHINE_WAITS}")
     if profile.material.power is not None and dialect.powers is None and dialect.control == "grbl":
         raise wrong_at(
             _said_at(profile, ("material", "power"), ("material", "chart"), ("machine", "dialect")),

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from kerfwise.encoder.cut import Cut, Tab
+from kerfwise.encoder.cut import Cut, Span, Tab
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
@@ -23,7 +23,7 @@ SHA_DIGITS = 12
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Toolpath:
-    """One cut of the plan with its whole path; `edge_start` where it comes in from the edge and pierces nothing.
+    """One cut of the plan with its whole path; `edge_start` where it pierces nothing: at an edge, or in an old kerf.
 
     One that is `pierced` begins at a hole that was pierced in a pass before.
     The torch follows it at `feed_share` of the cut feed, unlit along the stretches `unlit`, mm from its start.
@@ -67,7 +67,8 @@ def toolpaths(plan: Plan, nest: Nest, profile: Profile) -> tuple[Toolpath, ...]:
         contour = nest.contour(planned.cut.contour)
         cut, kerf_mm = _as_filed(planned.cut), profile.material.kerf_mm
         path, unlit = torch_path(contour, cut, kerf_mm), unlit_on(contour, cut, kerf_mm)
-        edge_start = edge_start and not planned.cut.linked
+        unpierced = edge_start or (planned.cut.span is not None and profile.kerf_starts)
+        edge_start = unpierced and not planned.cut.linked
         mark, hole = contour.kind == "mark", planned.cut.contour in pierced
         made.append(Toolpath(planned, path, mark, edge_start, contour.feed_share, unlit, hole))
     return tuple(made)
@@ -100,4 +101,10 @@ def _as_filed(cut: Cut) -> Cut:
     x, y = cut.pierce
     tabs = tuple(Tab((round(tab.at[0], 6), round(tab.at[1], 6)), round(tab.width_mm, 6)) for tab in cut.tabs)
     pierce = (round(x, 6), round(y, 6))
-    return replace(cut, pierce=pierce, lead_in=rounded(cut.lead_in), lead_out=rounded(cut.lead_out), tabs=tabs)
+    span = None if cut.span is None else Span(_rounded(cut.span.begin), _rounded(cut.span.end))
+    lead_in, lead_out = rounded(cut.lead_in), rounded(cut.lead_out)
+    return replace(cut, pierce=pierce, lead_in=lead_in, lead_out=lead_out, span=span, tabs=tabs)
+
+
+def _rounded(at: Point) -> Point:
+    return round(at[0], 6), round(at[1], 6)

@@ -11,7 +11,7 @@ from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour
-from kerfwise.encoder.tabs import once_round
+from kerfwise.encoder.torch_way import torch_way
 
 PathRow = tuple[float, float, float]
 
@@ -21,6 +21,8 @@ _SPECK_MM = 3e-6
 
 def torch_path(contour: Contour, cut: Cut, kerf_mm: float) -> Curve:
     """Lead-in, once round the kerf-compensated contour in the cut's direction, lead-out; arcs stay arcs.
+
+    A cut with a span goes along that stretch of it alone.
 
     Parameters
     ----------
@@ -53,7 +55,7 @@ def torch_path(contour: Contour, cut: Cut, kerf_mm: float) -> Curve:
         line = contour.curve if cut.direction == "ccw" else contour.curve.reversed()
         return line if cut.lead_in is None else _joined((cut.lead_in, line))
     ring = compensated(contour, kerf_mm).towards(cut.direction)
-    way, _ = once_round(ring, _join(cut), cut.tabs, kerf_mm)
+    way, _ = torch_way(ring, _join(cut), cut.span, cut.tabs, kerf_mm)
     return _joined(path for path in (cut.lead_in, way, cut.lead_out) if path is not None)
 
 
@@ -62,7 +64,7 @@ def unlit_on(contour: Contour, cut: Cut, kerf_mm: float) -> tuple[tuple[float, f
     if not cut.tabs:
         return ()
     ring = compensated(contour, kerf_mm).towards(cut.direction)
-    _, gaps = once_round(ring, _join(cut), cut.tabs, kerf_mm)
+    _, gaps = torch_way(ring, _join(cut), cut.span, cut.tabs, kerf_mm)
     before_mm = 0.0 if cut.lead_in is None else cut.lead_in.length_mm
     return tuple((before_mm + low, before_mm + high) for low, high in gaps)
 

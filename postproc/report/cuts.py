@@ -73,7 +73,10 @@ def direction_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> SceneLayer:
         elif cut.direction == "cw":
             curve = curve.reversed()
         start_mm = curve.project(cut.entry)[0] if curve.closed else 0.0
-        length = curve.length_mm * view.scale
+        length_mm = curve.length_mm
+        if cut.span is not None:
+            length_mm = (curve.project(cut.span.end)[0] - start_mm) % length_mm
+        length = length_mm * view.scale
         size = min(view.arrow_size, 0.14 * length)
         count = min(max(round(length / _ARROW_EVERY), 1), 8)
         first = min(2.5 * size, 0.2 * length)
@@ -106,7 +109,9 @@ def lead_layer(view: View, cuts: Sequence[Cut]) -> SceneLayer:
 
 
 def pierce_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> SceneLayer:
-    """A dot where the torch pierces, a ring where it begins off the sheet; blue and smaller where a mark begins.
+    """A dot where the torch pierces, a ring where it begins off the sheet or in an older kerf.
+
+    Blue and smaller where a mark begins.
 
     A cut that is linked has none.
     """
@@ -117,7 +122,7 @@ def pierce_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> SceneLayer:
         x, y = view.point(cut.pierce)
         if nest.contour(cut.contour).kind == "mark":
             items.append(Dot(x, y, 0.7 * view.dot_radius, Style(fill=colours.MARK), k))
-        elif shapely.intersects_xy(nest.sheet.polygon, *cut.pierce):
+        elif shapely.intersects_xy(nest.sheet.polygon, *cut.pierce) and cut.span is None:
             items.append(Dot(x, y, view.dot_radius, Style(fill=colours.PIERCE), k))
         else:
             ring = Style(fill=colours.PAGE, stroke=colours.PIERCE, width=0.5 * view.dot_radius)

@@ -12,6 +12,7 @@ import shapely
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.judging.kerf_starts import in_older_kerfs
 from kerfwise.rules.judging.pierce_kerfs import over_holes, over_older_kerfs
 from kerfwise.rules.judging.pierce_places import PiercePlaces
 from kerfwise.rules.options.by_thickness import LENGTH_BY_THICKNESS
@@ -27,7 +28,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class PierceOptions:
-    """How far from every contour, and from older kerfs, a pierce lies; by thickness where a profile gives it so."""
+    """How far from every contour, and from older kerfs, a pierce lies; by thickness where a profile gives it so.
+
+    With `common_cuts` (cuts.common of the profile) a cut may begin in the kerf of a part with a common edge.
+    """
 
     clearance_mm: float = field(
         default=1.5,
@@ -38,6 +42,7 @@ class PierceOptions:
         metadata=option(LENGTH_BY_THICKNESS, "metal between the hole of a pierce and the kerf of an older cut"),
     )
     kerf_mm: float = 1.5
+    common_cuts: bool = False
 
 
 class Pierce(Rule[PierceOptions]):
@@ -61,6 +66,7 @@ class Pierce(Rule[PierceOptions]):
     - **Links**: A link is judged as a lead, and is not pierced. It may be in the kerf of the contour that it leaves,
       and of that contour's own lead. The way that it leads to must be lawful with its pierce, too.
     - **Tabs**: The kerf round a part counts as void over its tabs, too.
+    - **Common cuts**: What is left of a contour begins in the kerf of a neighbour that is out; nothing is pierced there.
     - **Scrap lines**: They begin in a void, when all parts are out: nothing is asked of them.
     - **Pierce pass**: Where the holes of a zone are pierced before its cuts ([pierce pass](pierce-pass.md)), a lead
       crosses no such hole either, but its own, and holes keep half the kerf and `splash` from each other.
@@ -164,12 +170,13 @@ class Pierce(Rule[PierceOptions]):
 
     def violations(self, nest: Nest, cuts: CutSequence, options: PierceOptions) -> list[Violation]:
         places = PiercePlaces(nest, cuts)
+        in_kerfs = in_older_kerfs(nest, cuts, options.kerf_mm) if options.common_cuts else frozenset[int]()
         findings = [
             *places.misplaced(),
-            *places.too_near(options.clearance_mm),
+            *places.too_near(options.clearance_mm, in_kerfs),
             *places.over_dropped_waste(),
             *places.crossing_leads(),
-            *over_older_kerfs(nest, cuts, options.kerf_mm, options.splash_mm),
+            *over_older_kerfs(nest, cuts, options.kerf_mm, options.splash_mm, in_kerfs),
             *over_holes(nest, cuts, options.kerf_mm, options.splash_mm),
         ]
         return [Violation(self.id, ids, text, at) for at, ids, text in sorted(findings)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -41,11 +41,14 @@ class _Lead:
     line: Any
 
 
-def over_older_kerfs(nest: Nest, cuts: CutSequence, kerf_mm: float, splash_mm: float) -> Iterator[Finding]:
+def over_older_kerfs(
+    nest: Nest, cuts: CutSequence, kerf_mm: float, splash_mm: float, let: Collection[int] = ()
+) -> Iterator[Finding]:
     """Pierces nearer than half the kerf and the splash to the kerf of an earlier cut, and leads that cross one.
 
     The kerf of a contour reaches from it one kerf into its waste, that of a lead or a slit half a kerf to both sides. A
-    part's own metal lies between its contours, so that they are not looked at against each other, but for slits.
+    part's own metal lies between its contours, so that they are not looked at against each other, but for slits. The
+    cuts at the positions that are `let` may begin in an older kerf.
     """
     finished = [(k, c, nest.contour(c.contour)) for k, c in enumerate(cuts, 1) if _burns(nest, c)]
     through = [(k, c, nest.contour(c.contour)) for k, c in cuts.burns if _burns(nest, c)]
@@ -53,7 +56,7 @@ def over_older_kerfs(nest: Nest, cuts: CutSequence, kerf_mm: float, splash_mm: f
         return
     burns = list(_burns_of(finished, kerf_mm))
     tree = shapely.STRtree([burn.line for burn in burns])
-    pierced = [row for row in through if not row[1].linked and _pierces(nest, row[1])]
+    pierced = [row for row in through if not row[1].linked and row[0] not in let and _pierces(nest, row[1])]
     points = shapely.points(np.array([cut.pierce for _, cut, _ in pierced]).reshape(-1, 2))
     least_mm = kerf_mm / 2 + splash_mm
     reach_mm = np.array([burn.reach_mm for burn in burns])
@@ -69,7 +72,7 @@ def over_older_kerfs(nest: Nest, cuts: CutSequence, kerf_mm: float, splash_mm: f
             text = f"{contour.id} (cut {k}) is pierced {where}, at {spot(cut)}"
             yield (burn.position, k), (contour.id, burn.contour.id), text
     before = {k: nest.contour(cuts[k - 2].contour) for k, cut, _ in through if cut.linked and k > 1}
-    leads = [lead for row in through for lead in _leads_of(*row, kerf_mm, before.get(row[0]))]
+    leads = [lead for row in through if row[0] not in let for lead in _leads_of(*row, kerf_mm, before.get(row[0]))]
     free = np.array([lead.line for lead in leads], dtype=object)
     for row, b in pairs_found(tree.query(free, "dwithin", distance=kerf_mm - SLACK_MM)):
         lead, burn = leads[row], burns[b]

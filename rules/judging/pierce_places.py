@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Any
 
 import numpy as np
@@ -71,11 +71,12 @@ class PiercePlaces:
                         f"{contour.id} (cut {k}) is pierced on part {owner.id}, at {spot(cut)}",
                     )
 
-    def too_near(self, clearance_mm: float) -> Iterator[Finding]:
-        """Pierces nearer to a contour than the clearance; those off the sheet (edge starts) are none."""
+    def too_near(self, clearance_mm: float, let: Collection[int] = ()) -> Iterator[Finding]:
+        """Pierces nearer to a contour than the clearance; those off the sheet and those `let` are none."""
         pierced = ~shapely.disjoint(self.nest.sheet.polygon, self.points)
         on_edge = shapely.distance(self.nest.sheet.polygon.boundary, self.points) <= SLACK_MM
-        rows = np.flatnonzero(pierced & ~on_edge)
+        asked = np.array([k not in let for k, _, _ in self.pierced], dtype=np.bool_)
+        rows = np.flatnonzero(pierced & ~on_edge & asked)
         for row, k in pairs_found(self.lines.query(self.points[rows], "dwithin", distance=clearance_mm - SLACK_MM)):
             (at, _, contour), near = self.pierced[rows[row]], self.through[k]
             if near is contour and contour.kind == "slit":

@@ -6,14 +6,14 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-import shapely
 
 from kerfwise.arrays import Ints
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
 
-from .facing import EDGE, Spots, facing, ring_of, spots_along
+from .facing import EDGE, Spots, facing, spots_along
+from .followed import followed
 
 STEP_MM, LEAST_SPOTS, MOST_SPOTS = 1.0, 100, 200
 """The end of a cut is looked at a millimetre apart, in no less and no more spots than these."""
@@ -34,12 +34,9 @@ def rigid_at_the_end(
             continue
         part = nest.owners[nest.index[cut.contour]]
         cut_at[part] = k
-        around_mm = contour.line.length
-        tail_mm = tail_share * around_mm
-        entry_mm = shapely.line_locate_point(contour.line, shapely.Point(cut.entry))
-        as_drawn = (cut.direction == "ccw") == bool(shapely.is_ccw(ring_of(contour.line)))
-        count = min(max(math.ceil(tail_mm / STEP_MM), LEAST_SPOTS), MOST_SPOTS)
-        tails.append(spots_along(part, contour.line, entry_mm, -tail_mm if as_drawn else tail_mm, count))
+        end_mm, tail_mm = followed(contour, cut).stretch(tail_share, last=True)
+        count = min(max(math.ceil(abs(tail_mm) / STEP_MM), LEAST_SPOTS), MOST_SPOTS)
+        tails.append(spots_along(part, contour.line, end_mm, tail_mm, count))
         judged.append((k, count))
     faced = facing(nest, web_mm, edge_band_mm).faced(Spots.joined(tails))
     begin = 0

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 
-from .facing import EDGE, SOLID, Spots, facing, ring_of, spots_along
+from .facing import EDGE, SOLID, Spots, facing, spots_along
+from .followed import followed
 
 STEP_MM, LEAST_SPOTS, MOST_SPOTS = 0.5, 200, 2000
 """A stretch is looked at this far apart, in no less and no more spots than these."""
@@ -40,10 +40,7 @@ def faced_by_cuts(
         contour = nest.contour(cut.contour)
         if contour.kind != "outer":
             continue
-        entry_mm = shapely.line_locate_point(contour.line, shapely.Point(cut.entry))
-        as_drawn = (cut.direction == "ccw") == bool(shapely.is_ccw(ring_of(contour.line)))
-        length_mm = share * contour.line.length * (1 if as_drawn else -1)
-        asked.append((nest.index[cut.contour], entry_mm, -length_mm if last else length_mm))
+        asked.append((nest.index[cut.contour], *followed(contour, cut).stretch(share, last=last)))
     return _faced(nest, asked, web_mm, edge_band_mm)
 
 

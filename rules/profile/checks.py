@@ -11,18 +11,14 @@ from kerfwise.rules.options.by_thickness import length_at
 from kerfwise.rules.options.yaml_positions import Problems, deepest
 from kerfwise.rules.registry import RULES
 
+from .common_checks import wrong_common
 from .filling import filled_in, known_plant
 from .heat_section import Heat
+from .machine_section import MACHINE_WAITS
 from .prices_section import Prices
 from .sections import LeadsSection, Machine, Material, RuleSetting
 from .small_holes_section import SmallHoles
 from .time_section import Time
-
-MACHINE_WAITS = (
-    "a control that holds the pierce delay itself probes for the sheet and waits at every start, also beside the "
-    "sheet: say false, or machine.pierce_dwell: program where the control does neither"
-)
-"""Why edge starts do not go with a pierce delay in the machine."""
 
 
 def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -> None:
@@ -47,6 +43,8 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
             "leads.edge_start: a flame has to heat the sheet's edge before it cuts: give machine.edge_preheat, such as "
             "7 s",
         )
+    for path, text in wrong_common(given["cuts"].common, machine, material):
+        problems.add(deepest(root, *path), text)
     if leads.edge_start and machine.pierce_dwell == "machine":
         problems.add(
             deepest(root, "leads", "edge_start"),
@@ -82,7 +80,7 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
         )
     for key, text in _wrong_prices(given["prices"], material):
         problems.add(deepest(root, "prices", key), f"prices.{key}: {text}")
-    plant = known_plant(machine, material, heat, given["locks"])
+    plant = known_plant(machine, material, heat, given["locks"], given["cuts"])
     known = RULES | given["further_rules"]
     for name, setting in rules.items():
         if setting.strength != "off":

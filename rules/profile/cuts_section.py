@@ -20,6 +20,28 @@ class Links:
     longest_mm: float = field(default=0.0, metadata=option(LENGTH, "longest link; 0 mm: none"))
 
 
+GoodSide = Literal["part", "any"]
+
+
+@dataclass(frozen=True, slots=True)
+class Common:
+    """Straight edges of two parts, one kerf apart, that are cut once."""
+
+    shortest_mm: float | None = field(
+        default=None,
+        metadata=option(OrWord(over_zero(LENGTH), "off"), "cut common edges once, where one is as long as this"),
+    )
+    gap_tolerance_mm: float = field(
+        default=0.05, metadata=option(LENGTH, "how much more or less than a kerf may lie between common edges")
+    )
+    good_side: GoodSide = field(
+        default="part",
+        metadata=option(
+            Choice(("part", "any")), "of a hard cut-direction: refuse common cuts, or let one part have the other side"
+        ),
+    )
+
+
 @dataclass(frozen=True, slots=True)
 class Scrap:
     """Lines in the skeleton that are made, not drawn."""
@@ -62,4 +84,7 @@ class Cuts:
             Choice(("off", *get_args(PiercePass)), none="off"),
             "pierce all holes of each zone, or of the sheet, before the cuts that begin there",
         ),
+    )
+    common: Common = field(
+        default=Common(), metadata=option(Members(Common), "straight edges of two parts, a kerf apart, cut once")
     )

@@ -17,13 +17,14 @@ from .heat_section import Heat
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
+    from .cuts_section import Cuts
     from .machine_section import Machine
     from .sections import Material
 
 T = TypeVar("T", bound="DataclassInstance")
 
 
-def known_plant(machine: Machine, material: Material, heat: Heat, locks: tuple[Lock, ...]) -> Plant:
+def known_plant(machine: Machine, material: Material, heat: Heat, locks: tuple[Lock, ...], cuts: Cuts) -> Plant:
     """What rules may know of these sections."""
     return Plant(
         thickness_mm=material.thickness_mm,
@@ -33,6 +34,7 @@ def known_plant(machine: Machine, material: Material, heat: Heat, locks: tuple[L
         absorbed_power_w=heat.absorbed_power_w,
         locks=locks,
         process=machine.process,
+        common_cuts=cuts.common.shortest_mm is not None,
     )
 
 

@@ -18,6 +18,11 @@ DIALECTS = ("burny", "eia", "essi", "grbl", "linuxcnc", "linuxcnc-qtplasmac")
 Origin = Literal["drawing", "sheet-corner"]
 ORIGINS: tuple[Origin, ...] = ("drawing", "sheet-corner")
 PierceDwell = Literal["machine", "program"]
+MACHINE_WAITS = (
+    "a control that holds the pierce delay itself probes for the sheet and waits at every start, also beside the "
+    "sheet: say false, or machine.pierce_dwell: program where the control does neither"
+)
+"""Why edge starts, and starts in kerfs, do not go with a pierce delay in the machine."""
 _SPAN = LengthSpan(none="unknown")
 
 
@@ -54,6 +59,10 @@ class Machine:
     )
     edge_preheat_s: float = field(
         default=0.0, metadata=option(DURATION, "time to preheat the sheet's edge before an edge start")
+    )
+    kerf_start: bool = field(
+        default=True,
+        metadata=option(Flag(), "begin in an old kerf as at the sheet's edge; false: wait as long as for a pierce"),
     )
     mark_time_s: float = field(default=0.2, metadata=option(DURATION, "time to start marking"))
     head: str = field(

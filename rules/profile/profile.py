@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from kerfwise.encoder.bridges.lawful import expect_wider
-from kerfwise.encoder.candidates.candidate import LEAST_WASTE_MM, LeadOptions
+from kerfwise.encoder.candidates.candidate import LEAST_WASTE_MM, CommonOptions, LeadOptions
 from kerfwise.encoder.contents import MOST_BYTES_OF_YAML, contents, is_there
 from kerfwise.encoder.corner_feed import CornerFeed
 from kerfwise.encoder.cornered import with_corners
@@ -164,7 +164,7 @@ class Profile:
     @property
     def plant(self) -> Plant:
         """What rules may know of the profile beside their own options."""
-        return known_plant(self.machine, self.material, self.heat, self.locks)
+        return known_plant(self.machine, self.material, self.heat, self.locks, self.cuts)
 
     def _filled_in(self, options: T) -> T:
         return filled_in(options, self.plant, self.rules, self.known_rules())
@@ -217,7 +217,21 @@ class Profile:
             entry_points={lock.contour: lock.entry for lock in self.locks if lock.contour and lock.entry},
             holes=self.hole_limits(),
             narrow=self.cuts.narrow,
+            common=self.common_options(),
         )
+
+    def common_options(self) -> CommonOptions | None:
+        """Which edges two parts have in common; None where none are to be cut once."""
+        common = self.cuts.common
+        if common.shortest_mm is None:
+            return None
+        return CommonOptions(common.shortest_mm, common.gap_tolerance_mm, self.machine.kerf_start)
+
+    @property
+    def kerf_starts(self) -> bool:
+        """Whether cuts may begin in the kerf of an older one, without a wait for a pierce."""
+        common = self.common_options()
+        return common is not None and common.kerf_start
 
     def link_options(self) -> LinkOptions | None:
         """How links are made: no longer than the profile allows, and than pays; None where there are none."""

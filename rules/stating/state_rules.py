@@ -13,6 +13,7 @@ from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import EXEMPTION_MM, About, AtLeast, Contiguous, IdleTravel, Precede, Statement
 
+from .common_cuts import open_ways
 from .cycles import Link, components, contracted, path
 from .feedback import Unbreakable, lightest_cut, some_cycles
 from .link_offers import link_offers
@@ -171,11 +172,12 @@ def _excused(statement: Statement) -> Statement:
 
 
 def _objective(facts: Facts, profile: Profile) -> list[Statement]:
-    """Idle travel at its price, by the millimetre and by the second that one takes, slower ways to cut, and links."""
+    """Idle travel at its price, by the millimetre and by the second that one takes, slower or open ways, and links."""
     price = profile.objective.idle + profile.objective.time / profile.machine.travel_mm_s
     return [
         IdleTravel(About("objective", (), f"a millimetre of idle travel costs {price:g}"), price),
         *slower_ways(facts, profile),
+        *open_ways(facts),
         *link_offers(facts, profile),
     ]
 

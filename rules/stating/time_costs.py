@@ -25,13 +25,13 @@ def slower_ways(facts: Facts, profile: Profile) -> Iterator[Forbid]:
     price = price_of_second(profile)
     if not price:
         return
-    linked = profile.link_options() is not None  # then it counts what a pierce takes, and each lead
+    linked = counts_time(profile)  # then it counts what a pierce takes, each lead, and what is left of an outline
     seconds = [_seconds(c, facts.nest.contours[c.contour], profile) for c in facts.candidates]
     quickest: dict[int, float] = {}
     for candidate, s in zip(facts.candidates, seconds, strict=True):
         bare_s = _seconds(candidate, facts.nest.contours[candidate.contour], profile, bare=True) if linked else s
         quickest[candidate.contour] = min(bare_s, quickest.get(candidate.contour, bare_s))
-    than = "its outline alone" if linked else "the quickest way"
+    than = "the quickest way" if not linked else "its outline alone" if profile.common_options() is None else "at best"
     for number, candidate in enumerate(facts.candidates):
         more = seconds[number] - quickest[candidate.contour]
         if more >= _LEAST_S:
@@ -41,7 +41,9 @@ def slower_ways(facts: Facts, profile: Profile) -> Iterator[Forbid]:
 
 
 def price_of_second(profile: Profile) -> float:
-    """What a second costs beside idle travel, mm: as the profile says; with links all time counts as idle travel does.
+    """What a second costs beside idle travel, mm: as the profile says; with links or common cuts all time counts.
+
+    It counts as idle travel does, then.
 
     Examples
     --------
@@ -49,9 +51,14 @@ def price_of_second(profile: Profile) -> float:
     >>> price_of_second(load_profile())
     0.0
     """
-    if profile.link_options() is None:
+    if not counts_time(profile):
         return profile.objective.time
     return profile.objective.time + profile.objective.idle * profile.machine.travel_mm_s
+
+
+def counts_time(profile: Profile) -> bool:
+    """Whether pierces, leads and lengths of cuts are at stake, so that a plan's cost is its time."""
+    return profile.link_options() is not None or profile.common_options() is not None
 
 
 def start_s(candidate: Candidate, contour: Contour, profile: Profile) -> float:
@@ -59,7 +66,7 @@ def start_s(candidate: Candidate, contour: Contour, profile: Profile) -> float:
     machine = profile.machine
     if contour.kind == "mark":
         return machine.mark_time_s
-    return machine.edge_preheat_s if candidate.edge_start else machine.pierce_time_s
+    return machine.edge_preheat_s if candidate.unpierced else machine.pierce_time_s
 
 
 def lead_in_s(candidate: Candidate, contour: Contour, profile: Profile) -> float:

@@ -22,6 +22,7 @@ def plant(profile: Profile) -> dict[str, Any]:
         "touching": shared is not None and shared.strength == "off",
         "slits": profile.cuts.narrow == "slit",
         "pierce_pass": profile.cuts.pierce_pass is not None,
+        "common": profile.cuts.common.shortest_mm is not None,
     }
 
 

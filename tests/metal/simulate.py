@@ -19,7 +19,7 @@ from kerfwise.tests.metal.passes import holes_of, wrong_passes
 from kerfwise.tests.metal.pieces import Pieces
 from kerfwise.tests.metal.program import Path, Program, read_program
 from kerfwise.tests.metal.slots import Slots
-from kerfwise.tests.metal.stock import cut_apart, not_free, off_sheet, on_loose, twice
+from kerfwise.tests.metal.stock import along_older, cut_apart, not_free, off_sheet, on_loose, twice
 from kerfwise.tests.metal.void import OlderKerfs
 
 if TYPE_CHECKING:
@@ -39,6 +39,7 @@ def simulate(
     excused: Collection[str] = (),
     tabs: Tabs | None = None,
     pierce_pass: bool = False,
+    common: bool = False,
 ) -> list[Finding]:
     """Burn a program and say what is wrong with it.
 
@@ -66,6 +67,8 @@ def simulate(
         By id of an outer contour x, y and width of each tab: stretches that are to stay, and to hold the part.
     pierce_pass
         Whether all holes of a zone, or of the sheet, are pierced before the cuts that begin there.
+    common
+        Whether edges of two parts are to be cut once: then a cut may begin in an older kerf, and runs along none.
 
     Returns
     -------
@@ -97,7 +100,7 @@ def simulate(
     slots = Slots(drawing, kerf_mm, slits)
     pieces, metal = Pieces(drawing.sheet), PartMetal(drawing, kerf_mm, touching, slots)
     own = holes_of(burns) if pierce_pass else {}
-    kerfs = OlderKerfs(burns, drawing.sheet, kerf_mm, splash_mm, own)
+    kerfs = OlderKerfs(burns, drawing.sheet, kerf_mm, splash_mm, own, kerf_starts=common)
     for k, burn in enumerate(burns):
         if k >= first:
             findings += metal.judge(burn)
@@ -107,6 +110,7 @@ def simulate(
         pieces.burn(burn.kerf(kerf_mm / 2))
     findings += [found for k, found in twice(burns) if k >= first]
     findings += wrong_passes(burns, own, drawing.sheet) if pierce_pass else []
+    findings += [found for k, found in along_older(burns) if k >= first and common]
     findings += uncut(drawing, burns, kerf_mm, excused, tabs or {})
     findings += slots.shut(burns)
     findings += unmarked(drawing, paths)

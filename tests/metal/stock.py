@@ -11,7 +11,7 @@ from kerfwise.tests.metal.burns import Burn
 from kerfwise.tests.metal.drawing import Drawing
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.pieces import Pieces
-from kerfwise.tests.metal.tolerances import CROSSED_MM, HELD_BY_MM2, NUMERIC_MM, OVERCUT_MM
+from kerfwise.tests.metal.tolerances import CROSSED_MM, HELD_BY_MM2, NUMERIC_MM, OVERCUT_MM, RING_MM
 
 
 def off_sheet(burn: Burn, sheet: shapely.Polygon, edge_starts: bool) -> Iterator[Finding]:
@@ -94,6 +94,17 @@ def twice(burns: Sequence[Burn], overcut_mm: float = OVERCUT_MM) -> Iterator[tup
         again = min(done[name] - burn.ring_mm, burn.on_ring_mm)
         if again > overcut_mm:
             yield k, Finding("cut-twice", burn.cut, (name,), burn.pierce, again, "mm", "the contour is cut again for")
+
+
+def along_older(burns: Sequence[Burn], overcut_mm: float = OVERCUT_MM) -> Iterator[tuple[int, Finding]]:
+    """Burns that run along the path of an older one for more than a ring closes over, each with its place."""
+    tree = shapely.STRtree([burn.line for burn in burns])
+    for k, burn in enumerate(burns):
+        older = [burns[j].line for j in sorted(tree.query(burn.line, "dwithin", distance=RING_MM)) if j < k]
+        again = burn.line.intersection(shapely.buffer(shapely.MultiLineString(older), RING_MM)) if older else None
+        if again is not None and again.length > overcut_mm:
+            text = "the torch runs along an older kerf for"
+            yield k, Finding("cut-twice", burn.cut, (burn.name,), _first(again), float(again.length), "mm", text)
 
 
 def _first(where: shapely.Geometry) -> Point:

@@ -11,7 +11,7 @@ from shapely.ops import substring
 from kerfwise.tests.metal.arcs import Point
 from kerfwise.tests.metal.burns import Burn
 from kerfwise.tests.metal.findings import Finding
-from kerfwise.tests.metal.tolerances import NUMERIC_MM
+from kerfwise.tests.metal.tolerances import NUMERIC_MM, RING_MM
 
 
 class OlderKerfs:
@@ -24,8 +24,9 @@ class OlderKerfs:
         kerf_mm: float,
         splash_mm: float,
         own: Mapping[int, int] | None = None,
+        kerf_starts: bool = False,
     ) -> None:
-        self.own = own or {}
+        self.own, self.kerf_starts = own or {}, kerf_starts
         self.burns, self.sheet, self.kerf_mm, self.splash_mm = burns, sheet, kerf_mm, splash_mm
         self.lines = np.array([b.line for b in burns], dtype=object)
         self.tree = shapely.STRtree(self.lines)
@@ -55,6 +56,8 @@ class OlderKerfs:
         older = self._older(k, point, self.kerf_mm + self.splash_mm - NUMERIC_MM)
         if not older:
             return
+        if self.kerf_starts and any(point.distance(self.lines[j]) <= RING_MM for j in older):
+            return  # it begins in the middle of an older kerf
         away = {j: float(point.distance(self.lines[j])) - self.kerf_mm / 2 for j in older}
         j = min(away, key=lambda j: away[j])
         text = f"the pierce is {away[j]:.2f} mm from the kerf of cut {self.burns[j].cut}; less than half a kerf by"
@@ -66,6 +69,8 @@ class OlderKerfs:
         burn, half = self.burns[k], self.kerf_mm / 2 - NUMERIC_MM
         for j in self._older(k, lead, half):
             older = self.lines[j]
+            if self.kerf_starts and lead.length <= self.kerf_mm:
+                continue  # from one kerf to another, straight on past a corner
             if burn.linked and j == k - 1 and not self.burns[j].linked:
                 older = older.difference(self.burns[j].off_ring)  # a link may leave beside the lead, as a lead-out may
             over = lead.intersection(older.buffer(half, quad_segs=16))

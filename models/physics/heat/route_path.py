@@ -12,7 +12,7 @@ from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.encoder.tabs import once_round
+from kerfwise.encoder.torch_way import torch_way
 from kerfwise.models.physics.timing.constant import Feeds
 
 from .timed_path import TimedPath, TorchOn, in_order, torch_on
@@ -57,7 +57,7 @@ class RoutePaths:
         contour = self._facts.nest.contours[candidate.contour]
         if contour.kind == "mark":
             return None, begin_s + feeds.mark_start_s + candidate.cut_mm / feeds.mark_mm_s
-        pierce_s = feeds.edge_s if candidate.edge_start else feeds.pierce_s
+        pierce_s = feeds.edge_s if candidate.unpierced else feeds.pierce_s
         end_s = begin_s + pierce_s + (candidate.cut_mm + contour.corner_mm) / (feeds.cut_mm_s * contour.feed_share)
         return torch_on(contour.id, self._points(number, candidate), begin_s, end_s, pierce_s), end_s
 
@@ -68,7 +68,7 @@ class RoutePaths:
                 ring = compensated(contour, self._kerf_mm).towards(candidate.direction)
                 joins = candidate.pierce if candidate.lead_in is None else candidate.lead_in.vertices[-1, :2].tolist()
                 x, y = joins
-                way, _ = once_round(ring, (x, y), candidate.tabs, self._kerf_mm)
+                way, _ = torch_way(ring, (x, y), candidate.span, candidate.tabs, self._kerf_mm)
             else:
                 way = contour.curve if candidate.direction == "ccw" else contour.curve.reversed()
             paths = (candidate.lead_in, way, candidate.lead_out)

@@ -46,7 +46,7 @@ def pierced_waste(facts: Facts) -> list[tuple[int, int]]:
 def met_kerfs(facts: Facts, kerf_mm: float, splash_mm: float) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
     """Candidates that would meet the kerf of a contour, with that contour; and of a candidate's lead, with that one."""
     contours = facts.nest.contours
-    drawn = [c for c, candidate in enumerate(facts.candidates) if contours[candidate.contour].shapes_part]
+    drawn = [c for c, one in enumerate(facts.candidates) if contours[one.contour].shapes_part and one.span is None]
     met = _Met(facts, drawn, kerf_mm, splash_mm)
     lines = [
         (k, contour.line, kerf_mm if contour.encloses else kerf_mm / 2)

@@ -1,0 +1,209 @@
+"""Straight edges that two parts have in common: one kerf apart, so that one cut makes both."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import shapely
+
+from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.compensation import compensated
+from kerfwise.encoder.components import weak_components
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.encoder.tolerance import tolerance_mm
+
+from .candidate import CommonOptions
+
+_TURN_RAD = math.radians(0.2)
+_ROUNDING_MM = 1e-3
+_MOST_KERFS = 1.2
+
+Stretches = tuple[tuple[float, float], ...]
+"""Where each stretch of a ring begins, mm along it as it is drawn, and how long it is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bridge:
+    """Where three parts meet in a T: a stretch of one's ring, a kerf long, between the edges that two others share.
+
+    Whichever of the two is cut second goes straight on over it, from `begin` to `end` or back, into the kerf of the
+    first: `one` lies at `begin`, `other` at `end`.
+    """
+
+    one: int
+    other: int
+    stretch: tuple[float, float]
+    begin: Point
+    end: Point
+
+
+@dataclass(frozen=True, slots=True)
+class CommonEdges:
+    """Contour number → the number of each neighbour with common edges → the stretches of its ring that both share.
+
+    `bridges` are those over each contour's ring.
+    """
+
+    of: Mapping[int, Mapping[int, Stretches]]
+    bridges: Mapping[int, tuple[Bridge, ...]] = field(default_factory=dict)
+
+    @property
+    def pairs(self) -> Ints:
+        """The numbers of each two contours that have edges in common, (k, 2)."""
+        rows = [(one, other) for one, beside in self.of.items() for other in beside if one < other]
+        return np.array(rows, dtype=np.int64).reshape(-1, 2)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Edges:
+    """Straight edges of outer contours, all counter-clockwise round their part: its metal lies to their left."""
+
+    contour: Ints
+    begin: Floats
+    end: Floats
+
+    @property
+    def length_mm(self) -> Floats:
+        return np.asarray(np.hypot(*(self.end - self.begin).T), dtype=np.float64)
+
+    @property
+    def along(self) -> Floats:
+        return np.asarray((self.end - self.begin) / self.length_mm[:, None])
+
+    @staticmethod
+    def of(contours: Sequence[tuple[int, Contour]]) -> _Edges:
+        rows = [
+            (number, *((s.start, s.end) if contour.curve.is_ccw else (s.end, s.start)))
+            for number, contour in contours
+            for s in contour.curve.segments
+            if not s.is_arc
+        ]
+        return _Edges(
+            np.array([row[0] for row in rows], dtype=np.int64),
+            np.array([row[1] for row in rows], dtype=np.float64).reshape(-1, 2),
+            np.array([row[2] for row in rows], dtype=np.float64).reshape(-1, 2),
+        )
+
+
+def common_edges(nest: Nest, numbers: Sequence[int], kerf_mm: float, options: CommonOptions) -> CommonEdges:
+    """The common edges of the outer contours with these numbers.
+
+    Two edges are common where they look at each other, turn by 0.2° at the most, and are one kerf apart within the
+    tolerance. Of parts that hang together by such edges all are common, down to a kerf's length, if one of them is as
+    long as the options ask: else none.
+
+    Examples
+    --------
+    >>> from kerfwise.encoder.by_hand import nest, part, rect
+    >>> two = nest(300, 200, part("A", rect(10, 10, 80, 60)), part("B", rect(91.5, 30, 80, 60)))
+    >>> edges = common_edges(two, [0, 1], 1.5, CommonOptions(20.0, 0.05))
+    >>> [(round(begin), round(mm)) for beside in edges.of.values() for rows in beside.values() for begin, mm in rows]
+    [(101, 40), (244, 40)]
+    """
+    outers = [(k, nest.contours[k]) for k in numbers if nest.contours[k].kind == "outer"]
+    edges = _Edges.of(outers)
+    found: dict[int, dict[int, list[tuple[float, float]]]] = {}
+    longest: dict[tuple[int, int], float] = {}
+    for a, b, low, high in _facing(edges, kerf_mm, min(options.gap_mm, tolerance_mm(kerf_mm)) + _ROUNDING_MM):
+        one, other = int(edges.contour[a]), int(edges.contour[b])
+        ends = (edges.begin[a] + mm * edges.along[a] for mm in (low, high))
+        row = _on_ring(nest.contours[one], kerf_mm, *(_offset(at, edges.along[a], kerf_mm / 2) for at in ends))
+        if row is not None:
+            found.setdefault(one, {}).setdefault(other, []).append(row)
+            pair = min(one, other), max(one, other)
+            longest[pair] = max(longest.get(pair, 0.0), row[1])
+    kept = _long_enough(longest, options.shortest_mm, len(nest.contours))
+    edges_of = {
+        one: {other: tuple(sorted(rows)) for other, rows in sorted(beside.items())}
+        for one, beside in sorted(found.items())
+        if one in kept
+    }
+    return CommonEdges(edges_of, {k: tuple(_bridges(nest.contours[k], k, edges_of, kerf_mm)) for k in edges_of})
+
+
+def _bridges(
+    contour: Contour, number: int, edges: Mapping[int, Mapping[int, Stretches]], kerf_mm: float
+) -> Iterator[Bridge]:
+    ring = compensated(contour, kerf_mm)
+    rows = sorted((low, mm, other) for other, stretches in edges[number].items() for low, mm in stretches)
+    for (low, mm, one), (after, _, other) in zip(rows, rows[1:] + rows[:1], strict=True):
+        begin_mm, gap_mm = low + mm, (after - low - mm) % ring.length_mm
+        if other not in edges.get(one, {}) or not 0 < gap_mm <= _MOST_KERFS * kerf_mm:
+            continue
+        begin, end = point_on(ring, begin_mm), point_on(ring, begin_mm + gap_mm)
+        if math.dist(begin, end) > gap_mm - _ROUNDING_MM:
+            yield Bridge(one, other, (begin_mm, gap_mm), begin, end)
+
+
+def point_on(curve: Curve, at_mm: float) -> Point:
+    """The point of a curve so far along it."""
+    x, y = curve.point_at(at_mm)
+    return float(x), float(y)
+
+
+def rounds_at_corners(ring: Curve, kerf_mm: float) -> Stretches:
+    """The stretches of an outer contour's ring that go round its corners."""
+    return tuple(
+        (float(begin), s.length_mm)
+        for begin, s in zip(ring.starts_mm, ring.segments, strict=False)
+        if s.is_arc and abs(s.radius_mm - kerf_mm / 2) < _ROUNDING_MM
+    )
+
+
+def _facing(edges: _Edges, kerf_mm: float, within_mm: float) -> Iterator[tuple[int, int, float, float]]:
+    """Edges a and b that are common, both ways round: where on a, mm from its begin."""
+    if not len(edges.contour):
+        return
+    lines = shapely.linestrings(np.stack([edges.begin, edges.end], axis=1))
+    a, b = shapely.STRtree(lines).query(lines, "dwithin", distance=kerf_mm + within_mm)
+    apart = edges.contour[a] != edges.contour[b]
+    a, b = a[apart], b[apart]
+    along, other = edges.along[a], edges.along[b]
+    turned = np.abs(along[:, 0] * other[:, 1] - along[:, 1] * other[:, 0]) <= math.sin(_TURN_RAD)
+    against = turned & ((along * other).sum(axis=1) < 0)
+    a, b, along = a[against], b[against], along[against]
+    right = np.column_stack([along[:, 1], -along[:, 0]])
+    begin, end = edges.begin[b] - edges.begin[a], edges.end[b] - edges.begin[a]
+    at_begin, at_end = (begin * along).sum(axis=1), (end * along).sum(axis=1)
+    low, high = np.maximum(at_end, 0.0), np.minimum(at_begin, edges.length_mm[a])
+    off_begin, off_end = (begin * right).sum(axis=1), (end * right).sum(axis=1)
+    slope = (off_begin - off_end) / (at_begin - at_end)
+    gaps = [off_end + slope * (at - at_end) for at in (low, high)]
+    common = high - low > kerf_mm
+    for gap in gaps:
+        common &= np.abs(gap - kerf_mm) <= within_mm
+    rows = np.flatnonzero(common)
+    rows = rows[np.lexsort((b[rows], a[rows]))]
+    yield from zip(a[rows].tolist(), b[rows].tolist(), low[rows].tolist(), high[rows].tolist(), strict=True)
+
+
+def _offset(at: Floats, along: Floats, by_mm: float) -> tuple[float, float]:
+    return float(at[0] + by_mm * along[1]), float(at[1] - by_mm * along[0])
+
+
+def _on_ring(
+    contour: Contour, kerf_mm: float, begin: tuple[float, float], end: tuple[float, float]
+) -> tuple[float, float] | None:
+    """A straight stretch of the torch's way round a contour, as drawn; None where the torch does not go straight."""
+    ring = compensated(contour, kerf_mm)
+    (low, off_low), (high, off_high) = ring.project(begin), ring.project(end)
+    if not contour.curve.is_ccw:
+        low, high = high, low
+    length_mm = (high - low) % ring.length_mm
+    straight_mm = math.dist(ring.point_at(low), ring.point_at(high))
+    if max(off_low, off_high) > kerf_mm or abs(length_mm - straight_mm) > _ROUNDING_MM or length_mm <= kerf_mm:
+        return None
+    return float(low), float(length_mm)
+
+
+def _long_enough(longest: Mapping[tuple[int, int], float], shortest_mm: float, count: int) -> set[int]:
+    """The contours that hang together, by common edges, with one that is as long as asked."""
+    pairs = np.array(list(longest), dtype=np.int64).reshape(-1, 2)
+    label = weak_components(count, pairs)
+    groups = {int(label[pair[0]]) for pair, mm in longest.items() if mm >= shortest_mm - _ROUNDING_MM}
+    return {k for pair in longest for k in pair if int(label[k]) in groups}

@@ -1,0 +1,197 @@
+"""Ways along what is left of a contour once some of its neighbours are out that have edges in common with it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
+
+from kerfwise.encoder.compensation import compensated
+from kerfwise.encoder.cut import Direction, Span
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.tolerance import tolerance_mm
+
+from .candidate import Candidate, LeadOptions
+from .common_edges import Bridge, CommonEdges, Stretches, common_edges, point_on, rounds_at_corners
+
+_MOST_STATES = 64
+"""Sets of neighbours that are out for which a contour has ways, at the most: a rectangle among four has 12."""
+
+Run = tuple[float, float]
+"""Where a stretch of a ring begins, and how long it is, mm."""
+
+
+def common_ways(nest: Nest, left: Collection[int], options: LeadOptions) -> tuple[CommonEdges, list[Candidate]]:
+    """The common edges of the contours that are left to be cut, and the ways along what they leave of rings.
+
+    Each way begins and ends in the kerf of a neighbour that is out. It is lawful for exactly one set of these. There is
+    none where they leave several stretches of a ring, or nothing.
+    """
+    asked = options.common
+    if asked is None:
+        return CommonEdges({}), []
+    edges = common_edges(nest, sorted(left), options.kerf_mm, asked)
+    ways = [
+        way
+        for number, beside in edges.of.items()
+        for out, run in states(
+            compensated(nest.contours[number], options.kerf_mm), beside, options.kerf_mm, edges.bridges[number]
+        )
+        for way in _ways(nest, number, out, edges, run, options)
+    ]
+    return edges, ways
+
+
+def with_neighbours_in(nest: Nest, candidates: Collection[Candidate], edges: CommonEdges) -> list[Candidate]:
+    """Candidates that go all round; those of contours with common edges may be used while all neighbours are in."""
+    return [
+        replace(c, still_in=_ids(nest, edges.of[c.contour].keys())) if c.contour in edges.of else c for c in candidates
+    ]
+
+
+def states(
+    ring: Curve, beside: Mapping[int, Stretches], kerf_mm: float, bridges: Collection[Bridge] = ()
+) -> Iterator[tuple[frozenset[int], Run]]:
+    """The sets of neighbours that are out together and leave one stretch of a ring, and that stretch.
+
+    Only those are found that come about neighbour after neighbour with one stretch left each time.
+
+    Examples
+    --------
+    >>> ring = Curve.of([(0, 0), (40, 0), (40, 20), (0, 20)])
+    >>> row = {7: ((40.0, 20.0),), 9: ((100.0, 20.0),)}
+    >>> [(sorted(out), run) for out, run in states(ring, row, 1.0)]
+    [([7], (60.0, 100.0)), ([9], (0.0, 100.0))]
+    """
+    rounds = rounds_at_corners(ring, kerf_mm)
+    seen: set[frozenset[int]] = {frozenset()}
+    waiting: list[frozenset[int]] = [frozenset()]
+    found = 0
+    while waiting and found < _MOST_STATES:
+        before = waiting.pop(0)
+        for neighbour in sorted(beside.keys() - before) if len(seen) < _MOST_STATES**2 else ():
+            out = before | {neighbour}
+            if out in seen:
+                continue
+            seen.add(out)
+            covered = [run for k in sorted(out) for run in beside[k]]
+            covered += [bridge.stretch for bridge in bridges if {bridge.one, bridge.other} <= out]
+            runs = left_of(ring.length_mm, covered, rounds, tolerance_mm(kerf_mm))
+            if len(runs) == 1 and runs[0][1] > 2 * kerf_mm:
+                yield out, runs[0]
+                waiting.append(out)
+                found += 1
+
+
+def left_of(around_mm: float, covered: Collection[Run], rounds: Collection[Run], within_mm: float) -> list[Run]:
+    """The stretches of a ring that are not covered; a round at a corner is none where both of its ends are covered.
+
+    Examples
+    --------
+    >>> left_of(100.0, [(90.0, 15.0), (6.0, 20.0)], [(5.0, 1.0), (26.0, 1.0)], 0.05)
+    [(26.0, 64.0)]
+    """
+    runs = _rest(around_mm, covered, within_mm)
+    return [run for run in runs if not any(_same(run, one, around_mm, within_mm) for one in rounds)]
+
+
+def _same(one: Run, other: Run, around_mm: float, within_mm: float) -> bool:
+    apart_mm = (one[0] - other[0] + around_mm / 2) % around_mm - around_mm / 2
+    return abs(apart_mm) <= within_mm and abs(one[1] - other[1]) <= 2 * within_mm
+
+
+def _rest(around_mm: float, covered: Collection[Run], within_mm: float) -> list[Run]:
+    """What of a ring is not covered, but for what is shorter than the tolerance."""
+    if not covered:
+        return [(0.0, around_mm)]
+    rows = sorted((low % around_mm, length) for low, length in covered)
+    begin = rows[0][0]
+    runs, reached = [], begin
+    for low, length in rows:
+        if low - reached > within_mm:
+            runs.append((reached, low - reached))
+        reached = max(reached, low + length)
+    if begin + around_mm - reached > within_mm:
+        runs.append((reached % around_mm, begin + around_mm - reached))
+    return runs
+
+
+def _ways(
+    nest: Nest, number: int, out: Collection[int], edges: CommonEdges, run: Run, options: LeadOptions
+) -> Iterator[Candidate]:
+    """Both ways along a stretch of a ring."""
+    contour, drawn = nest.contours[number], nest.contours[number].curve
+    ring = compensated(contour, options.kerf_mm)
+    still_in = edges.of[number].keys() - set(out)
+    (low, first), (high, last) = _straight_ends(ring, number, out, still_in, edges, run, options.kerf_mm)
+    first_mm, last_mm = (drawn.project(ring.point_at(mm))[0] for mm in (low, high))
+    asked = options.common
+    for onwards in (True, False):
+        way: Direction = "ccw" if drawn.is_ccw == onwards else "cw"
+        if way not in options.directions[contour.kind]:
+            continue
+        join, leave = (point_on(ring, mm) for mm in ((low, high) if onwards else (high, low)))
+        begin, end = (first, last) if onwards else (last, first)
+        entry_mm = first_mm if onwards else last_mm
+        leads_mm = sum(math.dist(a, b) for a, b in ((begin, join), (leave, end)) if a is not None and b is not None)
+        yield Candidate(
+            contour=number,
+            entry_mm=entry_mm,
+            entry=point_on(drawn, entry_mm),
+            direction=way,
+            pierce=join if begin is None else begin,
+            lead_in=None if begin is None else Curve.of([begin, join], closed=False),
+            lead_out=Curve.of([leave] if end is None else [leave, end], closed=False),
+            end=leave if end is None else end,
+            cut_mm=high - low + leads_mm,
+            span=Span(join, leave),
+            along_mm=(last_mm - first_mm) % drawn.length_mm,
+            kerf_start=asked is not None and asked.kerf_start,
+            out=_ids(nest, out),
+            still_in=_ids(nest, still_in),
+        )
+
+
+def _straight_ends(
+    ring: Curve,
+    number: int,
+    out: Collection[int],
+    still_in: Collection[int],
+    edges: CommonEdges,
+    run: Run,
+    kerf_mm: float,
+) -> tuple[tuple[float, Point | None], tuple[float, Point | None]]:
+    """Where a stretch begins and ends, without its rounds where it goes straight on over a bridge, and to where."""
+    low, high = run[0], run[0] + run[1]
+    first: Point | None = None
+    last: Point | None = None
+    within_mm = 2 * tolerance_mm(kerf_mm)
+    ends = [
+        (near, far)
+        for k in sorted(still_in)
+        for bridge in edges.bridges[k]
+        for own, other, near, far in (
+            (bridge.one, bridge.other, bridge.begin, bridge.end),
+            (bridge.other, bridge.one, bridge.end, bridge.begin),
+        )
+        if own == number and other in out
+    ]
+    for begin_mm, length_mm in rounds_at_corners(ring, kerf_mm):
+        for near, far in ends:
+            before, after = (math.dist(point_on(ring, mm), near) for mm in (begin_mm, begin_mm + length_mm))
+            if _apart(begin_mm, run[0], ring) <= within_mm and after <= within_mm:
+                low, first = run[0] + length_mm, far
+            if _apart(begin_mm + length_mm, run[0] + run[1], ring) <= within_mm and before <= within_mm:
+                high, last = run[0] + run[1] - length_mm, far
+    return (low, first), (high, last)
+
+
+def _apart(one_mm: float, other_mm: float, ring: Curve) -> float:
+    half_mm = ring.length_mm / 2
+    return abs((one_mm - other_mm + half_mm) % ring.length_mm - half_mm)
+
+
+def _ids(nest: Nest, numbers: Collection[int]) -> tuple[str, ...]:
+    return tuple(nest.contours[k].id for k in sorted(numbers))
