@@ -18,8 +18,8 @@ from .setting import Setting
 class OtherEntry:
     """One way to cut the contour; `more_um` is what the plan would cost more with it, entries elsewhere chosen anew.
 
-    An unlawful one has `against` instead: what forbids it. One `from_edge` comes in from the sheet's edge, and nothing
-    is pierced.
+    An unlawful one has `against` instead: what forbids it. One `from_edge` comes in from the sheet's edge, one `in_kerf`
+    begins in that of a neighbour, and nothing is pierced.
     """
 
     entry: Point
@@ -28,6 +28,7 @@ class OtherEntry:
     more_um: int | None
     against: tuple[About, ...] = ()
     from_edge: bool = False
+    in_kerf: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,4 +92,12 @@ def _pinned(setting: Setting, contour: int, site: int, already: set[int]) -> int
 
 def _way(setting: Setting, c: int, more_um: int | None, against: tuple[About, ...] = ()) -> OtherEntry:
     candidate = setting.facts.candidates[c]
-    return OtherEntry(candidate.entry, candidate.direction, candidate.pierce, more_um, against, candidate.edge_start)
+    return OtherEntry(
+        candidate.entry,
+        candidate.direction,
+        candidate.pierce,
+        more_um,
+        against,
+        candidate.edge_start,
+        candidate.span is not None,
+    )

@@ -8,6 +8,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.slits import slit_because
 from kerfwise.encoder.small_holes import not_cut_because
+from kerfwise.models.plan.common import common_because
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.tabs import tabs_because
 from kerfwise.rules.options.suggest import unknown
@@ -31,7 +32,7 @@ class Explanation:
     `heat` prices on orders and entries that overheat metal. The torch waits for `dwell_s` before the contour is cut,
     and why. Where zones have a budget of heat, `zone_heat_kj` says how much goes into this one at the most. `small`
     says why a small hole is not cut but marked, `slit` what a slit opens and costs. `linked` says that the
-    torch stays on before it, and why, `tabs` why tabs hold the part.
+    torch stays on before it, and why, `tabs` why tabs hold the part, `common` which neighbours have cut some of it.
     """
 
     contour: str
@@ -58,6 +59,7 @@ class Explanation:
     linked: str = ""
     tabs: str = ""
     pierced: str = ""
+    common: str = ""
 
     def __str__(self) -> str:
         from .words import as_text
@@ -112,4 +114,5 @@ def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour:
         plan.cuts[k].linked_because,
         tabs_because(facts, profile).get(contour, ""),
         plan.cuts[k].pierced_because,
+        "".join(common_because(facts.candidates[setting.candidates[k]], contour)),
     )

@@ -41,7 +41,7 @@ def _lines(e: Explanation, everything: bool) -> Iterator[str]:
         yield f"zone {e.zone} takes up {e.zone_heat_kj:.1f} kJ at the most, of a budget of {e.zone_budget_kj:g} kJ"
     if e.dwell_s:
         yield e.waits_because or f"waits {e.dwell_s:g} s first, so that metal may cool"
-    yield from filter(None, (e.linked, e.pierced))
+    yield from filter(None, (e.linked, e.pierced, e.common))
     yield from _holds("not earlier", e.earlier, everything)
     yield from _holds("not later", e.later, everything)
     if e.also:
@@ -109,7 +109,8 @@ def _lawful(entry: Entry) -> Iterator[str]:
 
 
 def _begun(way: OtherEntry) -> str:
-    return f"{'begun off the edge of the sheet' if way.from_edge else 'pierced'} at {_at(way.pierce)}"
+    begun = "begun in a neighbour's kerf" if way.in_kerf else "begun off the edge of the sheet"
+    return f"{begun if way.from_edge or way.in_kerf else 'pierced'} at {_at(way.pierce)}"
 
 
 def _unlawful(entry: Entry, everything: bool) -> Iterator[str]:

@@ -1,0 +1,126 @@
+"""Common cuts on the command line: planned, checked against their plan, explained, drawn, and refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from kerfwise.tests.commands.run_cli import Ended, kerfwise
+
+COMMON = "cuts: {common: {shortest: 20 mm, good_side: any}}\n"
+LASER = f"based_on: laser-st10kp-2mm\n{COMMON}"
+
+
+def rect(x: float, y: float, w: float, h: float) -> list[list[float]]:
+    return [[x, y], [x + w, y], [x + w, y + h], [x, y + h]]
+
+
+def nest_of(kerf_mm: float, gap_mm: float | None = None) -> dict[str, Any]:
+    step = 60 + (kerf_mm if gap_mm is None else gap_mm)
+    corners = [(40 + step * k, 40 + step * row) for row in range(2) for k in range(2)]
+    parts = [{"id": name, "outer": rect(x, y, 60, 60)} for name, (x, y) in zip("ABCD", corners, strict=True)]
+    return {"format": "kerfwise-nest/1", "units": "mm", "sheet": {"width": 220, "height": 220}, "parts": parts}
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "nest.json").write_text(json.dumps(nest_of(0.2)), encoding="utf-8")
+    (tmp_path / "plant.yaml").write_text(LASER, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def solve(*more: str) -> Ended:
+    return kerfwise("solve", "nest.json", "-p", "plant.yaml", "--work", "0.5", *more)
+
+
+def rows(folder: Path) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = json.loads((folder / "plan.json").read_text(encoding="utf-8"))["cuts"]
+    return found
+
+
+def test_a_grid_is_cut_with_one_pierce_and_its_program_follows_its_plan(folder: Path) -> None:
+    assert solve("--plan", "plan.json", "-o", "out.nc", "--picture", "grid.svg").code == 0
+    assert [("span" in row) for row in rows(folder)] == [False, True, True, True]
+    assert json.loads((folder / "plan.json").read_text(encoding="utf-8"))["totals"]["pierces"] == 1
+    told = kerfwise("check", "nest.json", "out.nc", "--plan", "plan.json", "-p", "plant.yaml")
+    assert told.code == 0, told.out
+    assert "holds      hard follows-plan" in told.out
+    assert kerfwise("check", "nest.json", "plan.json", "-p", "plant.yaml").code == 0
+
+
+def test_explain_says_where_a_cut_begins(folder: Path) -> None:
+    solve("--plan", "plan.json")
+    name = rows(folder)[1]["contour"]
+    told = kerfwise("explain", "nest.json", "plan.json", name, "-p", "plant.yaml")
+    assert told.code == 0, told.err
+    assert f"cut the rest of {name}, which begins in its kerf" in told.out
+    assert "begun in a neighbour's kerf at (" in told.out
+
+
+def test_time_and_heat_read_plan_and_program(folder: Path) -> None:
+    solve("--plan", "plan.json", "-o", "out.nc")
+    for verb in ("time", "heat"):
+        for what in ("plan.json", "out.nc"):
+            told = kerfwise(verb, "nest.json", what, "-p", "plant.yaml")
+            assert told.code == 0, told.err
+
+
+def test_a_direction_is_locked(folder: Path) -> None:
+    (folder / "plant.yaml").write_text(f"{LASER}locks: [{{contour: C.outer, direction: ccw}}]\n", encoding="utf-8")
+    assert solve("--plan", "plan.json").code == 0
+    assert [row["direction"] for row in rows(folder) if row["contour"] == "C.outer"] == ["ccw"]
+
+
+PLASMA = "based_on: plasma-carbon-steel\n"
+
+
+@pytest.mark.parametrize(
+    ("profile", "kerf_mm", "gap_mm", "said"),
+    [
+        (
+            f"{PLASMA}machine: {{kerf_start: false}}\ncuts: {{common: {{shortest: 20}}}}\n",
+            1.5,
+            None,
+            "leaves outer contours one direction",
+        ),
+        (f"{PLASMA}{COMMON}", 1.5, None, "machine.kerf_start: a control that holds the pierce delay itself"),
+        (
+            "based_on: laser-st10kp-2mm\ncuts: {common: {shortest: 20, gap_tolerance: 0.2}}\n",
+            0.2,
+            None,
+            "cuts.common.gap_tolerance: 0.2 mm is more than a torch may be off at this kerf, 0.05 mm",
+        ),
+        (f"based_on: oxyfuel-thick-plate\n{COMMON}", 1.5, None, "a flame has to heat the edge of a kerf"),
+        ("based_on: laser-st10kp-2mm\ncuts: {common: {shortest: yes}}\n", 0.2, None, "or the word 'off'"),
+        (
+            f"{LASER}rules: {{hold-small-parts: {{strength: hard, tabs: all}}}}\n",
+            0.2,
+            None,
+            "tabs hold A, B, C, …, and",
+        ),
+        (f"{LASER}corners: {{feed: 50%}}\n", 0.2, None, "corner"),
+        (LASER, 0.2, 0.0, "touch"),
+        (LASER, 0.2, 0.1, "0.100 mm apart"),
+    ],
+)
+def test_what_cannot_be_cut_so_is_said_in_one_message(
+    folder: Path, profile: str, kerf_mm: float, gap_mm: float | None, said: str
+) -> None:
+    (folder / "nest.json").write_text(json.dumps(nest_of(kerf_mm, gap_mm)), encoding="utf-8")
+    (folder / "plant.yaml").write_text(profile, encoding="utf-8")
+    ended = solve("--plan", "plan.json", "-o", "out.nc")
+    assert ended.code in (1, 2)
+    assert said in ended.err, ended.err
+    assert "Traceback" not in ended.err
+    assert not (folder / "plan.json").exists()
+
+
+def test_a_program_with_common_cuts_is_not_gone_on_with(folder: Path) -> None:
+    solve("--plan", "plan.json", "-o", "out.nc")
+    ended = solve("--lock-from", "plan.json", "--upto", "2")
+    assert ended.code == 2
+    assert "cuts.common: a program that goes on after a stop cannot have common cuts" in ended.err
