@@ -17,11 +17,12 @@ def block(rng: np.random.Generator, parts: int, kerf_mm: float, holes: bool = Fa
     """A rectangle split again and again, with a kerf between all parts; some blocks have a gap where a part was."""
     wide, high = (float(rng.integers(120, 260)) for _ in range(2))
     boxes: list[Box] = [(_EDGE_MM, _EDGE_MM, wide, high)]
-    while len(boxes) < parts + 1:
+    gap = bool(rng.random() < 0.4)
+    while len(boxes) < parts + gap:
         k = max(range(len(boxes)), key=lambda k: boxes[k][2] * boxes[k][3])
         boxes += _halves(rng, boxes.pop(k), kerf_mm)
-    gone = int(rng.integers(2 * len(boxes)))
-    kept = [box for k, box in enumerate(sorted(boxes)) if k != gone][: parts + 1]
+    gone = int(rng.integers(len(boxes))) if gap else -1
+    kept = [box for k, box in enumerate(sorted(boxes)) if k != gone]
     made = [_part(f"P{k}", box, holes and rng.random() < 0.4) for k, box in enumerate(kept, 1)]
     return nest(wide + 2 * _EDGE_MM, high + 2 * _EDGE_MM, *made)
 

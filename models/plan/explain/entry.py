@@ -19,7 +19,7 @@ class OtherEntry:
     """One way to cut the contour; `more_um` is what the plan would cost more with it, entries elsewhere chosen anew.
 
     An unlawful one has `against` instead: what forbids it. One `from_edge` comes in from the sheet's edge, one `in_kerf`
-    begins in that of a neighbour, and nothing is pierced.
+    begins in a neighbour's, and nothing is pierced.
     """
 
     entry: Point

@@ -12,7 +12,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.facts.links import with_links
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import KINDS, Nest
 from kerfwise.jobs.trials.nests import random_nest
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.timing.choose import feeds_of
@@ -28,11 +28,12 @@ from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
 from kerfwise.rules.catalogue.pierce import PierceOptions
 from kerfwise.rules.catalogue.zone_order import ZoneOrderOptions
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.profile.cuts_section import Cuts, Links
+from kerfwise.rules.profile.cuts_section import Common, Cuts, Links
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.registry import RULES
 from kerfwise.tests.drawn_options import with_drawn_options
+from kerfwise.tests.metal.common_nests import block
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +87,32 @@ def linked_case(seed: int, contours: int = 5) -> Case:
     heat_kj = contour_heat_kj(drawn, candidates, profile)
     facts = compute_facts(drawn, profile.fact_options(drawn), candidates, heat_kj)
     facts = with_links(facts, profile.link_options())
+    return Case(facts, profile, SolveOptions(work=60, home_mm=profile.machine.home, feeds=feeds_of(profile)))
+
+
+def common_case(seed: int, parts: int = 4, one_way: bool = False) -> Case:
+    """A block of parts a kerf apart, with common cuts, under rules that decide on orders and entries.
+
+    With `one_way` all are cut clockwise, and entered at one place, so that all plans can be tried.
+    """
+    rng = np.random.default_rng([seed, 41])
+    profile = load_profile("laser-st10kp-2mm")
+    kerf_mm = float(rng.choice([0.2, 1.5]))
+    drawn = block(rng, parts, kerf_mm)
+    machine = replace(profile.machine, pierce_time_s=2.0, kerf_start=bool(rng.random() < 0.7))
+    profile = replace(
+        profile,
+        rules=_rules_of_moves(np.random.default_rng([seed, 43]), profile),
+        machine=machine,
+        material=replace(profile.material, kerf_mm=kerf_mm),
+        cuts=Cuts(common=Common(shortest_mm=20.0, good_side="any")),
+        leads=replace(profile.leads, entries=1 if one_way else 2),
+    )
+    options = profile.lead_options(drawn)
+    options = replace(options, directions=dict.fromkeys(KINDS, ("cw",))) if one_way else options
+    candidates = build_candidates(drawn, options)
+    heat_kj = contour_heat_kj(drawn, candidates, profile)
+    facts = compute_facts(drawn, profile.fact_options(drawn), candidates, heat_kj)
     return Case(facts, profile, SolveOptions(work=60, home_mm=profile.machine.home, feeds=feeds_of(profile)))
 
 
