@@ -52,6 +52,8 @@ class CutDirection(Rule[CutDirectionOptions]):
 
     - **Links**: A link leads to a contour by one of its lawful ways round, and changes none.
     - **Tabs**: They change nothing: a ring with gaps is still cut one way round.
+    - **Common cuts**: A shared edge has its good side on one part only. Where the rule is hard for outer contours they
+      are refused, unless the profile accepts that (`cuts: {common: {good_side: any}}`).
     - **Scrap lines**: They have no side of their own, and may be cut from either end.
 
     ## Why

@@ -70,6 +70,7 @@ class PartRigidity(Rule[PartRigidityOptions]):
 
     - **Links**: Where a link leads to a contour, it ends as it would after a pierce: the rule looks at the end alone.
     - **Tabs**: A part with tabs does not come free when its cut ends, so that it may end along anything.
+    - **Common cuts**: The end is the last share of the stretch that a cut follows, not of the whole contour.
     - **Scrap lines**: Nothing is asked of them, and a part does not end along them: they are not cut yet.
 
     ## Why

@@ -66,7 +66,8 @@ class Pierce(Rule[PierceOptions]):
     - **Links**: A link is judged as a lead, and is not pierced. It may be in the kerf of the contour that it leaves,
       and of that contour's own lead. The way that it leads to must be lawful with its pierce, too.
     - **Tabs**: The kerf round a part counts as void over its tabs, too.
-    - **Common cuts**: What is left of a contour begins in the kerf of a neighbour that is out; nothing is pierced there.
+    - **Common cuts**: What is left of a contour begins in the kerf of a neighbour that is out: nothing is
+      pierced there.
     - **Scrap lines**: They begin in a void, when all parts are out: nothing is asked of them.
     - **Pierce pass**: Where the holes of a zone are pierced before its cuts ([pierce pass](pierce-pass.md)), a lead
       crosses no such hole either, but its own, and holes keep half the kerf and `splash` from each other.

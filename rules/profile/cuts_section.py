@@ -37,7 +37,7 @@ class Common:
     good_side: GoodSide = field(
         default="part",
         metadata=option(
-            Choice(("part", "any")), "of a hard cut-direction: refuse common cuts, or let one part have the other side"
+            Choice(("part", "any")), "where directions are fixed: refuse common cuts, or let one part have the bad side"
         ),
     )
 

@@ -35,7 +35,8 @@ PAGES = {
     "leads": "[leads by thickness](machine.md#leads-and-clearance-by-thickness)",
     "small_holes": "[small holes](small-holes.md)",
     "corners": "[slower corners](materials.md#feeds-by-contour)",
-    "cuts": "[chains](links.md), [common cuts](common.md), [narrow slots](narrow-slots.md), [cutting up the skeleton](scrap.md)",
+    "cuts": "[chains](links.md), [common cuts](common.md), [narrow slots](narrow-slots.md), "
+    "[cutting up the skeleton](scrap.md)",
     "drawing": "[how drawings are read](drawings.md)",
     "time": "[how long a program takes](time.md)",
     "prices": "[how long a program takes](time.md)",

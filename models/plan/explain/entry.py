@@ -18,8 +18,8 @@ from .setting import Setting
 class OtherEntry:
     """One way to cut the contour; `more_um` is what the plan would cost more with it, entries elsewhere chosen anew.
 
-    An unlawful one has `against` instead: what forbids it. One `from_edge` comes in from the sheet's edge, one `in_kerf`
-    begins in a neighbour's, and nothing is pierced.
+    An unlawful one has `against` instead: what forbids it. One `from_edge` comes in from the sheet's edge, one
+    `in_kerf` begins in a neighbour's, and nothing is pierced.
     """
 
     entry: Point
