@@ -34,6 +34,8 @@ def _why_not(profile: Profile, nest: Nest, resumes: bool) -> str | None:
         return f"tabs hold {shown}, and a neighbour with a common edge could cut them: turn one of the two off"
     if profile.corner_feed() is not None:
         return "slower corners (corner_feed) are worked out for whole contours only: turn one of the two off"
+    if profile.cuts.pierce_pass is not None:
+        return "a pierce pass has nothing to pierce where a cut begins in a kerf: turn one of the two off"
     if resumes:
         return "a program that goes on after a stop cannot have common cuts: say cuts.common.shortest: off"
     return None
