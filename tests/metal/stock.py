@@ -101,7 +101,7 @@ def along_older(burns: Sequence[Burn], overcut_mm: float = OVERCUT_MM) -> Iterat
     tree = shapely.STRtree([burn.line for burn in burns])
     for k, burn in enumerate(burns):
         older = [burns[j].line for j in sorted(tree.query(burn.line, "dwithin", distance=RING_MM)) if j < k]
-        again = burn.line.intersection(shapely.buffer(shapely.MultiLineString(older), RING_MM)) if older else None
+        again = burn.line.intersection(shapely.buffer(shapely.GeometryCollection(older), RING_MM)) if older else None
         if again is not None and again.length > overcut_mm:
             text = "the torch runs along an older kerf for"
             yield k, Finding("cut-twice", burn.cut, (burn.name,), _first(again), float(again.length), "mm", text)
