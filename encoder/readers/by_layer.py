@@ -18,20 +18,22 @@ SOUNDS_LIKE = {
     "sheet": "the sheet",
     "scrap": "scrap lines",
     "bridge": "bridges",
+    "tab": "tabs",
 }
 
-_BESIDES: tuple[Purpose, ...] = ("mark", "sheet", "scrap", "bridge")
+_BESIDES: tuple[Purpose, ...] = ("mark", "sheet", "scrap", "bridge", "tab")
 
 
 @dataclass(frozen=True, eq=False)
 class ByLayer:
-    """What is cut, what is marked, the sheet, what cuts up the skeleton, bridges, and what is left out."""
+    """What is cut, what is marked, the sheet, what cuts up the skeleton, bridges, tabs, and what is left out."""
 
     cut: tuple[DrawnCurve, ...]
     mark: tuple[DrawnCurve, ...]
     sheet: tuple[DrawnCurve, ...]
     scrap: tuple[DrawnCurve, ...]
     bridge: tuple[DrawnCurve, ...]
+    tab: tuple[DrawnCurve, ...]
     notes: tuple[Note, ...]
 
 
@@ -52,14 +54,14 @@ def by_layer(pieces: Sequence[DrawnCurve], layers: Layers) -> ByLayer:
     if None in of:
         drawn = counted(p.layer for p in of[None])
         raise InputError(
-            f"drawing.layers says nothing of some lines: {drawn}; let cut, mark, ignore, sheet, scrap or bridge "
-            "match their layers"
+            f"drawing.layers says nothing of some lines: {drawn}; let cut, mark, ignore, sheet, scrap, bridge "
+            "or tab match their layers"
         )
     if "cut" not in of:
         raise InputError(_nothing(pieces, uses))
     notes = [*_left_out(of), *_misheard([p for p in of["cut"] if not uses[p.names].stated])]
-    mark, sheet, scrap, bridge = (tuple(of.get(purpose, ())) for purpose in _BESIDES)
-    return ByLayer(tuple(of["cut"]), mark, sheet, scrap, bridge, tuple(notes))
+    mark, sheet, scrap, bridge, tab = (tuple(of.get(purpose, ())) for purpose in _BESIDES)
+    return ByLayer(tuple(of["cut"]), mark, sheet, scrap, bridge, tab, tuple(notes))
 
 
 def _left_out(of: dict[Purpose | None, list[DrawnCurve]]) -> list[Note]:

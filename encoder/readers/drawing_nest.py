@@ -9,6 +9,7 @@ from .assemble import assemble, with_marks
 from .bridges import bridges_of_drawing
 from .by_layer import by_layer
 from .drawing import Drawing, DrawnCurve
+from .drawn_tabs import with_tabs
 from .frame import frame_note, frame_of_drawing, use_of_frame
 from .join import Joined, join
 from .open_ends import REPAIR_FACTOR, ends, open_end_problems
@@ -45,6 +46,7 @@ def nest_of(drawing: Drawing, options: ReadOptions) -> Nest:
         raise InputError("nothing to cut: the drawing holds no closed contour")
     parts, mark_notes = with_marks(parts, [*marks.rings, *marks.chains, *open_lines.marks])
     scrap, scrap_notes = scrap_of_drawing(told_apart.scrap, options)
+    parts = with_tabs(parts, told_apart.tab, options)
     bridges = bridges_of_drawing(told_apart.bridge, parts, options)
     sheet, choice_notes = choose_sheet(outline, rings, drawing.page, options)
     notes = [*drawing.notes, *told_apart.notes, *joined_notes, *sheet_notes, *frame_notes, *open_lines.notes]

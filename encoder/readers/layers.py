@@ -1,4 +1,4 @@
-"""What a drawing's layers are there for: cut, marked, left out, the sheet, the cutting up of scrap, or bridges."""
+"""What a drawing's layers are there for: cut, marked, left out, the sheet, cutting up scrap, bridges, or tabs."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from typing import Literal, NamedTuple
 
 from kerfwise.encoder.errors import InputError
 
-Purpose = Literal["ignore", "scrap", "bridge", "mark", "sheet", "cut"]
-PURPOSES: tuple[Purpose, ...] = ("ignore", "scrap", "bridge", "mark", "sheet", "cut")
+Purpose = Literal["ignore", "scrap", "bridge", "tab", "mark", "sheet", "cut"]
+PURPOSES: tuple[Purpose, ...] = ("ignore", "scrap", "bridge", "tab", "mark", "sheet", "cut")
 """In the order in which they are tried: `DIM_TEXT` is a dimension, `Plate text` is writing."""
 
 
@@ -49,6 +49,11 @@ SCRAP_WORDS = _words(
 )
 BRIDGE_WORDS = r"^(bridges?|br(ü|ue)cken?|ponts?|puentes?|pont[ei]|mostk?i?|мост(ики|ик|ы)?)$"
 """The whole of a name: parts of a bridge are cut from plates, too."""
+TAB_WORDS = (
+    r"^(tabs?|micro.?(joint|tab)s?|(mikro|halte).?stege?n?|micro.?attaches?|micro.?(junta|uni[óo]n|giunzion)\w*"
+    r"|mikro.?(łącz|zł[ąa]cz)\w*|микро.?(перемычк|соединен)\w*|перемычк\w*)$"
+)
+"""The whole of a name: a label, and a part, may be a tab as well."""
 MARK_WORDS = _words(
     "grav mark marc marqu etch scrib text label v.?score cent(er|re).?punch prick"
     " beschrift signier anr(ei|i)(ß|ss) k(ö|oe)rn(er|ung|punkt) ritzen ritzlinie pointage grabado grabar rotul"
@@ -96,6 +101,7 @@ class Layers:
     sheet: str = SHEET_WORDS
     scrap: str = SCRAP_WORDS
     bridge: str = BRIDGE_WORDS
+    tab: str = TAB_WORDS
 
     def __post_init__(self) -> None:
         for purpose in PURPOSES:

@@ -67,6 +67,7 @@ class LayerMap:
     bridge: str = field(
         default=LAYERS.bridge, metadata=option(_LAYER, "layers of rectangles, each a bridge between two parts")
     )
+    tab: str = field(default=LAYERS.tab, metadata=option(_LAYER, "layers of short lines, each a tab of a part"))
 
 
 @dataclass(frozen=True, slots=True)

@@ -191,8 +191,8 @@ def test_a_layer_that_a_profile_says_nothing_of_is_asked_about(tmp_path: Path) -
     with pytest.raises(InputError) as error:
         read_dxf(tmp_path, engraved, layers=Layers(cut="^0$"))
     assert error.value.message == (
-        "drawing.layers says nothing of some lines: 2 on 'G2'; let cut, mark, ignore, sheet, scrap or bridge match "
-        "their layers"
+        "drawing.layers says nothing of some lines: 2 on 'G2'; let cut, mark, ignore, sheet, scrap, bridge or tab "
+        "match their layers"
     )
 
 
