@@ -18,7 +18,7 @@ FORMAT = "kerfwise-facts/1"
 
 
 def facts_json(facts: Facts) -> str:
-    """The facts as kerfwise-facts/1 text: stable key order, one zone, one contour and one candidate a line.
+    """The facts as kerfwise-facts/1 text: stable key order, one zone, one contour, one candidate and one link a line.
 
     Everything about a contour stands in its row. `level_ahead` and `in_hull` there list the contours that lie ahead
     of it or in its hull, which are those to cut before it. Lengths are rounded to 0.001 mm.
@@ -46,6 +46,7 @@ def facts_json(facts: Facts) -> str:
     lines = [f' "{key}": {_text(value)}' for key, value in head.items()]
     lines += [f' "zones": {_rows(_zone_rows(facts))}']
     lines += [f' "contours": {_rows(_contour_rows(facts))}', f' "candidates": {_rows(_candidate_rows(facts))}']
+    lines += [f' "links": {_rows(_link_rows(facts))}'] if facts.links else []
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
@@ -115,6 +116,21 @@ def _candidate_rows(facts: Facts) -> list[dict[str, Any]]:
             "tail": tail[k],
         }
         for k, c in enumerate(facts.candidates)
+    ]
+
+
+def _link_rows(facts: Facts) -> list[dict[str, Any]]:
+    contours, candidates = facts.nest.contours, facts.candidates
+    return [
+        {
+            "from": contours[candidates[link.leave[0]].contour].id,
+            "to": contours[candidates[link.reach[0]].contour].id,
+            "leave": link.leave,
+            "reach": link.reach,
+            "path": [[_mm(v) for v in at] for at in link.path],
+            "length_mm": _mm(link.length_mm),
+        }
+        for link in facts.links
     ]
 
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from importlib.resources import files
 from typing import Any
 
@@ -12,6 +13,7 @@ from hypothesis import given, settings
 from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.facts import FactOptions, Facts, compute_facts, facts_json
+from kerfwise.encoder.facts.facts import LinkPath
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.small_holes import HoleLimits, as_cut
 from kerfwise.tests.encoder.facts.random_nests import nests
@@ -49,6 +51,27 @@ def test_a_contour_row() -> None:
         "edge_length_mm": {"left": 0.0, "right": 0.0, "bottom": 80.0, "top": 0.0},
         "solid_mm": 160.0,
     }
+
+
+def test_a_link_row() -> None:
+    path = ((90.0, 50.0), (95.0, 45.0), (100.0, 50.0))
+    linked = replace(small(), links=(LinkPath((0,), (0,), path),))
+    data = json.loads(facts_json(linked))
+    jsonschema.validate(data, SCHEMA)
+    assert data["links"] == [
+        {
+            "from": "A.outer",
+            "to": "A.outer",
+            "leave": [0],
+            "reach": [0],
+            "path": [[90.0, 50.0], [95.0, 45.0], [100.0, 50.0]],
+            "length_mm": 14.142,
+        }
+    ]
+
+
+def test_facts_without_links_say_nothing_of_them() -> None:
+    assert "links" not in document()
 
 
 def test_a_candidate_row() -> None:
