@@ -2,38 +2,25 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
-import json
 import os
 import pickle
-from collections.abc import Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from dataclasses import asdict, replace
-from multiprocessing import get_context
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
-from kerfwise.encoder.contents import contents
-from kerfwise.encoder.errors import InputError, RulesConflict
-from kerfwise.encoder.shown import shown
+from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.files import make_folder, write_files
-from kerfwise.rules.profile.made_of import files_of
 from kerfwise.rules.profile.profile import Profile
 
+from .archive_record import RECORD, besides_of, is_there, key_of, record_of, recorded
+from .archive_runs import in_turn, side_by_side
 from .archived import Archive, Row
 from .given import Tell, silent
 from .old_program import Asked
-from .resequence import resequence
 from .resequenced import Paths
 
-RECORD = "resequence.json"
-"""What is kept in the folder of the new programs, of what is finished there."""
-_FORMAT = "kerfwise-resequence/1"
 PROGRAMS = (".nc", ".ngc", ".cnc", ".tap", ".gcode", ".gc", ".eia", ".iso", ".mpf", ".min")
 """Endings of the files that are taken for programs."""
-_UNREADABLE = (OSError, ValueError, InputError)
-"""What `contents` raises."""
 
 
 def resequence_folder(
@@ -75,39 +62,42 @@ def resequence_folder(
         "time_s": time_s,
         "seed": seed,
     }
-    record, besides = _recorded(out), _besides(profile, options, version)
+    record, besides = recorded(out), besides_of(profile, options, version)
     rows: dict[str, Row] = {}
     waiting: dict[str, str] = {}
     for name in names:
-        key = _key(folder / name, besides)
+        key = key_of(folder / name, besides)
         done = record.get(name)
-        if done is not None and done.key == key and _is_there(out / name, done.sha256):
+        if done is not None and done.key == key and is_there(out / name, done.sha256):
             rows[name] = done
         else:
             waiting[name] = key
     again, interrupted = len(rows), False
-    side_by_side = jobs > 1 and _travels(profile)
-    if jobs > 1 and not side_by_side:
+    faults: dict[str, Exception] = {}
+    together = jobs > 1 and _travels(profile)
+    if jobs > 1 and not together:
         tell("the profile's rules in Python cannot be handed to other processes: one program after the other")
-    work_of = _side_by_side if side_by_side else _in_turn
+    work_of = side_by_side if together else in_turn
     try:
-        for name, (row, text) in work_of(folder, waiting, profile, options, jobs):
-            row = rows[name] = replace(row, key=waiting[name])
+        for name, ended in work_of(folder, waiting, profile, options, jobs):
+            row = rows[name] = replace(ended.row, key=waiting[name])
+            if ended.fault is not None:
+                faults[name] = ended.fault
             if row.read:
                 make_folder(out / Path(name).parent, parents=True)
-                record[name] = rows[name] = replace(row, sha256=hashlib.sha256(text.encode()).hexdigest())
-                write_files({out / name: text, out / RECORD: _as_json(record)})
+                record[name] = rows[name] = replace(row, sha256=hashlib.sha256(ended.text.encode()).hexdigest())
+                write_files({out / name: ended.text, out / RECORD: record_of(record)})
             tell(f"{len(rows)} of {len(names)}: {name}: {row.ended}")
     except KeyboardInterrupt:
         interrupted = True
-    return Archive(tuple(rows[name] for name in names if name in rows), again, interrupted)
+    return Archive(tuple(rows[name] for name in names if name in rows), again, interrupted, faults)
 
 
 def _travels(profile: Profile) -> bool:
     """Whether a profile can be handed to another process."""
     try:
         pickle.dumps(profile)
-    except Exception:  # what its rules hold is theirs
+    except (pickle.PicklingError, TypeError, AttributeError):  # what pickle says of what its rules hold
         return False
     return True
 
@@ -121,104 +111,3 @@ def _programs(folder: Path, out: Path) -> list[str]:
         folders[:] = sorted(name for name in folders if (here / name).resolve() != beside)
         found += [str((here / name).relative_to(folder)) for name in files if Path(name).suffix.lower() in PROGRAMS]
     return sorted(found)
-
-
-def _besides(profile: Profile, options: Mapping[str, Any], version: str) -> bytes:
-    """All that answers depend on besides the program."""
-    said = json.dumps({**options, "asked": asdict(options["asked"])}, sort_keys=True)
-    parts = [part.encode() for part in (version, profile.sha256, repr(profile.machine), said)]
-    for file in files_of(profile):  # a dialect's, above all
-        with contextlib.suppress(*_UNREADABLE):
-            parts.append(contents(file))
-    return b"\0".join(parts)
-
-
-def _key(path: Path, besides: bytes) -> str:
-    """The sha256 of a program and of all else that its answer depends on; of its name where it cannot be read."""
-    try:
-        data = contents(path)
-    except _UNREADABLE:
-        data = str(path).encode("utf-8", "surrogateescape")
-    return hashlib.sha256(b"\0".join([data, besides])).hexdigest()
-
-
-def _is_there(path: Path, sha256: str) -> bool:
-    try:
-        return hashlib.sha256(contents(path)).hexdigest() == sha256
-    except _UNREADABLE:
-        return False
-
-
-def _in_turn(
-    folder: Path, waiting: Mapping[str, str], profile: Profile, options: Mapping[str, Any], jobs: int
-) -> Iterator[tuple[str, tuple[Row, str]]]:
-    for name in waiting:
-        yield name, _one(folder, name, profile, options)
-
-
-def _side_by_side(
-    folder: Path, waiting: Mapping[str, str], profile: Profile, options: Mapping[str, Any], jobs: int
-) -> Iterator[tuple[str, tuple[Row, str]]]:
-    """The programs in processes of their own, a few at a time; each as soon as it is finished."""
-    left = iter(waiting)
-    running: dict[Future[tuple[Row, str]], str] = {}
-    with ProcessPoolExecutor(max_workers=min(jobs, max(len(waiting), 1)), mp_context=get_context("spawn")) as pool:
-        try:
-            while True:
-                while len(running) < jobs and (name := next(left, None)) is not None:
-                    running[pool.submit(_one, folder, name, profile, options)] = name
-                if not running:
-                    return
-                for future in wait(running, return_when=FIRST_COMPLETED).done:
-                    name = running.pop(future)
-                    error = future.exception()
-                    yield name, (_fault(name, error), "") if isinstance(error, Exception) else future.result()
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
-
-
-def _one(folder: Path, name: str, profile: Profile, options: Mapping[str, Any]) -> tuple[Row, str]:
-    """One program: its row and its new text. Whatever goes wrong with it is in the row."""
-    try:
-        made = resequence(folder / name, profile, **options)
-    except InputError as error:
-        return Row(name, "refused", str(error)), ""
-    except RulesConflict as error:
-        return Row(name, "no order", str(error)), ""
-    except Exception as error:
-        return _fault(name, error), ""
-    if made.interrupted:
-        raise KeyboardInterrupt
-    row = Row(
-        name,
-        "changed" if made.changed else "unchanged",
-        made.ends,
-        (made.before.idle_mm, made.after.idle_mm),
-        (made.before.time_s, made.after.time_s),
-    )
-    return row, made.program
-
-
-def _fault(name: str, error: Exception) -> Row:
-    said = shown(" ".join(str(error).split()))[:200]
-    text = f"a fault of kerfwise itself: {type(error).__name__}: {said}; resequence it alone for a report"
-    return Row(name, "fault", text)
-
-
-def _recorded(out: Path) -> dict[str, Row]:
-    """What was finished before; nothing where the record is gone, or is none."""
-    try:
-        data = json.loads(contents(out / RECORD))
-        if data["format"] != _FORMAT:
-            return {}
-        return {
-            row["name"]: Row(**{**row, "idle_mm": tuple(row["idle_mm"]), "time_s": tuple(row["time_s"])})
-            for row in data["programs"]
-        }
-    except (*_UNREADABLE, LookupError, TypeError, RecursionError):
-        return {}
-
-
-def _as_json(record: Mapping[str, Row]) -> str:
-    rows = [asdict(record[name]) for name in sorted(record)]
-    return json.dumps({"format": _FORMAT, "programs": rows}, indent=1) + "\n"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
 from kerfwise.encoder.shown import shown
@@ -36,11 +36,15 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Archive:
-    """What became of a folder: a row a program, in the order of their names; `again` were finished before."""
+    """What became of a folder: a row a program, in the order of their names; `again` were finished before.
+
+    `faults` are what nobody foresaw, by the names of the programs that it came up with.
+    """
 
     rows: tuple[Row, ...]
     again: int = 0
     interrupted: bool = False
+    faults: Mapping[str, Exception] = field(default_factory=dict)
 
     @property
     def exit_code(self) -> int:

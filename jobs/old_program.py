@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections import defaultdict
-from collections.abc import Mapping, Set
+from collections.abc import Set
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,10 +17,10 @@ from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.postproc.old.contours import Told, fits_kerf, nest_of
 from kerfwise.postproc.old.told_names import named_as_told
 from kerfwise.postproc.old.unclear import NoNest, Unclear
-from kerfwise.rules.profile.corners_section import Corners
 from kerfwise.rules.profile.profile import Profile
 
 from .given import Given, Tell, program_text, silent
+from .old_settings import at_its_feeds, kerf_of, tab_mm
 
 _OF_SHEET = re.compile(r"\(\s*(?:ORIGIN|START SIDE)\b", re.IGNORECASE)
 
@@ -136,16 +135,16 @@ def read_old_job(
     origin, zero = stated_origin(old.program)
     program = replace(moved(old.program, zero or (0.0, 0.0)), origin=origin, zero=zero)
     profile = profile.at_origin(origin or "drawing")
-    kerf_mm = _kerf_mm(old, profile, asked)
+    kerf_mm = kerf_of(old, profile, asked.kerf_mm)
     if not afresh:
-        profile = _at_its_feeds(profile, program)
+        profile = at_its_feeds(profile, program)
     at_corner = zero if origin == "sheet-corner" else None
     told: Told | None = None
     unclear: tuple[Unclear, ...] = ()
-    tab_mm = _tab_mm(profile, kerf_mm)
+    open_mm = tab_mm(profile, kerf_mm)
 
     def told_at(kerf_mm: float, aside: Set[int] = frozenset()) -> Told:
-        return nest_of(program.burns, kerf_mm, asked.sheet_mm, at_corner, Path(path).name, tab_mm, aside)
+        return nest_of(program.burns, kerf_mm, asked.sheet_mm, at_corner, Path(path).name, open_mm, aside)
 
     partly: Told | None = None
     try:
@@ -180,48 +179,6 @@ def read_old_job(
     for note in notes:
         tell(note)
     return OldJob(file, old, program, profile, told, tuple(unclear), partly, trusted, judged, tuple(notes))
-
-
-def _tab_mm(profile: Profile, kerf_mm: float) -> float:
-    """How far short of its begin a cut may stop for a tab: one about as wide as the profile has them, and the kerf."""
-    tabs = profile.tabs()
-    return 2 * tabs.width_mm + kerf_mm if tabs is not None and tabs.at_end else 0.0
-
-
-def _kerf_mm(old: OldProgram, profile: Profile, asked: Asked) -> float:
-    if asked.kerf_mm is not None:
-        return asked.kerf_mm
-    return max(old.kerfs_mm, default=profile.material.kerf_mm)
-
-
-def _at_its_feeds(profile: Profile, program: NcProgram) -> Profile:
-    """The profile with the feeds and the pierce time that most of the program has."""
-    machine = profile.machine
-    cut: dict[float, float] = defaultdict(float)
-    mark: dict[float, float] = defaultdict(float)
-    pierce: dict[float, float] = defaultdict(float)
-    for burn in program.burns:
-        for segment, feed in zip(burn.path.segments, burn.step_feeds_mm_s, strict=False):
-            (mark if burn.tool else cut)[feed] += segment.length_mm
-        if burn.tool == 0:
-            pierce[burn.held_s + burn.pierce_s] += 1
-    if cut:
-        machine = replace(machine, cut_feed_mm_s=_most(cut))
-    if mark:
-        machine = replace(machine, mark_feed_mm_s=_most(mark))
-    if pierce:
-        machine = replace(machine, pierce_time_s=_most(pierce))
-    holes = replace(profile.small_holes, under="refuse")
-    corners = profile.corners
-    if len(cut) < 2:
-        holes, corners = replace(holes, small_hole_feed=1.0), Corners()
-    # no way to cut but that of each burn
-    cuts = replace(profile.cuts, narrow="refuse", pierce_pass=None)
-    return replace(profile, machine=machine, small_holes=holes, corners=corners, cuts=cuts)
-
-
-def _most(counted: Mapping[float, float]) -> float:
-    return max(counted, key=lambda value: (counted[value], -value))
 
 
 def without_comments(text: str) -> str:

@@ -85,7 +85,7 @@ def test_a_folder(jobs: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_what_is_finished_is_not_planned_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from kerfwise.jobs import archive as job
+    from kerfwise.jobs import archive_runs as job
 
     archive(tmp_path)
     monkeypatch.chdir(tmp_path)
@@ -118,7 +118,7 @@ def test_what_is_finished_is_not_planned_again(tmp_path: Path, monkeypatch: pyte
 
 
 def test_a_fault_stops_no_other_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from kerfwise.jobs import archive as job
+    from kerfwise.jobs import archive_runs as job
 
     archive(tmp_path)
     monkeypatch.chdir(tmp_path)
@@ -133,6 +133,10 @@ def test_a_fault_stops_no_other_program(tmp_path: Path, monkeypatch: pytest.Monk
     ended = kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1)
     assert ended.code == 70
     assert "a fault of kerfwise itself: ZeroDivisionError: by nothing" in ended.out
+    (told,) = [row for row in ended.err.splitlines() if "please send" in row]
+    assert told.startswith("rows.nc: a fault of kerfwise itself: ZeroDivisionError: by nothing; please send ")
+    report = Path(told.partition("please send ")[2].partition(" to whoever")[0]).read_text()
+    assert "raise ZeroDivisionError" in report
     assert "2 of 4 programs read" in ended.out
 
 
