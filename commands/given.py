@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,16 +12,17 @@ import click
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.faults import RuleFault
 from kerfwise.encoder.shown import shown
-from kerfwise.jobs.given import Given, drawn_nest, plant_of, tabs_not_left
+from kerfwise.jobs.given import Given, drawn_nest, plant_of, reading, tabs_not_left
 from kerfwise.jobs.nest_job.beside import job_beside
 from kerfwise.rules.profile.machine_section import ORIGINS, Origin
 from kerfwise.rules.profile.made_of import files_of
 from kerfwise.rules.profile.profile import DEFAULT
 
+from .lengths import said_of_reading
 from .one_nest import JOB, LOCK, NO_JOB, SET, asked_of
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.readers.options import FrameName
+    from kerfwise.encoder.readers.options import FrameName, ReadOptions
 
 Verb = Callable[..., Any]
 
@@ -64,6 +65,9 @@ def nest_options(verb: Verb, profile: Callable[[Verb], Verb]) -> Verb:
             type=click.Choice(["sheet", "part"]),
             help="What a single rectangle around everything is, where no layer names the sheet.",
         ),
+        click.option(
+            "--refit-arcs", metavar="LENGTH", help="Make arcs of flattened outlines, this near to them, as 0.05 mm."
+        ),
         click.option("--units", metavar="UNIT", help="Unit of the drawing: mm, cm, m, in or ft."),
         TRUST,
         LOCK,
@@ -105,6 +109,7 @@ def read_given(
     repair: bool,
     origin: Origin | None = None,
     trust: bool = False,
+    refit_arcs: str | None = None,
     **of_nest: Any,
 ) -> Given:
     """Read both, the nest as the profile has it cut; what the reader has to say goes to standard error, a line each.
@@ -119,13 +124,18 @@ def read_given(
     if told := locks_told(plant):
         tell_note(told)
     plant = plant.at_origin(origin) if origin else plant
-    size_mm = size_of(sheet) if sheet else None
-    read = drawn_nest(nest, plant, units=units, sheet_mm=size_mm, frame=frame, repair=repair)
+    read = drawn_nest(nest, plant, **said_of_reading(units, sheet, frame, repair, refit_arcs))
     for note in read.notes:
         click.echo(f"{note.severity}: {note.text}", err=True)
     if cut_all_the_same := tabs_not_left(read, plant):
         click.echo(f"warning: {cut_all_the_same}", err=True)
     return locked_for(plant.as_cut(read), nest, plant, asked, job, tell_note)
+
+
+def reading_of(given: Given, options: Mapping[str, Any]) -> ReadOptions:
+    """How the nest was read, with what the command line says of that."""
+    names = ("units", "sheet", "frame", "repair", "refit_arcs")
+    return reading(given.profile, **said_of_reading(*(options[name] for name in names)))
 
 
 def protect(given: Given, nest: str, outputs: Iterable[str | Path | None], *others: str | Path | None) -> None:
@@ -152,15 +162,3 @@ def note_placing(given: Given) -> None:
         click.echo(f"note: {text}", err=True)
     if given.profile.cuts.links.longest_mm > 0 and (why := given.profile.no_links(given.nest)):
         click.echo(f"note: cuts.links: the torch stays on nowhere: {why}", err=True)
-
-
-def size_of(text: str) -> tuple[float, float]:
-    """Width and height of a sheet, mm, as in 3000x1500; InputError for anything else."""
-    width, _, height = text.lower().partition("x")
-    try:
-        size = float(width), float(height)
-    except ValueError:
-        size = (0.0, 0.0)
-    if not (0 < size[0] < 1e6 and 0 < size[1] < 1e6):
-        raise InputError(f"--sheet {text!r} is not a size: write width x height in mm, such as 3000x1500")
-    return size

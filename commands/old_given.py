@@ -11,7 +11,8 @@ import click
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.readers.read import SUFFIXES
 
-from .given import size_of, tell_note
+from .given import tell_note
+from .lengths import size_of
 from .numbers import AMOUNT, AMOUNT_OVER_ZERO
 
 if TYPE_CHECKING:
@@ -61,8 +62,9 @@ def read_alone(feed: float | None, kerf: float | None, given: Mapping[str, Any])
     from kerfwise.rules.profile.profile import DEFAULT
 
     asked, program = asked_of(feed, kerf, given["sheet"]), given["nest"]
-    if named := [name for name in ("units", "frame", "repair", "origin") if given[name]]:
-        raise InputError(f"--{named[0]} is for drawings; {program} is read as a program", file=program)
+    if named := [name for name in ("units", "frame", "repair", "origin", "refit_arcs") if given[name]]:
+        option = named[0].replace("_", "-")
+        raise InputError(f"--{option} is for drawings; {program} is read as a program", file=program)
     of_nest = {"job": "job", "no_job": "no-job", "settings": "set", "lock": "lock"}
     if named := [option for name, option in of_nest.items() if given[name]]:
         raise InputError(f"--{named[0]} is for a nest; {program} is a program alone", file=program)

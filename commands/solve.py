@@ -13,6 +13,7 @@ from kerfwise.encoder.shown import shown
 from kerfwise.models.engines.baselines import STRATEGIES
 
 from .default_names import expect_own
+from .drawings_out import drawings, expect_drawings
 from .engine_choice import EngineChoice
 from .given import given_options, note_placing, protect, read_given, tell_note
 from .numbers import AMOUNT_OVER_ZERO, Amount
@@ -23,6 +24,10 @@ from .numbers import AMOUNT_OVER_ZERO, Amount
 @click.option("-o", "--output", metavar="OUT.nc", help="The program. If no output is named: NEST.nc, .plan.json, .svg.")
 @click.option("--plan", "plan_path", metavar="PLAN.json", help="The plan.")
 @click.option("--dxf", metavar="OUT.dxf", help="The torch's paths as a drawing, a polyline a cut, in order.")
+@click.option(
+    "--svg", metavar="OUT.svg", help="The drawing itself with its shapes in cutting order, for other senders."
+)
+@click.option("--reordered-dxf", metavar="OUT.dxf", help="The same as DXF: geometry, layers and colours as drawn.")
 @click.option("--picture", metavar="OUT.svg|.png|.pdf|.html", help="A picture of the plan.")
 @click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit by the clock, in seconds.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
@@ -54,6 +59,8 @@ def command(
     output: str | None,
     plan_path: str | None,
     dxf: str | None,
+    svg: str | None,
+    reordered_dxf: str | None,
     picture: str | None,
     time_limit: float | None,
     work: float,
@@ -87,11 +94,12 @@ def command(
     from .progress import ProgressLine
 
     file = Path(options["nest"])
-    if named_after := output is plan_path is dxf is picture is None:
+    if named_after := output is plan_path is dxf is picture is svg is reordered_dxf is None:
         beside = f"{file.stem}.plan.svg" if file.suffix.lower() == ".svg" else f"{file.stem}.svg"
         output, plan_path, picture = f"{file.stem}.nc", f"{file.stem}.plan.json", beside
     conflict_picture = conflict_picture or f"{file.stem}.conflict.svg"
-    outputs = (output, plan_path, dxf, picture, conflict_picture)
+    outputs = (output, plan_path, dxf, picture, conflict_picture, svg, reordered_dxf)
+    expect_drawings(svg, reordered_dxf)
     if dxf and Path(dxf).suffix.lower() != ".dxf":
         raise InputError("the torch's paths are written as DXF: give a name ending in .dxf", file=dxf)
     _expect(outputs, (picture, conflict_picture), (file, lock_from))
@@ -126,6 +134,7 @@ def command(
             files[Path(plan_path)] = made.plan.to_json()
         if dxf:
             files[Path(dxf)] = write_dxf(made.plan, given.nest, given.profile)
+        files |= drawings(made.plan, given, svg, reordered_dxf, options)
         if picture:
             files[Path(picture)] = draw(given.nest, made.plan, Path(picture).suffix, given.profile.home_on(given.nest))
         write_files(files)

@@ -14,7 +14,7 @@ from kerfwise.rules.profile.for_one_nest import changed_since
 from kerfwise.rules.profile.profile import DEFAULT, Profile, load_profile
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.readers.options import FrameName
+    from kerfwise.encoder.readers.options import FrameName, ReadOptions
     from kerfwise.models.plan.plan import Plan
     from kerfwise.postproc.check.reader.old import Trusted
     from kerfwise.postproc.check.reader.program import NcProgram
@@ -60,6 +60,7 @@ def drawn_nest(
     sheet_mm: tuple[float, float] | None = None,
     frame: FrameName | None = None,
     repair: bool = False,
+    refit_arcs_mm: float | None = None,
 ) -> Nest:
     """The nest as it is drawn, read as the profile's section `drawing` says, unless it is said here.
 
@@ -72,15 +73,28 @@ def drawn_nest(
         return nest
     from kerfwise.encoder.readers import read_nest
 
+    options = reading(profile, units, sheet_mm, frame, repair, refit_arcs_mm)
+    return read_nest(_path("nest", nest, "a Nest or a path"), options)
+
+
+def reading(
+    profile: Profile,
+    units: str | None = None,
+    sheet_mm: tuple[float, float] | None = None,
+    frame: FrameName | None = None,
+    repair: bool = False,
+    refit_arcs_mm: float | None = None,
+) -> ReadOptions:
+    """How a nest file is read: as the profile's section `drawing` says, unless it is said here."""
     options = profile.read_options()
-    options = replace(
+    return replace(
         options,
         units=units or options.units,
         sheet_size_mm=sheet_mm or options.sheet_size_mm,
         frame=frame or options.frame,
         repair=repair,
+        refit_arcs_mm=refit_arcs_mm or options.refit_arcs_mm,
     )
-    return read_nest(_path("nest", nest, "a Nest or a path"), options)
 
 
 def tabs_not_left(nest: Nest, plant: Profile) -> str:

@@ -12,6 +12,7 @@ from ezdxf.entities.insert import Insert
 from ezdxf.filemanagement import readfile
 from ezdxf.lldxf.const import DXFError
 
+from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import REPAIR, InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Note
@@ -47,9 +48,9 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions) -> Drawing:
         When the file is no DXF, breaks off, or an entity in it cannot be understood.
     """
     notes = _whole(data, options)
-    document = _document(path)
+    document = document_of(path)
     units, unit_notes = _units(document, data, options)
-    hidden = frozenset(str(x.dxf.name).lower() for x in document.layers if x.is_off() or x.is_frozen())
+    hidden = hidden_layers(document)
     pieces, unread = [], Unread()
     try:
         _check_blocks(document)
@@ -87,7 +88,24 @@ def _whole(data: bytes, options: ReadOptions) -> tuple[Note, ...]:
     return (Note("repaired", "the DXF file breaks off before its end mark EOF: read as far as it goes"),)
 
 
-def _document(path: Path) -> Document:
+def hidden_layers(document: Document) -> frozenset[str]:
+    """The layers that are off or frozen, in lower case."""
+    return frozenset(str(x.dxf.name).lower() for x in document.layers if x.is_off() or x.is_frozen())
+
+
+def mm_per_unit(path: Path, document: Document, options: ReadOptions) -> float:
+    """Millimetres in a unit of the drawing."""
+    return MM_PER[_units(document, contents(path), options)[0]]
+
+
+def document_of(path: Path) -> Document:
+    """The file as its library reads it, rules of the format broken or not.
+
+    Raises
+    ------
+    InputError
+        If it is no DXF that can be read.
+    """
     try:
         return readfile(path)
     except DXF_ERRORS:

@@ -38,6 +38,9 @@ class ReadOptions:
         Room left around the parts when the sheet has to be their bounding box.
     join_tolerance_mm
         Loose ends up to this far apart are taken to meet.
+    refit_arcs_mm
+        Outlines that were flattened into short lines become arcs again, which stay this near to the lines. None: they
+        stay as they are.
     repair
         Mend what can be mended, and list each mend in the nest's notes.
 
@@ -61,6 +64,7 @@ class ReadOptions:
     margin_mm: float = 10.0
     join_tolerance_mm: float = 0.1
     repair: bool = False
+    refit_arcs_mm: float | None = None
 
     def __post_init__(self) -> None:
         if self.units is not None and self.units not in MM_PER:
@@ -77,6 +81,10 @@ class ReadOptions:
         _require(
             0 < self.join_tolerance_mm < math.inf,
             f"join_tolerance_mm is {self.join_tolerance_mm}: expected a number over 0",
+        )
+        _require(
+            self.refit_arcs_mm is None or 0 < self.refit_arcs_mm < math.inf,
+            f"refit_arcs_mm is {self.refit_arcs_mm}: expected a number over 0",
         )
 
 

@@ -18,6 +18,7 @@ from kerfwise.encoder.validate import validated
 
 from .mend import mended
 from .options import ReadOptions
+from .refit import with_arcs
 
 SUFFIXES = (".dxf", ".json", ".svg")
 
@@ -81,6 +82,7 @@ def _read(file: Path, suffix: str, options: ReadOptions) -> Nest:
     try:
         nest = _nest(file, suffix, data, options)
         drawn = mended(nest) if options.repair else nest
+        drawn = with_arcs(drawn, options.refit_arcs_mm) if options.refit_arcs_mm else drawn
     except InputError as error:
         raise InputError(
             error.message, file=file, line=error.line, column=error.column, details=error.details

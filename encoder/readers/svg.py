@@ -46,15 +46,10 @@ def read_svg(data: bytes, options: ReadOptions) -> Drawing:
     InputError
         When the file is no SVG or a shape in it cannot be understood.
     """
-    try:
-        svg = svgelements.SVG.parse(io.BytesIO(sound(data)), reify=True, ppi=96)
-    except FOREIGN_ERRORS as error:
-        raise InputError(f"not an SVG file that can be read: {error}") from error
-    if not isinstance(svg, svgelements.SVG):
-        raise InputError("not an SVG file: its root is no <svg> element")
+    svg = parsed_svg(data)
     try:
         page = page_of(svg, options)
-        shown = list(_shown(svg, (), ()))
+        shown = list(shown_elements(svg))
         so_much(len(shown), "shape", "shapes")
         drawn = [
             (c, s) for s in shown if isinstance(s.element, svgelements.Shape) for c in curves(s.element, page.to_mm)
@@ -63,6 +58,23 @@ def read_svg(data: bytes, options: ReadOptions) -> Drawing:
         raise InputError(f"a shape of this SVG file is damaged ({error}); save it again as plain SVG") from error
     pieces = tuple(DrawnCurve(c, s.layer, order, s.names) for order, (c, s) in enumerate(drawn))
     return Drawing(pieces, page.units, tuple(_unread(shown, options.layers)), page.sheet)
+
+
+def parsed_svg(data: bytes) -> Any:
+    """The root of a file, as its library has it.
+
+    Raises
+    ------
+    InputError
+        If it is no SVG that can be read.
+    """
+    try:
+        svg = svgelements.SVG.parse(io.BytesIO(sound(data)), reify=True, ppi=96)
+    except FOREIGN_ERRORS as error:
+        raise InputError(f"not an SVG file that can be read: {error}") from error
+    if not isinstance(svg, svgelements.SVG):
+        raise InputError("not an SVG file: its root is no <svg> element")
+    return svg
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +86,7 @@ class Shown:
     names: tuple[str, ...]
 
 
-def _shown(group: Any, layers: tuple[str, ...], names: tuple[str, ...]) -> Iterator[Shown]:
+def shown_elements(group: Any, layers: tuple[str, ...] = (), names: tuple[str, ...] = ()) -> Iterator[Shown]:
     """Each shown shape and text. Its names are the ids and labels of the groups around it, then its own."""
     for element in group:
         if element.values.get("tag") == "symbol":
@@ -85,7 +97,7 @@ def _shown(group: Any, layers: tuple[str, ...], names: tuple[str, ...]) -> Itera
         own = tuple(dict.fromkeys(str(n) for n in known if n not in names))
         called = [str(n) for n in (label, element.id) if n is not None][:1]
         if isinstance(element, svgelements.Group | svgelements.Use):
-            yield from _shown(element, (*layers, *called), (*names, *own))
+            yield from shown_elements(element, (*layers, *called), (*names, *own))
         elif isinstance(element, DRAWN) and element.values.get("visibility") != "hidden":
             yield Shown(element, "/".join(layers or called), (*names, *own))
 

@@ -366,6 +366,7 @@ class Profile:
             scrap_lines=drawing.scrap_lines,
             margin_mm=drawing.margin_mm,
             join_tolerance_mm=drawing.join_tolerance_mm,
+            refit_arcs_mm=drawing.refit_arcs_mm,
         )
 
     def _thresholds(self) -> Thresholds:

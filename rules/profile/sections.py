@@ -14,7 +14,7 @@ from kerfwise.rules.options.by_thickness import LENGTH_BY_THICKNESS, ByThickness
 from kerfwise.rules.options.members import Members
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.plain_values import Choice, Flag, Number, Text
-from kerfwise.rules.options.quantities import LENGTH, over_zero
+from kerfwise.rules.options.quantities import LENGTH, OrWord, over_zero
 from kerfwise.rules.profile.cuts_section import Cuts
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import RuleSetting
@@ -102,6 +102,12 @@ class DrawingSection:
         default=10.0, metadata=option(LENGTH, "room around the parts where the drawing has no sheet")
     )
     join_tolerance_mm: float = field(default=0.1, metadata=option(over_zero(LENGTH), "loose ends this near are joined"))
+    refit_arcs_mm: float | None = field(
+        default=None,
+        metadata=option(
+            OrWord(over_zero(LENGTH), none="off"), "flattened outlines become arcs again that stay this near to them"
+        ),
+    )
 
 
 @dataclass(frozen=True, slots=True)
