@@ -12,7 +12,6 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.plan.plan import IN_PASS, Plan
-from kerfwise.models.routing.way import way_through
 from kerfwise.postproc.nc.plan_paths import outside
 from kerfwise.rules.profile.profile import Profile
 
@@ -29,6 +28,8 @@ def with_pierces(plan: Plan, nest: Nest, profile: Profile, limits: SolveOptions)
     """
     if profile.cuts.pierce_pass is None:
         return plan
+    from kerfwise.models.routing.way import way_through
+
     home, cuts = profile.home_on(nest), [planned.cut for planned in plan.cuts]
     ends = [home, *(cut.end for cut in cuts)]
     options = SolveOptions(seed=limits.seed, work=min(WORK, WORK_SHARE * limits.work))

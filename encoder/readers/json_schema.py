@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from jsonschema import Draft202012Validator
 
 MOST_ERRORS = 20
+FORMAT = "kerfwise-nest/1"
 FEW = 4
 """Vertices that stand for all of a plain ring."""
 
@@ -35,13 +36,15 @@ def check_schema(document: object, text: str) -> None:
     """Hold a parsed file against the schema.
 
     A part whose rings are rows of plain numbers is known to pass and is not shown to the schema, which would take
-    minutes over the vertices of a large nest.
+    minutes over the vertices of a large nest. Where the rest of the file is as plain, the schema is not even loaded.
 
     Raises
     ------
     InputError
         With a line for each mismatch (the first twenty), naming part, contour, vertex and line.
     """
+    if _plain_nest(document):
+        return
     shown, ids, numbers = document, [], []
     if isinstance(document, dict) and isinstance(document.get("parts"), list):
         parts = document["parts"]
@@ -68,6 +71,19 @@ def _refusal(found: list[tuple[list[str | int], str]], text: str, ids: list[obje
     lines = [f" (line {at[k][0]})" if at[k][0] else "" for k in order]
     said = [f"{spoken(found[k][0], ids)}{where}: {found[k][1]}" for k, where in zip(order, lines, strict=True)]
     return InputError("not a kerfwise-nest/1 file", line=line, column=column, details=tuple(said))
+
+
+def _plain_nest(document: object) -> bool:
+    """True for a nest on a rectangle, of plain parts, that the schema has nothing to say about."""
+    if not isinstance(document, dict) or not document.keys() <= {"format", "units", "sheet", "parts"}:
+        return False
+    sheet, parts = document.get("sheet"), document.get("parts")
+    if document.get("format") != FORMAT or document.get("units", "mm") not in ("mm", "cm", "m", "in", "ft"):
+        return False
+    if not isinstance(sheet, dict) or sheet.keys() != {"width", "height"} or not isinstance(parts, list):
+        return False
+    sized = all(type(x) in (int, float) and 0 < x <= LIMIT_MM for x in sheet.values())
+    return sized and all(map(_plain, parts))
 
 
 def _plain(part: object) -> bool:

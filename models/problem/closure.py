@@ -29,7 +29,7 @@ def close(n: int, pairs: Sequence[tuple[int, int]] | Ints, block: Ints) -> Bools
     names, member = np.unique(block, return_inverse=True)
     lifted = np.zeros((len(names), len(names)), dtype=np.bool_)
     lifted[member[sooner[~together]], member[later[~together]]] = True
-    before = transitive(lifted)[np.ix_(member, member)]
+    before = transitive(lifted).take(member, axis=0).take(member, axis=1)
     linked, place = np.unique(np.concatenate([sooner[together], later[together]]), return_inverse=True)
     inside = np.zeros((len(linked), len(linked)), dtype=np.bool_)
     inside[tuple(place.reshape(2, -1))] = True

@@ -109,9 +109,18 @@ def _crossed(  # pragma: no cover - compiled
     """Rows of leave, reach and area of all moves that cross one of the areas `near`, (3, rows)."""
     rows = np.empty((3, SLOTS_AT_FIRST), np.int64)
     count = 0
+    boxes = np.empty((len(near), 4))
+    for k in range(len(near)):
+        for side in range(4):
+            boxes[k, side] = areas.boxes[near[k], side]
     for i in range(len(leave)):
+        px, py = leave[i, 0], leave[i, 1]
         for j in range(len(reach)):
-            for a in near:
+            x0, x1, y0, y1 = min(px, reach[j, 0]), max(px, reach[j, 0]), min(py, reach[j, 1]), max(py, reach[j, 1])
+            for k in range(len(near)):
+                if x0 > boxes[k, 2] or x1 < boxes[k, 0] or y0 > boxes[k, 3] or y1 < boxes[k, 1]:
+                    continue  # most are told by that
+                a = near[k]
                 if not late[owner[j], a] and _crosses(leave[i], reach[j], areas, a):
                     if count == rows.shape[1]:
                         wider = np.empty((3, 2 * count), np.int64)

@@ -63,6 +63,8 @@ def _undecided(problem: Problem, condition: Condition) -> Condition:
             bound -= weight
         elif k != i and not problem.before[i, k] and weight != 0:
             left.append((k, weight))
+    if len(left) == len(condition.members):
+        return condition
     return replace(condition, members=tuple(k for k, _ in left), weights=tuple(w for _, w in left), bound=bound)
 
 
@@ -154,6 +156,8 @@ def _moves_by_site(
 
 def _with_sites(problem: Problem, kept: Bools) -> Problem:
     """The problem with these sites alone, numbered anew."""
+    if kept.all():
+        return problem
     number = np.append(np.where(kept, np.cumsum(kept) - 1, -1), kept.sum())  # the last is home
     contours = problem.site_contour[kept]
     timed = len(problem.pace.cut_ms) > 0

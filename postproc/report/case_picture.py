@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from html import escape
 from textwrap import wrap
-from xml.sax.saxutils import escape
 
 import shapely
 
@@ -86,4 +86,4 @@ def _path(line: shapely.LineString, place: ToPaper, ink: str, fill: str, width: 
 
 def _text(x: float, y: float, text: str, ink: str, anchor: str, bold: bool = False) -> str:
     weight = ' font-weight="bold"' if bold else ""
-    return f'<text x="{x:g}" y="{y:g}" fill="{ink}" text-anchor="{anchor}"{weight}>{escape(text)}</text>'
+    return f'<text x="{x:g}" y="{y:g}" fill="{ink}" text-anchor="{anchor}"{weight}>{escape(text, quote=False)}</text>'

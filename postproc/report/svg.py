@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from html import escape
 from itertools import groupby
-from xml.sax.saxutils import escape
 
 from kerfwise.arrays import Floats
 
@@ -44,7 +44,7 @@ def _number(value: float) -> str:
 
 def _clean(text: str) -> str:
     """Text safe inside an element: XML forbids most control characters."""
-    return escape("".join(c if c.isprintable() else " " for c in text))
+    return escape("".join(c if c.isprintable() else " " for c in text), quote=False)
 
 
 def _shared(item: Item) -> str:

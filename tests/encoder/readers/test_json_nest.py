@@ -240,8 +240,36 @@ def test_the_schema_sees_few_vertices_of_plain_parts(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(json_schema, "validator", Noted)
     ring = [[100 + 50 * math.cos(k / 500), 100 + 50 * math.sin(k / 500)] for k in range(3000)]
     part = {"id": "A", "outer": ring, "holes": [ring], "marks": [ring]}
-    document = {"format": "kerfwise-nest/1", "units": "mm", "sheet": {"width": 200, "height": 200}, "parts": [part]}
+    sheet = {"width": 200, "height": 200}
+    document: dict[str, Any] = {"format": "kerfwise-nest/1", "units": "mm", "sheet": sheet, "parts": [part]}
+    json_schema.check_schema(document, json.dumps(document))
+    assert not shown  # as plain as that it needs no schema at all
+    document["scrap"] = []
     json_schema.check_schema(document, json.dumps(document))
     assert len(shown[0]["parts"][0]["outer"]) == json_schema.FEW
     assert len(json.dumps(shown)) < 1000
     assert part["holes"] == [ring]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"format": "kerfwise-nest/2"},
+        {"units": "mile"},
+        {"units": ["mm"]},
+        {"sheet": {"width": 0, "height": 100}},
+        {"sheet": {"width": True, "height": 100}},
+        {"sheet": {"width": 1e7, "height": 100}},
+        {"sheet": {"width": 100}},
+        {"sheet": [100, 100]},
+        {"parts": {}},
+        {"parts": [{"id": "", "outer": [[0, 0], [1, 0], [1, 1]]}]},
+        {"parts": [{"id": "A", "outer": [[0, 0]]}]},
+        {"parts": [None]},
+    ],
+)
+def test_a_file_that_the_schema_refuses_is_never_taken_for_plain(change: dict[str, Any]) -> None:
+    given = {"format": "kerfwise-nest/1", "sheet": {"width": 100, "height": 100}, "parts": []} | change
+    assert list(json_schema.validator().iter_errors(given))
+    with pytest.raises(InputError):
+        json_schema.check_schema(given, json.dumps(given))
