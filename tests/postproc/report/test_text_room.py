@@ -72,3 +72,12 @@ def test_the_box_lies_in_the_area(
     assert place is not None
     assert 0 < place.size_mm <= wanted_mm
     assert area.covers(place.box())
+
+
+@pytest.mark.parametrize("size", [(100, 10), (10, 100), (30, 30), (80, 40)])
+def test_where_no_larger_text_fits_than_is_known_there_is_none(size: tuple[float, float]) -> None:
+    area = shapely.box(0, 0, *size)
+    place = find_room(area, "123", 30.0)
+    assert place is not None
+    assert find_room(area, "123", 30.0, above_mm=0.8 * place.size_mm) == place
+    assert find_room(area, "123", 30.0, above_mm=3 * place.size_mm) is None

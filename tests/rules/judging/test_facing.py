@@ -1,9 +1,12 @@
-"""Spots are looked at some at a time: what each faces does not depend on how many."""
+"""Spots are looked at some at a time, and some rays are told by numpy: what each faces does not depend on either."""
 
+import numpy as np
 import pytest
+import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging import facing
 from kerfwise.rules.judging.facing import Facing, Spots, spots_along
@@ -24,3 +27,17 @@ def test_spots_face_the_same_some_at_a_time(sheet: Nest, some: int) -> None:
         patch.setattr(facing, "AT_ONCE", some)
         assert outlines.faced(spots).tolist() == all_at_once.tolist()
     assert outlines.faced(Spots.joined([])).tolist() == []
+
+
+@settings(deadline=None)
+@given(st.lists(st.tuples(*[st.integers(-40, 40)] * 4), min_size=1, max_size=30))
+def test_looks_meet_the_chords_that_shapely_says(rays: list[tuple[int, int, int, int]]) -> None:
+    """From whole millimetres to whole millimetres: many go through corners, or along outlines."""
+    plate = nest(60, 50, part("A", rect(2, 3, 20, 20), [rect(5, 5, 10, 10)]), part("B", rect(25, 4, 20, 20)))
+    begin = np.array([(x + 20, y + 20) for x, y, _, _ in rays], dtype=np.float64)
+    end = begin + np.array([(dx, dy) if dx or dy else (1, 0) for _, _, dx, dy in rays]) / 4
+    judged = Facing(plate, 25.0, 25.0)
+    found = judged._met(begin, end, np.zeros(len(rays), dtype=np.int64))
+    lines = shapely.linestrings(np.stack([begin, end], axis=1))
+    told = judged.tree.query(lines, predicate="intersects")
+    assert sorted(zip(*(of.tolist() for of in found), strict=True)) == sorted(zip(*told.tolist(), strict=True))
