@@ -88,8 +88,7 @@ def cut_off(
         stays, *islands = sorted(near) or [rank]
         for island in islands:
             yield cut_at[k], sorted(members[island])
-        merged = [k, *members.pop(stays, [])]
-        for island in islands:
-            merged += members.pop(island)
-        members[stays] = merged
-        piece.update(dict.fromkeys(merged, stays))
+        one = members.setdefault(stays, [])
+        for new in ([k], *(members.pop(island) for island in islands)):
+            one += new
+            piece.update(dict.fromkeys(new, stays))
