@@ -59,7 +59,7 @@ def strays_from(planned: Planned, nest: Nest, made: CutSequence, kerf_mm: float)
             yield Violation(_RULE, (cut.contour, asked.contour), text, (k,))
         else:
             closed = cut.contour in nest.index and nest.contour(cut.contour).curve.closed
-            for text in _differences(cut, asked, closed, 2 * tolerance_mm(kerf_mm)):
+            for text in _differences(cut, asked, closed, kerf_mm):
                 yield Violation(_RULE, (cut.contour,), f"cut {k} of {cut.contour} {text}", (k,))
     asked_holes = planned.cuts.pierces
     for k, (hole, said) in enumerate(zip(made.pierces, asked_holes, strict=False), 1):
@@ -73,7 +73,8 @@ def strays_from(planned: Planned, nest: Nest, made: CutSequence, kerf_mm: float)
         yield Violation(_RULE, (), f"it makes {len(made.new)} cuts, the plan {len(planned.cuts.new)}")
 
 
-def _differences(cut: Cut, asked: Cut, closed: bool, allowed_mm: float) -> Iterator[str]:
+def _differences(cut: Cut, asked: Cut, closed: bool, kerf_mm: float) -> Iterator[str]:
+    allowed_mm = 2 * tolerance_mm(kerf_mm)
     if cut.direction != asked.direction:
         yield f"goes {cut.direction if closed else 'the other way'}, the plan says {asked.direction}"
     if cut.linked != asked.linked:
@@ -83,7 +84,9 @@ def _differences(cut: Cut, asked: Cut, closed: bool, allowed_mm: float) -> Itera
     for what, at, said in (("enters", cut.entry, asked.entry), ("begins", cut.pierce, asked.pierce)):
         apart_mm = math.dist(at, said)
         if what == "begins" and cut.linked and asked.linked and asked.lead_in is not None:
-            apart_mm = asked.lead_in.project(at)[1]  # along a ring that it leaves at a low angle no point is the first
+            # It leaves its ring at a low angle, and after a kerf it is out of it: somewhere there it is seen to begin.
+            along_mm, off_mm = asked.lead_in.project(at)
+            apart_mm = off_mm if along_mm <= kerf_mm else apart_mm
         if apart_mm > allowed_mm:
             yield f"{what} at {_at(at)}, {apart_mm:.2f} mm from where the plan does, {_at(said)}"
 

@@ -143,6 +143,23 @@ def test_the_last_half_kerf_of_a_lead_may_meet_an_older_kerf() -> None:
     assert "lead-over-void" not in kinds
 
 
+def chained(top: float) -> list[Finding]:
+    """A plate cut first, then two in one burn: its link leaves at 30° beside the corner of the first at `top`."""
+    sizes = {"C": (27, 20, 30, top - 20), "A": (60, 20, 30, 40), "B": (60, 80, 30, 30)}
+    drawn = nest(200, 130, *(part(name, rect(*size)) for name, size in sizes.items()))
+    link = ["G1 X57.5 Y42.598", "G1 X54 Y85"]
+    chain = [*around(*sizes["A"], (57.5, 50))[:-1], *link, *around(*sizes["B"], (0, 0))[2:]]
+    return judged(program([("C.outer", around(*sizes["C"], (20, 25))), ("A.outer", chain)]), drawn)
+
+
+def test_a_link_is_in_the_kerf_of_the_part_that_it_leaves_for_one_kerf() -> None:
+    assert chained(38.0) == []
+
+
+def test_for_its_second_half_kerf_it_is_in_no_other_part_s() -> None:
+    assert only(chained(39.7)).kind == "lead-over-void"
+
+
 def test_a_pierce_in_a_part_is_found() -> None:
     kinds = by_kind(judged(with_cut("B.outer", around(90, 20, 50, 50, (65, 45)))))
     assert kinds["pierce-in-part"] == 1

@@ -40,8 +40,8 @@ class OlderKerfs:
         if own is not None and own.kind == "scrap":
             return
         yield from self._pierce(k)
-        for lead in _leads(self.burns[k], self.kerf_mm / 2):
-            yield from self._lead(k, lead)
+        for lead, of_link_mm in _leads(self.burns[k], self.kerf_mm / 2):
+            yield from self._lead(k, lead, of_link_mm)
 
     def _older(self, k: int, what: shapely.Geometry, within_mm: float) -> list[int]:
         near = self.tree.query(what, predicate="dwithin", distance=within_mm)
@@ -65,15 +65,18 @@ class OlderKerfs:
         names = (burn.name, self.burns[j].name)
         yield Finding("pierce-over-void", burn.cut, names, burn.pierce, lacking, "mm", text)
 
-    def _lead(self, k: int, lead: shapely.LineString) -> Iterator[Finding]:
+    def _lead(self, k: int, lead: shapely.LineString, of_link_mm: float) -> Iterator[Finding]:
+        """A lead over older kerfs; its first `of_link_mm` may lie in what the burn before it has burnt."""
         burn, half = self.burns[k], self.kerf_mm / 2 - NUMERIC_MM
         for j in self._older(k, lead, half):
-            older = self.lines[j]
-            if self.kerf_starts and lead.length <= self.kerf_mm:
+            older, free = self.lines[j], lead
+            if burn.linked and j == k - 1:
+                free = substring(lead, of_link_mm, lead.length)
+            if self.kerf_starts and lead.length - of_link_mm <= self.kerf_mm:
                 continue  # from one kerf to another, straight on past a corner
             if burn.linked and j == k - 1 and not self.burns[j].linked:
                 older = older.difference(self.burns[j].off_ring)  # a link may leave beside the lead, as a lead-out may
-            over = lead.intersection(older.buffer(half, quad_segs=16))
+            over = free.intersection(older.buffer(half, quad_segs=16))
             if over.length <= NUMERIC_MM:
                 continue
             text = f"a lead crosses the kerf of cut {self.burns[j].cut} for"
@@ -81,19 +84,20 @@ class OlderKerfs:
             yield Finding("lead-over-void", burn.cut, names, _place(over), float(over.length), "mm", text)
 
 
-def _leads(burn: Burn, end_mm: float) -> Iterator[shapely.LineString]:
+def _leads(burn: Burn, end_mm: float) -> Iterator[tuple[shapely.LineString, float]]:
     """The leads and strays of a burn, each without its last half kerf at the burn's own ring.
 
-    A link is without its first kerf too: it may leave the ring that it comes from at 30° or more.
+    A link is without its first half kerf too. It may leave the ring that it comes from at 30° or more, and so be in
+    that ring's kerf, and in no other, for another half: the number beside it.
     """
-    begin_mm = 2 * end_mm if burn.linked else 0.0
+    begin_mm = end_mm if burn.linked else 0.0
     if burn.lead_in is not None and burn.lead_in.length > begin_mm + end_mm:
-        yield substring(burn.lead_in, begin_mm, burn.lead_in.length - end_mm)
+        yield substring(burn.lead_in, begin_mm, burn.lead_in.length - end_mm), begin_mm
     if burn.lead_out is not None and burn.lead_out.length > end_mm:
-        yield substring(burn.lead_out, end_mm, burn.lead_out.length)
+        yield substring(burn.lead_out, end_mm, burn.lead_out.length), 0.0
     for stray in burn.strays:
         if stray.length > 2 * end_mm:
-            yield substring(stray, end_mm, stray.length - end_mm)
+            yield substring(stray, end_mm, stray.length - end_mm), 0.0
 
 
 def _place(over: shapely.Geometry) -> Point:

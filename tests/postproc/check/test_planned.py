@@ -7,8 +7,11 @@ from dataclasses import replace
 
 import pytest
 
+from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult, report
+from kerfwise.postproc.check.planned import _differences
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.checking import check_program
 from kerfwise.tests.postproc.chains import cuts_of
@@ -83,3 +86,14 @@ def test_one_cut_fewer() -> None:
 def test_excuses_and_relaxed_statements_are_those_of_the_plan() -> None:
     excused = replace(PLAN, cuts=tuple(replace(p, cut=replace(p.cut, excused=("pierce",))) for p in PLAN.cuts))
     assert judged(bare(PLAN), excused).ok
+
+
+def test_a_linked_cut_begins_within_a_kerf_of_where_its_link_does() -> None:
+    """Where a link leaves its ring at a low angle nobody can say to 0.1 mm; a kerf further it must have left."""
+    way = Curve.of([(0.0, 0.0), (10.0, 0.0), (10.0, 8.0)], closed=False)
+    asked = Cut("A.outer", (10.0, 8.0), "cw", (0.0, 0.0), lead_in=way, linked=True)
+    assert list(_differences(replace(asked, pierce=(1.4, 0.05)), asked, True, 1.5)) == []
+    (text,) = _differences(replace(asked, pierce=(1.7, 0.0)), asked, True, 1.5)
+    assert text == "begins at (1.70, 0.00), 1.70 mm from where the plan does, (0.00, 0.00)"
+    (text,) = _differences(replace(asked, pierce=(0.5, 0.3)), asked, True, 1.5)
+    assert "0.30 mm from where the plan does" in text
