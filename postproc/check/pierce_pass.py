@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import groupby
@@ -11,6 +10,7 @@ import numpy as np
 import shapely
 
 from kerfwise.encoder.cut import Cut, CutSequence, Pierce
+from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
@@ -25,9 +25,9 @@ NEAR_MM = 0.05
 def named(pierces: Sequence[Pierce], cuts: Sequence[Cut]) -> tuple[Pierce, ...]:
     """The holes, each with the contour of the cut after it that begins there; of several the first."""
     told, taken = [], set[int]()
-    for pierce in pierces:
-        later = (k for k in range(max(pierce.before - 1, 0), len(cuts)) if k not in taken and not cuts[k].linked)
-        found = next((k for k in later if _begins(cuts[k], pierce)), None)
+    for pierce, near in zip(pierces, _near([p.at for p in pierces], [cut.pierce for cut in cuts]), strict=True):
+        later = (k for k in near if k >= pierce.before - 1 and k not in taken and not cuts[k].linked)
+        found = next(later, None)
         taken |= set() if found is None else {found}
         told.append(replace(pierce, contour="" if found is None else cuts[found].contour))
     return tuple(told)
@@ -36,24 +36,29 @@ def named(pierces: Sequence[Pierce], cuts: Sequence[Cut]) -> tuple[Pierce, ...]:
 def not_of_a_pass(nest: Nest, cuts: CutSequence, profile: Profile) -> Iterator[Violation]:
     """What is wrong with the passes that the profile asks for: holes missing, left over, late, or in no metal."""
     passes = list(_passes(nest, cuts, profile))
-    holes = list(cuts.pierces)
+    holes, left = cuts.pierces, dict.fromkeys(range(len(cuts.pierces)))
+    at_cut = _near([cut.pierce for cut in cuts], [hole.at for hole in holes])
     for begins, group in passes:
         first = group[0]
         for k in group:
             cut = cuts[k - 1]
-            own = next((hole for hole in holes if _begins(cut, hole)), None)
-            if own is None:
+            number = next((h for h in at_cut[k - 1] if h in left), None)
+            if number is None:
                 text = f"cut {k} of {cut.contour} begins at {_at(cut.pierce)}, where no hole was pierced before"
                 yield Violation(_RULE, (cut.contour,), text, (k,))
                 continue
-            holes.remove(own)
+            del left[number]
+            own = holes[number]
+            if own.contour not in ("", cut.contour):
+                text = f"cut {k} of {cut.contour} begins at the hole at {_at(own.at)}, said to be of {own.contour}"
+                yield Violation(_RULE, (cut.contour,), text, (k,))
             if own.before > first:
                 text = f"the hole of {cut.contour} (cut {k}) is pierced after cut {first}, the first of its pass"
                 yield Violation(_RULE, (cut.contour,), text, (k,))
             elif own.before < begins:
                 text = f"the hole of {cut.contour} (cut {k}) is pierced before cut {own.before}, with another zone"
                 yield Violation(_RULE, (cut.contour,), text, (k,))
-    for hole in holes:
+    for hole in (holes[h] for h in left):
         yield Violation(_RULE, (), f"no cut begins at the hole that is pierced at {_at(hole.at)}", (hole.before,))
     yield from _in_no_metal(nest, cuts)
 
@@ -97,8 +102,15 @@ def _in_no_metal(nest: Nest, cuts: CutSequence) -> Iterator[Violation]:
             yield Violation(_RULE, (contour.id,), text, (k,))
 
 
-def _begins(cut: Cut, hole: Pierce) -> bool:
-    return math.dist(cut.pierce, hole.at) <= max(NEAR_MM, tolerance_mm())
+def _near(points: Sequence[Point], others: Sequence[Point]) -> list[list[int]]:
+    """For each point the numbers of those others that are at the same place, in order."""
+    found: list[list[int]] = [[] for _ in points]
+    if points and others:
+        tree = shapely.STRtree(shapely.points(np.array(others)))
+        rows, near = tree.query(shapely.points(np.array(points)), "dwithin", distance=max(NEAR_MM, tolerance_mm()))
+        for k, other in sorted(zip(rows.tolist(), near.tolist(), strict=True)):
+            found[k].append(other)
+    return found
 
 
 def _at(point: tuple[float, float]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -74,14 +74,24 @@ def totals(
     fewest, most = _pierces(nest, cuts, unpierced)
     if not fewest <= claims.pierces <= most:
         wrong(f"there are {fewest} pierces, the plan says {claims.pierces}")
+    _times(cuts, claims, wrong)
+    return found
+
+
+def _times(cuts: CutSequence, claims: Claims, wrong: Callable[..., None]) -> None:
+    """What is wrong with the order of times: cuts, and holes of passes, follow each other."""
     before = 0.0
+    pierced = cuts.pierced
     for position, one in enumerate(cuts.new, cuts.made + 1):
+        for hole in pierced.get(position, ()):
+            if hole.start_s < before - _TIME_S or hole.end_s < hole.start_s:
+                wrong(f"the hole of {hole.contour} is pierced before what comes before it has ended", position)
+            before = max(before, hole.end_s)
         if one.start_s < before - _TIME_S or one.end_s < one.start_s:
             wrong(f"cut {position} of {one.contour} begins before the one before it has ended, or ends first", position)
         before = max(before, one.end_s)
     if claims.time_s < before - _TIME_S:
         wrong(f"the last cut ends at {before:.1f} s, the plan says that all takes {claims.time_s:.1f} s")
-    return found
 
 
 def end_of(nest: Nest, cut: Cut) -> Point:

@@ -234,7 +234,7 @@ def test_a_hole_with_another_zone_is_told(tmp_path: Path) -> None:
     assert "burns along no contour" in judged.out
 
 
-@pytest.mark.parametrize("change", ["left out", "moved", "late"])
+@pytest.mark.parametrize("change", ["left out", "moved", "late", "of another", "too soon"])
 def test_a_damaged_plan_is_told(tmp_path: Path, change: str) -> None:
     nest, plan, _ = planned(tmp_path)
     hole = plan["pierces"][1]
@@ -242,12 +242,16 @@ def test_a_damaged_plan_is_told(tmp_path: Path, change: str) -> None:
         plan["pierces"].remove(hole)
     elif change == "moved":
         hole["at"] = [hole["at"][0] + 0.2, hole["at"][1]]
+    elif change == "of another":
+        hole["contour"] = plan["pierces"][0]["contour"]
+    elif change == "too soon":
+        hole["start_s"], hole["end_s"] = 0.0, 0.0
     else:
         hole["before"] = 99
     (tmp_path / "nest.plan.json").write_text(json.dumps(plan), encoding="utf-8")
     judged = kerfwise("check", nest, tmp_path / "nest.plan.json", "-p", tmp_path / "plant.yaml")
     assert judged.code == 1
-    assert "broken     hard pierce-pass" in judged.out
+    assert f"broken     hard {'totals' if change == 'too soon' else 'pierce-pass'}" in judged.out
 
 
 CLOSE = [{"id": f"R{k}", "outer": [[x, 20], [x + 60, 20], [x + 60, 120], [x, 120]]}
