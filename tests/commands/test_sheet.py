@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import kerfwise as package
@@ -42,7 +43,7 @@ def test_what_stands_on_it(plan: Path) -> None:
     )
     words = ["--program", "b.nc", "--date", "2026-11-22", "--about", "order=47/11", "-o", "b.pdf"]
     ended = kerfwise("sheet", "sheet.json", "b.plan.json", "-p", "shop.yaml", *words)
-    assert (ended.code, ended.out, ended.err) == (0, "written: b.pdf\n", "")
+    assert (ended.code, ended.out) == (0, "written: b.pdf\n"), ended.err
     document = read("b.pdf")
     assert len(document) == 1
     text = document[0].get_text()
@@ -77,6 +78,26 @@ def test_without_the_program_it_is_the_one_that_solve_writes(plan: Path) -> None
     assert kerfwise("sheet", "sheet.json", plan).code == 0
     assert Path("sheet.pdf").read_bytes() == Path("two.pdf").read_bytes()
     assert Path("one.pdf").read_bytes() != Path("two.pdf").read_bytes(), "the program's name is printed"
+
+
+def test_the_job_file_of_the_nest_is_on_it(plan: Path) -> None:
+    Path("sheet.job.yaml").write_text("order: A-77\ndue: 2026-12-24\nquantity: 4\nlocks: [P1.outer first]\n")
+    assert kerfwise("solve", "sheet.json", "--work", 1, "-o", "j.nc", "--plan", "j.plan.json").code == 0
+    assert kerfwise("sheet", "sheet.json", "j.plan.json", "--about", "due=Monday", "-o", "j.pdf").code == 0
+    text = read("j.pdf")[0].get_text()
+    assert all(said in text for said in ("A-77", "Monday", "4 of the same", "{contour: P1.outer, position: first}"))
+    assert "2026-12-24" not in text
+    assert kerfwise("sheet", "sheet.json", plan, "--no-job", "-o", "n.pdf").code == 0
+    assert "A-77" not in read("n.pdf")[0].get_text()
+
+
+def test_the_code_is_read_from_the_paper(plan: Path) -> None:
+    zxingcpp = pytest.importorskip("zxingcpp")
+    assert kerfwise("sheet", "sheet.json", plan, "--program", "a.nc").code == 0
+    image = read("sheet.pdf")[0].get_pixmap(dpi=150)
+    pixels = np.frombuffer(image.samples, np.uint8).reshape(image.height, image.width, image.n)
+    (found,) = zxingcpp.read_barcodes(pixels)
+    assert found.text == f"SHA256 {hashlib.sha256(Path('a.nc').read_bytes()).hexdigest().upper()}"
 
 
 @pytest.mark.slow
@@ -118,11 +139,11 @@ def test_many_cuts_go_on_to_more_pages_and_every_number_can_be_read(plan: Path) 
 
 
 def test_several_nests_make_one_paper(plan: Path) -> None:
-    from kerfwise.jobs.given import given_of
+    from kerfwise.jobs.nest_job.asked import Asked, given_for
     from kerfwise.jobs.sheets import sheets_pdf, work_sheet
     from kerfwise.models.plan.reader import read_plan
 
-    one = work_sheet(given_of("sheet.json"), read_plan(plan))
+    one = work_sheet(given_for("sheet.json", Asked()), read_plan(plan))
     Path("both.pdf").write_bytes(sheets_pdf([one, one], "today"))
     texts = [page.get_text() for page in read("both.pdf")]
     assert len(texts) == 2
