@@ -73,7 +73,12 @@ class Dialect:
         )
     )
     feed: str = field(metadata=option(Block(needs=("mm_min",)), "the feed word, with {mm_min}"))
-    dwell: str = field(metadata=option(Block(needs=("seconds", "milliseconds")), "the block that waits, with its time"))
+    dwell: tuple[str, ...] = field(
+        metadata=option(
+            Blocks(Block(holes=("seconds", "milliseconds")), some=True),
+            "the blocks that wait, one of them with {seconds} or {milliseconds}",
+        )
+    )
     pierce_dwell: PierceDwell = field(
         metadata=option(
             Choice(("machine", "program")), "whether the program waits for the pierce, or the machine does so by itself"
@@ -98,6 +103,10 @@ class Dialect:
     )
     chord_mm: float = field(
         default=0.01, metadata=option(LENGTH, "how far chords may be off an arc, where there are no arcs")
+    )
+    greatest_sweep_deg: float = field(
+        default=180.0,
+        metadata=option(Number(1, 180), "how far an arc may turn, in degrees: longer ones are written in equal pieces"),
     )
     feed_alone: bool = field(
         default=False, metadata=option(Flag(), "whether the feed is a block of its own, before the path")

@@ -109,6 +109,10 @@ def parse_dialect(text: str, file: str) -> Dialect:
         raise wrong_at(
             at, f"decimals: they make steps of {dialect.step_mm:g} mm; expected {_COARSEST_MM:g} mm or less (see scale)"
         )
+    times = [hole for block in dialect.dwell for hole in ("{seconds}", "{milliseconds}") if hole in block]
+    if len(times) != 1:
+        at = problems.place(deepest(root, "dwell"))
+        raise wrong_at(at, "dwell: expected one {seconds} or {milliseconds} in all its blocks")
     for key in ("torch_on", "mark_on"):
         hole = next((h for h in POWERS for block in getattr(dialect, key) if f"{{{h}}}" in block), None)
         if hole is not None and dialect.powers is None:

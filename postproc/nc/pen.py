@@ -71,16 +71,17 @@ class Pen:
             if block != wait:
                 made.append(block.format(mm_min=self._feed(feed_mm_s), dwell="", **self.powers))
             elif dwell_s > 0:
-                made.append(self.wait(dwell_s))
+                made += self.wait(dwell_s)
         return made
 
     def stop(self, marks: bool) -> tuple[str, ...]:
         """Stop it."""
         return self.dialect.mark_off if marks else self.dialect.torch_off
 
-    def wait(self, seconds: float) -> str:
-        """The block that waits."""
-        return self.dialect.dwell.format(seconds=number(seconds, 3), milliseconds=number(seconds * 1000, 0))
+    def wait(self, seconds: float) -> list[str]:
+        """The blocks that wait."""
+        time = {"seconds": number(seconds, 3), "milliseconds": number(seconds * 1000, 0)}
+        return [block.format(**time) for block in self.dialect.dwell]
 
     def path(
         self,
@@ -94,9 +95,9 @@ class Pen:
         With `corners` the feed changes where they say. Over the stretches `unlit`, mm from its start, the torch goes
         out, and moves on.
 
-        Arcs beyond a half turn are split in two, because near a full turn the last decimal decides between all and
-        nothing. Arcs that turn less than 0.001 rad become chords within 0.001 mm, those that rise less than 0.0025 mm
-        one line: LinuxCNC refuses a radius under 0.00127 mm.
+        Arcs beyond a half turn are split, because near a full turn the last decimal decides between all and
+        nothing; others where the dialect allows less. Arcs that turn less than 0.001 rad become chords within 0.001 mm,
+        those that rise less than 0.0025 mm one line: LinuxCNC refuses a radius under 0.00127 mm.
         """
         dialect = self.dialect
         blocks: list[str] = []
@@ -160,9 +161,10 @@ class Pen:
         chords = dialect.arc_centre == "none"
         if rise_mm < RISE_MM:
             yield Segment(segment.start, segment.end)
-        elif not chords and _turns_far(segment, dialect):
-            yield from self._pieces(segment.between(0.0, 0.5))
-            yield from self._pieces(segment.between(0.5, 1.0))
+        elif not chords and (count := pieces_of_arc(segment, dialect)) > 1:
+            yield from (
+                piece for k in range(count) for piece in self._pieces(segment.between(k / count, (k + 1) / count))
+            )
         elif chords or abs(segment.sweep_rad) < FLAT_RAD:
             at = segment.start
             for x, y in segment.flatten(dialect.chord_mm if chords else CHORD_MM).tolist():
@@ -178,10 +180,12 @@ class Pen:
         return x + round((point[0] - x) * scale, d) / scale, y + round((point[1] - y) * scale, d) / scale
 
 
-def _turns_far(segment: Segment, dialect: Dialect) -> bool:
+def pieces_of_arc(segment: Segment, dialect: Dialect) -> int:
+    """In how many pieces an arc is written: none turns further than the dialect says."""
+    most = math.radians(dialect.greatest_sweep_deg)
     if dialect.arc_centre == "radius":
-        return abs(segment.sweep_rad) > _BY_RADIUS_RAD
-    return abs(segment.bulge) > 1.0 + 1e-6
+        most = min(most, _BY_RADIUS_RAD)
+    return max(1, math.ceil(abs(segment.sweep_rad) / most - 1e-6))
 
 
 def _spelt(motion: str, words: dict[str, str]) -> str:

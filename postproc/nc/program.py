@@ -199,7 +199,7 @@ def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: Pen, stay
         yield from pen.select(mark)
         yield pen.rapid(made.path.point_at(0.0))
         if made.planned.dwell_s > 0:  # metal cools, the torch being off
-            yield pen.wait(made.planned.dwell_s)
+            yield from pen.wait(made.planned.dwell_s)
         waits = pierce_dwell_of(profile, dialect) == "program"
         start_s = machine.edge_preheat_s if made.edge_start else 0.0 if made.pierced else machine.pierce_time_s
         yield from pen.start(mark, (machine.mark_time_s if mark else start_s) if waits else 0.0, feed_mm_s)

@@ -19,7 +19,7 @@ from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.postproc.check.reader.reader import read_nc
 from kerfwise.postproc.dialects import Dialect, fitting_dialect
 from kerfwise.postproc.nc.blocks import comment, numbered
-from kerfwise.postproc.nc.pen import Pen
+from kerfwise.postproc.nc.pen import Pen, pieces_of_arc
 from kerfwise.postproc.nc.program import program_number
 from kerfwise.rules.options.yaml_positions import place_in, wrong_at
 from kerfwise.rules.profile.dialect_kind import ENDINGS
@@ -111,7 +111,7 @@ def _run(tool: str, path: Curve, pen: Pen) -> Iterator[_Line]:
     yield from (_Line(f"{tool}_station", block) for block in pen.select(marks))
     yield _Line("rapid", pen.rapid(path.point_at(0.0)))
     yield from (
-        _Line("dwell" if block == wait else f"{tool}_on", block) for block in pen.start(marks, _DWELL_S, _FEED_MM_S)
+        _Line("dwell" if block in wait else f"{tool}_on", block) for block in pen.start(marks, _DWELL_S, _FEED_MM_S)
     )
     blocks = pen.path(path, _FEED_MM_S)
     if pen.dialect.feed_alone:
@@ -187,7 +187,9 @@ def _moved_wrong(burn: Burn, path: Curve, dialect: Dialect, near_mm: float) -> I
             yield "line", f"a path of {path.length_mm:.2f} mm is read as one of {burn.path.length_mm:.2f} mm"
         return
     words = {0.0: "line", 1.0: "arc_ccw", -1.0: "arc_cw"}
-    for asked, read in zip(path.segments, burn.path.segments, strict=False):
+    counted = [(segment, pieces_of_arc(segment, dialect)) for segment in path.segments]
+    meant = [segment.between(k / count, (k + 1) / count) for segment, count in counted for k in range(count)]
+    for asked, read in zip(meant, burn.path.segments, strict=False):
         word = words[float(np.sign(asked.bulge))]
         if (
             _bent_otherwise(asked, read, near_mm)
@@ -197,8 +199,8 @@ def _moved_wrong(burn: Burn, path: Curve, dialect: Dialect, near_mm: float) -> I
             spelt = getattr(dialect, word)
             what = "a line" if not read.bulge else f"an arc {'counter-clockwise' if read.bulge > 0 else 'clockwise'}"
             yield word, f"{spelt!r} makes {what} from {_at(read.start)} to {_at(read.end)}, not what was meant"
-    if len(burn.path.segments) != len(path.segments):
-        yield "line", f"a path of {len(path.segments)} lines and arcs is read as one of {len(burn.path.segments)}"
+    if len(burn.path.segments) != len(meant):
+        yield "line", f"a path of {len(meant)} lines and arcs is read as one of {len(burn.path.segments)}"
 
 
 def _far(one: Point, other: Point, near_mm: float) -> bool:

@@ -73,7 +73,7 @@ def test_a_plant_brings_its_own(tmp_path: Path) -> None:
         (
             "dwell: G4 P{seconds}",
             "dwell: G4 P{seconds!r}",
-            r"dwell: expected one \{seconds\} or \{milliseconds\}, and no other brace",
+            r"dwell: expected a line of text, with no braces but \{seconds\}, \{milliseconds\}",
         ),
         ("comment: ({text})", "comment: '({text}) {'", r"comment: expected one \{text\}, and no other brace"),
         ("comment: ({text})", "comment: '({text.__class__})'", r"comment: expected one \{text\}, and no other brace"),
