@@ -18,7 +18,7 @@ from .given import TRUST, tell_note
 from .numbers import AMOUNT_OVER_ZERO, Amount
 
 if TYPE_CHECKING:
-    from kerfwise.jobs.batch.piece import Machine
+    from kerfwise.jobs.batch.machines import Machines
     from kerfwise.jobs.batch.run import Batch, Run
     from kerfwise.jobs.batch.sources import Source
 
@@ -26,8 +26,8 @@ _NAME = re.compile(r"\w[\w-]*")
 
 
 @click.command()
-@click.option("-p", "--profile", "profiles", metavar="[NAME=]PROFILE", multiple=True, default=[DEFAULT],
-              show_default=True, help="A machine and its profile; once for each machine.")  # fmt: skip
+@click.option("-p", "--profile", "profiles", metavar="[NAME=]PROFILE", multiple=True,
+              help=f"A machine, once for each. Else the profile of the job file, or {DEFAULT}.")  # fmt: skip
 @TRUST
 @click.option("-o", "--output", metavar="OUT", required=True, help="The folder of the programs and of their index.")
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N",
@@ -80,7 +80,7 @@ def command(
     with held(out), _runner(scheduler, jobs) as run:
         store = Store(out)
 
-        def one_round(found: Sequence[Source], now: Sequence[Machine]) -> Batch:
+        def one_round(found: Sequence[Source], now: Machines) -> Batch:
             with BatchProgress() as progress:
                 batch = run_batch(found, now, store, options, __version__, run, progress, refused_again=refused_again)
             click.echo(printed(batch, out))
@@ -114,22 +114,22 @@ def _runner(scheduler: str | None, jobs: int | None) -> Iterator[Run]:
         yield workers.run
 
 
-def _machines(profiles: Sequence[str], trust: bool) -> tuple[Machine, ...]:
+def _machines(profiles: Sequence[str], trust: bool) -> Machines:
     """The machines by their names; one without is named after its profile."""
-    from kerfwise.jobs.batch.rounds import machine_of
+    from kerfwise.jobs.batch.machines import Machine, Machines, machine_of, name_of
 
     found: dict[str, Machine] = {}
     for text in profiles:
         name, equals, profile = text.partition("=")
         if not equals:
-            name, profile = Path(text).stem.replace(" ", "-"), text
+            name, profile = name_of(text), text
         if not _NAME.fullmatch(name):
-            raise InputError(f"-p {text}: {name!r} is no name for a machine: write NAME=PROFILE, the name in letters, "
-                             "digits, - and _")  # fmt: skip
+            said = f"{name!r} is no name for a machine: write NAME=PROFILE, the name in letters, digits, - and _"
+            raise InputError(f"-p {text}: {said}")
         if name.casefold() in found:
             raise InputError(f"-p {text}: two machines have the name {name!r}: write NAME=PROFILE, with another name")
         found[name.casefold()] = machine_of(name, profile, trust)
-    return tuple(found.values())
+    return Machines(tuple(found.values()), trust)
 
 
 def _expect_apart(given: Sequence[Path], out: Path) -> None:

@@ -74,10 +74,9 @@ def printed(batch: Batch, out: Path) -> str:
 
 
 def _lines(batch: Batch, out: Path) -> Iterator[str]:
-    names = [machine.name for machine in batch.machines]
-    width = max(map(len, ["machine", *names]))
+    width = max(map(len, ["machine", *batch.machines]))
     yield f"{'machine':{width}}  {'planned':>7} {'refused':>7}  {'time':>9} {'cost':>12}  {'idle m':>9} {'excuses':>7}"
-    for total in totals(batch.rows, names):
+    for total in totals(batch.rows, batch.machines):
         yield (
             f"{total.machine:{width}}  {total.planned:7} {total.refused:7}  {clock(total.time_s):>9} "
             f"{money(total.cost, total.currency):>12}  {total.idle_mm / 1000:9.3f} {total.excuses:7}"

@@ -27,7 +27,7 @@ def card(nest: str, rows: Sequence[Row]) -> str:
     picture = f"<div class=picture>{picture}</div>" if picture else ""
     lines = [
         f'<article id="{anchor(nest)}"><h3>{escape(shown(nest))}</h3>',
-        f"<p class=file>{escape(shown(rows[0].source))}</p>{picture}",
+        f"<p class=file>{escape(shown(rows[0].source))}</p>{_sheets(rows[0])}{picture}",
         "<table><tr><th>machine<th>time<th>cost<th>idle<th>gap",
         *(line for row in rows for line in _machine(row, rows)),
         "</table>",
@@ -37,6 +37,13 @@ def card(nest: str, rows: Sequence[Row]) -> str:
             listed = "".join(f"<li>{escape(shown(text))}" for text in sentences)
             lines.append(f"<details><summary>{title}: {len(sentences)}</summary><ul>{listed}</ul></details>")
     return "\n".join([*lines, "</article>"])
+
+
+def _sheets(row: Row) -> str:
+    """How many sheets, for which order, by which day, where the job file says something of it."""
+    said = [f"{row.quantity} sheets"] if row.quantity > 1 else []
+    said += [f"{word} {text}" for word, text in (("order", row.order), ("due", row.due)) if text]
+    return f"<p>{escape(shown(', '.join(said)))}</p>" if said else ""
 
 
 def _machine(row: Row, rows: Sequence[Row]) -> Iterator[str]:

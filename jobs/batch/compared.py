@@ -10,11 +10,15 @@ from .row import Row
 
 @dataclass(frozen=True, slots=True)
 class Total:
-    """All nests on one machine; `cost` is None where a nest that is planned has none."""
+    """All sheets of all nests on one machine; `cost` is None where a nest that is planned has none.
+
+    `planned` and `refused` are nests, and `excuses` those of their plans, however many sheets are cut.
+    """
 
     machine: str
     planned: int
     refused: int
+    sheets: int
     time_s: float
     cut_mm: float
     idle_mm: float
@@ -29,19 +33,21 @@ def totals(rows: Sequence[Row], machines: Iterable[str]) -> tuple[Total, ...]:
 
 
 def _total(machine: str, rows: Sequence[Row]) -> Total:
-    all_figures = [row.figures for row in rows if row.figures is not None]
-    costs = [figures.cost for figures in all_figures if figures.cost is not None]
-    priced = bool(costs) and len(costs) == len(all_figures)
+    sheets = [(row.figures, row.quantity) for row in rows if row.figures is not None]
+    costs = [figures.cost * quantity for figures, quantity in sheets if figures.cost is not None]
+    currencies = {figures.currency for figures, _ in sheets}
+    priced = bool(costs) and len(costs) == len(sheets) and len(currencies) == 1
     return Total(
         machine=machine,
-        planned=len(all_figures),
-        refused=len(rows) - len(all_figures),
-        time_s=round(sum(figures.time_s for figures in all_figures), 3),
-        cut_mm=round(sum(figures.cut_mm for figures in all_figures), 3),
-        idle_mm=round(sum(figures.idle_mm for figures in all_figures), 3),
+        planned=len(sheets),
+        refused=len(rows) - len(sheets),
+        sheets=sum(quantity for _, quantity in sheets),
+        time_s=round(sum(figures.time_s * quantity for figures, quantity in sheets), 3),
+        cut_mm=round(sum(figures.cut_mm * quantity for figures, quantity in sheets), 3),
+        idle_mm=round(sum(figures.idle_mm * quantity for figures, quantity in sheets), 3),
         cost=round(sum(costs), 4) if priced else None,
-        currency=all_figures[0].currency if priced else "",
-        excuses=sum(len(figures.excuses) for figures in all_figures),
+        currency=currencies.pop() if priced else "",
+        excuses=sum(len(figures.excuses) for figures, _ in sheets),
     )
 
 

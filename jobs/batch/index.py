@@ -16,8 +16,8 @@ from .page import page
 from .row import Row
 
 FORMAT = "kerfwise-batch-index/1"
-COLUMNS = ("nest", "file", "machine", "ended", "time_s", "cost", "currency", "idle_mm", "cut_mm", "pierces",
-           "contours", "gap", "excuses", "quickest", "cheapest", "program", "told")  # fmt: skip
+COLUMNS = ("nest", "file", "quantity", "order", "due", "machine", "ended", "time_s", "cost", "currency", "idle_mm",
+           "cut_mm", "pierces", "contours", "gap", "excuses", "quickest", "cheapest", "program", "told")  # fmt: skip
 
 
 def index_files(rows: Sequence[Row], machines: Sequence[str]) -> Mapping[str, str]:
@@ -39,8 +39,9 @@ def _table(rows: Sequence[Row]) -> str:
         for row in of_nest:
             figures = {} if row.figures is None else asdict(row.figures) | {"excuses": len(row.figures.excuses)}
             said = {"nest": row.nest, "file": row.source, "machine": row.machine, "ended": row.ended, "told": row.told}
+            sheets = {"quantity": row.quantity, "order": row.order, "due": row.due}
             marks = {column: "yes" if machine == row.machine else "" for column, machine in best.items()}
-            writer.writerow({**said, **figures, **marks, "program": file_of(row, ".nc")})
+            writer.writerow({**said, **sheets, **figures, **marks, "program": file_of(row, ".nc")})
     return text.getvalue().encode("utf-8", "backslashreplace").decode()
 
 
@@ -52,6 +53,9 @@ def _data(rows: Sequence[Row], machines: Sequence[str]) -> Mapping[str, Any]:
             {
                 "nest": nest,
                 "file": of_nest[0].source,
+                "quantity": of_nest[0].quantity,
+                "order": of_nest[0].order,
+                "due": of_nest[0].due,
                 "quickest": quickest(of_nest),
                 "cheapest": cheapest(of_nest),
                 "on": [_row(row) for row in of_nest],

@@ -46,6 +46,7 @@ def _totals(rows: Sequence[Row], machines: Sequence[str]) -> Iterator[str]:
     lines = {
         "planned": [str(total.planned) for total in sums],
         "refused": [str(total.refused) for total in sums],
+        "sheets": [str(total.sheets) for total in sums],
         "time": [clock(total.time_s) for total in sums],
         "cost": [money(total.cost, total.currency) for total in sums],
         "cut": [metres(total.cut_mm) for total in sums],

@@ -9,6 +9,7 @@ from typing import Any, Literal, get_args
 
 Ended = Literal["planned", "refused", "no fit", "no plan", "not safe", "fault"]
 FORMAT = "kerfwise-batch/1"
+PLAN = ".plan.json"
 RECORD = ".batch.json"
 """What the name of a record ends in, beside the program."""
 
@@ -36,7 +37,8 @@ class Row:
     """One nest on one machine.
 
     `nest` is its name in the folder of the batch, `source` its file. `ended` says whether it was planned, or how it was
-    refused, and `told` why; `relax` that some rules may give way. `key` is the sha256 of all that the answer depends
+    refused, and `told` why; `relax` that some rules may give way. `quantity` is how many sheets are cut, `order` and
+    `due`, a day, for whom and when, where its job file says so. `key` is the sha256 of all that the answer depends
     on, `files` have the sha256 of each by its name.
     """
 
@@ -46,6 +48,9 @@ class Row:
     ended: Ended
     told: str = ""
     relax: bool = False
+    quantity: int = 1
+    order: str = ""
+    due: str = ""
     figures: Figures | None = None
     notes: tuple[str, ...] = ()
     thumbnail: str = ""

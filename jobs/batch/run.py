@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Protocol
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.files import write_files
 
 from .index import index_files
-from .piece import Machine, Made, Options, Piece, fault, plan_piece
+from .machines import Machines, job_of
+from .piece import Options, Piece
+from .planning import Made, fault, plan_piece
 from .row import Row
 from .sources import Source, named
 from .store import Store
@@ -58,7 +61,7 @@ class Batch:
     """
 
     rows: tuple[Row, ...]
-    machines: tuple[Machine, ...]
+    machines: tuple[str, ...]
     again: int = 0
     waiting: int = 0
     interrupted: bool = False
@@ -74,7 +77,7 @@ class Batch:
 
 def run_batch(
     sources: Iterable[Source],
-    machines: Sequence[Machine],
+    machines: Machines,
     store: Store,
     options: Options,
     version: str,
@@ -89,11 +92,7 @@ def run_batch(
     program is written as soon as it is there: whoever kills this loses what is being planned, and nothing else.
     """
     watcher = watcher or Watcher()
-    pieces = [
-        Piece(name, source.file, machine, options, version)
-        for name, source in named(sources, store.names()).items()
-        for machine in machines
-    ]
+    pieces = list(_pieces(named(sources, store.names()), machines, store.out, options, version))
     rows: dict[Piece, Row] = {}
     tasks = []
     for piece in pieces:
@@ -112,9 +111,21 @@ def run_batch(
     except KeyboardInterrupt:
         interrupted = True
     done = tuple(rows[piece] for piece in pieces if piece in rows)
-    batch = Batch(done, tuple(machines), again, len(pieces) - len(done), interrupted)
-    write_files({store.out / name: text for name, text in index_files(done, [m.name for m in machines]).items()})
-    return batch
+    names = tuple(dict.fromkeys([*(m.name for m in machines.named), *(piece.machine.name for piece in pieces)]))
+    write_files({store.out / name: text for name, text in index_files(done, names).items()})
+    return Batch(done, names, again, len(pieces) - len(done), interrupted)
+
+
+def _pieces(
+    sources: Mapping[str, Source], machines: Machines, out: Path, options: Options, version: str
+) -> Iterator[Piece]:
+    """Each nest on the machines that it is for, with what its job file says of the sheets."""
+    for name, source in sources.items():
+        job = job_of(source.file)
+        quantity, order, due = (1, "", None) if job is None else (job.quantity, job.order or "", job.due)
+        for machine in machines.of(job):
+            day = "" if due is None else due.isoformat()
+            yield Piece(name, source.file, machine, options, version, out, quantity, order, day)
 
 
 def _kept(task: Task, made: Made | Exception, store: Store) -> Row:

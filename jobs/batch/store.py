@@ -15,7 +15,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.content_key import UNREADABLE, holds
 from kerfwise.postproc.files import make_folder, write_files
 
-from .row import RECORD, Row, row_of
+from .row import PLAN, RECORD, Row, row_of
 
 LOCK = ".batch.lock"
 """An empty file: that it is there says that the folder is a batch's, that it is locked that a run writes there."""
@@ -75,6 +75,8 @@ class Store:
     def keep(self, row: Row, files: Mapping[str, str | bytes]) -> Row:
         """Write the files of a row with its record, all of them or none; files that it has no more are removed first.
 
+        An old plan stays: the job file may call cuts by the numbers that they have in it.
+
         Raises
         ------
         InputError
@@ -85,7 +87,8 @@ class Store:
         make_folder(record.parent, parents=True)
         before = self._rows.get((row.machine, row.nest))
         for name in sorted((before.files if before is not None else {}).keys() - row.files.keys()):
-            _remove(record.parent / Path(name).name)
+            if not name.endswith(PLAN):
+                _remove(record.parent / Path(name).name)
         write_files({**{record.parent / name: content for name, content in files.items()}, record: row.as_json()})
         self._rows[row.machine, row.nest] = row
         return row

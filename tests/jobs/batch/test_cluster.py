@@ -15,8 +15,8 @@ from kerfwise.benchmarks.dask_here import cluster
 from kerfwise.encoder.contents import contents
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.batch.cluster import Cluster
+from kerfwise.jobs.batch.machines import Machines, machine_of
 from kerfwise.jobs.batch.piece import Options, Piece
-from kerfwise.jobs.batch.rounds import machine_of
 from kerfwise.jobs.batch.row import Row
 from kerfwise.jobs.batch.run import Watcher, plan_task, run_batch
 from kerfwise.jobs.batch.sources import sources_in
@@ -57,7 +57,7 @@ class Killing(Watcher):
 
 def test_every_nest_is_done_once_though_a_worker_is_killed(tmp_path: Path) -> None:
     given, options = write_nests(tmp_path / "in"), Options(work=0.2)
-    machines, told = [machine_of("plasma", "plasma-carbon-steel", False)], []
+    machines, told = Machines((machine_of("plasma", "plasma-carbon-steel", False),)), []
     with scheduler_and_workers(tmp_path, 2) as (address, workers):
         watcher = Killing(workers[0])
         with Cluster(plan_task, address, told.append) as workers_there:

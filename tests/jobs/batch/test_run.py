@@ -12,9 +12,10 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.contents import contents
-from kerfwise.jobs.batch import piece as pieces
-from kerfwise.jobs.batch.piece import Machine, Options, Piece, plan_piece
-from kerfwise.jobs.batch.rounds import machine_of
+from kerfwise.jobs.batch import planning
+from kerfwise.jobs.batch.machines import Machine, Machines, machine_of
+from kerfwise.jobs.batch.piece import Options, Piece
+from kerfwise.jobs.batch.planning import plan_piece
 from kerfwise.jobs.batch.run import Batch, Watcher, plan_task, run_batch
 from kerfwise.jobs.batch.sources import sources_in
 from kerfwise.jobs.batch.store import Store
@@ -50,7 +51,7 @@ class Batches:
         noted, sources = Noted(), sources_in([self.given], self.out)
         run = more.pop("run", in_turn(plan_task))
         store = Store(self.out)
-        batch = run_batch(sources, self.machines, store, options, "1", run, noted, **more)  # type: ignore[arg-type]
+        batch = run_batch(sources, Machines(tuple(self.machines)), store, options, "1", run, noted, **more)  # type: ignore[arg-type]
         self.begun = noted.names
         return batch
 
@@ -117,7 +118,7 @@ def test_what_has_changed_is_planned_again_and_nothing_else(batches: Batches, tm
 @pytest.mark.slow
 def test_a_fault_of_one_stops_no_other_and_is_tried_again(batches: Batches, monkeypatch: pytest.MonkeyPatch) -> None:
     write_nests(batches.given, ("one", "two", "three"))
-    real = pieces.drawn_nest
+    real = planning.drawn_nest
 
     def broken(nest: Path, *given: object, **more: object) -> object:
         if nest.stem == "three":
@@ -125,7 +126,7 @@ def test_a_fault_of_one_stops_no_other_and_is_tried_again(batches: Batches, monk
         return real(nest, *given, **more)  # type: ignore[arg-type]
 
     with monkeypatch.context() as patched:
-        patched.setattr(pieces, "drawn_nest", broken)
+        patched.setattr(planning, "drawn_nest", broken)
         batch = batches.run()
     assert batch.exit_code == 70
     assert [row.ended for row in batch.rows] == ["planned", "fault", "planned"]
@@ -136,12 +137,12 @@ def test_a_fault_of_one_stops_no_other_and_is_tried_again(batches: Batches, monk
 
 def test_a_nest_that_changes_while_it_is_planned_is_not_taken(batches: Batches) -> None:
     write_nests(batches.given, ("one",))
-    piece = Piece("one", batches.given / "one.json", batches.machines[0], Options(work=WORK), "1")
+    piece = Piece("one", batches.given / "one.json", batches.machines[0], Options(work=WORK), "1", batches.out)
     made = plan_piece(piece, "another key")
     assert (made.row.ended, made.contents) == ("fault", {})
     assert "its file changed" in made.row.told
     other = Machine("plasma", "plasma-carbon-steel", "another sha256")
-    piece = Piece("one", batches.given / "one.json", other, Options(work=WORK), "1")
+    piece = Piece("one", batches.given / "one.json", other, Options(work=WORK), "1", batches.out)
     assert "the profile plasma-carbon-steel changed" in plan_piece(piece, piece.key()).row.told
 
 
@@ -225,3 +226,68 @@ def test_a_batch_that_is_interrupted_says_so_and_goes_on(batches: Batches) -> No
     assert (batches.out / "index.html").exists()
     batch = batches.run()
     assert (batch.exit_code, batch.again, len(batches.begun)) == (0, 1, 2)
+
+
+JOB = "quantity: 3\norder: 4711\ndue: 2026-12-24\nlocks: ['#2 first']\nset: {machine.cut_feed: 1 m/min}\n"
+
+
+@pytest.mark.slow
+def test_a_job_file_is_kept_and_known(batches: Batches) -> None:
+    write_nests(batches.given, ("two",))
+    plain = batches.run().rows[0]
+    second = json.loads(contents(batches.out / "plasma" / "two.plan.json"))["cuts"][1]["contour"]
+    job = batches.given / "two.job.yaml"
+    job.write_text(JOB)
+    batch = batches.run()
+    assert batches.begun == [("two", "plasma")]
+    (row,) = batch.rows
+    assert (row.quantity, row.order, row.due) == (3, "4711", "2026-12-24")
+    assert row.figures is not None
+    assert plain.figures is not None
+    assert row.figures.time_s > plain.figures.time_s, "it is cut more slowly"
+    plan = json.loads(contents(batches.out / "plasma" / "two.plan.json"))
+    assert plan["cuts"][0]["contour"] == second
+    (total,) = json.loads(contents(batches.out / "index.json"))["machines"]
+    assert (total["sheets"], total["time_s"]) == (3, pytest.approx(3 * row.figures.time_s))
+    assert "3 sheets, order 4711, due 2026-12-24" in contents(batches.out / "index.html").decode()
+    batches.run()
+    assert batches.begun == []
+    job.write_text(JOB.replace("first", "frist"))
+    wrong = batches.run()
+    assert [(row.ended, "two.job.yaml:4:9" in row.told) for row in wrong.rows] == [("no fit", True)]
+    assert not (batches.out / "plasma" / "two.nc").exists()
+    job.write_text(JOB)
+    assert batches.run().exit_code == 0
+    again = json.loads(contents(batches.out / "plasma" / "two.plan.json"))
+    assert again["cuts"][0]["contour"] == second, "#2 is what it was when the planner looked"
+
+
+def test_a_nest_is_planned_where_its_job_file_says(batches: Batches, tmp_path: Path) -> None:
+    write_nests(batches.given, ("one", "two"))
+    plant = tmp_path / "plants" / "the laser.yaml"
+    plant.parent.mkdir()
+    plant.write_text("based_on: laser-amg3m-1mm\nname: big laser\n")
+    batches.machines.append(machine_of("laser", str(plant), False))
+    (batches.given / "one.job.yaml").write_text("machine: big Laser\n")
+    asked: list[tuple[str, str]] = []
+
+    def noted(tasks: Iterable[object], began: object) -> Iterable[object]:
+        asked.extend((task.piece.name, task.piece.machine.name) for task in tasks)  # type: ignore[attr-defined]
+        return ()
+
+    batches.run(run=noted)
+    assert asked == [("one", "laser"), ("two", "plasma"), ("two", "laser")]
+    asked.clear()
+    batches.machines = []
+    (batches.given / "one.job.yaml").write_text(f"profile: {plant}\n")
+    batches.run(run=noted)
+    assert asked == [("one", "the-laser"), ("two", "plasma-carbon-steel")]
+
+
+def test_a_profile_of_a_job_file_that_is_not_there(batches: Batches) -> None:
+    write_nests(batches.given, ("one",))
+    (batches.given / "one.job.yaml").write_text("profile: plants/none.yaml\n")
+    batches.machines = []
+    (row,) = batches.run().rows
+    assert (row.machine, row.ended) == ("none", "no fit")
+    assert "plants/none.yaml" in row.told

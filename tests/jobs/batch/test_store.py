@@ -13,7 +13,7 @@ from kerfwise.jobs.batch.store import LOCK, Store, held
 
 FIGURES = Figures(2, 2, 400.0, 80.0, 12.5, 0.01, ("rule: why",), 1.25, "EUR")
 ROW = Row("more/a", "a.json", "plasma", "planned", figures=FIGURES, notes=("warning: x",), thumbnail="<svg/>", key="k")
-FILES = {"a.nc": "G21\n", "a.svg": b"<svg/>"}
+FILES = {"a.nc": "G21\n", "a.plan.json": "{}", "a.svg": b"<svg/>"}
 
 
 def test_a_record_is_read_back_as_it_was() -> None:
@@ -51,7 +51,7 @@ def test_a_fault_is_never_finished(tmp_path: Path) -> None:
 def test_a_program_of_an_older_nest_does_not_stay_beside_a_refusal(tmp_path: Path) -> None:
     Store(tmp_path).keep(ROW, FILES)
     Store(tmp_path).keep(Row("more/a", "a.json", "plasma", "refused", "open", key="k2"), {})
-    assert [path.name for path in (tmp_path / "plasma" / "more").iterdir()] == ["a.batch.json"]
+    assert sorted(path.name for path in (tmp_path / "plasma" / "more").iterdir()) == ["a.batch.json", "a.plan.json"]
 
 
 def test_a_record_names_no_file_elsewhere(tmp_path: Path) -> None:

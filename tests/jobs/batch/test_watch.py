@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.jobs.batch.piece import Machine
-from kerfwise.jobs.batch.rounds import keep_on, machine_of
+from kerfwise.jobs.batch.machines import Machines, machine_of
+from kerfwise.jobs.batch.rounds import keep_on
 from kerfwise.jobs.batch.watch import LOOK_S, SETTLED_S, Settling, watch
 
 
@@ -87,13 +87,15 @@ def test_a_profile_that_is_broken_meanwhile_is_waited_for(tmp_path: Path, monkey
     told: list[str] = []
     rounds: list[tuple[int, str]] = []
 
-    def one_round(sources: object, machines: list[Machine]) -> None:
-        rounds.append((len(sources), machines[0].sha256))  # type: ignore[arg-type]
+    def one_round(sources: object, machines: Machines) -> None:
+        rounds.append((len(sources), machines.named[0].sha256))  # type: ignore[arg-type]
 
     monkeypatch.setattr("kerfwise.jobs.batch.rounds.watch", lambda files, arrived: watch(
         files, arrived, clock=lambda: time.now_s, sleep=time.sleep))  # fmt: skip
     with pytest.raises(Ends):
-        keep_on([tmp_path / "in"], tmp_path / "out", [machine_of("m", str(plant), False)], one_round, told.append)  # type: ignore[arg-type]
+        keep_on(
+            [tmp_path / "in"], tmp_path / "out", Machines((machine_of("m", str(plant), False),)), one_round, told.append
+        )  # type: ignore[arg-type]
     assert [text.partition(": ")[0] for text in told] == [f"{plant}:3:1"]
     assert len({sha256 for _, sha256 in rounds}) == 2
     assert rounds[0][0] == rounds[-1][0] == 1
