@@ -33,7 +33,10 @@ _FAR = 0.75
 
 @dataclass(frozen=True, eq=False)
 class Neighbours:
-    """The lines that parts are cut along, and the sheet's edges: `owner` are numbers of parts, -1 for an edge."""
+    """The lines that are cut, and the sheet's edges: `owner` are numbers of parts, -1 for an edge.
+
+    What a scrap line cuts off a tab holds to nothing.
+    """
 
     tree: shapely.STRtree
     owner: Ints
@@ -44,7 +47,7 @@ class Neighbours:
         cut = [
             (contour.line, owner)
             for contour, owner in zip(nest.contours, nest.owners, strict=True)
-            if contour.shapes_part
+            if contour.shapes_part or contour.kind == "scrap"
         ]
         edges = [(ring, -1) for ring in shapely.get_rings(nest.sheet.polygon)]
         lines, owner = zip(*cut, *edges, strict=True)

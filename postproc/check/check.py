@@ -12,6 +12,7 @@ from kerfwise.postproc.check.reader.old import Trusted
 from kerfwise.postproc.check.reader.on_machine import on_its_origin, other_origin, read_on_machine
 from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.rules.judging.kerf_starts import in_older_kerfs
+from kerfwise.rules.profile.cuts_section import Scrap
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
@@ -34,6 +35,7 @@ from .relaxed import Relaxed, read_relaxed, relaxed_warnings
 from .result import CheckResult, Judgement, Measured
 from .running import judge_running
 from .runs_from_cuts import runs_from_cuts, unlit_tabs
+from .skeleton_pieces import wrong_pieces
 from .slits import Slots, misplaced, passes_of_cuts, passes_of_program, slits_of_made, told_of_slots, with_passes
 from .small_holes import Judged, judged_nest, small_holes, told_of_small_holes
 from .torch_run import TorchRun
@@ -191,6 +193,11 @@ def _judge_paths(
         judgement("burnt-twice", burnt_twice(several, _overcut_mm(profile))),
         judgement("links", bad_links(runs, kerf_mm, profile.cuts.links.longest_mm)),
         judgement("loose-metal", [*burnt_loose(nest, runs, kerf_mm), *off_the_frame(nest, runs, made, kerf_mm)]),
+        *(
+            [judgement("scrap-pieces", wrong_pieces(nest, runs, made, profile))]
+            if profile.cuts.scrap != Scrap()
+            else []
+        ),
         judgement("small-holes", small_holes(judged_by, cuts, whole, profile)),
         judgement("contour-geometry", _of("contour-geometry", faults)),
         judgement(

@@ -90,8 +90,8 @@ class HoldSmallParts(Rule[HoldSmallPartsOptions]):
 
     - **Links**: No link leads to a part with tabs or from one, and links keep off the metal that tabs hang on.
     - **Tabs**: The rule makes them, and the check looks for them in the program.
-    - **Scrap lines**: A part stays on its tabs, and leaves with its piece of the skeleton. Draw no line so that it ends
-      at a tab, where it would take metal that holds.
+    - **Scrap lines**: A part stays on its tabs, and leaves with its piece of the skeleton. Tabs keep off the lines,
+      which would take the metal that holds.
 
     ## Why
 

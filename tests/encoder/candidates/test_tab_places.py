@@ -148,3 +148,11 @@ def test_no_lead_in_leans_over_a_tab_at_the_end(lead: str) -> None:
         assert way.lead_in is not None
         gap_mm = shapely.distance(shapely.Point(way.end), way.lead_in.line()) - 1.5
         assert gap_mm >= 1.0 - 0.05
+
+
+def test_no_tab_where_a_scrap_line_ends() -> None:
+    """Lines that end at each side of a square, at its middle, where its tabs would be."""
+    square = part("A", rect(50, 50, 60, 60))
+    lines = [[(80, 0), (80, 49)], [(80, 111), (80, 200)], [(0, 80), (49, 80)], [(111, 80), (200, 80)]]
+    for way in ways(nest(200, 200, square, scrap=lines)):
+        assert all(min(math.dist(tab.at, line[k]) for line in lines for k in (0, 1)) > 1.5 for tab in way.tabs)
