@@ -44,6 +44,7 @@ def read_nest(
     sheet_mm: tuple[float, float] | None = None,
     frame: FrameName | None = None,
     repair: bool = False,
+    refit_arcs_mm: float | None = None,
 ) -> Nest:
     """Read a nest from a DXF, SVG or JSON file, by the layers and units that the profile's section `drawing` names.
 
@@ -61,6 +62,8 @@ def read_nest(
         What a single rectangle around everything is, "sheet" or "part", where no layer names the sheet.
     repair
         Mend what can be mended.
+    refit_arcs_mm
+        Make arcs of outlines that were flattened into short lines, this near to them.
 
     Returns
     -------
@@ -79,7 +82,10 @@ def read_nest(
     >>> len(nest.parts), len(nest.contours), nest.contours[0].id
     (8, 16, 'part#1.hole1')
     """
-    return drawn_nest(path, plant_of(profile), units=units, sheet_mm=sheet_mm, frame=frame, repair=repair)
+    plant = plant_of(profile)
+    return drawn_nest(
+        path, plant, units=units, sheet_mm=sheet_mm, frame=frame, repair=repair, refit_arcs_mm=refit_arcs_mm
+    )
 
 
 def load_profile(

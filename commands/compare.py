@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -126,10 +128,16 @@ def _expect_outputs(outputs: Sequence[str], inputs: Sequence[str | None]) -> Non
 
 def _given_twice(profiles: Sequence[str | None], options: dict[str, Any]) -> tuple[Given, Given]:
     """The nest by the profile of A and by that of B; what the reader says twice is said once."""
-    first = read_given(profile=profiles[0], **options)
     if len(profiles) < 2 or profiles[0] == profiles[1]:
+        first = read_given(profile=profiles[0], **options)
         return first, first
-    return first, read_given(profile=profiles[1], **options)
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(said):
+            return read_given(profile=profiles[0], **options), read_given(profile=profiles[1], **options)
+    finally:
+        for line in dict.fromkeys(said.getvalue().splitlines()):
+            click.echo(line, err=True)
 
 
 def _changed(given: Given, with_: Sequence[str], without: Sequence[str]) -> tuple[Given, str]:

@@ -22,6 +22,15 @@ def expect_drawings(svg: str | None, dxf: str | None) -> None:
             raise InputError(f"the reordered drawing is written as {suffix}: give a name that ends so", file=name)
 
 
+def expect_as_drawn(given: Given, svg: str | None, dxf: str | None) -> None:
+    """Say before the work that the drawing does not show what is cut."""
+    if (svg or dxf) and given.nest.bridges:
+        option = "--svg" if svg else "--reordered-dxf"
+        raise InputError(
+            f"{option}: bridges join parts, and the drawing has these apart: --dxf writes the torch's paths"
+        )
+
+
 def drawings(
     plan: Plan, given: Given, svg: str | None, dxf: str | None, options: Mapping[str, Any]
 ) -> dict[Path, str | bytes]:

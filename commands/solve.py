@@ -13,7 +13,7 @@ from kerfwise.encoder.shown import shown
 from kerfwise.models.engines.baselines import STRATEGIES
 
 from .default_names import expect_own
-from .drawings_out import drawings, expect_drawings
+from .drawings_out import drawings, expect_as_drawn, expect_drawings
 from .engine_choice import EngineChoice
 from .given import given_options, note_placing, protect, read_given, tell_note
 from .numbers import AMOUNT_OVER_ZERO, Amount
@@ -108,6 +108,7 @@ def command(
     given = read_given(**options, last=lock_from)
     beside_program = remnant_names(output, given.profile) if output else ()
     protect(given, options["nest"], (*outputs, *beside_program), lock_from)
+    expect_as_drawn(given, svg, reordered_dxf)
     note_placing(given)
     already = already_cut(given, lock_from, upto, redo_last, tell_note)
     limits = options_for(

@@ -16,6 +16,8 @@ from .drawn_order import DrawnOrder, DrawnPlace, Reordered, contours_in_order, n
 from .dxf_out import LAYERS
 
 SHEET_LAYER = "SHEET"
+_BY_BLOCK, _BY_LAYER = 0, 256
+"""Numbers of colours that say whose colour an entity has."""
 
 
 def reordered_dxf(plan: Plan, nest: Nest, file: str | Path, options: ReadOptions) -> Reordered:
@@ -68,6 +70,8 @@ def _pieces(entity: Any, document: Any, order: DrawnOrder, scale: float) -> Iter
         drawn = curve(piece, scale)
         if piece is not entity:
             piece.dxf.layer = layer
+            if piece.dxf.get("color", _BY_LAYER) == _BY_BLOCK:
+                piece.dxf.color = entity.dxf.get("color", _BY_LAYER)
         yield piece, DrawnPlace(0) if drawn is None else order.place(drawn)
 
 

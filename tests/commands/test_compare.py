@@ -109,6 +109,7 @@ def test_two_profiles_judge_each_side_by_its_own(sheet: Path) -> None:
     assert figures["cut_s"]["b"] > 2 * figures["cut_s"]["a"]
     assert figures["idle_mm"]["a"] == figures["idle_mm"]["b"]
     assert "B: the profile is not the one the plan was made with" in ended.err
+    assert len(set(ended.err.splitlines())) == len(ended.err.splitlines()), "nothing is said twice"
 
 
 def test_a_plan_of_another_nest_is_one_message(sheet: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import math
 from collections import Counter
 from collections.abc import Iterator
@@ -242,6 +243,30 @@ def test_a_json_nest_is_drawn_from_its_contours(suffix: str) -> None:
             start = entity.vertices[0].dxf.location
             assert math.dist((start.x, start.y), cut.cut.entry) < 1e-4, "from its entry on"
             assert entity.is_closed
+
+
+def test_a_colour_by_block_is_that_of_the_block() -> None:
+    document = ezdxf.new("R2010", units=4)
+    document.modelspace().add_lwpolyline([(0, 0), (300, 0), (300, 200), (0, 200)], close=True,
+                                         dxfattribs={"layer": "SHEET"})  # fmt: skip
+    block = document.blocks.new("TILE")
+    block.add_lwpolyline([(0, 0), (60, 0), (60, 60)], close=True, dxfattribs={"color": 0})
+    document.modelspace().add_blockref("TILE", (50, 60), dxfattribs={"layer": "CUT", "color": 4})
+    text = io.StringIO()
+    document.write(text)
+    plan, nest = planned("block.dxf", text.getvalue().encode())
+    *_, made = read(reordered_dxf(plan, nest, "block.dxf", ReadOptions()).content)
+    assert (made.dxftype(), made.dxf.layer, made.dxf.color) == ("LWPOLYLINE", "CUT", 4)
+
+
+def test_bridges_are_not_in_the_drawing() -> None:
+    squares = [{"id": name, "outer": rect(x, 20, 100, 100)} for name, x in (("A", 20), ("B", 140))]
+    nest_file("a.json", squares)
+    text = json.loads(Path("a.json").read_text())
+    text["bridges"] = [{"parts": ["A", "B"], "from": [120, 70], "to": [140, 70], "width": 8}]
+    Path("a.json").write_text(json.dumps(text))
+    ended = kerfwise("solve", "a.json", "--work", 1, "--svg", "a.svg")
+    assert (ended.code, "--svg: bridges join parts" in ended.err) == (2, True), ended.err
 
 
 def test_what_the_plan_does_not_cut_is_left_out_and_said() -> None:
