@@ -10,11 +10,13 @@ from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.files import make_folder, write_files
+from kerfwise.rules.profile.made_of import files_of
 from kerfwise.rules.profile.profile import Profile
 
-from .archive_record import RECORD, besides_of, is_there, key_of, record_of, recorded
+from .archive_record import RECORD, besides_of, record_of, recorded
 from .archive_runs import in_turn, side_by_side
 from .archived import Archive, Row
+from .content_key import holds, key_of
 from .given import Tell, silent
 from .old_program import Asked
 from .resequenced import Paths
@@ -63,12 +65,13 @@ def resequence_folder(
         "seed": seed,
     }
     record, besides = recorded(out), besides_of(profile, options, version)
+    of_profile = files_of(profile)  # a dialect's, above all
     rows: dict[str, Row] = {}
     waiting: dict[str, str] = {}
     for name in names:
-        key = key_of(folder / name, besides)
+        key = key_of([folder / name, *of_profile], besides)
         done = record.get(name)
-        if done is not None and done.key == key and is_there(out / name, done.sha256):
+        if done is not None and done.key == key and holds(out / name, done.sha256):
             rows[name] = done
         else:
             waiting[name] = key

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -11,44 +9,20 @@ from pathlib import Path
 from typing import Any
 
 from kerfwise.encoder.contents import contents
-from kerfwise.encoder.errors import InputError
-from kerfwise.rules.profile.made_of import files_of
 from kerfwise.rules.profile.profile import Profile
 
 from .archived import Row
+from .content_key import UNREADABLE
 
 RECORD = "resequence.json"
 """What is kept in the folder of the new programs, of what is finished there."""
 _FORMAT = "kerfwise-resequence/1"
-_UNREADABLE = (OSError, ValueError, InputError)
-"""What `contents` raises."""
 
 
-def besides_of(profile: Profile, options: Mapping[str, Any], version: str) -> bytes:
-    """All that answers depend on besides the program."""
-    said = json.dumps({**options, "asked": asdict(options["asked"])}, sort_keys=True)
-    parts = [part.encode() for part in (version, profile.sha256, repr(profile.machine), said)]
-    for file in files_of(profile):  # a dialect's, above all
-        with contextlib.suppress(*_UNREADABLE):
-            parts.append(contents(file))
-    return b"\0".join(parts)
-
-
-def key_of(path: Path, besides: bytes) -> str:
-    """The sha256 of a program and of all else that its answer depends on; of its name where it cannot be read."""
-    try:
-        data = contents(path)
-    except _UNREADABLE:
-        data = str(path).encode("utf-8", "surrogateescape")
-    return hashlib.sha256(b"\0".join([data, besides])).hexdigest()
-
-
-def is_there(path: Path, sha256: str) -> bool:
-    """Whether a file is there, and as it was."""
-    try:
-        return hashlib.sha256(contents(path)).hexdigest() == sha256
-    except _UNREADABLE:
-        return False
+def besides_of(profile: Profile, options: Mapping[str, Any], version: str) -> dict[str, Any]:
+    """All that answers depend on besides the program and the files of the profile."""
+    of_profile = {"profile": profile.sha256, "machine": repr(profile.machine)}
+    return {"version": version, **of_profile, **options, "asked": asdict(options["asked"])}
 
 
 def recorded(out: Path) -> dict[str, Row]:
@@ -61,7 +35,7 @@ def recorded(out: Path) -> dict[str, Row]:
             row["name"]: Row(**{**row, "idle_mm": tuple(row["idle_mm"]), "time_s": tuple(row["time_s"])})
             for row in data["programs"]
         }
-    except (*_UNREADABLE, LookupError, TypeError, RecursionError):
+    except (*UNREADABLE, LookupError, TypeError, RecursionError):
         return {}
 
 

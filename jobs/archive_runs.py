@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass
 from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +13,7 @@ from kerfwise.encoder.shown import shown
 from kerfwise.rules.profile.profile import Profile
 
 from .archived import Row
+from .processes import Workers
 from .resequence import resequence
 
 
@@ -39,20 +38,19 @@ def side_by_side(
     folder: Path, names: Mapping[str, str], profile: Profile, options: Mapping[str, Any], jobs: int
 ) -> Iterator[tuple[str, Ended]]:
     """The programs in processes of their own, a few at a time; each as soon as it is finished."""
-    left = iter(names)
-    running: dict[Future[Ended], str] = {}
-    with ProcessPoolExecutor(max_workers=min(jobs, max(len(names), 1)), mp_context=get_context("spawn")) as pool:
-        try:
-            while True:
-                while len(running) < jobs and (name := next(left, None)) is not None:
-                    running[pool.submit(_one, folder, name, profile, options)] = name
-                if not running:
-                    return
-                for future in wait(running, return_when=FIRST_COMPLETED).done:
-                    name = running.pop(future)
-                    yield name, _ended(name, future.result)
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
+    with Workers(partial(_one_of, folder, profile, options), jobs) as workers:
+        for name, made in workers.run(names):
+            yield name, _ended(name, partial(_answer, made))
+
+
+def _one_of(folder: Path, profile: Profile, options: Mapping[str, Any], name: str) -> Ended:
+    return _one(folder, name, profile, options)
+
+
+def _answer(made: Ended | Exception) -> Ended:
+    if isinstance(made, Exception):
+        raise made
+    return made
 
 
 def _ended(name: str, answer: Callable[[], Ended]) -> Ended:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import os
+import pickle
 import signal
 import threading
+import traceback
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from multiprocessing import get_context, parent_process
@@ -158,9 +160,23 @@ def _serve(way: Connection, work: Work[Piece, Made], cores: list[int]) -> None:
             made: Made | Exception
             try:
                 made = work(piece)
-            except Exception as error:  # what is raised may not be of a kind that can be sent
-                made = RuntimeError(f"{type(error).__name__}: {error}")
+            except KeyboardInterrupt:
+                return
+            except Exception as error:
+                made = _sendable(error)
             way.send(made)
+
+
+def _sendable(error: Exception) -> Exception:
+    """The exception with its traceback as a note, if it can be sent to another process; else one that says the same."""
+    error.add_note("".join(traceback.format_exception(error)))
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:  # of exceptions of libraries nothing is sure
+        told = RuntimeError(f"{type(error).__name__}: {error}")
+        told.add_note(error.__notes__[-1])
+        return told
+    return error
 
 
 def keep_to(cores: list[int]) -> None:
