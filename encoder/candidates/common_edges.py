@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -22,6 +22,9 @@ from .candidate import CommonOptions
 _TURN_RAD = math.radians(0.2)
 _ROUNDING_MM = 1e-3
 _MOST_KERFS = 1.2
+_COVERED = 0.9
+"""Of the tolerance: so near to a burn a ring is covered by it, for sure."""
+_CHORD_MM, _STEP_MM, _LONGEST_MM = 0.002, 0.02, 20.0
 
 Stretches = tuple[tuple[float, float], ...]
 """Where each stretch of a ring begins, mm along it as it is drawn, and how long it is."""
@@ -95,7 +98,7 @@ def common_edges(nest: Nest, numbers: Sequence[int], kerf_mm: float, options: Co
 
     Two edges are common where they look at each other, turn by 0.2° at the most, and are one kerf apart within the
     tolerance. Of parts that hang together by such edges all are common, down to a kerf's length, if one of them is as
-    long as the options ask: else none.
+    long as the options ask, and no round edge of another part comes as near: else none.
 
     Examples
     --------
@@ -114,15 +117,16 @@ def common_edges(nest: Nest, numbers: Sequence[int], kerf_mm: float, options: Co
         ends = (edges.begin[a] + mm * edges.along[a] for mm in (low, high))
         row = _on_ring(nest.contours[one], kerf_mm, *(_offset(at, edges.along[a], kerf_mm / 2) for at in ends))
         if row is not None:
-            found.setdefault(one, {}).setdefault(other, []).append(row)
             pair = min(one, other), max(one, other)
             longest[pair] = max(longest.get(pair, 0.0), row[1])
-    kept = _long_enough(longest, options.shortest_mm, len(nest.contours))
-    edges_of = {
+            rings = (compensated(nest.contours[k], kerf_mm) for k in (one, other))
+            found.setdefault(one, {}).setdefault(other, []).append(_until_apart(row, *rings, kerf_mm))
+    every = {
         one: {other: tuple(sorted(rows)) for other, rows in sorted(beside.items())}
         for one, beside in sorted(found.items())
-        if one in kept
     }
+    kept = _long_enough(longest, options.shortest_mm, len(nest.contours), set(_closer(nest, outers, every, kerf_mm)))
+    edges_of = {one: beside for one, beside in every.items() if one in kept}
     return CommonEdges(edges_of, {k: tuple(_bridges(nest.contours[k], k, edges_of, kerf_mm)) for k in edges_of})
 
 
@@ -201,9 +205,52 @@ def _on_ring(
     return float(low), float(length_mm)
 
 
-def _long_enough(longest: Mapping[tuple[int, int], float], shortest_mm: float, count: int) -> set[int]:
-    """The contours that hang together, by common edges, with one that is as long as asked."""
+def _until_apart(row: tuple[float, float], ring: Curve, other: Curve, kerf_mm: float) -> tuple[float, float]:
+    """A stretch with what lies before and after it where the torch's ways part slowly, as at large fillets.
+
+    So far the cut of one covers the other. Ways that part within a kerf stay as they are.
+    """
+    within_mm, line = _COVERED * tolerance_mm(kerf_mm), other.line(_CHORD_MM)
+
+    def apart(at_mm: float) -> bool:
+        return line.distance(shapely.Point(point_on(ring, at_mm))) > within_mm
+
+    more = []
+    for end_mm, sign in ((row[0], -1), (row[0] + row[1], 1)):
+        steps = int(_LONGEST_MM / _STEP_MM)
+        first = (
+            0
+            if apart(end_mm + sign * kerf_mm)
+            else next((k for k in range(steps) if apart(end_mm + sign * (kerf_mm + k * _STEP_MM))), steps)
+        )
+        more.append(max(kerf_mm + (first - 1) * _STEP_MM, 0.0) if first else 0.0)
+    return row[0] - more[0], row[1] + more[0] + more[1]
+
+
+def _closer(
+    nest: Nest, outers: Sequence[tuple[int, Contour]], edges: Mapping[int, Mapping[int, Stretches]], kerf_mm: float
+) -> Iterator[int]:
+    """Contours whose ring another one covers for more than their common edges, as a disc a kerf away does.
+
+    Cut along stretches, such a place would be burnt twice.
+    """
+    rings = [compensated(contour, kerf_mm).line(_CHORD_MM) for _, contour in outers]
+    tree, within_mm = shapely.STRtree(rings), tolerance_mm(kerf_mm)
+    for k, (number, _) in enumerate(outers):
+        for other in tree.query(rings[k], "dwithin", distance=within_mm).tolist() if number in edges else ():
+            shared_mm = sum(mm for _, mm in edges[number].get(outers[other][0], ()))
+            if other != k:
+                near_mm = shapely.intersection(rings[k], shapely.buffer(rings[other], within_mm)).length
+                if near_mm - shared_mm > 2 * kerf_mm + within_mm:
+                    yield number
+
+
+def _long_enough(
+    longest: Mapping[tuple[int, int], float], shortest_mm: float, count: int, spoilt: Collection[int]
+) -> set[int]:
+    """The contours that hang together by common edges, with one as long as asked, and with none that is spoilt."""
     pairs = np.array(list(longest), dtype=np.int64).reshape(-1, 2)
     label = weak_components(count, pairs)
     groups = {int(label[pair[0]]) for pair, mm in longest.items() if mm >= shortest_mm - _ROUNDING_MM}
+    groups -= {int(label[k]) for k in spoilt}
     return {k for pair in longest for k in pair if int(label[k]) in groups}

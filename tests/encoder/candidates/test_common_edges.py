@@ -13,7 +13,7 @@ from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.candidates.candidate import Candidate, CommonOptions
 from kerfwise.encoder.candidates.common_edges import CommonEdges, common_edges
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Nest, Part
 from kerfwise.tests.metal.common_nests import grid
 
 KERF_MM = 1.5
@@ -81,6 +81,29 @@ def test_one_long_edge_makes_short_ones_count_that_hang_together_with_it() -> No
     three = nest(300, 300, *two(1.5).parts, part("C", rect(90, 91.5, 80, 60)))
     assert shared(three) == {("A", "B"): [60.0], ("A", "C"): [10.0], ("B", "C"): [68.5]}
     assert shared(three, CommonOptions(70.0, 0.05)) == {}
+
+
+def test_a_round_edge_a_kerf_away_keeps_a_group_from_common_cuts() -> None:
+    """Its neighbour, cut along a stretch, would burn there twice."""
+    assert shared(nest(400, 300, *two(1.5).parts, part("C", circle(60, 131.5, 40)))) == {}
+    assert shared(nest(400, 300, *two(1.5).parts, part("C", circle(60, 133, 40)))) == {("A", "B"): [60.0]}
+
+
+def filleted(name: str, x: float, radius: float) -> Part:
+    """A rectangle of 80 × 160 whose left corners are round."""
+    b, r = -math.tan(math.pi / 8), radius
+    rows = [(x + r, 30, b), (x, 30 + r), (x, 190 - r, b), (x + r, 190), (x + 80, 190), (x + 80, 30)]
+    return part(name, rows)
+
+
+def test_beside_a_large_fillet_a_way_begins_where_the_two_kerfs_part() -> None:
+    """Up to there one burn covers both rings, though the drawn edge is no longer straight."""
+    sheet = nest(300, 230, part("A", rect(20, 30, 80, 160)), filleted("B", 101.5, 60))
+    (way,) = [c for c in ways(sheet, "B") if c.out and c.direction == "cw"]
+    assert way.span is not None
+    (x, y) = way.span.begin
+    assert 0.03 < x - 100.75 <= 0.045
+    assert 132 < y < 133
 
 
 def ways(sheet: Nest, name: str, options: LeadOptions = OPTIONS) -> list[Candidate]:

@@ -1,0 +1,23 @@
+"""The page on what common cuts save, tried on a small grid."""
+
+from __future__ import annotations
+
+import pytest
+
+from kerfwise.benchmarks.common import STAGGERED, WEB_MM, Row, in_rows, plant, row, widths_of
+
+
+def test_a_row_tells_plans_and_gaps_apart() -> None:
+    plain = Row("3 × 4", False, 12, 20_500.0, 4_250.0, 512.3, 0.0, 1.4)
+    assert str(plain) == "| 3 × 4 | plain | 12 | 20.50 | 4.25 | 512 | 0 | 1 |"
+    assert str(Row("3 × 4", True, 1, 1.0, 1.0, 1.0, 0.0123, 1.0)).endswith("| 1.23% | 1 |")
+
+
+@pytest.mark.parametrize("widths_mm", [widths_of("2x2"), [row[:2] for row in STAGGERED[:2]]], ids=["grid", "staggered"])
+def test_common_cuts_save_pierces_lengths_and_time(widths_mm: list[tuple[float, ...]]) -> None:
+    kerf_mm = plant(common=True).material.kerf_mm
+    plain, common = (row("", in_rows(widths_mm, kerf_mm if on else WEB_MM), on, 0.5) for on in (False, True))
+    assert plain.gap == common.gap == 0
+    assert (plain.pierces, common.pierces) == (4, 1)
+    assert common.cut_mm < 0.8 * plain.cut_mm
+    assert common.program_s < plain.program_s
