@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import kerfwise
 from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Nest, Part
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import produce
 from kerfwise.jobs.solve_options import options_for
@@ -75,7 +75,7 @@ def widths_of(size: str) -> list[tuple[float, ...]]:
 
 def in_rows(widths_mm: list[tuple[float, ...]], web_mm: float) -> Nest:
     """Rectangles of equal height in rows from the bottom up."""
-    parts = []
+    parts: list[Part] = []
     for number, row in enumerate(widths_mm):
         x, y = EDGE_MM, EDGE_MM + number * (HIGH_MM + web_mm)
         for wide in row:
@@ -122,9 +122,12 @@ def main() -> None:
     parser.add_argument("--work", type=float, default=20.0)
     given = parser.parse_args()
     kerf_mm = plant(common=True).material.kerf_mm
-    sizes = [(size.replace("x", " × "), widths_of(size)) for size in given.grids]
+    sizes: list[tuple[str, list[tuple[float, ...]]]] = [
+        (size.replace("x", " × "), widths_of(size)) for size in given.grids
+    ]
     rows = []
-    for name, widths_mm in [*sizes, ("staggered", [STAGGERED[k % 3] for k in range(6)])]:
+    sizes.append(("staggered", [STAGGERED[k % len(STAGGERED)] for k in range(6)]))
+    for name, widths_mm in sizes:
         for common in (False, True):
             sheet = in_rows(widths_mm, kerf_mm if common else WEB_MM)
             rows.append(str(row(name, sheet, common, given.work)))

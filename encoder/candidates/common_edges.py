@@ -119,8 +119,9 @@ def common_edges(nest: Nest, numbers: Sequence[int], kerf_mm: float, options: Co
         if row is not None:
             pair = min(one, other), max(one, other)
             longest[pair] = max(longest.get(pair, 0.0), row[1])
-            rings = (compensated(nest.contours[k], kerf_mm) for k in (one, other))
-            found.setdefault(one, {}).setdefault(other, []).append(_until_apart(row, *rings, kerf_mm))
+            found.setdefault(one, {}).setdefault(other, []).append(
+                _until_apart(row, nest.contours[one], nest.contours[other], kerf_mm)
+            )
     every = {
         one: {other: tuple(sorted(rows)) for other, rows in sorted(beside.items())}
         for one, beside in sorted(found.items())
@@ -205,15 +206,16 @@ def _on_ring(
     return float(low), float(length_mm)
 
 
-def _until_apart(row: tuple[float, float], ring: Curve, other: Curve, kerf_mm: float) -> tuple[float, float]:
+def _until_apart(row: tuple[float, float], contour: Contour, other: Contour, kerf_mm: float) -> tuple[float, float]:
     """A stretch with what lies before and after it where the torch's ways part slowly, as at large fillets.
 
     So far the cut of one covers the other. Ways that part within a kerf stay as they are.
     """
-    within_mm, line = _COVERED * tolerance_mm(kerf_mm), other.line(_CHORD_MM)
+    ring, line = compensated(contour, kerf_mm), compensated(other, kerf_mm).line(_CHORD_MM)
+    within_mm = _COVERED * tolerance_mm(kerf_mm)
 
     def apart(at_mm: float) -> bool:
-        return line.distance(shapely.Point(point_on(ring, at_mm))) > within_mm
+        return bool(line.distance(shapely.Point(point_on(ring, at_mm))) > within_mm)
 
     more = []
     for end_mm, sign in ((row[0], -1), (row[0] + row[1], 1)):

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from kerfwise.encoder.by_hand import nest, part, rect
-from kerfwise.encoder.cut import CutSequence, Direction, Tab
+from kerfwise.encoder.cut import CutSequence, Direction, Span, Tab
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.case import Case, cut
@@ -52,7 +52,39 @@ def held(sequence: CutSequence, *at: int) -> CutSequence:
     return replace(sequence, cuts=tuple(cuts))
 
 
+PAIR = nest(400, 160, part("A", rect(20, 30, 150, 100)), part("B", rect(171.5, 30, 150, 100)))
+"""Two parts a kerf apart, the edges of the sheet above and below them, solid metal to the right."""
+
+
+def after_a(begin: Point, end: Point) -> CutSequence:
+    """A all round, then B along what is left of it, from one end of the common edge to the other."""
+    first = cut(PAIR, "A.outer", entry=(170, 130), direction="ccw")
+    return CutSequence((first, cut(PAIR, "B.outer", entry=begin, direction="ccw", span=Span(begin, end))))
+
+
 CASES = (
+    Case(
+        "a stretch that ends along solid metal, while the edge that is cut already faces a part that is out",
+        "passes",
+        PAIR,
+        after_a((171.5, 30), (171.5, 130)),
+    ),
+    Case(
+        "the end of a stretch is that of the way along it, not of the whole contour",
+        "fails",
+        PAIR,
+        after_a((171.5, 30), (171.5, 130)),
+        (
+            Violation(
+                "part-rigidity",
+                ("B.outer",),
+                "B.outer (cut 2) ends along 0% rigid metal, less than 60%: the rest of its last 25% faces the sheet's "
+                "edge or parts already out",
+                (2,),
+            ),
+        ),
+        PartRigidityOptions(edge_band_mm=40.0),
+    ),
     Case(
         "a part that a tab holds ends along the edges of the sheet",
         "passes",

@@ -1,7 +1,7 @@
 """Cases of rule pierce."""
 
 from kerfwise.encoder.by_hand import circle, nest, part, rect
-from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.cut import Cut, CutSequence, Span
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
@@ -46,6 +46,20 @@ A_SLIT = Cut(
 )
 
 
+TOUCHING = nest(300, 200, part("A", rect(40, 50, 100, 80)), part("B", rect(141.5, 50, 100, 80)))
+A_FIRST = ("A.outer", (90, 50), (90, 44), (90, 49.25))
+B_AFTER_A = Cut(
+    "B.outer",
+    (141.5, 130),
+    "cw",
+    (140.75, 130),
+    None,
+    Curve.of([(140.75, 50)], closed=False),
+    span=Span((140.75, 130), (140.75, 50)),
+)
+"""A common edge, a kerf of 1.5 mm wide: B is cut along what A has left of it."""
+
+
 def from_the_right(pierce_x: float) -> tuple[str, Point, Point, Point]:
     """A's outline, entered from the street between A and B."""
     return ("A.outer", (150, 100), (pierce_x, 100), (150.75, 100))
@@ -77,6 +91,38 @@ def linked(*points: Point) -> Cut:
 
 
 CASES = (
+    Case(
+        "a part begun in the kerf of its neighbour",
+        "passes",
+        TOUCHING,
+        sequence(A_FIRST, B_AFTER_A),
+        (),
+        PierceOptions(clearance_mm=1.5, common_cuts=True),
+    ),
+    Case(
+        "a part begun where its neighbour is not out yet",
+        "fails",
+        TOUCHING,
+        sequence(B_AFTER_A, A_FIRST),
+        (
+            broken((1,), ("B.outer",), "B.outer (cut 1) is pierced 0.75 mm from B.outer, less than 1.5 mm"),
+            broken((1,), ("B.outer", "A.outer"), "B.outer (cut 1) is pierced 0.75 mm from A.outer, less than 1.5 mm"),
+        ),
+        PierceOptions(clearance_mm=1.5, common_cuts=True),
+    ),
+    case(
+        "a kerf is no place to begin without common cuts",
+        "fails",
+        TOUCHING,
+        sequence(A_FIRST, B_AFTER_A),
+        broken(
+            (1, 2),
+            ("B.outer", "A.outer"),
+            "B.outer (cut 2) is pierced in the kerf of A.outer (cut 1), where there is no metal, at (140.75, 130.00)",
+        ),
+        broken((2,), ("B.outer",), "B.outer (cut 2) is pierced 0.75 mm from B.outer, less than 1.5 mm"),
+        broken((2,), ("B.outer", "A.outer"), "B.outer (cut 2) is pierced 0.75 mm from A.outer, less than 1.5 mm"),
+    ),
     case(
         "a link is not pierced: it begins in the kerf of the part that it leaves",
         "passes",

@@ -1,0 +1,67 @@
+"""Random blocks of parts a kerf apart: every plan's program burns every edge once, and both judges find nothing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from kerfwise.encoder.errors import RulesConflict
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.produce import Produced, produce
+from kerfwise.jobs.solve_options import options_for
+from kerfwise.rules.profile.cuts_section import Common, Cuts
+from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.tests.metal.common_nests import block, grid
+from kerfwise.tests.metal.findings import Finding
+from kerfwise.tests.metal.plant import plant
+from kerfwise.tests.metal.simulate import simulate
+
+KERFS_MM = (0.2, 0.5, 1.5)
+
+
+def laser(kerf_mm: float) -> Profile:
+    profile = load_profile("laser-st10kp-2mm")
+    material = replace(profile.material, kerf_mm=kerf_mm)
+    return replace(profile, material=material, cuts=Cuts(common=Common(shortest_mm=20.0)))
+
+
+def burnt(seed: int, kerf_mm: float, parts: int) -> tuple[Produced | None, list[Finding]]:
+    """A block planned and burnt; no plan where the rules leave none."""
+    sheet, profile = block(np.random.default_rng(seed), parts, kerf_mm, holes=True), laser(kerf_mm)
+    try:
+        made = produce(ask(facts_of(sheet, profile), profile), profile, options_for(sheet, profile, work=0.2))
+    except RulesConflict:
+        return None, []
+    return made, simulate(sheet, made.program, **plant(profile))
+
+
+@pytest.mark.parametrize(("seed", "kerf_mm"), [(1, 0.2), (4, 0.5), (10, 1.5), (15, 1.5)])
+def test_a_block_is_cut_with_every_edge_once(seed: int, kerf_mm: float) -> None:
+    made, found = burnt(seed, kerf_mm, 5)
+    assert made is not None
+    assert made.verdict.ok
+    assert found == []
+    assert any(planned.cut.span is not None for planned in made.plan.cuts)
+
+
+@pytest.mark.slow
+@settings(max_examples=40, suppress_health_check=list(HealthCheck))
+@given(seed=st.integers(0, 10**6), kerf_mm=st.sampled_from(KERFS_MM), parts=st.integers(2, 7))
+def test_no_program_of_any_block_makes_scrap(seed: int, kerf_mm: float, parts: int) -> None:
+    made, found = burnt(seed, kerf_mm, parts)
+    assert made is None or made.verdict.ok
+    assert found == []
+
+
+def test_a_grid_takes_one_pierce_and_the_length_of_its_lines() -> None:
+    kerf_mm, profile = 0.2, laser(0.2)
+    sheet = grid(4, 3, kerf_mm)
+    made = produce(ask(facts_of(sheet, profile), profile), profile, options_for(sheet, profile, work=0.3))
+    lines_mm = 4 * 4 * (100 + kerf_mm) + 5 * 3 * (60 + kerf_mm)
+    assert made.plan.totals.pierces == 1
+    assert made.plan.totals.cut_mm == pytest.approx(lines_mm, abs=8)  # a lead, and corners that are cut round
+    assert made.verdict.ok
