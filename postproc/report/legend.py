@@ -196,6 +196,7 @@ def _key(items: list[Item], x: float, end: float, y: float, kinds: frozenset[str
         ("pierce", "pierce and lead"),
         ("pass", "pierce pass"),
         ("edge", "begins off the sheet"),
+        ("kerf", "begins in an older kerf"),
         ("wait", "waits for metal to cool"),
         ("outer", "outer contour"),
         ("hole", "hole"),
@@ -231,7 +232,7 @@ def _sample(kind: str, x: float, y: float) -> list[Item]:
         return [outline, Shape((bar,), Style(stroke=colours.TAB, width=3), closed=False)]
     if kind == "pass":
         return [Shape((line,), Style(stroke=colours.PIERCE, width=1.0, dash=(1.2, 2.4)), closed=False)]
-    if kind == "edge":
+    if kind in ("edge", "kerf"):
         return [Dot(x + 11, y, 3, Style(fill=colours.PAGE, stroke=colours.PIERCE, width=1.5))]
     if kind == "wait":
         return [Dot(x + 11, y, 3, Style(fill=colours.PIERCE)), Dot(x + 11, y, 6, Style(stroke=colours.WAIT, width=2))]

@@ -147,6 +147,8 @@ def _drawn(
     torch = [c.pierce for c in cuts if nest.contour(c.contour).kind != "mark"]
     if not all(shapely.intersects_xy(nest.sheet.polygon, *pierce) for pierce in torch):
         kinds.add("edge")
+    if any(cut.span is not None and not cut.linked for cut in cuts):
+        kinds.add("kerf")
     numbers = number_layer(nest, view, places, order)
     if out:
         kinds.add("out")

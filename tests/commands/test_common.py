@@ -46,6 +46,7 @@ def test_a_grid_is_cut_with_one_pierce_and_its_program_follows_its_plan(folder: 
     assert solve("--plan", "plan.json", "-o", "out.nc", "--picture", "grid.svg").code == 0
     assert [("span" in row) for row in rows(folder)] == [False, True, True, True]
     assert json.loads((folder / "plan.json").read_text(encoding="utf-8"))["totals"]["pierces"] == 1
+    assert "begins in an older kerf" in (folder / "grid.svg").read_text(encoding="utf-8")
     told = kerfwise("check", "nest.json", "out.nc", "--plan", "plan.json", "-p", "plant.yaml")
     assert told.code == 0, told.out
     assert "holds      hard follows-plan" in told.out
