@@ -25,7 +25,7 @@ LOCK = ".batch.lock"
 def held(out: Path) -> Iterator[None]:
     """Have the folder of a batch to oneself, made where it is not there.
 
-    The system lets go of the lock when the process ends, however it ends. A lock of SQLite's is one on every system.
+    The system frees the lock when the process ends, however it ends. A lock of SQLite's is one on every system.
 
     Raises
     ------
