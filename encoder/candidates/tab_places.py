@@ -70,7 +70,7 @@ class TabPlaces:
         """
         if options is None:
             return TabPlaces()
-        neighbours, asked = Neighbours.of(nest), frozenset(contours)
+        neighbours, asked = Neighbours.of(nest, kerf_mm), frozenset(contours)
         wanted: dict[int, Wanted] = {}
         wrong: dict[str, list[str]] = {}
         for k, part in enumerate(nest.parts):

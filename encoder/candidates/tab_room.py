@@ -13,6 +13,7 @@ from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment_arrays import SegmentArrays
 from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.encoder.scrap.whole import skeleton
 from kerfwise.encoder.tabs import TabOptions, off_mm
 
 from .candidate import IN_PROFILE
@@ -24,6 +25,9 @@ FROM_OTHERS_MM = 2.0
 """A tab keeps so far from another one."""
 STAYS_MM = 1.0
 """Metal outside a tab, beyond its own kerf and that of a neighbour, at the least: else it would hold to nothing."""
+HOLDS_MM2 = 100.0
+"""A piece of metal that is smaller holds no part: it lies loose in a notch, or between parts."""
+_BEYOND_MM = 0.1
 ON_CONTOUR_MM = 0.5
 """A drawn tab that is further from its contour is not on it."""
 _STEPS, _STEP_MM = 400, 1.0
@@ -40,10 +44,11 @@ class Neighbours:
 
     tree: shapely.STRtree
     owner: Ints
+    holding: shapely.Geometry
 
     @staticmethod
-    def of(nest: Nest) -> Neighbours:
-        """The neighbours of all parts."""
+    def of(nest: Nest, kerf_mm: float) -> Neighbours:
+        """The neighbours of all parts, and the pieces of metal that are left when all are cut and that may hold one."""
         cut = [
             (contour.line, owner)
             for contour, owner in zip(nest.contours, nest.owners, strict=True)
@@ -51,7 +56,9 @@ class Neighbours:
         ]
         edges = [(ring, -1) for ring in shapely.get_rings(nest.sheet.polygon)]
         lines, owner = zip(*cut, *edges, strict=True)
-        return Neighbours(shapely.STRtree(lines), np.array(owner, dtype=np.int64))
+        left = skeleton(nest.sheet.polygon, shapely.make_valid([part.polygon for part in nest.parts]), kerf_mm)
+        pieces = [piece for piece in shapely.get_parts(left) if piece.area > HOLDS_MM2]
+        return Neighbours(shapely.STRtree(lines), np.array(owner, dtype=np.int64), shapely.multipolygons(pieces))
 
     def near(self, line: shapely.LineString, part: int, within_mm: float) -> shapely.Geometry:
         """What is so near to a line of a part, and not of the part itself."""
@@ -69,6 +76,7 @@ class Room:
     arcs_mm: Floats
     arcs_rad: Floats
     near: shapely.Geometry
+    holding: shapely.Geometry
     clear_mm: float
     corner_mm: float
     kerf_mm: float
@@ -85,6 +93,7 @@ class Room:
             drawn.starts_mm,
             np.concatenate([[0.0], np.cumsum(4 * np.abs(np.arctan(drawn.bulge)))]),
             neighbours.near(contour.line, part, clear_mm),
+            neighbours.holding,
             clear_mm,
             corner_mm,
             kerf_mm,
@@ -105,12 +114,13 @@ class Room:
         return np.asarray(turn <= BENT_RAD)
 
     def held(self, middles_mm: Floats) -> Bools:
-        """Whether metal stays outside tabs with these middles."""
-        if self.near.is_empty:
-            return np.full(len(middles_mm), True)
+        """Whether metal stays outside tabs with these middles, and enough of it to hold a part."""
         at = [self.curve.point_at(mm) for mm in middles_mm.tolist()]
         points = shapely.points(np.array(at, dtype=np.float64).reshape(-1, 2))
-        return np.asarray(shapely.distance(self.near, points) >= self.clear_mm)
+        held = shapely.distance(self.holding, points) <= self.kerf_mm + _BEYOND_MM
+        if not self.near.is_empty:
+            held &= shapely.distance(self.near, points) >= self.clear_mm
+        return np.asarray(held)
 
     def fits(self, middles_mm: Floats, tab_mm: float) -> Bools:
         """Whether tabs with these middles have room."""

@@ -156,3 +156,15 @@ def test_no_tab_where_a_scrap_line_ends() -> None:
     lines = [[(80, 0), (80, 49)], [(80, 111), (80, 200)], [(0, 80), (49, 80)], [(111, 80), (200, 80)]]
     for way in ways(nest(200, 200, square, scrap=lines)):
         assert all(min(math.dist(tab.at, line[k]) for line in lines for k in (0, 1)) > 1.5 for tab in way.tabs)
+
+
+def test_no_tab_hangs_on_the_waste_of_a_notch_that_a_neighbour_closes() -> None:
+    """A slot of 3 mm into A, whose mouth lies in the kerf of B: the strip in it falls out."""
+    slotted = [(10, 10), (90, 10), (90, 28.5), (70, 28.5), (70, 31.5), (90, 31.5), (90, 70), (10, 70)]
+    drawn = nest(181.5, 80, part("A", slotted), part("B", rect(91.5, 10, 80, 60)))
+    options = replace(
+        LEADS, kerf_mm=1.0, lead_in_min_mm=1.0, tabs=replace(ASKED, corner_mm=1.0, at_end=True), entries=24
+    )
+    tabs = [tab.at for way in build_candidates(drawn, options) if way.contour == 0 for tab in way.tabs]
+    assert tabs
+    assert not [at for at in tabs if 70 < at[0] < 90 and 28 < at[1] < 32]
