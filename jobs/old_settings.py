@@ -9,6 +9,7 @@ from dataclasses import replace
 from kerfwise.postproc.check.reader.old import OldProgram
 from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.rules.profile.corners_section import Corners
+from kerfwise.rules.profile.cuts_section import Scrap
 from kerfwise.rules.profile.profile import Profile
 
 
@@ -47,7 +48,7 @@ def at_its_feeds(profile: Profile, program: NcProgram) -> Profile:
     if len(cut) < 2:
         holes, corners = replace(holes, small_hole_feed=1.0), Corners()
     # no way to cut but that of each burn
-    cuts = replace(profile.cuts, narrow="refuse", pierce_pass=None)
+    cuts = replace(profile.cuts, narrow="refuse", scrap=Scrap(), pierce_pass=None)
     return replace(profile, machine=machine, small_holes=holes, corners=corners, cuts=cuts)
 
 

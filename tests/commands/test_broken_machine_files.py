@@ -12,6 +12,7 @@ import pytest
 
 from kerfwise.postproc.dialects import dialect_text
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
+from kerfwise.tests.postproc.old.programs import REFUSED
 
 NEST = {
     "format": "kerfwise-nest/1",
@@ -228,3 +229,14 @@ def test_broken_programs(name: str, breaks: Breaks, words: str) -> None:
     ):
         Path(file).write_text(content)
     answered(kerfwise("check", "n.json", "b.nc", "-p", "p.yaml", "--plan", "b.json"), r"b\.nc", words)
+
+
+def test_there_are_thirty_broken_programs_and_dialects_and_more() -> None:
+    counted = sum(_cases(test) for test in (test_broken_dialects, test_broken_programs))
+    assert counted >= 30
+    assert counted + sum(map(_cases, (test_broken_charts, test_broken_charts_of_other_kinds))) + len(REFUSED) >= 80
+
+
+def _cases(test: Callable[..., None]) -> int:
+    """How many cases a test is given."""
+    return sum(len(mark.args[1]) for mark in test.pytestmark if mark.name == "parametrize")  # type: ignore[attr-defined]

@@ -18,11 +18,13 @@ from kerfwise.jobs.resequenced import Resequenced
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.postproc.check.reader.old import Trusted
 from kerfwise.postproc.check.reader.on_machine import old_on_machine
+from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.old.pieces import taken_apart
 from kerfwise.postproc.old.reordered import reordered
 from kerfwise.rules.catalogue.start_side import StartSideOptions
-from kerfwise.rules.profile.cuts_section import Links
+from kerfwise.rules.profile.cuts_section import Links, Scrap
 from kerfwise.rules.profile.profile import Profile, RuleSetting, load_profile
+from kerfwise.tests.postproc.dialects import cases
 from kerfwise.tests.postproc.dialects.cases import plates
 from kerfwise.tests.postproc.dialects.reading import with_dialect
 from kerfwise.tests.postproc.plans import with_tabs
@@ -120,3 +122,21 @@ def test_tabs_that_the_profile_knows_nothing_of_are_never_guessed(name: str, tmp
     made = again(solved(name)[0], plain, tmp_path, without_rules=True)
     assert "no rule was asked" in made.ends
     assert any("no rule on contours is asked" in note for note in made.notes)
+
+
+def test_common_cuts_leave_rounds_open_and_each_is_named_with_its_line(tmp_path: Path) -> None:
+    common = cases.case("plates with common cuts")
+    made = write_program(cases.planned("plates with common cuts"), common.nest, common.profile)
+    with pytest.raises(InputError, match="take --without-rules") as caught:
+        again(made, common.profile, tmp_path)
+    spans = [row for row in cases.planned("plates with common cuts").cuts if row.cut.span is not None]
+    assert len(caught.value.details) == len(spans) == 5
+    assert all("does not close" in text for text in caught.value.details)
+
+
+def test_scrap_lines_that_the_profile_makes_are_asked_of_no_old_program(tmp_path: Path) -> None:
+    program, _ = solved("links")
+    grid = dataclasses.replace(LINKED, cuts=dataclasses.replace(LINKED.cuts, scrap=Scrap(grid_mm=100.0)))
+    made = again(program, grid, tmp_path)
+    assert made.before.verdict is not None
+    assert made.before.verdict.broken() == ()

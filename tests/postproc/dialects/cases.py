@@ -19,9 +19,11 @@ from kerfwise.jobs.produce import produce
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.dialects import dialect_names, load_dialect
-from kerfwise.rules.profile.cuts_section import Links
+from kerfwise.rules.profile.cuts_section import Common, Links
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.tests.postproc.plans import with_tabs
+
+from .reading import with_dialect
 
 HOME = Path(kerfwise.__file__).parent
 
@@ -33,6 +35,12 @@ class Case:
     nest: Nest
     profile: Profile
     process: str = ""
+
+    def plant(self, dialect: str) -> Profile:
+        """Its profile with a machine of a dialect; who waits at a pierce stays as it is."""
+        made = with_dialect(self.profile, dialect)
+        waits = self.profile.machine.pierce_dwell
+        return dataclasses.replace(made, machine=dataclasses.replace(made.machine, pierce_dwell=waits))
 
     @property
     def dialects(self) -> list[str]:
@@ -68,6 +76,14 @@ def _laser_tabs() -> Case:
     return Case(read_json((HOME / "docs/tabs.nest.json").read_bytes(), ReadOptions()), laser, "laser")
 
 
+def _common() -> Case:
+    base = load_profile()
+    grid = [part(f"C{r}{c}", rect(30 + 61.5 * c, 30 + 51.5 * r, 60, 50)) for r in range(2) for c in range(3)]
+    cuts = dataclasses.replace(base.cuts, common=Common(shortest_mm=20.0, good_side="any"))
+    machine = dataclasses.replace(base.machine, pierce_dwell="program", pierce_time_s=2.0)
+    return Case(nest(260, 180, *grid), dataclasses.replace(base, cuts=cuts, machine=machine))
+
+
 def _scrap() -> Case:
     profile = load_profile(HOME / "examples/profiles/scrap-grid.yaml")
     return Case(read_json((HOME / "docs/scrap.nest.json").read_bytes(), ReadOptions()), profile)
@@ -81,6 +97,7 @@ _MADE = {
     "plates with a tab each": _tabs,
     "a laser's parts with tabs": _laser_tabs,
     "a skeleton cut up": _scrap,
+    "plates with common cuts": _common,
 }
 NAMES = tuple(_MADE)
 SMALL = tuple(name for name in NAMES if "115" not in name)

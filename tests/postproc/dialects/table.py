@@ -22,11 +22,11 @@ PAGE = """\
 # Dialects, and who reads them
 
 Made by `python -m kerfwise.tests.postproc.dialects.table > docs/dialects.md`. Each nest is planned once, and its plan
-written in each dialect: three nests under the default profile, and nests with links, with tabs, and with a skeleton
-that is cut up. A laser's tabs are written in the dialects for lasers, others know none within a burn. Of each reader's
-burns the table has how many there are, how far their paths lie from the plan's at most (arcs are compared as chords
-within 0.003 mm), and how much longer the torch is on, and travels, than the plan says. "The check" is the reader of
-kerfwise itself, which shares nothing with the writer.
+written in each dialect: three nests under the default profile, and nests with links, with tabs, with a skeleton that
+is cut up, and with common cuts. A laser's tabs are written in the dialects for lasers, others know none within a burn.
+Of each reader's burns the table has how many there are, how far their paths lie from the plan's at most (arcs are
+compared as chords within 0.003 mm), and how much longer the torch is on, and travels, than the plan says. "The check"
+is the reader of kerfwise itself, which shares nothing with the writer.
 
 - *rs274* is LinuxCNC's interpreter. Programs of other controls are spelt in its words first, block for block (M07
   becomes M3, and so on). The spelling is ours and proves nothing; units, positions, arcs and lengths are the
@@ -55,7 +55,7 @@ def main() -> None:
     for name in cases.NAMES:
         case, plan = cases.case(name), cases.planned(name, 4.0)
         for dialect in case.dialects:
-            plant = reading.with_dialect(case.profile, dialect)
+            plant = case.plant(dialect)
             for reader, read in _readers(plan, case.nest, plant).items():
                 found = reading.differences(plan, case.nest, plant, read())
                 wrong += not reading.agree(found, load_dialect(dialect), plan.totals.cut_mm)

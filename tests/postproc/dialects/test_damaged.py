@@ -11,7 +11,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.dialects import dialect_names
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.checking import check_program
-from kerfwise.tests.postproc.dialects import cases, reading
+from kerfwise.tests.postproc.dialects import cases
 
 pytestmark = pytest.mark.slow
 EVERY = [(name, dialect) for name in cases.NAMES for dialect in cases.case(name).dialects]
@@ -20,7 +20,7 @@ EVERY = [(name, dialect) for name in cases.NAMES for dialect in cases.case(name)
 def says(name: str, dialect: str, damage: Callable[[str], str] | None = None) -> tuple[str, ...]:
     """The hard rules that a program of the nest breaks; the reader's own words where it is none at all."""
     case, plan = cases.case(name), cases.planned(name)
-    plant = reading.with_dialect(case.profile, dialect)
+    plant = case.plant(dialect)
     text = write_program(plan, case.nest, plant)
     if damage is not None:
         damaged = damage(text)
