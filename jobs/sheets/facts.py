@@ -32,7 +32,8 @@ def facts_of_sheet(sheet: WorkSheet) -> Iterator[tuple[str, str]]:
     yield "gas", material.gas or _UNKNOWN
     yield "time", f"{duration(report.total_s)} ({shares}; {report.model})"
     lengths = f"torch on {totals.cut_mm / 1000:.2f} m, idle {totals.idle_mm / 1000:.2f} m"
-    yield "path", f"{lengths}, {counted(totals.pierces, 'pierce')}"
+    passes = ", all of a zone or of the sheet first" if plan.pierces else ""
+    yield "path", f"{lengths}, {counted(totals.pierces, 'pierce')}{passes}"
     if sheet.times.cost is not None:
         yield "cost", str(sheet.times.cost)
     if plan.already:

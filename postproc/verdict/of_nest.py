@@ -20,7 +20,7 @@ _BESIDE_MM = 3.0
 
 
 def cuts_elsewhere(program: NcProgram, nest: Nest, kerf_mm: float, file: str = "") -> int:
-    """How many cuts of a program run along no contour of the nest.
+    """How many cuts of a program run along no contour of the nest; holes that are only pierced are no cuts.
 
     Raises
     ------
@@ -39,7 +39,8 @@ def cuts_elsewhere(program: NcProgram, nest: Nest, kerf_mm: float, file: str = "
         return len(program.burns)
     if not program.burns:
         raise InputError("the program cuts nothing: the torch is never on", file=file or None)
-    along = along_contours(program.burns, nest, kerf_mm)
+    burns = [burn for burn in program.burns if not burn.pierces_only] or program.burns
+    along = along_contours(burns, nest, kerf_mm)
     count, of_it = len(along), int(along.sum())
     if of_it < count / 2:
         share = f"only {of_it}" if of_it else "none"

@@ -119,7 +119,9 @@ def test_clock_and_heat_of_plan_and_program_agree(tmp_path: Path) -> None:
     one, other = job_of_plan(made, sheet, profile), job_of_program(program, sheet, profile)
     assert (one.pierces, one.nc_blocks) == (other.pierces, other.nc_blocks) == (len(HOLES), other.nc_blocks)
     assert one.idle_mm == pytest.approx(other.idle_mm, abs=0.01)
-    times = json.loads(kerfwise("time", nest, tmp_path / "nest.nc", "-p", tmp_path / "plant.yaml", "--json").out)
+    timed = kerfwise("time", nest, tmp_path / "nest.nc", "-p", tmp_path / "plant.yaml", "--json")
+    assert timed.err == ""
+    times = json.loads(timed.out)
     assert times["total_s"] == pytest.approx(plan["totals"]["time_s"], abs=0.05)
     by_plan, by_program = path_of_plan(made, sheet, profile).seconds_on, path_of_program(program).seconds_on
     assert by_plan == pytest.approx(by_program, abs=0.05)
