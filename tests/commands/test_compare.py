@@ -141,3 +141,28 @@ def test_what_cannot_be_compared(sheet: Path, options: list[str], said: str) -> 
     solved(sheet)
     ended = kerfwise("compare", sheet, *options)
     assert (ended.code, said in ended.err) == (2, True), ended.err
+
+
+def test_heat_and_cost_stand_side_by_side(sheet: Path) -> None:
+    Path("priced.yaml").write_text("based_on: plasma-carbon-steel\nprices: {machine_hour: 80, gas_hour: 12}\n")
+    plan = solved(sheet)
+    ended = kerfwise(
+        "compare", sheet, "a.nc", plan, "-p", "plasma-carbon-steel", "-p", "priced.yaml", "--heat", "--json"
+    )
+    assert ended.code == 0, ended.err
+    figures = json.loads(ended.out)["figures"]
+    assert figures["peak_c"]["a"] == pytest.approx(figures["peak_c"]["b"], abs=0.5)
+    assert figures["cost"]["a"] is None
+    parts = sum(figures[f"cost_{name}"]["b"] for name in ("machine", "gas"))
+    assert figures["cost"]["b"] == pytest.approx(parts, abs=1e-3)
+    assert figures["cost"]["currency"] == "EUR"
+    assert "peak_c" not in json.loads(kerfwise("compare", sheet, "a.nc", plan, "--json").out)["figures"]
+
+
+def test_a_side_without_a_plan_is_named(sheet: Path) -> None:
+    locks = "[{contour: P0.outer, before: P1.outer}, {contour: P1.outer, before: P0.outer}]"
+    Path("no.yaml").write_text(f"based_on: plasma-carbon-steel\nlocks: {locks}\n")
+    ended = kerfwise("compare", sheet, "--work", 1, "-p", "plasma-carbon-steel", "-p", "no.yaml", "-o", "both.svg")
+    assert ended.code == 1
+    assert "kerfwise: B, by profile no: " in ended.err
+    assert not Path("both.svg").exists()
