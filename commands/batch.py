@@ -12,6 +12,7 @@ import click
 
 from kerfwise import __version__
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.shown import shown
 from kerfwise.rules.profile.profile import DEFAULT
 
 from .given import TRUST, tell_note
@@ -68,6 +69,7 @@ def command(
     from kerfwise.jobs.batch.store import Store, held
 
     from .batch_progress import BatchProgress, printed
+    from .unforeseen import arguments, told
 
     if jobs is not None and scheduler is not None:
         raise click.UsageError("--jobs is for this machine: with --scheduler the number of its workers counts")
@@ -84,6 +86,8 @@ def command(
             with BatchProgress() as progress:
                 batch = run_batch(found, now, store, options, __version__, run, progress, refused_again=refused_again)
             click.echo(printed(batch, out))
+            for name, error in batch.faults.items():
+                click.echo(f"{shown(name)}: {told(error, arguments(None))}", err=True)
             if watch and batch.interrupted:
                 raise KeyboardInterrupt
             return batch

@@ -144,7 +144,11 @@ def in_turn(
     ) -> Iterator[tuple[Piece, Made | Exception]]:
         for piece in pieces:
             began(piece)
-            yield piece, work(piece)
+            try:
+                made: Made | Exception = work(piece)
+            except Exception as error:
+                made = error
+            yield piece, made
 
     return run
 

@@ -26,7 +26,7 @@ _REMEDIES = {
     "no fit": "Change what is named, in the nest, its job file or the profile, and run the same command again.",
     "no plan": "Change the lock, the rule or the nest that is named, and run the same command again.",
     "not safe": "Plan the nest alone with `kerfwise solve`, which prints the verdict of every rule.",
-    "fault": "Run the same command again. If it stays so, `kerfwise solve` of the nest alone writes a report.",
+    "fault": "Run the same command again. If it stays so, send the report that it names.",
 }
 _RELAX = "With --relax the batch takes the way out that is named, and marks it in plan and program. "
 

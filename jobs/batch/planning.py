@@ -52,7 +52,7 @@ class _Elsewhere(Listener):
 
 
 def plan_piece(piece: Piece, key: str) -> Made:
-    """Plan one nest on one machine. Whatever goes wrong is in the row: nothing is raised.
+    """Plan one nest on one machine. That it is refused is in the row; what nobody foresaw is raised.
 
     `key` is what the piece was when it was handed out; where its files have changed since, that is a fault.
     """
@@ -74,8 +74,6 @@ def plan_piece(piece: Piece, key: str) -> Made:
         return _without_plan(piece, "no plan", str(error), relax=relax, thumbnail=seen)
     except RulesConflict as error:
         return _without_plan(piece, "no plan", str(error), relax="--relax" in str(error))
-    except Exception as error:
-        return fault(piece, error)
 
 
 def fault(piece: Piece, error: Exception) -> Made:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Protocol
 
@@ -58,6 +58,7 @@ class Batch:
     """What became of a batch: a row for each nest and machine that is finished, in the order of the nests.
 
     `again` were finished before. `waiting` are still to be planned, where it was interrupted.
+    `faults` are what nobody foresaw, by nest and machine.
     """
 
     rows: tuple[Row, ...]
@@ -65,6 +66,7 @@ class Batch:
     again: int = 0
     waiting: int = 0
     interrupted: bool = False
+    faults: Mapping[str, Exception] = field(default_factory=dict)
 
     @property
     def exit_code(self) -> int:
@@ -104,8 +106,11 @@ def run_batch(
             rows[piece] = replace(row, source=str(piece.source))
     again, interrupted = len(rows), False
     watcher.planned(len(pieces), again)
+    faults: dict[str, Exception] = {}
     try:
         for task, made in run(tasks, lambda task: watcher.began(task.piece)):
+            if isinstance(made, Exception):
+                faults[f"{task.piece.name} on {task.piece.machine.name}"] = made
             rows[task.piece] = _kept(task, made, store)
             watcher.ended(rows[task.piece])
     except KeyboardInterrupt:
@@ -113,7 +118,7 @@ def run_batch(
     done = tuple(rows[piece] for piece in pieces if piece in rows)
     names = tuple(dict.fromkeys([*(m.name for m in machines.named), *(piece.machine.name for piece in pieces)]))
     write_files({store.out / name: text for name, text in index_files(done, names).items()})
-    return Batch(done, names, again, len(pieces) - len(done), interrupted)
+    return Batch(done, names, again, len(pieces) - len(done), interrupted, faults)
 
 
 def _pieces(

@@ -34,6 +34,14 @@ KILLED_IN_WRITING = KILLED.replace("store.write_files = run.write_files =", "os.
     "files.write_files", "os.replace"
 )
 """Killed before so many files have taken their places."""
+DIES = """
+from kerfwise.cli import main
+from kerfwise.jobs.batch import run
+from kerfwise.tests.commands.dies import dies_at_one
+run.plan_task = dies_at_one
+main()
+"""
+"""The process that plans the nest `one` is killed."""
 
 
 @pytest.mark.parametrize(
@@ -138,3 +146,19 @@ def test_watched_until_ctrl_c() -> None:
     assert rounds == ["1 of 1 planned", "2 of 2 planned, 1 finished before"]
     assert (running.returncode, err.strip()) == (130, "")
     assert sorted(path.stem for path in Path("out").rglob("*.nc")) == ["one", "two"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="SIGKILL")
+@pytest.mark.slow
+def test_a_process_that_is_killed_is_a_fault_of_one_nest_with_a_report() -> None:
+    write_nests(Path("in"), ("one", "two"))
+    command = [sys.executable, "-c", DIES, "batch", "in", "-o", "out", "--work", "0.2", "--jobs", "1"]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert ended.returncode == 70, ended.stderr
+    assert "1 of 2 planned" in ended.stdout
+    (said,) = ended.stderr.splitlines()
+    assert said.startswith(
+        "one on plasma-carbon-steel: a fault of kerfwise itself: Died: the process that worked on it"
+    )
+    assert len(list(Path().glob("kerfwise-fault-*.txt"))) == 1
+    assert kerfwise("batch", "in", "-o", "out", "--work", "0.2").code == 0

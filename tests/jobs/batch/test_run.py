@@ -129,6 +129,7 @@ def test_a_fault_of_one_stops_no_other_and_is_tried_again(batches: Batches, monk
         patched.setattr(planning, "drawn_nest", broken)
         batch = batches.run()
     assert batch.exit_code == 70
+    assert [(name, type(error)) for name, error in batch.faults.items()] == [("three on plasma", ZeroDivisionError)]
     assert [row.ended for row in batch.rows] == ["planned", "fault", "planned"]
     assert batch.rows[1].told == "a fault of kerfwise itself: ZeroDivisionError: by nought"
     assert batches.run().exit_code == 0
