@@ -29,7 +29,6 @@ def command(
 
     One sheet of A4; many cuts go on to further pages. The same plan gives the same bytes.
     """
-    from kerfwise.jobs.nest_job.asked import job_for
     from kerfwise.jobs.sheets import about_of_job, sheets_pdf, work_sheet
     from kerfwise.models.plan.reader import read_plan
     from kerfwise.postproc.files import expect_outputs, write_files
@@ -41,7 +40,7 @@ def command(
     expect_outputs([path], [Path(name) for name in (options["nest"], plan, program) if name])
     given = read_given(**options, last=plan)
     protect(given, options["nest"], [path], plan, program)
-    facts = about_of_job(job_for(options["nest"], False if options["no_job"] else options["job"])) | facts
+    facts = about_of_job(given.job) | facts
     made = work_sheet(given, read_plan(plan), program, about=facts, tell=tell_note)
     write_files({path: sheets_pdf([made], date)})
     click.echo(f"written: {shown(str(path))}")

@@ -84,7 +84,7 @@ def command(
     from kerfwise.jobs.no_plan import NoPlan
     from kerfwise.jobs.solve_options import options_for
     from kerfwise.jobs.stopped import already_cut
-    from kerfwise.jobs.summary import summary
+    from kerfwise.jobs.summary import job_line, summary
     from kerfwise.postproc.files import write_files
     from kerfwise.postproc.nc.dxf_out import write_dxf
     from kerfwise.postproc.nc.remnant import remnant_files, remnant_names
@@ -142,6 +142,8 @@ def command(
     if verbose:
         click.echo("\n".join(made.notes))
     click.echo(summary(made.plan, made.verdict))
+    if given.job is not None and (told := job_line(given.job, made.plan)):
+        click.echo(told)
     if not made.verdict.ok:
         click.echo("kerfwise: the check refuses this plan; nothing was written", err=True)
         return 1

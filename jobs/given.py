@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from kerfwise.postproc.check.reader.old import Trusted
     from kerfwise.postproc.check.reader.program import NcProgram
 
+    from .nest_job.job import Job
+
 NestLike = Nest | str | Path
 """A nest, or the path of its file."""
 ProfileLike = Profile | str | Path
@@ -33,10 +35,11 @@ def silent(text: str) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """A nest, as the profile has it cut, and the profile."""
+    """A nest, as the profile has it cut, the profile, and its job file, if one was read."""
 
     nest: Nest
     profile: Profile
+    job: Job | None = None
 
 
 def plant_of(profile: ProfileLike = DEFAULT, trust: bool = False) -> Profile:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from kerfwise.models.plan.plan import Dropped, Plan
 from kerfwise.postproc.check import CheckResult, report
 from kerfwise.postproc.report.legend import counted
 from kerfwise.rules.statements import EXEMPTION_MM, RELAXED_MM
+
+if TYPE_CHECKING:
+    from .nest_job import Job
 
 
 def summary(plan: Plan, verdict: CheckResult) -> str:
@@ -41,6 +46,25 @@ def summary(plan: Plan, verdict: CheckResult) -> str:
     for dropped in plan.dropped:
         lines.append(f"{_what_of(dropped)}, {dropped.why}")
     return "\n".join([*lines, report(verdict)])
+
+
+def job_line(job: Job, plan: Plan) -> str:
+    """What a plan is for and what all sheets take and cost, where a job file says how many; "" where it says nothing.
+
+    Examples
+    --------
+    >>> from kerfwise.jobs.nest_job import Job
+    >>> from types import SimpleNamespace as Plan
+    >>> job_line(Job(order="4711", quantity=3), Plan(totals=Plan(time_s=100.4), cost=None))
+    'order 4711: 3 sheets, 5 min 01 s'
+    """
+    told = [f"{key} {value}" for key, value in job.about.items() if key != "sheets"]
+    if not told and job.quantity == 1:
+        return ""
+    minutes, seconds = divmod(round(plan.totals.time_s * job.quantity), 60)
+    all_told = [counted(job.quantity, "sheet"), f"{minutes} min {seconds:02d} s"]
+    all_told += [] if plan.cost is None else [f"{plan.cost.total * job.quantity:.2f} {plan.cost.currency}"]
+    return f"{', '.join(told)}: {', '.join(all_told)}" if told else ", ".join(all_told)
 
 
 def proof_of(plan: Plan) -> str:

@@ -17,7 +17,7 @@ from kerfwise.rules.options.yaml_positions import wrong_at
 from kerfwise.rules.profile.one_nest import Setting
 from kerfwise.rules.profile.profile import DEFAULT, Profile
 
-from .beside import job_beside
+from .beside import beside_name, job_beside, misnamed
 from .job import Job
 from .laid import with_locks, with_values
 from .last_plan import last_plan
@@ -56,6 +56,8 @@ def job_for(nest: NestLike, job: JobLike, tell: Tell = silent) -> Job | None:
         return read_job(job)
     beside = job_beside(nest) if isinstance(nest, str | Path) else None
     if beside is None:
+        if isinstance(nest, str | Path) and (other := misnamed(nest)) is not None:
+            tell(f"{other} is not read: the job file of {Path(nest).name} is called {beside_name(nest)}")
         return None
     tell(f"the job file {beside} belongs to the nest and is read (--no-job, in Python job=False, goes without it)")
     return read_job(beside)
@@ -99,7 +101,7 @@ def locked_for(
         If a lock names what the nest does not have: with its place.
     """
     last = cache(lambda: last_plan(asked.last, nest, nest_file, plant))
-    return Given(nest, with_locks(plant, nest, job, asked.locks, last, tell))
+    return Given(nest, with_locks(plant, nest, job, asked.locks, last, tell), job)
 
 
 def laid_for(plant: Profile, asked: Asked, job: Job | None) -> Profile:

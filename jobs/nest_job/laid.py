@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.given import Tell
 from kerfwise.rules.lock import Lock
+from kerfwise.rules.profile.checks import at_odds
 from kerfwise.rules.profile.for_one_nest import ForOneNest
 from kerfwise.rules.profile.lock_text import lines_of
 from kerfwise.rules.profile.one_nest import Setting, with_settings
@@ -48,7 +50,7 @@ def with_locks(
     Raises
     ------
     InputError
-        If a lock names what the nest does not have: with its place.
+        If a lock names what the nest does not have, with its place, or asks for what a rule would make that is off.
     """
     layers = [layer for layer in ((() if job is None else job.locks), locks) if layer]
     if not layers:
@@ -59,7 +61,10 @@ def with_locks(
     for number, contour in names.numbered.items():
         tell(f"{number} is {contour}, as in {last().name}")
     told = replace(made_with, numbered=dict(names.numbered))
-    return replace(profile, locks=_standing(found, tell), for_one_nest=told)
+    laid = replace(profile, locks=_standing(found, tell), for_one_nest=told)
+    for _, _, text in at_odds(laid.plant, laid.rules, laid.known_rules()):
+        raise InputError(text, file=job.file if job is not None and job.locks else None)
+    return laid
 
 
 def _standing(layers: Sequence[Sequence[OnNest]], tell: Tell) -> tuple[Lock, ...]:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import yaml
 
 from kerfwise.rules.options.by_thickness import length_at
 from kerfwise.rules.options.yaml_positions import Problems, deepest
+from kerfwise.rules.plant import Plant
 from kerfwise.rules.registry import RULES
+from kerfwise.rules.rule import Rule
 
 from .common_checks import wrong_common
 from .filling import filled_in, known_plant
@@ -81,11 +83,18 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
     for key, text in _wrong_prices(given["prices"], material):
         problems.add(deepest(root, "prices", key), f"prices.{key}: {text}")
     plant = known_plant(machine, material, heat, given["locks"], given["cuts"])
-    known = RULES | given["further_rules"]
+    for name, key, text in at_odds(plant, rules, RULES | given["further_rules"]):
+        problems.add(deepest(root, "rules", name, key), f"rules.{name}.{key}: {text}")
+
+
+def at_odds(
+    plant: Plant, rules: Mapping[str, RuleSetting], known: Mapping[str, Rule[Any]]
+) -> Iterator[tuple[str, str, str]]:
+    """Rule, key of an option, and what is wrong, where options do not go with the plant, its locks among it."""
     for name, setting in rules.items():
         if setting.strength != "off":
             for key, text in known[name].check_with(filled_in(setting.options, plant, rules, known), plant, rules):
-                problems.add(deepest(root, "rules", name, key), f"rules.{name}.{key}: {text}")
+                yield name, key, text
 
 
 def _wrong_prices(prices: Prices, material: Material) -> Iterator[tuple[str, str]]:

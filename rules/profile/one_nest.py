@@ -20,6 +20,8 @@ from .sections import SECTIONS
 SETTABLE = (*SECTIONS, "rules")
 """What a key that is set can begin with."""
 COMMAND_LINE = "--set"
+BOTH = "--set (in Python: settings)"
+"""The option as the command line and as Python have it."""
 _MAP, _STR = "tag:yaml.org,2002:map", "tag:yaml.org,2002:str"
 
 
@@ -56,13 +58,13 @@ def read_setting(text: str) -> Setting:
     """
     key, sign, value = (part.strip() for part in text.partition("="))
     if not sign or not key or not value:
-        raise InputError(f"--set {text!r}: expected KEY=VALUE, such as leads.lead_in=4mm")
+        raise InputError(f"{BOTH} {text!r}: expected KEY=VALUE, such as leads.lead_in=4mm")
     try:
         node = compose(value, COMMAND_LINE)
     except InputError as error:
-        raise InputError(f"--set {text!r}: {error.message}") from None
+        raise InputError(f"{BOTH} {text!r}: {error.message}") from None
     if node is None:
-        raise InputError(f"--set {text!r}: expected a value after =")
+        raise InputError(f"{BOTH} {text!r}: expected a value after =")
     return Setting(key, value, node, yaml.ScalarNode(_STR, key, node.start_mark, node.end_mark))
 
 
@@ -98,7 +100,7 @@ def with_settings(profile: Profile, settings: Sequence[Setting], file: str = COM
             raise
         others = (text.split(": ", 1)[-1] for text in error.details)
         told = "; ".join(text.removeprefix("set: ") for text in (error.message, *others))
-        raise InputError(f"--set: {told}") from None
+        raise InputError(f"{BOTH}: {told}") from None
     if file == COMMAND_LINE:
         given["said_at"] = {key: _without_line(at) for key, at in given["said_at"].items()}
     return dataclasses.replace(profile, **given)

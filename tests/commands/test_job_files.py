@@ -151,10 +151,16 @@ def test_a_wrong_job_file_is_answered_in_its_place_and_nothing_is_written(text: 
 @pytest.mark.parametrize(
     ("asked", "message"),
     [
-        (("--set", "leads.lead_in"), "--set 'leads.lead_in': expected KEY=VALUE, such as leads.lead_in=4mm"),
-        (("--set", "leads.led_in=4mm"), "--set: leads: unknown key 'led_in': did you mean 'lead_in'?"),
-        (("--set", "lead.lead_in=4mm"), "--set: unknown key 'lead': did you mean 'leads'?"),
-        (("--set", "leads.lead_in=[4"), "--set 'leads.lead_in=[4': not YAML"),
+        (
+            ("--set", "leads.lead_in"),
+            "--set (in Python: settings) 'leads.lead_in': expected KEY=VALUE, such as leads.lead_in=4mm",
+        ),
+        (
+            ("--set", "leads.led_in=4mm"),
+            "--set (in Python: settings): leads: unknown key 'led_in': did you mean 'lead_in'?",
+        ),
+        (("--set", "lead.lead_in=4mm"), "--set (in Python: settings): unknown key 'lead': did you mean 'leads'?"),
+        (("--set", "leads.lead_in=[4"), "--set (in Python: settings) 'leads.lead_in=[4': not YAML"),
         (("--lock", "P2 frist"), "--lock 'P2 frist': 'frist': did you mean 'first'?"),
         (("--lock", "P7 first"), "plate.json: lock 'P7 first': unknown contour or part 'P7'"),
         (("--job", "none.job.yaml"), "none.job.yaml: cannot read the job file: No such file or directory"),
@@ -169,6 +175,29 @@ def test_what_is_wrong_on_the_command_line(asked: tuple[str, ...], message: str)
     assert Path("plate.job.yaml").read_text() == JOB
     both = kerfwise("solve", "plate.json", "--job", "plate.job.yaml", "--no-job")
     assert (both.code, "give one of them" in both.err) == (2, True)
+
+
+def test_a_tab_that_no_rule_would_make_is_refused_before_the_work() -> None:
+    Path("plate.job.yaml").write_text("tabs: {P1: [60, 20]}\n")
+    ended = kerfwise("solve", "plate.json", "--work", 1)
+    assert ended.code == 2
+    told = "P1.outer is locked to have a tab, and rule hold-small-parts, which makes tabs, is off"
+    assert ended.err.splitlines()[-1] == f"kerfwise: plate.job.yaml: {told}"
+
+
+def test_a_file_that_is_nearly_called_so_is_told() -> None:
+    Path("plate.job.yaml").rename("plate.json.job.yaml")
+    told = "note: plate.json.job.yaml is not read: the job file of plate.json is called plate.job.yaml"
+    assert kerfwise("facts", "plate.json", "-o", "f.json").err.splitlines()[0] == told
+
+
+def test_what_all_sheets_take_is_told() -> None:
+    made = kerfwise("solve", "plate.json", "--work", 1, "--set", "prices.machine_hour=60")
+    time_s = read_plan("plate.plan.json").totals.time_s
+    minutes, seconds = divmod(round(3 * time_s), 60)
+    money = f"{3 * read_plan('plate.plan.json').cost.total:.2f} EUR"  # type: ignore[union-attr]
+    told = f"order 4711, due 2026-12-24: 3 sheets, {minutes} min {seconds:02d} s, {money}"
+    assert told in made.out.splitlines()
 
 
 def test_locks_of_a_profile_are_read_with_a_note() -> None:

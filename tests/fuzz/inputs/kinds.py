@@ -61,6 +61,37 @@ def _profile(rnd: Random) -> Case:
     return Case("profile", files | _nest(rnd) if PLAIN in words else files, words, ("plant.yaml",))
 
 
+def _job(rnd: Random) -> Case:
+    """A job file beside a nest."""
+    words = (*seeds.JOB_WORDS, *seeds.profile_words())
+    if rnd.random() < 0.7:
+        bad = as_yaml(damaged_tree(seeds.JOB, rnd, words), rnd)
+    else:
+        good = yaml.safe_dump(seeds.JOB, sort_keys=False).encode()
+        bad = damaged(good, rnd, (*YAML_WORDS, *(word.encode() for word in words)))
+    asked = _chosen(
+        rnd,
+        {
+            ("job", "check", "nest.job.yaml"): 8,
+            ("facts", PLAIN): 3,
+            ("solve", PLAIN, *SHORT): 3,
+            ("check", PLAIN, "made.plan.json"): 2,
+            ("profile", "show", "--job", "nest.job.yaml", "--sources"): 2,
+            ("facts", PLAIN, "--no-job", "--lock", rnd.choice(seeds.JOB_WORDS), "--set", f"{rnd.choice(words)}=1"): 3,
+        },
+    )
+    program, plan = seeds.made("plain")
+    files: dict[str, bytes | None] = {
+        "nest.job.yaml": bad,
+        "plant.yaml": b"name: plant\nbased_on: plasma-carbon-steel\n",
+        PLAIN: seeds.nest_bytes("plain"),
+        "made.nc": program,
+        "made.plan.json": plan,
+        "nest.plan.json": plan,
+    }
+    return Case("job", files, asked, ("nest.job.yaml",))
+
+
 def _nest(rnd: Random) -> dict[str, bytes | None]:
     """A good nest, its program and its plan."""
     name = rnd.choice(("plain", "plain", "rich"))
@@ -292,10 +323,11 @@ KINDS: Mapping[str, Make] = {
     "routing": _routing,
     "model": _model,
     "python": _python,
+    "job": _job,
 }
 SHARES: Mapping[str, int] = {
-    "profile": 19, "dialect": 9, "program": 14, "plan": 12, "arguments": 13, "nest": 10, "svg": 8, "dxf": 6,
-    "routing": 6, "model": 1, "python": 2,
+    "profile": 17, "dialect": 8, "program": 14, "plan": 11, "arguments": 13, "nest": 10, "svg": 8, "dxf": 6,
+    "routing": 6, "model": 1, "python": 2, "job": 4,
 }  # fmt: skip
 """Of a hundred cases of all kinds, so many are of each."""
 

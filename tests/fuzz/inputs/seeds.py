@@ -56,6 +56,23 @@ def nest(name: str = "plain") -> Any:
     }
 
 
+JOB = {
+    "profile": "plant.yaml",
+    "machine": "plant",
+    "quantity": 3,
+    "order": "4711",
+    "due": "2026-12-24",
+    "locks": ["A first", {"contour": "B.outer", "direction": "cw"}, "#2 after A", "no link B"],
+    "tabs": {"A": "off", "B": [150, 70]},
+    "set": {"leads.lead_in": "4 mm", "material": {"thickness": 8}, "rules.pierce.clearance": "1.6 mm"},
+}
+JOB_WORDS = (
+    "A first", "B before A", "#1 last", "#0 first", "#999999999 last", "A 5th", "A.outer entry (1e9, nan)", "no link",
+    "no", "A position -1", "A tab off", "in zone", "A in zone 1", '"', "first", "A (", "A tab [1, 2", "rules.",
+    "set", "locks", "based_on", "own_rules", "2026-13-01", "0000-00-00", "9999-12-31", "rules.pierce", "material.chart",
+)  # fmt: skip
+
+
 @cache
 def nest_bytes(name: str = "plain") -> bytes:
     """The same as a file."""
