@@ -42,6 +42,10 @@ class Asked:
     last: Plan | str | Path | None = None
 
 
+NOTHING = Asked()
+"""Nothing is asked: the job file beside the nest, or the default profile."""
+
+
 def job_for(nest: NestLike, job: JobLike, tell: Tell = silent) -> Job | None:
     """The job that is given, or the one in the file beside the nest, which is then told.
 
@@ -109,7 +113,7 @@ def laid_for(plant: Profile, asked: Asked, job: Job | None) -> Profile:
     return replace(plant, locks=(*plant.locks, *(() if job is None else job.locks), *asked.locks))
 
 
-def given_for(nest: NestLike, asked: Asked, tell: Tell = silent) -> Given:
+def given_for(nest: NestLike, asked: Asked = NOTHING, tell: Tell = silent) -> Given:
     """A nest as it is to be cut, and its profile, with all that is asked for it.
 
     Raises

@@ -15,7 +15,7 @@ from kerfwise.postproc.report.pdf import pdf_bytes
 from kerfwise.postproc.report.picture import bare_picture
 from kerfwise.postproc.report.qr import qr_items
 from kerfwise.postproc.report.scene import Scene, TextLine
-from kerfwise.rules.profile.text import lock_text
+from kerfwise.rules.profile.lock_text import lines_of
 
 from .facts import facts_of_sheet, to_tick
 from .work_sheet import WorkSheet
@@ -52,7 +52,7 @@ def pages_of(sheet: WorkSheet, date: str = "") -> tuple[Scene, ...]:
     _signed(paper)
     for heading, texts in (
         ("What this plan does not keep", sheet.not_kept),
-        ("Locks", [shown(lock_text(lock)) for lock in sheet.profile.locks]),
+        ("Locks", [shown(line) for lock in sheet.profile.locks for line in lines_of(lock)]),
         ("Not cut", [f"{shown(left.contour)}: {left.why}" for left in sheet.plan.left_out]),
     ):
         if texts:
