@@ -58,7 +58,7 @@ def job_line(job: Job, plan: Plan) -> str:
     >>> job_line(Job(order="4711", quantity=3), Plan(totals=Plan(time_s=100.4), cost=None))
     'order 4711: 3 sheets, 5 min 01 s'
     """
-    told = [f"{key} {value}" for key, value in job.about.items() if key != "sheets"]
+    told = [f"{what} {value}" for what, value in (("order", job.order), ("due", job.due)) if value is not None]
     if not told and job.quantity == 1:
         return ""
     minutes, seconds = divmod(round(plan.totals.time_s * job.quantity), 60)

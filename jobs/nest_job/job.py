@@ -61,19 +61,6 @@ class Job:
         return Path(self.file).name
 
     @property
-    def about(self) -> dict[str, str]:
-        """What is to be read on paper and on a screen: order, due date, sheets; what the file does not say is left out.
-
-        Examples
-        --------
-        >>> Job(order="4711", quantity=4, due=datetime.date(2026, 12, 24)).about
-        {'order': '4711', 'due': '2026-12-24', 'sheets': '4'}
-        """
-        told = {"order": self.order, "due": None if self.due is None else str(self.due)}
-        sheets = {"sheets": str(self.quantity)} if "quantity" in self.said_at or self.quantity > 1 else {}
-        return {key: value for key, value in told.items() if value} | sheets
-
-    @property
     def profile_path(self) -> str | None:
         """The profile as `load_profile` takes it: a shipped one's name, or a path; None where the file names none."""
         if self.profile is None or self.profile in shipped_profiles():

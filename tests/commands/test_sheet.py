@@ -59,7 +59,7 @@ def test_what_stands_on_it(plan: Path) -> None:
         "air",
         "cut 2500",
         "EUR",
-        "{contour: P1.outer, position: first}",
+        "P1.outer first",
         "3 cuts, in order",
         "page 1 of 1",
     ):
