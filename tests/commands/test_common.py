@@ -125,3 +125,17 @@ def test_a_program_with_common_cuts_is_not_gone_on_with(folder: Path) -> None:
     ended = solve("--lock-from", "plan.json", "--upto", "2")
     assert ended.code == 2
     assert "cuts.common: a program that goes on after a stop cannot have common cuts" in ended.err
+
+
+def test_an_order_that_leaves_two_stretches_is_a_conflict_with_a_way_out(folder: Path) -> None:
+    """A and B stand apart on the left, and come before L on the right by a hard rule; L is beside both."""
+    apart = nest_of(0.2)
+    boxes = {"A": rect(40, 40, 60, 60), "B": rect(40, 110, 60, 60), "L": rect(100.2, 40, 60, 130)}
+    apart["parts"] = [{"id": name, "outer": outer} for name, outer in boxes.items()]
+    (folder / "nest.json").write_text(json.dumps(apart), encoding="utf-8")
+    ended = solve("--plan", "plan.json")
+    assert ended.code == 1
+    assert "common-cuts: L.outer is cut all round with A.outer, B.outer still in" in ended.err
+    assert "relax level-ahead: 1 statement" in ended.err
+    assert solve("--plan", "plan.json", "--relax").code == 0
+    assert sum("span" in row for row in rows(folder)) == 2

@@ -98,8 +98,8 @@ def _weights(groups: Sequence[Group], book: Mapping[str, Rule[Any]]) -> list[int
     """What relaxing each group costs; None where it may not be."""
     weights: list[int | None] = []
     for group in groups:
-        rule = book[group.about.rule]
-        weights.append(1 if may_give_way(rule) else None)
+        rule = book.get(group.about.rule)  # what is of no rule, such as which ways common cuts leave, stays
+        weights.append(1 if rule is not None and may_give_way(rule) else None)
     heavy = 1 + sum(w for w in weights if w is not None)
     return [heavy if group.about.rule in LAST else w for group, w in zip(groups, weights, strict=True)]
 
