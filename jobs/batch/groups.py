@@ -28,7 +28,7 @@ _REMEDIES = {
     "not safe": "Plan the nest alone with `kerfwise solve`, which prints the verdict of every rule.",
     "fault": "Run the same command again. If it stays so, send the report that it names.",
 }
-_RELAX = "With --relax the batch takes the way out that is named, and marks it in plan and program. "
+_RELAX = "With --relax (in Python: relax=True) the batch takes the way out that is named, and marks it in the plan. "
 
 
 @dataclass(frozen=True, slots=True)

@@ -73,7 +73,7 @@ def plan_piece(piece: Piece, key: str) -> Made:
         relax = conflict is not None and conflict.relax is not None
         return _without_plan(piece, "no plan", str(error), relax=relax, thumbnail=seen)
     except RulesConflict as error:
-        return _without_plan(piece, "no plan", str(error), relax="--relax" in str(error))
+        return _without_plan(piece, "no plan", str(error), relax="in Python relax=True, leaves" in str(error))
 
 
 def fault(piece: Piece, error: Exception) -> Made:

@@ -58,7 +58,10 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
     ),
     "a program that is not there": (lambda: kerfwise.check(PAIR, "old.nc"), r"^old\.nc: cannot read the program"),
     "no plan": (lambda: kerfwise.check(PAIR, None), "expected a plan, a result or a path, got NoneType"),  # type: ignore[arg-type]
-    "a picture of another kind": (lambda: kerfwise.draw(PAIR, kind="jpg"), r"must end in one of \.svg, \.png, \.html"),  # type: ignore[arg-type]
+    "a picture of another kind": (
+        lambda: kerfwise.draw(PAIR, kind="jpg"),  # type: ignore[arg-type]
+        r"must end in one of \.svg, \.png, \.pdf, \.html",
+    ),
     "a contour that is not there": (
         lambda: kerfwise.draw(PAIR, contours="P9.outer"),
         "no contour 'P9.outer' in the nest",
