@@ -36,15 +36,15 @@ PAGES = {
     "small_holes": "[small holes](small-holes.md)",
     "corners": "[slower corners](materials.md#feeds-by-contour)",
     "cuts": "[chains](links.md), [common cuts](common.md), [narrow slots](narrow-slots.md), "
-    "[cutting up the skeleton](scrap.md)",
+    "[tabs](tabs.md), [cutting up the skeleton](scrap.md), [pierce pass](pierce-pass.md)",
     "drawing": "[how drawings are read](drawings.md)",
     "time": "[how long a program takes](time.md)",
-    "prices": "[how long a program takes](time.md)",
+    "prices": "[what a sheet costs](prices.md)",
     "heat": "[how hot the sheet gets](heat.md)",
 }
 """Section → the pages that say more."""
 _LONG = 80
-"""Characters of a default that is shown whole."""
+"""Characters of the longest default that is shown."""
 _HEAD = ("| key | default | what | values |", "|---|---|---|---|")
 
 
@@ -139,11 +139,7 @@ def _rows(owner: Any, before: str = "") -> Iterator[str]:
 
 def _default(option: Option) -> str:
     text = option.kind.write(option.default)
-    return (
-        f"`{_cell(text)}`"
-        if len(text) <= _LONG
-        else f"`{_cell(text[: _LONG // 2])}` … (`kerfwise profile show` has all)"
-    )
+    return f"`{_cell(text)}`" if len(text) <= _LONG else "too long for here: `kerfwise profile show`"
 
 
 def _row(cells: Sequence[str]) -> str:

@@ -5,20 +5,20 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pytest
+import zxingcpp
 
 import kerfwise as package
 from kerfwise.encoder.by_hand import rect
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.nest_file import nest_file
+from kerfwise.tests.paper import pages_of
 
-pytest.importorskip("segno")
 PARTS = [{"id": f"P{k}", "outer": rect(20 + 120 * k, 20, 100, 100)} for k in range(3)]
 
 
@@ -27,10 +27,6 @@ def plan() -> Path:
     nest_file("sheet.json", PARTS)
     assert kerfwise("solve", "sheet.json", "--work", 1, "-o", "a.nc", "--plan", "a.plan.json").code == 0
     return Path("a.plan.json")
-
-
-def read(path: str) -> Any:
-    return pytest.importorskip("pymupdf").open(path)
 
 
 def test_what_stands_on_it(plan: Path) -> None:
@@ -44,9 +40,8 @@ def test_what_stands_on_it(plan: Path) -> None:
     words = ["--program", "b.nc", "--date", "2026-11-22", "--about", "order=47/11", "-o", "b.pdf"]
     ended = kerfwise("sheet", "sheet.json", "b.plan.json", "-p", "shop.yaml", *words)
     assert (ended.code, ended.out) == (0, "written: b.pdf\n"), ended.err
-    document = read("b.pdf")
-    assert len(document) == 1
-    text = document[0].get_text()
+    (page,) = pages_of("b.pdf")
+    text = page.text
     sha256 = hashlib.sha256(Path("b.nc").read_bytes()).hexdigest()
     assert sha256 in text.replace("\n", "")
     for said in (
@@ -65,10 +60,10 @@ def test_what_stands_on_it(plan: Path) -> None:
     ):
         assert said in text, said
     order = [cut["contour"] for cut in json.loads(Path("b.plan.json").read_text())["cuts"]]
-    rows = text[text.index("in order") :].split("\n")
-    assert [row for row in rows if row.endswith(".outer")] == order
-    cell = document[0].search_for("contour")[0]
-    assert cell.y1 < document[0].rect.height
+    assert re.findall(r"\S+\.outer", text[text.index("in order") :]) == order
+    _, bottom, right, _ = page.box("contour")
+    assert bottom > 0
+    assert right < page.size[0]
 
 
 def test_without_the_program_it_is_the_one_that_solve_writes(plan: Path) -> None:
@@ -84,19 +79,16 @@ def test_the_job_file_of_the_nest_is_on_it(plan: Path) -> None:
     Path("sheet.job.yaml").write_text("order: A-77\ndue: 2026-12-24\nquantity: 4\nlocks: [P1.outer first]\n")
     assert kerfwise("solve", "sheet.json", "--work", 1, "-o", "j.nc", "--plan", "j.plan.json").code == 0
     assert kerfwise("sheet", "sheet.json", "j.plan.json", "--about", "due=Monday", "-o", "j.pdf").code == 0
-    text = read("j.pdf")[0].get_text()
+    text = pages_of("j.pdf")[0].text
     assert all(said in text for said in ("A-77", "Monday", "4 of the same", "P1.outer first"))
     assert "2026-12-24" not in text
     assert kerfwise("sheet", "sheet.json", plan, "--no-job", "-o", "n.pdf").code == 0
-    assert "A-77" not in read("n.pdf")[0].get_text()
+    assert "A-77" not in pages_of("n.pdf")[0].text
 
 
 def test_the_code_is_read_from_the_paper(plan: Path) -> None:
-    zxingcpp = pytest.importorskip("zxingcpp")
     assert kerfwise("sheet", "sheet.json", plan, "--program", "a.nc").code == 0
-    image = read("sheet.pdf")[0].get_pixmap(dpi=150)
-    pixels = np.frombuffer(image.samples, np.uint8).reshape(image.height, image.width, image.n)
-    (found,) = zxingcpp.read_barcodes(pixels)
+    (found,) = zxingcpp.read_barcodes(pages_of("sheet.pdf")[0].picture(dpi=150))
     assert found.text == f"SHA256 {hashlib.sha256(Path('a.nc').read_bytes()).hexdigest().upper()}"
 
 
@@ -120,9 +112,9 @@ def test_many_cuts_go_on_to_more_pages_and_every_number_can_be_read(plan: Path) 
     solved = kerfwise("solve", "many.json", "-p", "loose.yaml", "--work", 0.05, "-o", "m.nc", "--plan", "m.plan.json")
     assert solved.code == 0, solved.err
     assert kerfwise("sheet", "many.json", "m.plan.json", "-p", "loose.yaml", "-o", "m.pdf").code == 0
-    document = read("m.pdf")
-    assert len(document) == 2
-    rows = [row for page in document for row in page.get_text().split("\n") if row.endswith(".outer")]
+    pages = pages_of("m.pdf")
+    assert len(pages) == 2
+    rows = re.findall(r"\S+\.outer", "".join(page.text for page in pages).partition("in order")[2])
     assert len(rows) == len(set(rows)) == 120
 
     from kerfwise.encoder.readers import read_nest
@@ -145,7 +137,7 @@ def test_several_nests_make_one_paper(plan: Path) -> None:
 
     one = work_sheet(given_for("sheet.json", Asked()), read_plan(plan))
     Path("both.pdf").write_bytes(sheets_pdf([one, one], "today"))
-    texts = [page.get_text() for page in read("both.pdf")]
+    texts = [page.text for page in pages_of("both.pdf")]
     assert len(texts) == 2
     assert all("page 1 of 1" in text and "today" in text for text in texts)
 
@@ -194,9 +186,9 @@ def test_a_plan_of_another_nest_is_one_message(plan: Path) -> None:
 
 def test_plot_and_compare_print_too(plan: Path) -> None:
     assert kerfwise("plot", "sheet.json", plan, "-o", "plan.pdf").code == 0
-    assert "P2" not in read("plan.pdf")[0].get_text()
+    assert "P2" not in pages_of("plan.pdf")[0].text
     assert kerfwise("plot", "sheet.json", "-o", "nest.pdf").code == 0
     assert kerfwise("compare", "sheet.json", plan, "a.nc", "-o", "both.pdf").code == 0
-    text = read("both.pdf")[0].get_text()
+    text = pages_of("both.pdf")[0].text
     assert "both make the same cuts in the same order" in text
     assert "idle travel" in text

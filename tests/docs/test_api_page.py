@@ -6,6 +6,8 @@ import json
 import re
 from pathlib import Path
 
+import nbclient
+import nbformat
 import pytest
 
 import kerfwise
@@ -49,8 +51,6 @@ def test_notebooks_are_kept_without_output() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
 def test_every_notebook_runs(notebook: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    nbformat = pytest.importorskip("nbformat", reason="pip install -e '.[test]' brings nbformat, nbclient, ipykernel")
-    nbclient = pytest.importorskip("nbclient", reason="pip install -e '.[test]' brings nbformat, nbclient, ipykernel")
     monkeypatch.setenv("PYTHONPATH", str(ROOT.parent) if ROOT.name == "kerfwise" else "")
     made = nbformat.read(notebook, as_version=4)
     nbclient.NotebookClient(made, timeout=600, resources={"metadata": {"path": str(notebook.parent)}}).execute()

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from kerfwise.postproc.report.paper import BOX, FOOT, HEIGHT, MARGIN, ROOM, WIDTH, Paper, broken, moved, shortened
 from kerfwise.postproc.report.pdf import A4, on_paper, pdf_bytes
 from kerfwise.postproc.report.scene import Dot, Scene, SceneLayer, Shape, Style, TextLine, text_width
+from kerfwise.tests.paper import pages_of
 
 WORDS = st.text(st.characters(codec="utf-8", categories=("L", "N", "P")), min_size=1, max_size=40)
 
@@ -116,12 +117,10 @@ def test_the_same_scene_gives_the_same_bytes_without_a_date() -> None:
 
 
 def test_a_pdf_is_read_back() -> None:
-    pymupdf = pytest.importorskip("pymupdf")
-    with pymupdf.open(stream=on_paper(SCENE)) as document:
-        (page,) = document
-        assert tuple(page.rect)[2:] == pytest.approx(A4[::-1], abs=0.5)
-        assert "Träger 7 $x$ <&>" in page.get_text()
-        (word,) = (word for word in page.get_text("words") if word[4] == "Träger")
-        assert 0 < word[0] < word[2] < page.rect.width
-        red = page.get_pixmap(dpi=36).pixel(int(page.rect.width / 4), 0)
-        assert len(red) == 3
+    (page,) = pages_of(on_paper(SCENE))
+    assert page.size == pytest.approx(A4[::-1], abs=0.5)
+    assert "Träger 7 $x$ <&>" in page.text
+    left, _, right, _ = page.box("Träger")
+    assert 0 < left < right < page.size[0]
+    red, green, blue = np.moveaxis(page.picture(dpi=72).astype(int), -1, 0)
+    assert ((red > 200) & (green < 100) & (blue < 100)).sum(axis=1).max() > page.size[0] / 2, "the red line is drawn"

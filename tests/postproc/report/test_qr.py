@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
+import segno
 
 from kerfwise.postproc.report.scene import Shape
-
-segno = pytest.importorskip("segno")
 
 
 def test_the_bars_cover_the_dark_squares_and_no_others() -> None:
