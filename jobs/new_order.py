@@ -11,6 +11,7 @@ from kerfwise.postproc.check.reader.on_machine import moved, old_on_machine
 from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.postproc.old.pieces import TakenApart
 from kerfwise.postproc.old.reordered import expect_same
+from kerfwise.rules.profile.profile import Profile
 
 from .listening import Listener
 from .old_program import OldJob
@@ -36,6 +37,27 @@ def broken_more(one: CheckResult | None, other: CheckResult | None) -> list[str]
         for judgement in one.rules
         if judgement.strength == "hard" and len(judgement.violations) > least.get(judgement.id, 0)
     ]
+
+
+def no_better(before: Measured, after: Measured, profile: Profile) -> str:
+    """Before and after in words, where contours planned afresh gain nothing; else "".
+
+    It is idle travel that counts. Where the pierces are others, or the profile lets cuts be linked or shared, the time
+    of all does, at the profile's speeds.
+    """
+    machine = profile.machine
+    in_time = profile.link_options() is not None or profile.common_options() is not None
+
+    def cost_mm(of: Measured) -> float:
+        if not in_time and before.pierces == after.pierces:
+            return of.idle_mm
+        burning_s = of.pierces * machine.pierce_time_s + of.cut_mm / machine.cut_feed_mm_s
+        return of.idle_mm + burning_s * machine.travel_mm_s
+
+    if cost_mm(after) < cost_mm(before) - SLACK_MM:
+        return ""
+    figures = (f"{of.idle_mm / 1000:.3f} m of idle travel and {of.pierces} pierces" for of in (before, after))
+    return "before {}, after {}".format(*figures)
 
 
 def read_back(text: str, job: OldJob, apart: TakenApart, order: Sequence[int]) -> NcProgram:

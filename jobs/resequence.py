@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError, RulesConflict
@@ -15,6 +16,7 @@ from .best_order import in_best_order
 from .given import Given, ProfileLike, Tell, plant_of, silent
 from .listening import Listener
 from .main_job import plan_nest
+from .new_order import broken_more, no_better, stays
 from .old_program import Asked, OldJob, read_old_job
 from .resequenced import Measured, Paths, Resequenced
 from .solve_options import options_for
@@ -87,35 +89,28 @@ def _afresh(job: OldJob, limits: SolveOptions, engine: Engine, listener: Listene
     nest = job.nest
     verdict = check_program(nest, job.text, job.profile, job.name, trusted=job.trusted)
     before = Measured.of(job.program, job.profile, nest, verdict)
-    extra = next((line.line for line in job.old.lines if "material" in line.state or "tool" in line.state), None)
-    notes = list(job.notes)
-    if extra is not None:
-        notes.append(
-            f"line {extra}: what the program chooses on the machine (material, tool) is not in the new program, which "
-            "is written for the profile"
-        )
-        tell(notes[-1])
     done = plan_nest(Given(job.profile.as_cut(nest), job.profile), limits, engine=engine, listener=listener, tell=tell)
     made = done.made
     if not made.verdict.ok:
         broken = (made.verdict.rule(name) for name in made.verdict.broken())
         reasons = tuple(f"{j.id}: {v.text}" for j in broken for v in j.violations[:_TOLD])
         raise RulesConflict(f"{job.name}: the check refuses the new plan; nothing is written", reasons)
-    program = read_on_machine(made.program, nest, job.profile)
-    after = Measured.of(program, job.profile, nest, made.verdict)
+    after = Measured.of(read_on_machine(made.program, nest, job.profile), job.profile, nest, made.verdict)
     proven = made.plan.solve.status == "optimal"
     ends = "proven: no plan is better within these zones and entries" if proven else "found, not proven"
-    return Resequenced(
-        job.name,
-        "new",
-        made.program,
-        before,
-        after,
-        nest,
-        made.plan,
-        proven,
-        ends,
-        tuple(notes),
-        job.home,
-        listener.interrupted,
-    )
+    mended = broken_more(before.verdict, after.verdict)
+    if (worse := no_better(before, after, job.profile)) and not mended:
+        ends = f"the old program stays: planned afresh it is no better ({worse})"
+        return replace(stays(job, before, nest, False, ends, listener), paths="new")
+    if worse:
+        ends += f"; it is no better otherwise ({worse}), but the old program breaks {', '.join(mended)}"
+    notes = list(job.notes)
+    extra = next((line.line for line in job.old.lines if "material" in line.state or "tool" in line.state), None)
+    if extra is not None:
+        notes.append(
+            f"line {extra}: what the program chooses on the machine (material, tool) is not in the new program, which "
+            "is written for the profile"
+        )
+        tell(notes[-1])
+    old = stays(job, before, nest, proven, ends, listener)
+    return replace(old, paths="new", program=made.program, after=after, plan=made.plan, notes=tuple(notes))

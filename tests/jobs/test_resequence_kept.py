@@ -140,3 +140,21 @@ def test_scrap_lines_that_the_profile_makes_are_asked_of_no_old_program(tmp_path
     made = again(program, grid, tmp_path)
     assert made.before.verdict is not None
     assert made.before.verdict.broken() == ()
+
+
+def test_contours_planned_afresh_that_are_no_better_leave_the_old_program(tmp_path: Path) -> None:
+    program, _ = solved("links")
+    made = again(program, LINKED, tmp_path, paths="new")
+    assert made.paths == "new"
+    assert not made.changed
+    assert made.program == program
+    assert "the old program stays: planned afresh it is no better (before " in str(made)
+    assert not made.proven
+
+
+def test_an_old_program_that_breaks_rules_is_left_for_one_that_is_no_better_otherwise(tmp_path: Path) -> None:
+    made = again(solved("links")[0], PLAIN, tmp_path, paths="new")
+    assert made.changed
+    assert made.after.pierces > made.before.pierces
+    assert "; it is no better otherwise (before " in made.ends
+    assert made.ends.endswith("but the old program breaks links")
