@@ -9,10 +9,10 @@ from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.postproc.old.contours import Told
 from kerfwise.postproc.old.pieces import TakenApart, taken_apart
 from kerfwise.postproc.old.unclear import NoNest
-from kerfwise.postproc.verdict.checking import check_program
 
 from .by_travel import by_travel
 from .given import Tell
+from .judged_side import judged_by_side
 from .kept_burns import BurnWriter, facts_of_burns, plan_order
 from .listening import Listener
 from .new_order import SLACK_MM, broken_more, read_back, stays
@@ -43,7 +43,7 @@ def in_best_order(
     told, unclear = job.told, job.unclear
     if told is not None:
         try:
-            return _by_rules(job, told, apart, limits, listener)
+            return _by_rules(job, told, apart, limits, listener, tell)
         except NoNest as none:
             unclear = none.unclear
     if not without_rules:
@@ -51,9 +51,12 @@ def in_best_order(
     return by_travel(job, apart, unclear, limits, listener, tell)
 
 
-def _by_rules(job: OldJob, told: Told, apart: TakenApart, limits: SolveOptions, listener: Listener) -> Resequenced:
+def _by_rules(
+    job: OldJob, told: Told, apart: TakenApart, limits: SolveOptions, listener: Listener, tell: Tell
+) -> Resequenced:
+    facts_of_burns(job, told)  # nothing is judged where burns are not clearly cuts
+    job, old = judged_by_side(job, told.nest, job.text, tell)
     kept = facts_of_burns(job, told)
-    old = check_program(told.nest, job.text, job.profile, job.name, trusted=job.trusted, side=kept.facts.start_side)
     before = Measured.of(job.program, job.profile, told.nest, old)
     try:
         made = plan_order(job, kept, told, apart, limits, listener)

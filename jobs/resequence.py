@@ -9,11 +9,11 @@ from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.models.engines.names import Engine
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.postproc.check.reader.on_machine import read_on_machine
-from kerfwise.postproc.verdict.checking import check_program
 from kerfwise.rules.profile.profile import DEFAULT
 
 from .best_order import in_best_order
 from .given import Given, ProfileLike, Tell, plant_of, silent
+from .judged_side import judged_by_side
 from .listening import Listener
 from .main_job import plan_nest
 from .new_order import broken_more, no_better, stays
@@ -87,7 +87,7 @@ def resequence(
 
 def _afresh(job: OldJob, limits: SolveOptions, engine: Engine, listener: Listener, tell: Tell) -> Resequenced:
     nest = job.nest
-    verdict = check_program(nest, job.text, job.profile, job.name, trusted=job.trusted)
+    job, verdict = judged_by_side(job, nest, job.text, tell)
     before = Measured.of(job.program, job.profile, nest, verdict)
     done = plan_nest(Given(job.profile.as_cut(nest), job.profile), limits, engine=engine, listener=listener, tell=tell)
     made = done.made

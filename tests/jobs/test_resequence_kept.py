@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from functools import cache
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -35,16 +36,16 @@ STEPS = pytest.mark.scrap("ESSI moves in steps of 0.1 mm, which the simulation o
 SHEET = Asked(sheet_mm=(520, 260))
 
 
-def from_left(profile: Profile) -> Profile:
-    """Cutting starts from the left: without comments, tenths of a millimetre would decide it in so even a nest."""
-    side = RuleSetting("hard", None, StartSideOptions(side="left"))
-    return dataclasses.replace(profile, rules=dict(profile.rules) | {"start-side": side})
+def from_side(profile: Profile, side: Literal["left", "right"] = "left") -> Profile:
+    """Where cutting starts: without comments, tenths of a millimetre would decide it in so even a nest."""
+    setting = RuleSetting("hard", None, StartSideOptions(side=side))
+    return dataclasses.replace(profile, rules=dict(profile.rules) | {"start-side": setting})
 
 
 CASES = {
     "links": LINKED,
     "links, eia": with_dialect(LINKED, "eia"),
-    "links, essi": with_dialect(from_left(LINKED), "essi"),
+    "links, essi": with_dialect(from_side(LINKED), "essi"),
     "tabs": with_tabs("plasma-carbon-steel", slat_pitch_mm=120.0),
     "tabs, grbl": with_dialect(with_tabs("laser-st10kp-2mm", width_mm=0.5, slat_pitch_mm=120.0), "grbl"),
     "tabs, linuxcnc": with_dialect(with_tabs("laser-st10kp-2mm", width_mm=0.5, slat_pitch_mm=120.0), "linuxcnc"),
@@ -158,3 +159,18 @@ def test_an_old_program_that_breaks_rules_is_left_for_one_that_is_no_better_othe
     assert made.after.pierces > made.before.pierces
     assert "; it is no better otherwise (before " in made.ends
     assert made.ends.endswith("but the old program breaks links")
+
+
+@STEPS
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_program_that_does_not_state_its_side_is_judged_from_where_it_keeps_the_rules(
+    side: Literal["left", "right"], tmp_path: Path
+) -> None:
+    open_side = with_dialect(LINKED, "essi")
+    fixed = with_dialect(from_side(LINKED, side), "essi")
+    program = plan_nest(Given(plates(), fixed), options_for(plates(), fixed, work=5)).made.program
+    made = again(program, open_side, tmp_path)
+    assert made.before.verdict is not None
+    assert made.before.verdict.broken() == ()
+    assert made.program == program
+    assert [note for note in made.notes if f"both orders are judged from the {side}" in note]
