@@ -79,7 +79,7 @@ class Cluster(Generic[Piece, Made]):
             while True:
                 room = AHEAD * max(1, sum(worker["nthreads"] for worker in self._workers())) - len(given)
                 for _, piece in zip(range(room), left, strict=False):
-                    future = self._client.submit(self._work, piece, pure=False, key=f"kerfwise-{id(given)}-{id(piece)}")
+                    future = self._client.submit(self._work, piece, pure=False)
                     given[future] = piece
                     answers.add(future)
                     began(piece)
