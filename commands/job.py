@@ -64,8 +64,7 @@ def _beside(job: str) -> Path | None:
 
 
 def _told(job: Job, profile: str) -> list[str]:
-    def counted(count: int, what: str) -> str:
-        return f"{count} {what}{'' if count == 1 else 's'}"
+    from kerfwise.postproc.report.legend import counted
 
     said = [f"profile {profile}", counted(job.quantity, "sheet")]
     said += [f"order {job.order}"] if job.order else []

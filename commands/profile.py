@@ -63,7 +63,7 @@ def show(
 
     if profile is None and job is None:
         raise click.UsageError("Missing argument 'PROFILE', or --job JOB.")
-    asked = asked_of(profile, job if job is not None else None, job is None, settings, lock)
+    asked = asked_of(profile, job, job is None, settings, lock)
     read = job_for("", asked.job, tell_note)
     loaded = profile_for(asked, read, tell_note, lambda named: load_profile(str(named), trust=trust))
     click.echo(profile_yaml(laid_for(loaded, asked, read), sources), nl=False)

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 def summary(plan: Plan, verdict: CheckResult) -> str:
     """The plan's totals, what is proven of it, and the verdict of the independent check on every rule."""
     totals, solve = plan.totals, plan.solve
-    minutes, seconds = divmod(round(totals.time_s), 60)
     proof = proof_of(plan)
     lines = []
     if plan.already:
@@ -27,7 +26,7 @@ def summary(plan: Plan, verdict: CheckResult) -> str:
         lines.append(f"{name} begins in its old pierce: there is no room for another beside the old kerf")
     lines += [
         f"{counted(len(plan.cuts), 'contour')}, {counted(totals.pierces, 'pierce')}, cut {totals.cut_mm / 1000:.3f} m, "
-        f"idle {totals.idle_mm / 1000:.3f} m, {minutes} min {seconds:02d} s",
+        f"idle {totals.idle_mm / 1000:.3f} m, {_clock(totals.time_s)}",
         f"{_objective(plan)}, found by {solve.found_by}, {proof}",
         f"start side {plan.start_side} (because: {plan.start_side_because}), "
         f"{counted(max((p.cut.zone for p in plan.cuts), default=0), 'zone')}",
@@ -61,10 +60,14 @@ def job_line(job: Job, plan: Plan) -> str:
     told = [f"{what} {value}" for what, value in (("order", job.order), ("due", job.due)) if value is not None]
     if not told and job.quantity == 1:
         return ""
-    minutes, seconds = divmod(round(plan.totals.time_s * job.quantity), 60)
-    all_told = [counted(job.quantity, "sheet"), f"{minutes} min {seconds:02d} s"]
+    all_told = [counted(job.quantity, "sheet"), _clock(plan.totals.time_s * job.quantity)]
     all_told += [] if plan.cost is None else [f"{plan.cost.total * job.quantity:.2f} {plan.cost.currency}"]
     return f"{', '.join(told)}: {', '.join(all_told)}" if told else ", ".join(all_told)
+
+
+def _clock(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes} min {rest:02d} s"
 
 
 def proof_of(plan: Plan) -> str:
