@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.cut import Cut, CutSequence, Tab
 
 ENTRY_MM = 0.01
-"""Entries nearer than this are the same: programs write decimals."""
+"""Places nearer than this, and lengths that differ by less, are the same: programs write decimals."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +20,8 @@ class CutPair:
     """One contour in both: its positions, from 1, and what differs.
 
     `moved` is a cut that changed places with others that stay in order; `entry_mm` is how far its entry moved, 0 where
-    it is the same. `a` or `b` is None where that side does not cut it.
+    it is the same. `lead` is said of a cut that is pierced, led in or led out otherwise from the same entry. `a` or `b`
+    is None where that side does not cut it.
     """
 
     contour: str
@@ -29,11 +31,14 @@ class CutPair:
     entry_mm: float = 0.0
     turned: bool = False
     linked: bool = False
+    lead: bool = False
+    tabs: bool = False
 
     @property
     def same(self) -> bool:
         """Whether nothing but its position's number differs."""
-        return None not in (self.a, self.b) and not (self.moved or self.entry_mm or self.turned or self.linked)
+        differs = self.moved or self.entry_mm or self.turned or self.linked or self.lead or self.tabs
+        return None not in (self.a, self.b) and not differs
 
     @property
     def told(self) -> str:
@@ -48,6 +53,8 @@ class CutPair:
                 *([f"entry {self.entry_mm:.1f} mm away"] if self.entry_mm else []),
                 *(["other way round"] if self.turned else []),
                 *(["linked in one only"] if self.linked else []),
+                *(["another lead"] if self.lead else []),
+                *(["other tabs"] if self.tabs else []),
             ]
         )
 
@@ -61,6 +68,8 @@ class CutPair:
             "entry_mm": round(self.entry_mm, 3),
             "other_direction": self.turned,
             "linked_in_one_only": self.linked,
+            "other_lead": self.lead,
+            "other_tabs": self.tabs,
         }
 
 
@@ -70,27 +79,48 @@ def cut_pairs(first: CutSequence, second: CutSequence) -> tuple[CutPair, ...]:
     The fewest cuts are taken as moved: all others follow each other alike in both.
     """
     a, b = _by_contour(first), _by_contour(second)
-    common = [name for name in a if name in b]
-    kept = set(longest_rising([b[name][0] for name in common]))
-    pairs = []
-    for name, (position, cut) in a.items():
-        if name not in b:
-            pairs.append(CutPair(name, position, None))
-            continue
-        there, other = b[name]
-        away_mm = math.dist(cut.entry, other.entry)
-        entry_mm = away_mm if away_mm > ENTRY_MM else 0.0
-        turned, linked = cut.direction != other.direction, cut.linked != other.linked
-        pairs.append(CutPair(name, position, there, there not in kept, entry_mm, turned, linked))
-    pairs += [CutPair(name, None, position) for name, (position, _) in b.items() if name not in a]
+    kept = set(longest_rising([b[name][0] for name in a if name in b]))
+    pairs = [
+        _pair(cut, position, *b[name], kept) if name in b else CutPair(cut.contour, position, None)
+        for name, (position, cut) in a.items()
+    ]
+    pairs += [CutPair(cut.contour, None, position) for name, (position, cut) in b.items() if name not in a]
     return tuple(pairs)
 
 
-def _by_contour(cuts: CutSequence) -> dict[str, tuple[int, Cut]]:
-    """Contour id → position and cut; the first, where a program cuts one twice."""
-    found: dict[str, tuple[int, Cut]] = {}
+def _pair(cut: Cut, position: int, there: int, other: Cut, kept: Collection[int]) -> CutPair:
+    away_mm = math.dist(cut.entry, other.entry)
+    entry_mm = away_mm if away_mm > ENTRY_MM else 0.0
+    turned, linked = cut.direction != other.direction, cut.linked != other.linked
+    lead = not (entry_mm or turned or cut.linked or other.linked) and not _led_alike(cut, other)
+    return CutPair(
+        cut.contour, position, there, there not in kept, entry_mm, turned, linked, lead, not _held_alike(cut, other)
+    )
+
+
+def _led_alike(cut: Cut, other: Cut) -> bool:
+    """Whether both begin in one place, and their leads are as long; what leads a linked cut in depends on the order."""
+    leads = ((cut.lead_in, other.lead_in), (cut.lead_out, other.lead_out))
+    lengths_mm = [[0.0 if lead is None else lead.length_mm for lead in pair] for pair in leads]
+    return math.dist(cut.pierce, other.pierce) <= ENTRY_MM and all(abs(a - b) <= ENTRY_MM for a, b in lengths_mm)
+
+
+def _held_alike(cut: Cut, other: Cut) -> bool:
+    """Whether both leave the same tabs."""
+    return len(cut.tabs) == len(other.tabs) and all(any(_alike(a, b) for b in other.tabs) for a in cut.tabs)
+
+
+def _alike(tab: Tab, other: Tab) -> bool:
+    return math.dist(tab.at, other.at) <= ENTRY_MM and abs(tab.width_mm - other.width_mm) <= ENTRY_MM
+
+
+def _by_contour(cuts: CutSequence) -> dict[tuple[str, int], tuple[int, Cut]]:
+    """Contour id, and 2 where a program cuts it a second time, → position and cut."""
+    times = Counter[str]()
+    found: dict[tuple[str, int], tuple[int, Cut]] = {}
     for position, cut in enumerate(cuts, 1):
-        found.setdefault(cut.contour, (position, cut))
+        times[cut.contour] += 1
+        found[cut.contour, times[cut.contour]] = position, cut
     return found
 
 

@@ -73,6 +73,8 @@ def summary_of(changed: Sequence[CutPair], count: int) -> str:
         ("moved", sum(pair.moved for pair in changed)),
         ("begun elsewhere", sum(pair.entry_mm > 0 for pair in changed)),
         ("other way round", sum(pair.turned for pair in changed)),
+        ("with another lead", sum(pair.lead for pair in changed)),
+        ("with other tabs", sum(pair.tabs for pair in changed)),
         ("in one only", sum(None in (pair.a, pair.b) for pair in changed)),
     )
     told = ", ".join(f"{number} {what}" for what, number in kinds if number)

@@ -8,7 +8,7 @@ from itertools import combinations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.cut import Cut, CutSequence, Tab
 from kerfwise.jobs.compare.moved import cut_pairs, longest_rising
 
 
@@ -33,6 +33,25 @@ def test_entries_directions_and_links_are_told_of_cuts_that_stay() -> None:
     assert [p.told for p in cut_pairs(first, second)] == [
         "entry 5.0 mm away", "other way round", "linked in one only", "",
     ]  # fmt: skip
+
+
+def test_leads_and_tabs_are_told_of_cuts_with_the_same_entry() -> None:
+    first = order("A", "B", "C", "D")
+    a, b, c, d = first
+    tab = Tab((10.0, 0.0), 0.5)
+    second = CutSequence(
+        (replace(a, pierce=(0.0, -7.0)), replace(b, tabs=(tab,)), replace(c, tabs=(tab,), pierce=(2.0, -5.0)), d)
+    )
+    assert [p.told for p in cut_pairs(first, second)] == ["another lead", "other tabs", "another lead, other tabs", ""]
+    held = CutSequence((replace(b, tabs=(tab, Tab((90.0, 0.0), 0.5))),))
+    turned = CutSequence((replace(b, tabs=(Tab((90.0, 0.0), 0.5), tab)),))
+    wider = CutSequence((replace(b, tabs=(tab, Tab((90.0, 0.0), 0.8))),))
+    assert [cut_pairs(held, other)[0].told for other in (turned, wider)] == ["", "other tabs"]
+
+
+def test_a_contour_that_one_side_cuts_twice_is_no_same_cut() -> None:
+    pairs = cut_pairs(order("A", "B"), order("A", "B", "A"))
+    assert [(p.contour, p.a, p.b, p.told) for p in pairs if not p.same] == [("A", None, 3, "in B only")]
 
 
 def test_what_only_one_side_cuts() -> None:
