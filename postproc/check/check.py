@@ -65,14 +65,15 @@ def check_cuts(
     judged, warnings = _judge_paths(
         replace(judged_by, nest=nest), slots, cuts, runs, faults, profile, relaxed, tabs=tabs
     )
-    felt = measured(once_each(nest, cuts), heatings_of_cuts(nest, cuts, runs, profile), thermometer)
+    in_kerfs = _begun_in_kerfs(nest, cuts, profile)
+    heatings = heatings_of_cuts(nest, cuts, runs, profile, in_kerfs)
+    felt = measured(once_each(nest, cuts), heatings, thermometer)
     rules = judge(nest, felt, profile, relaxed)
     by_rules = JudgedCuts(nest, felt, profile, tuple(relaxed), tuple(rules))
     warnings += relaxed_warnings(relaxed)
     if claims is not None:
         broken, told = claims_kept(claims, rules)
-        unpierced = in_older_kerfs(nest, cuts, profile.material.kerf_mm) if profile.kerf_starts else ()
-        judged += [judgement("totals", totals(nest, cuts, runs, claims, unpierced)), judgement("claims", broken)]
+        judged += [judgement("totals", totals(nest, cuts, runs, claims, in_kerfs)), judgement("claims", broken)]
         warnings += told
     return CheckResult((*judged, *rules), tuple(warnings), _measured(runs, idle_mm(nest, cuts)), by_rules)
 
@@ -110,6 +111,11 @@ def check_program(
         return _judge_program(judged_by, program, profile, thermometer, tabs, planned, known, side)
 
 
+def _begun_in_kerfs(nest: Nest, cuts: CutSequence, profile: Profile) -> frozenset[int]:
+    """The positions of cuts that begin in the kerf of an older one, and pierce nothing."""
+    return in_older_kerfs(nest, cuts, profile.material.kerf_mm) if profile.kerf_starts else frozenset()
+
+
 def _judge_program(
     judged_by: Judged,
     program: NcProgram,
@@ -138,7 +144,7 @@ def _judge_program(
     )
     if planned is not None:
         judged.append(judgement("follows-plan", strays_from(planned, nest, built.cuts, profile.material.kerf_mm)))
-    begun = in_older_kerfs(nest, built.cuts, profile.material.kerf_mm) if profile.kerf_starts else frozenset[int]()
+    begun = _begun_in_kerfs(nest, built.cuts, profile)
     in_kerfs = {run.where for run in built.runs if run.position in begun}
     judged += judge_running(nest, program, profile, built.runs, judged_by.shares, in_kerfs)
     felt = measured(once_each(nest, built.cuts), heatings_of_program(program), thermometer)

@@ -8,7 +8,7 @@ has tests of its own against solutions in closed form and against its energies.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -61,8 +61,13 @@ def measured(cuts: CutSequence, heatings: Iterator[Heating], thermometer: Thermo
     return replace(cuts, hot_spots=tuple(timed))
 
 
-def heatings_of_cuts(nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], profile: Profile) -> Iterator[Heating]:
-    """The stretches of a plan, at the times that it states; marks heat nothing worth speaking of."""
+def heatings_of_cuts(
+    nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], profile: Profile, unpierced: Collection[int] = ()
+) -> Iterator[Heating]:
+    """The stretches of a plan, at the times that it states; marks heat nothing worth speaking of.
+
+    The cuts at the positions `unpierced` begin in an old kerf, where the torch does not stand for a pierce.
+    """
     machine, pierced = profile.machine, cuts.pierced
     holes = {hole.contour for hole in cuts.pierces}
     for run in runs:
@@ -72,7 +77,8 @@ def heatings_of_cuts(nest: Nest, cuts: CutSequence, runs: Sequence[TorchRun], pr
             continue
         cut = cuts[run.position - 1]
         points = np.concatenate([shapely.get_coordinates(line) for line in _in_order(run, cut)])
-        pierce_s = machine.pierce_time_s if _pierced(nest, cut.pierce) else machine.edge_preheat_s
+        pierced_here = run.position not in unpierced and _pierced(nest, cut.pierce)
+        pierce_s = machine.pierce_time_s if pierced_here else machine.edge_preheat_s
         pierce_s = 0.0 if cut.linked or cut.contour in holes else pierce_s
         end_s = max(cut.start_s, cut.end_s)
         yield Heating(run.name, points, cut.start_s, end_s, pierce_s, cut.start_s, slowness_of(points, profile))

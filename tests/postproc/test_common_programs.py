@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -17,7 +18,7 @@ from kerfwise.jobs.produce import produce
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.reader import read_plan
-from kerfwise.postproc.check import CheckResult, report
+from kerfwise.postproc.check import CheckResult, Heating, check_cuts, report
 from kerfwise.postproc.clock.heat_path import path_of_plan
 from kerfwise.postproc.clock.timed import job_of_plan, job_of_program, read_program, time_job
 from kerfwise.postproc.dialects import dialect_names, load_dialect
@@ -130,6 +131,18 @@ def test_clock_and_heat_of_plan_and_program_are_the_same() -> None:
     assert sum(math.hypot(*step) for burn in burns for step in burn.xy[1:] - burn.xy[:-1]) == pytest.approx(
         planned().totals.cut_mm, abs=0.5
     )
+
+
+def test_the_check_of_a_plan_has_the_torch_stand_where_it_pierces_and_nowhere_else() -> None:
+    stood_s: dict[str, float] = {}
+
+    def thermometer(heatings: Sequence[Heating]) -> None:
+        stood_s.update({heating.name: heating.pierce_s for heating in heatings})
+
+    plan = planned()
+    assert check_cuts(SHEET, plan.sequence(given().home_on(SHEET)), given(), thermometer=thermometer).ok
+    begun = set(spans(plan))
+    assert stood_s == {p.cut.contour: 0.0 if p.cut.contour in begun else 2.0 for p in plan.cuts}
 
 
 def test_no_cut_leaves_more_heat_than_its_zone_counts_with() -> None:
