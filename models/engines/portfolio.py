@@ -306,4 +306,4 @@ class _Run:
         self.known.infeasible = outcome.infeasible
         if outcome.bound is not None:
             self.known.raise_bound(outcome.bound, "cp-sat")
-        self.known.work += share
+        self.known.work += min(share, outcome.work) if self.known.proven else share  # a proof leaves the rest to others

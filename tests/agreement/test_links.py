@@ -14,6 +14,8 @@ from kerfwise.models.problem.links import links_on
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.statements import Statement
 from kerfwise.rules.stating.state_rules import state_rules
+from kerfwise.tests.agreement.cases import judged_case
+from kerfwise.tests.agreement.engines import default_pipeline
 from kerfwise.tests.models.engines.minizinc.agree import disagreements
 from kerfwise.tests.models.engines.minizinc.cases import Case, linked_case
 
@@ -70,3 +72,12 @@ def test_the_search_finds_what_is_proven_also_where_it_keeps_no_matrix(
         found = search(problem, replace(case.options, work=0.2))
         assert found is not None
         assert found.cost == proof.incumbent.cost
+
+
+@pytest.mark.slow
+def test_a_plan_is_proven_of_which_geometry_finds_three_times_what_is_wrong() -> None:
+    """Each round ends with a proof by CP-SAT, and the rounds before leave enough for the next."""
+    case = judged_case(25, "links")
+    answer = default_pipeline(case, state_rules(case.facts, case.profile))
+    assert answer.says == "optimal"
+    assert answer.mm == pytest.approx(1_005_865.659, abs=0.01)

@@ -36,13 +36,14 @@ def solve_whole(
     done = run_solver(model, options, progress)
     bound = proven_bound(done, bound_um)
     if done.status == INFEASIBLE and start is None:
-        return CpsatOutcome(None, infeasible=True)
+        return CpsatOutcome(None, infeasible=True, work=done.work)
     found = start
     if done.status in (OPTIMAL, FEASIBLE):
         found = _checked(problem, _route(problem, arcs, v, done.solver), round(done.solver.objective_value))
     elif done.status in (INFEASIBLE, MODEL_INVALID):
         raise AssertionError(f"CP-SAT calls the model {done.status.name}, given {start}")
-    return CpsatOutcome(found, bound, found is not None and bound >= found.cost, interrupted=done.interrupted)
+    proven = found is not None and bound >= found.cost
+    return CpsatOutcome(found, bound, proven, interrupted=done.interrupted, work=done.work)
 
 
 def build_model(problem: Problem, arcs: ArcLiterals) -> tuple[CpModel, Variables]:

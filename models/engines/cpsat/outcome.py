@@ -12,7 +12,7 @@ class CpsatOutcome:
     """The best route known, and what is proven.
 
     `bound` is a lower bound for the whole problem, µm (None where nothing was proven); `interrupted` says that Ctrl-C
-    ended the search.
+    ended the search; `work` is what the solver took of its limit.
     """
 
     incumbent: Incumbent | None
@@ -20,3 +20,4 @@ class CpsatOutcome:
     proven_optimal: bool = False
     infeasible: bool = False
     interrupted: bool = False
+    work: float = 0.0

@@ -42,9 +42,10 @@ def solve_relaxed(
         add_hint(model, relaxed, priced.arcs, v, [int(problem.site_contour[s]) for s in start.route])
     done = run_solver(model, options, _of_plans(progress, start, bound_um))
     if done.status == INFEASIBLE and start is None:
-        return CpsatOutcome(None, infeasible=True)
+        return CpsatOutcome(None, infeasible=True, work=done.work)
     bound = max(bound_um, proven_bound(done, priced.bound))
-    return CpsatOutcome(start, bound, start is not None and bound >= start.cost, interrupted=done.interrupted)
+    proven = start is not None and bound >= start.cost
+    return CpsatOutcome(start, bound, proven, interrupted=done.interrupted, work=done.work)
 
 
 def _of_plans(progress: Progress, start: Incumbent | None, proven_um: int) -> Progress:

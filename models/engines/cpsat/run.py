@@ -21,6 +21,11 @@ class CpsatRun:
     status: CpSolverStatus
     interrupted: bool
 
+    @property
+    def work(self) -> float:
+        """Deterministic seconds that it took."""
+        return float(self.solver.response_proto.deterministic_time)
+
 
 def run_solver(model: CpModel, options: SolveOptions, progress: Progress) -> CpsatRun:
     """Solve until proven, out of work, told to stop by `progress`, or interrupted; what was found is kept.

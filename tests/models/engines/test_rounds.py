@@ -45,9 +45,12 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> Any:
     profile = load_profile()
     asked = ask(facts_of(TWO, profile), profile)
 
-    def run(geometry: Geometry, time_s: float | None = None, look_s: float = 0.0) -> Solution:
+    def run(
+        geometry: Geometry, time_s: float | None = None, look_s: float = 0.0, options: SolveOptions | None = None
+    ) -> Solution:
         monkeypatch.setattr(rounds, "Watch", partial(Watch, clock=geometry.clock))
-        return rounds.solve(asked.facts, asked.stated.statements, SolveOptions(time_s=time_s), None, geometry, look_s)
+        options = options or SolveOptions(time_s=time_s)
+        return rounds.solve(asked.facts, asked.stated.statements, options, None, geometry, look_s)
 
     return run
 
@@ -57,6 +60,14 @@ def test_there_are_rounds_until_geometry_finds_nothing(solved: Any) -> None:
     found = solved(geometry)
     assert geometry.looks == 4
     assert not [note for note in found.notes if note.startswith("rounds:")]
+
+
+def test_what_a_proof_by_cp_sat_leaves_of_the_work_is_for_further_rounds(solved: Any) -> None:
+    geometry = Geometry(finds=4)
+    found = solved(geometry, options=SolveOptions(work=2.0, member="cp-sat"))
+    assert geometry.looks == 5
+    assert (found.status, found.proved_by) == ("optimal", "cp-sat")
+    assert found.seconds < 1.0
 
 
 @pytest.mark.parametrize(("look_s", "looks"), [(6.0, 1), (4.0, 2), (2.0, 4)])
