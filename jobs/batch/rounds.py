@@ -12,7 +12,7 @@ from kerfwise.jobs.given import Tell, plant_of
 from kerfwise.jobs.nest_job import job_beside
 from kerfwise.rules.profile.made_of import files_of
 
-from .machines import Machines
+from .machines import Machines, job_of
 from .sources import Source, sources_in
 from .watch import watch
 
@@ -22,7 +22,8 @@ Round = Callable[[Sequence[Source], Machines], object]
 def keep_on(given: Sequence[Path], out: Path, machines: Machines, one_round: Round, tell: Tell) -> None:
     """A round for all nests that are there, and one each time that something has changed, until Ctrl-C.
 
-    A profile that cannot be read is told, and waited for.
+    A profile that cannot be read is told, and waited for. Where no machine is named, the profiles that job files name
+    are looked at; of one of these that cannot be read the batch itself says so.
 
     Raises
     ------
@@ -30,6 +31,8 @@ def keep_on(given: Sequence[Path], out: Path, machines: Machines, one_round: Rou
         If one cannot be read at the start.
     """
     found: tuple[Source, ...] = sources_in(given, out)
+    profiles = [files_of(plant_of(machine.profile, machine.trust)) for machine in machines.named]
+    profiles = profiles or _of_jobs(found, machines.trust)
 
     def files() -> Iterable[Path]:
         nonlocal found
@@ -42,6 +45,11 @@ def keep_on(given: Sequence[Path], out: Path, machines: Machines, one_round: Rou
             yield from of
 
     def arrived(settled: frozenset[Path]) -> None:
+        nonlocal profiles
+        if not machines.named:
+            before, profiles = profiles, _of_jobs(found, machines.trust)
+            if _there(before) != _there(profiles):
+                return  # once the others are looked at and settled, this is called again
         if any(file not in settled and is_file(file) for of in profiles for file in of):
             return  # a profile is being written: once it is settled, this is called again
         try:
@@ -51,8 +59,24 @@ def keep_on(given: Sequence[Path], out: Path, machines: Machines, one_round: Rou
             return
         one_round([source for source in found if settled.issuperset([source.file, *_jobs(source)])], now)
 
-    profiles = [files_of(plant_of(machine.profile, machine.trust)) for machine in machines.named]
     watch(files, arrived)
+
+
+def _of_jobs(found: Iterable[Source], trust: bool) -> list[tuple[Path, ...]]:
+    """The files of each profile that a nest is planned by where no machine is named."""
+    machines = Machines(trust=trust)
+    named = {machine.profile for source in found for machine in machines.of(job_of(source.file))}
+    profiles = []
+    for name in sorted(named):
+        try:
+            profiles.append(files_of(plant_of(name, trust)))
+        except InputError:
+            profiles.append((Path(name),))
+    return profiles
+
+
+def _there(profiles: Iterable[tuple[Path, ...]]) -> set[Path]:
+    return {file for of in profiles for file in of if is_file(file)}
 
 
 def _jobs(source: Source) -> list[Path]:

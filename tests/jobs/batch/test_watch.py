@@ -99,3 +99,40 @@ def test_a_profile_that_is_broken_meanwhile_is_waited_for(tmp_path: Path, monkey
     assert [text.partition(": ")[0] for text in told] == [f"{plant}:3:1"]
     assert len({sha256 for _, sha256 in rounds}) == 2
     assert rounds[0][0] == rounds[-1][0] == 1
+
+
+def test_a_profile_that_a_job_file_names_is_looked_at(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "a.dxf").write_text("a")
+    (tmp_path / "in" / "a.job.yaml").write_text("profile: ../plant.yaml\n")
+    plant, other = tmp_path / "plant.yaml", tmp_path / "other.yaml"
+    good = "based_on: plasma-carbon-steel\nname: plant\n"
+    plant.write_text(good)
+    other.write_text(good)
+    wait: list[Callable[[], object]] = [nothing] * (2 * int(SETTLED_S / LOOK_S) + 3)
+    happens = [
+        *wait,
+        lambda: plant.write_text(f"{good}# again\n"),
+        *wait,
+        lambda: (tmp_path / "in" / "a.job.yaml").write_text("profile: ../other.yaml\n"),
+        *wait,
+        lambda: plant.write_text(good),  # nobody names it any more
+        *wait,
+        lambda: other.write_text(f"{good}rulez: 1\n"),
+        *wait,
+        lambda: other.write_text(good),
+        *wait,
+    ]
+    happened, rounds = len(happens), list[int]()
+    time = Time(happens)
+
+    def one_round(sources: object, machines: Machines) -> None:
+        rounds.append(len(happens))
+
+    monkeypatch.setattr("kerfwise.jobs.batch.rounds.watch", lambda files, arrived: watch(
+        files, arrived, clock=lambda: time.now_s, sleep=time.sleep))  # fmt: skip
+    with pytest.raises(Ends):
+        keep_on([tmp_path / "in"], tmp_path / "out", Machines(), one_round, print)  # type: ignore[arg-type]
+    each = len(wait) + 1
+    after = [happened - left for left in rounds]
+    assert [k // each for k in after] == [0, 1, 2, 4, 5], "one after each change, and none after that of plant.yaml"
