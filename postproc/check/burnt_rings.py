@@ -27,7 +27,7 @@ _NAMED = 3
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Burnt:
-    """One line that is burnt: by which run (None for what was cut before a stop), and whether it is all of a ring."""
+    """One line that is burnt: by which run (None for what was cut before a stop), and whether of a whole round."""
 
     run: TorchRun | None
     line: shapely.LineString
@@ -78,7 +78,8 @@ def _burnt(runs: Sequence[TorchRun], made: Sequence[Contour], kerf_mm: float) ->
             yield _Burnt(None, ring, True)
     for run in runs:
         if not run.marks:
-            for line, whole in ((run.lead_in, False), (run.loop, not run.partial), (run.lead_out, False)):
+            all_round = run.between_tabs or not run.partial
+            for line, whole in ((run.lead_in, False), (run.loop, all_round), (run.lead_out, False)):
                 if line is not None and line.length > 0:
                     yield _Burnt(run, line, whole and run.contour is not None)
 
@@ -109,12 +110,14 @@ def burnt_twice(found: BurntRings, allowed_mm: float) -> Iterator[Violation]:
     """
     worst: dict[int, tuple[float, str, Point]] = {}
     for contour, ring, done in zip(found.contours, found.rings, found.coverage, strict=True):
-        others = {j for j in done.new if _round_another(found.burnt[j], contour)}
         for k, again in done.again.items():
-            if found.burnt[k].run is None:
+            mine = found.burnt[k]
+            if mine.run is None:
                 continue
-            if found.burnt[k].whole:
-                before = [rows for j, rows in done.new.items() if j < k and j not in others]
+            if mine.whole:
+                before = [
+                    rows for j, rows in done.new.items() if j < k and not _round_another(found.burnt[j], mine.run)
+                ]
                 again = both(again, union(np.concatenate([np.empty((0, 2)), *before])))
             longest_mm = total_mm(again)
             if longest_mm > allowed_mm and longest_mm > worst.get(k, (0.0,))[0] + 1e-6:
@@ -127,9 +130,9 @@ def burnt_twice(found: BurntRings, allowed_mm: float) -> Iterator[Violation]:
         yield Violation("burnt-twice", (name,), text, (run.position,) if run.position else ())
 
 
-def _round_another(burnt: _Burnt, contour: Contour) -> bool:
-    """Whether a line goes all round another contour than this one."""
-    return burnt.whole and (burnt.run is None or burnt.run.contour is not contour)
+def _round_another(burnt: _Burnt, run: TorchRun) -> bool:
+    """Whether a line goes all round another contour than a run does."""
+    return burnt.whole and (burnt.run is None or burnt.run.contour is not run.contour)
 
 
 def cut_tabs(found: BurntRings) -> Iterator[Violation]:

@@ -25,7 +25,8 @@ class TorchRun:
     `position` counts cuts from 1; `where` says where a person finds it ("cut 3" or "line 40"). `loop` is the path
     around the contour; `marks` says that another tool than the torch was on. A `linked` run follows the one before it
     with the torch on: its lead-in is the link. The loop of a `partial` one is not all of its contour's ring. Over the
-    stretches of its loop that `unlit` names, as wide as that, the torch is off.
+    stretches of its loop that `unlit` names, as wide as that, the torch is off. A run `between_tabs` is partial for
+    that alone: together with the others of its contour it goes all round, but for the tabs.
     """
 
     position: int
@@ -38,6 +39,7 @@ class TorchRun:
     linked: bool = False
     partial: bool = False
     unlit: tuple[Tab, ...] = ()
+    between_tabs: bool = False
 
     @property
     def name(self) -> str:
@@ -71,7 +73,8 @@ class TorchRun:
             return ()
         pieces = [ops.substring(self.loop, low, high) for low, high in on]
         first = next((k for k, (low, high) in enumerate(on) if low - 1e-6 <= begin_mm <= high + 1e-6), 0)
-        made = [replace(self, loop=p, lead_in=None, lead_out=None, partial=True, linked=True, unlit=()) for p in pieces]
+        lit = replace(self, lead_in=None, lead_out=None, partial=True, linked=True, unlit=())
+        made = [replace(lit, loop=piece, between_tabs=not self.partial) for piece in pieces]
         made[first] = replace(made[first], lead_in=self.lead_in, linked=self.linked)
         made = [*made[first:], *made[:first]]
         made[-1] = replace(made[-1], lead_out=self.lead_out)

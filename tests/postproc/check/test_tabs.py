@@ -136,3 +136,27 @@ def test_a_plan_that_says_another_width(width_mm: float) -> None:
     result = check_plan(PLATE, changed, profile(LASER))
     assert "hold-small-parts" in result.broken()
     assert f"that is {width_mm:.2f} mm wide, not 0.8 mm" in report(result)
+
+
+APART = nest(230, 120, part("A", rect(40, 30, 60, 50)), part("B", rect(101.5, 30, 60, 50)))
+"""Two parts with tabs, exactly a kerf of the plasma apart: each is cut all round."""
+
+
+@cache
+def beside() -> Produced:
+    plant = profile(PLASMA)
+    return produce(ask(facts_of(APART, plant), plant), plant, options_for(APART, plant, work=1))
+
+
+def test_parts_with_tabs_a_kerf_apart_are_each_cut_all_round() -> None:
+    assert all(cut.cut.tabs for cut in beside().plan.cuts)
+    assert beside().verdict.ok, report(beside().verdict)
+
+
+def test_a_stretch_of_the_line_between_them_that_is_burnt_again_is_found() -> None:
+    program = beside().program
+    again = "G0 X100.75 Y70\nM3 $0 S1\nG1 X100.75 Y40 F2500\nM5 $0\n"
+    damaged = re.sub(r"(?m)^N\d+ ", "", program).replace("(HOME)\n", f"{again}(HOME)\n", 1)
+    result = check_program(APART, damaged, profile(PLASMA))
+    assert "burnt-twice" in result.broken(), report(result)
+    assert re.search(r"30\.\d mm of [AB]\.outer are burnt again", report(result))
