@@ -35,6 +35,7 @@ _NAME = re.compile(r"\w[\w-]*")
               help="Nests that are planned at the same time: half the cores, as a plan uses two threads.")  # fmt: skip
 @click.option("--scheduler", metavar="tcp://…", help="Plan on the workers of this Dask scheduler: kerfwise[cluster].")
 @click.option("--watch", is_flag=True, help="Go on as files arrive or change, until Ctrl-C.")
+@click.option("--sheets", is_flag=True, help="Print the work sheets of each machine: OUT/MACHINE.pdf.")
 @click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Limit each plan by the clock, in seconds.")
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
               help="Limit without --time-limit. The same work gives the same bytes, on each machine.")  # fmt: skip
@@ -57,6 +58,7 @@ def command(
     jobs: int | None,
     scheduler: str | None,
     watch: bool,
+    sheets: bool,
     time_limit: float | None,
     refused_again: bool,
     **limits: Any,
@@ -84,8 +86,11 @@ def command(
 
         def one_round(found: Sequence[Source], now: Machines) -> Batch:
             with BatchProgress() as progress:
-                batch = run_batch(found, now, store, options, __version__, run, progress, refused_again=refused_again)
+                asked = {"refused_again": refused_again, "sheets": sheets}
+                batch = run_batch(found, now, store, options, __version__, run, progress, **asked)
             click.echo(printed(batch, out))
+            for text in batch.papers.told:
+                tell_note(text)
             for name, error in batch.faults.items():
                 click.echo(f"{shown(name)}: {told(error, arguments(None))}", err=True)
             if watch and batch.interrupted:

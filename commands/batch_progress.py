@@ -91,5 +91,7 @@ def _lines(batch: Batch, out: Path) -> Iterator[str]:
         counts.append(f"{batch.again} finished before")
     yield ", ".join(counts)
     yield f"index: {shown(str(out / 'index.html'))}"
+    for name in batch.papers.files.values():
+        yield f"work sheets: {shown(str(out / name))}"
     if batch.interrupted:
         yield "interrupted: the same command goes on from here"

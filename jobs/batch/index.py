@@ -7,6 +7,7 @@ import io
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
+from types import MappingProxyType
 from typing import Any
 
 from .compared import by_nest, cheapest, quickest, totals
@@ -20,12 +21,14 @@ COLUMNS = ("nest", "file", "quantity", "order", "due", "machine", "ended", "time
            "cut_mm", "pierces", "contours", "gap", "excuses", "quickest", "cheapest", "program", "told")  # fmt: skip
 
 
-def index_files(rows: Sequence[Row], machines: Sequence[str]) -> Mapping[str, str]:
-    """index.html, index.csv and index.json of the rows, by their names."""
+def index_files(
+    rows: Sequence[Row], machines: Sequence[str], papers: Mapping[str, str] = MappingProxyType({})
+) -> Mapping[str, str]:
+    """index.html, index.csv and index.json of the rows, by their names; `papers` are the work sheets of machines."""
     return {
-        "index.html": page(rows, machines),
+        "index.html": page(rows, machines, papers),
         "index.csv": _table(rows),
-        "index.json": json.dumps(_data(rows, machines), indent=1) + "\n",
+        "index.json": json.dumps(_data(rows, machines, papers), indent=1) + "\n",
     }
 
 
@@ -45,10 +48,13 @@ def _table(rows: Sequence[Row]) -> str:
     return text.getvalue().encode("utf-8", "backslashreplace").decode()
 
 
-def _data(rows: Sequence[Row], machines: Sequence[str]) -> Mapping[str, Any]:
+def _data(rows: Sequence[Row], machines: Sequence[str], papers: Mapping[str, str]) -> Mapping[str, Any]:
     return {
         "format": FORMAT,
-        "machines": [asdict(total) for total in totals(rows, machines)],
+        "machines": [
+            asdict(total) | ({"sheets_pdf": papers[total.machine]} if total.machine in papers else {})
+            for total in totals(rows, machines)
+        ],
         "nests": [
             {
                 "nest": nest,

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from importlib.resources import files
+from types import MappingProxyType
+from urllib.parse import quote
 
 from kerfwise.encoder.shown import shown, shown_lines
 from kerfwise.postproc.report.legend import counted
 
 from .card import anchor, card
 from .compared import by_nest, cheapest, quickest, totals
-from .figures import clock, metres, money
+from .figures import NONE, clock, metres, money
 from .groups import Group, groups_of
 from .row import Row
 
 
-def page(rows: Sequence[Row], machines: Sequence[str]) -> str:
+def page(rows: Sequence[Row], machines: Sequence[str], papers: Mapping[str, str] = MappingProxyType({})) -> str:
     """The page: sums a machine, what was refused and what to do, then each nest with its picture.
+
+    `papers` are the names of the work sheets, by machines.
 
     Examples
     --------
@@ -30,7 +34,7 @@ def page(rows: Sequence[Row], machines: Sequence[str]) -> str:
     said = f"{counted(len(nests), 'nest')}, {counted(len(machines), 'machine')}: {planned} of {len(rows)} planned."
     parts = {
         "@said": escape(said),
-        "@totals": "\n".join(_totals(rows, machines)),
+        "@totals": "\n".join(_totals(rows, machines, papers)),
         "@refused": "\n".join(_refused(groups_of(rows))),
         "@nests": "\n".join(card(nest, of_nest) for nest, of_nest in nests.items()),
     }
@@ -40,7 +44,7 @@ def page(rows: Sequence[Row], machines: Sequence[str]) -> str:
     return frame.encode("utf-8", "backslashreplace").decode()
 
 
-def _totals(rows: Sequence[Row], machines: Sequence[str]) -> Iterator[str]:
+def _totals(rows: Sequence[Row], machines: Sequence[str], papers: Mapping[str, str]) -> Iterator[str]:
     """A line a figure and a column a machine: two machines have room on a phone."""
     nests, sums = by_nest(rows).values(), totals(rows, machines)
     lines = {
@@ -56,9 +60,15 @@ def _totals(rows: Sequence[Row], machines: Sequence[str]) -> Iterator[str]:
     if len(machines) > 1:
         for head, best in (("quickest for", quickest), ("cheapest for", cheapest)):
             lines[head] = [str(sum(best(of) == machine for of in nests)) for machine in machines]
+    if papers:
+        lines["work sheets"] = [_paper(papers.get(machine)) for machine in machines]
     yield "<tr><th>" + "".join(f"<th>{escape(machine)}" for machine in machines)
     for head, cells in lines.items():
         yield f"<tr><th>{head}" + "".join(f"<td>{cell}" for cell in cells)
+
+
+def _paper(name: str | None) -> str:
+    return NONE if name is None else f'<a href="{quote(name)}">PDF</a>'
 
 
 def _refused(groups: Sequence[Group]) -> Iterator[str]:

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
-from kerfwise.encoder.contents import is_file
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers.read import BrokenNest
 from kerfwise.encoder.shown import shown
-from kerfwise.jobs.given import Given, Tell, drawn_nest, plant_of, tabs_not_left
+from kerfwise.jobs.given import Given
 from kerfwise.jobs.listening import Listener
 from kerfwise.jobs.main_job import Finished, plan_nest
-from kerfwise.jobs.nest_job.asked import Asked, job_for, locked_for, profile_for
 from kerfwise.jobs.no_plan import NoPlan
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.jobs.times import time_made
@@ -24,11 +21,9 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.nc.remnant import remnant_files
 from kerfwise.postproc.report import draw
 from kerfwise.postproc.report.thumbnail import thumbnail
-from kerfwise.rules.profile.placing import placing_notes
-from kerfwise.rules.profile.profile import Profile
 
-from .machines import Machine
 from .piece import Piece
+from .reading import Changed, expect_same, given_of
 from .row import PLAN, Figures, Row
 
 
@@ -38,10 +33,6 @@ class Made:
 
     row: Row
     contents: Mapping[str, str | bytes]
-
-
-class _Changed(Exception):
-    """Something is not what it was when the piece was handed out."""
 
 
 class _Elsewhere(Listener):
@@ -61,7 +52,7 @@ def plan_piece(piece: Piece, key: str) -> Made:
         made = _planned(piece)
         expect_same(piece, key)
         return made
-    except _Changed as changed:
+    except Changed as changed:
         return _without_plan(piece, "fault", str(changed))
     except InputError as error:
         seen = _seen(error.nest, error.wrong) if isinstance(error, BrokenNest) else ""
@@ -83,15 +74,9 @@ def fault(piece: Piece, error: Exception) -> Made:
     return _without_plan(piece, "fault", f"a fault of kerfwise itself: {what}")
 
 
-def expect_same(piece: Piece, key: str) -> None:
-    """Refuse to go on where the files of a piece are not those that its key was made of."""
-    if piece.key() != key:
-        raise _Changed("its file changed while it was planned, or is another one where it was planned")
-
-
 def _planned(piece: Piece) -> Made:
     options, notes = piece.options, list[str]()
-    given = _given(piece, notes.append)
+    given = given_of(piece, notes.append)
     limits = options_for(
         given.nest, given.profile, work=options.work, time_s=options.time_s, gap=options.gap, seed=options.seed,
         memory_gb=options.memory_gb,
@@ -103,31 +88,6 @@ def _planned(piece: Piece) -> Made:
     seen = thumbnail(done.given.nest, done.made.plan)
     row = _row(piece, "planned", figures=_figures(done), notes=tuple(notes), thumbnail=seen)
     return Made(row, _contents(piece, given, done))
-
-
-def _given(piece: Piece, tell: Tell) -> Given:
-    """The nest and its profile, with what its job file says; told is what `solve` says on standard error."""
-    job, last = job_for(piece.source, None), piece.last_plan
-    if job is not None and job.machine is not None and piece.machine.is_called(job.machine):
-        job = replace(job, machine=None)  # it is on the machine that it names
-    if job is not None and job.profile_path == piece.machine.profile:
-        job = replace(job, profile=None)  # and so with the profile
-    asked = Asked(_plant(piece.machine), last=last if is_file(last) else None)
-    plant = profile_for(asked, job, tell)
-    drawn = drawn_nest(piece.source, plant, repair=piece.options.repair)
-    given = locked_for(plant.as_cut(drawn), piece.source, plant, asked, job, tell)
-    for text in _notes(drawn, given):
-        tell(text)
-    return given
-
-
-@lru_cache(maxsize=16)
-def _plant(machine: Machine) -> Profile:
-    """The profile of a machine, read once a process."""
-    plant = plant_of(machine.profile, machine.trust)
-    if plant.sha256 != machine.sha256:
-        raise _Changed(f"the profile {shown(machine.profile)} changed while the batch ran, or is another one there")
-    return plant
 
 
 def _contents(piece: Piece, given: Given, done: Finished) -> Mapping[str, str | bytes]:
@@ -164,15 +124,6 @@ def _excuses(plan: Plan) -> Iterator[str]:
     for rule in plan.rules:
         yield from (f"{rule.id}: {why}" for _, why in rule.exceptions)
     yield from (f"{dropped.rule}: {dropped.why}" for dropped in plan.dropped if dropped.relaxed)
-
-
-def _notes(drawn: Nest, given: Given) -> Iterator[str]:
-    """What a planner should know of the nest, as `solve` says it on standard error."""
-    yield from (f"{note.severity}: {note.text}" for note in drawn.notes)
-    if cut_all_the_same := tabs_not_left(drawn, given.profile):
-        yield f"warning: {cut_all_the_same}"
-    yield from (f"warning: {text}" for text in placing_notes(given.nest, given.profile))
-    yield from (f"note: {text}" for text in given.profile.chart_notes())
 
 
 def _is_of(error: InputError, source: Path) -> bool:

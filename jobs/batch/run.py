@@ -12,6 +12,7 @@ from kerfwise.postproc.files import write_files
 
 from .index import index_files
 from .machines import Machines, job_of
+from .papers import Papers, papers_of
 from .piece import Options, Piece
 from .planning import Made, fault, plan_piece
 from .row import Row
@@ -58,7 +59,7 @@ class Batch:
     """What became of a batch: a row for each nest and machine that is finished, in the order of the nests.
 
     `again` were finished before. `waiting` are still to be planned, where it was interrupted.
-    `faults` are what nobody foresaw, by nest and machine.
+    `faults` are what nobody foresaw, by nest and machine. `papers` are the work sheets of each machine.
     """
 
     rows: tuple[Row, ...]
@@ -67,6 +68,7 @@ class Batch:
     waiting: int = 0
     interrupted: bool = False
     faults: Mapping[str, Exception] = field(default_factory=dict)
+    papers: Papers = field(default_factory=Papers)
 
     @property
     def exit_code(self) -> int:
@@ -87,11 +89,13 @@ def run_batch(
     watcher: Watcher | None = None,
     *,
     refused_again: bool = False,
+    sheets: bool = False,
 ) -> Batch:
     """Plan every nest on every machine, and write the index of all.
 
     What the store has finished is not planned again, and what was refused only where `refused_again` says so. Each
     program is written as soon as it is there: whoever kills this loses what is being planned, and nothing else.
+    `sheets` says that the work sheets of each machine are printed, too.
     """
     watcher = watcher or Watcher()
     pieces = list(_pieces(named(sources, store.names()), machines, store.out, options, version))
@@ -115,10 +119,12 @@ def run_batch(
             watcher.ended(rows[task.piece])
     except KeyboardInterrupt:
         interrupted = True
-    done = tuple(rows[piece] for piece in pieces if piece in rows)
+    ended = {piece: rows[piece] for piece in pieces if piece in rows}
+    done = tuple(ended.values())
     names = tuple(dict.fromkeys([*(m.name for m in machines.named), *(piece.machine.name for piece in pieces)]))
-    write_files({store.out / name: text for name, text in index_files(done, names).items()})
-    return Batch(done, names, again, len(pieces) - len(done), interrupted, faults)
+    papers = papers_of(ended, names, store.out, make=sheets and not interrupted)
+    write_files({store.out / name: text for name, text in index_files(done, names, papers.files).items()})
+    return Batch(done, names, again, len(pieces) - len(done), interrupted, faults, papers)
 
 
 def _pieces(

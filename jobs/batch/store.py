@@ -15,6 +15,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.content_key import UNREADABLE, holds
 from kerfwise.postproc.files import make_folder, write_files
 
+from .files import remove
 from .row import PLAN, RECORD, Row, row_of
 
 LOCK = ".batch.lock"
@@ -88,20 +89,13 @@ class Store:
         before = self._rows.get((row.machine, row.nest))
         for name in sorted((before.files if before is not None else {}).keys() - row.files.keys()):
             if not name.endswith(PLAN):
-                _remove(record.parent / Path(name).name)
+                remove(record.parent / Path(name).name, "an older nest")
         write_files({**{record.parent / name: content for name, content in files.items()}, record: row.as_json()})
         self._rows[row.machine, row.nest] = row
         return row
 
     def _record(self, row: Row) -> Path:
         return self.out / row.machine / f"{row.nest}{RECORD}"
-
-
-def _remove(path: Path) -> None:
-    try:
-        path.unlink(missing_ok=True)
-    except OSError as error:
-        raise InputError(f"is of an older nest, and cannot be removed: {error.strerror}", file=path) from None
 
 
 def _read(path: Path) -> Row | None:

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.contents import contents
-from kerfwise.jobs.batch import planning
+from kerfwise.jobs.batch import reading
 from kerfwise.jobs.batch.machines import Machine, Machines, machine_of
 from kerfwise.jobs.batch.piece import Options, Piece
 from kerfwise.jobs.batch.planning import plan_piece
@@ -118,7 +118,7 @@ def test_what_has_changed_is_planned_again_and_nothing_else(batches: Batches, tm
 @pytest.mark.slow
 def test_a_fault_of_one_stops_no_other_and_is_tried_again(batches: Batches, monkeypatch: pytest.MonkeyPatch) -> None:
     write_nests(batches.given, ("one", "two", "three"))
-    real = planning.drawn_nest
+    real = reading.drawn_nest
 
     def broken(nest: Path, *given: object, **more: object) -> object:
         if nest.stem == "three":
@@ -126,7 +126,7 @@ def test_a_fault_of_one_stops_no_other_and_is_tried_again(batches: Batches, monk
         return real(nest, *given, **more)  # type: ignore[arg-type]
 
     with monkeypatch.context() as patched:
-        patched.setattr(planning, "drawn_nest", broken)
+        patched.setattr(reading, "drawn_nest", broken)
         batch = batches.run()
     assert batch.exit_code == 70
     assert [(name, type(error)) for name, error in batch.faults.items()] == [("three on plasma", ZeroDivisionError)]
