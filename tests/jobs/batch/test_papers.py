@@ -18,8 +18,8 @@ from kerfwise.jobs.batch.sources import sources_in
 from kerfwise.jobs.batch.store import Store
 from kerfwise.jobs.processes import in_turn
 from kerfwise.tests.jobs.batch.nests import write_nests
+from kerfwise.tests.paper import pages_of
 
-pytest.importorskip("segno")
 pytestmark = pytest.mark.slow
 
 
@@ -41,8 +41,7 @@ class Folder:
         return (self.out / "index.html").read_text(encoding="utf-8")
 
     def text(self) -> list[str]:
-        document: Any = pytest.importorskip("pymupdf").open(self.pdf)
-        return [page.get_text() for page in document]
+        return [page.text for page in pages_of(self.pdf)]
 
 
 @pytest.fixture
@@ -59,7 +58,7 @@ def test_one_pdf_of_what_is_planned_which_the_index_links(folder: Folder) -> Non
     assert "A-77" in page
     assert "4 of the same" in page
     row = json.loads((folder.out / "plasma" / "one.batch.json").read_text())
-    assert row["files"]["one.nc"] in page.replace("\n", "")
+    assert row["files"]["one.nc"] in "".join(page.split())
 
 
 def test_it_is_kept_while_the_plans_are_the_same_and_the_same_bytes(
