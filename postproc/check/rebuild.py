@@ -130,12 +130,7 @@ def rebuild(
 def _pierced(holes: dict[int, Burn], before: int, line: int | None = None) -> list[Pierce]:
     """The holes before a line of the program, taken out of those that are left, as pierced before that cut."""
     due = [holes.pop(at) for at in sorted(holes) if line is None or at < line]
-    return [Pierce("", _xy(burn), before, burn.start_s, burn.end_s) for burn in due]
-
-
-def _xy(burn: Burn) -> Point:
-    x, y = burn.path.vertices[0, :2].tolist()
-    return x, y
+    return [Pierce("", burn.start, before, burn.start_s, burn.end_s) for burn in due]
 
 
 def _zones(comments: Iterable[str], ids: Mapping[str, str]) -> dict[str, int]:

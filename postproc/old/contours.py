@@ -134,7 +134,7 @@ def _around(made: Sequence[Tagged], rounds: Sequence[int], areas: Sequence[shape
 
 def _marked(burn: Burn, rounds: Sequence[int], areas: Sequence[shapely.Polygon], depth: dict[int, int]) -> int:
     """The part that a mark is on."""
-    x, y = burn.path.vertices[0, :2].tolist()
+    x, y = burn.start
     under = [k for k, area in zip(rounds, areas, strict=True) if shapely.contains_xy(area, x, y)]
     if not under or len(under) % 2 == 0:
         raise NoNest([Unclear(burn.line, "it marks no part")])

@@ -52,6 +52,12 @@ class Burn:
         return tuple((s, feed / most) for s, feed in zip(self.path.segments, self.step_feeds_mm_s, strict=False))
 
     @property
+    def start(self) -> Point:
+        """Where the tool goes on."""
+        x, y = self.path.vertices[0, :2].tolist()
+        return x, y
+
+    @property
     def pierces_only(self) -> bool:
         """Whether it is a hole that the torch pierces, and does not move."""
         return self.tool == 0 and not self.path.segments
@@ -71,22 +77,17 @@ AT_HOLE_MM = 0.05
 """How far from a hole that was pierced before a cut may begin, and begin there."""
 
 
-def at_holes(burns: Sequence[Burn], within_mm: float = AT_HOLE_MM) -> list[bool]:
+def at_holes(burns: Sequence[Burn]) -> list[bool]:
     """Whether each burn begins where an earlier burn of the torch has stood and not moved: at a hole pierced before."""
-    holes = [(k, _start(burn)) for k, burn in enumerate(burns) if burn.pierces_only]
+    holes = [(k, burn.start) for k, burn in enumerate(burns) if burn.pierces_only]
     if not holes:
         return [False] * len(burns)
     tree = shapely.STRtree(shapely.points([at for _, at in holes]))
-    begins = shapely.points([_start(burn) for burn in burns])
+    begins = shapely.points([burn.start for burn in burns])
     found = [False] * len(burns)
-    for k, hole in zip(*(row.tolist() for row in tree.query(begins, "dwithin", distance=within_mm)), strict=True):
+    for k, hole in zip(*(row.tolist() for row in tree.query(begins, "dwithin", distance=AT_HOLE_MM)), strict=True):
         found[k] = found[k] or (holes[hole][0] < k and burns[k].tool == 0 and not burns[k].pierces_only)
     return found
-
-
-def _start(burn: Burn) -> Point:
-    x, y = burn.path.vertices[0, :2].tolist()
-    return x, y
 
 
 @dataclass(frozen=True, slots=True)
