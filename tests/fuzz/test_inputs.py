@@ -23,7 +23,17 @@ from kerfwise.tests.fuzz.runs.smaller import smaller, what
 from kerfwise.tests.fuzz.runs.worker import Report, Worker, reported
 
 KEPT = sorted((Path(__file__).parent / "kept_cases").iterdir())
-CASES = {"profile": 150, "arguments": 150, "nest": 150, "svg": 80, "dxf": 60, "routing": 80, "model": 40, "python": 60}
+CASES = {
+    "profile": 150,
+    "arguments": 150,
+    "nest": 150,
+    "svg": 80,
+    "dxf": 60,
+    "routing": 80,
+    "model": 40,
+    "python": 60,
+    "job": 150,
+}
 """Of the other kinds a hundred: together half a minute."""
 PLAIN = Case("nest", {"nest.json": seeds.nest_bytes()}, ("facts", "nest.json"), ("nest.json",))
 

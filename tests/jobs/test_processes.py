@@ -11,46 +11,17 @@ from pathlib import Path
 import pytest
 
 from kerfwise.jobs.processes import Died, Workers
-from kerfwise.models.kernels import cores, machine_cores
+from kerfwise.models.kernels import machine_cores
+from kerfwise.tests.jobs.pieces import doubled, shares
 
 LEFT_BEHIND = """
 import os, sys
 from kerfwise.jobs.processes import Workers
-from kerfwise.tests.jobs.test_processes import sleeps
+from kerfwise.tests.jobs.pieces import sleeps
 with Workers(sleeps, jobs=1) as workers:
     for _ in workers.run([sys.argv[1]]):
         pass
 """
-
-
-class Unsendable(Exception):
-    """Cannot be made again from what pickle keeps of it."""
-
-    def __init__(self, word: str, number: str) -> None:
-        super().__init__(word + number)
-
-
-def doubled(piece: int) -> int:
-    """Twice the number; 13 kills the process, 7 is an exception."""
-    if piece == 13:
-        os._exit(3)
-    if piece == 7:
-        raise ZeroDivisionError("seven")
-    if piece == 8:
-        raise Unsendable("eight", "8")
-    return 2 * piece
-
-
-def shares(piece: int) -> tuple[int, int]:
-    """Threads that a process may start, and the cores that it may use; slow enough for every process to have one."""
-    time.sleep(0.3)
-    return cores(), len(machine_cores())
-
-
-def sleeps(place: str) -> None:
-    """Say who this is, and sleep."""
-    Path(place).write_text(str(os.getpid()))
-    time.sleep(60)
 
 
 @pytest.mark.slow

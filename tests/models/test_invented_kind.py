@@ -14,6 +14,7 @@ import pytest
 
 import kerfwise
 from kerfwise.benchmarks.flattened import said
+from kerfwise.jobs.kept_rows import _with_chains
 from kerfwise.jobs.strategies import solve_by
 from kerfwise.jobs.zones_cost import without_moves
 from kerfwise.models.engines.minizinc.asked import asked
@@ -135,6 +136,7 @@ REFUSES: dict[str, list[Refuses]] = {
     "models/engines/minizinc/data.py": [lambda _: data_text(FACTS, PROFILE, STATED, OPTIONS, clock=False)],
     "models/engines/minizinc/statement_text.py": [lambda _: conditions(INVENTED)],
     "benchmarks/flattened.py": [lambda _: said(INVENTED)],
+    "jobs/kept_rows.py": [lambda _: list(_with_chains(FACTS, [INVENTED], []))],
     "jobs/zones_cost.py": [lambda _: without_moves([INVENTED])],
     "jobs/strategies.py": [lambda _: solve_by("random", FACTS, PROFILE, (INVENTED,), OPTIONS)],
 }

@@ -104,6 +104,8 @@ def unfinished(name: str, content: bytes) -> str:
     try:
         if suffix == "png":
             return "" if content.startswith(b"\x89PNG") and content[-8:-4] == b"IEND" else "not whole"
+        if suffix == "pdf":
+            return "" if content.startswith(b"%PDF-") and content.rstrip().endswith(b"%%EOF") else "not whole"
         text = content.decode("utf-8")
         if suffix == "json":
             json.loads(text)
