@@ -25,13 +25,16 @@ def length_of(option: str, text: str) -> float:
     from kerfwise.rules.options.quantities import LENGTH, over_zero
     from kerfwise.rules.options.yaml_positions import compose
 
-    kind, node = over_zero(LENGTH), compose(text, "")
+    kind = over_zero(LENGTH)
     try:
+        node = compose(text, option)
         if node is None:
             raise Unfit(f"expected {kind.expected()}")
         return float(kind.read(node))
-    except (Unfit, InputError) as error:
+    except Unfit as error:
         raise InputError(f"{option} {text!r}: {error}") from None
+    except InputError:
+        raise InputError(f"{option} {text!r}: expected {kind.expected()}") from None
 
 
 def size_of(text: str) -> tuple[float, float]:
