@@ -130,7 +130,7 @@ def test_watched_until_ctrl_c() -> None:
     write_nests(Path("in"), ("one",))
     command = [sys.executable, "-m", "kerfwise", "batch", "in", "-o", "out", "--work", "0.2", "--watch"]
     running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    patience = threading.Timer(120, running.kill)
+    patience = threading.Timer(600, running.kill)
     patience.start()
     assert running.stdout is not None
     rounds = []

@@ -36,4 +36,4 @@ def shares(piece: int) -> tuple[int, int]:
 def sleeps(place: str) -> None:
     """Say who this is, and sleep."""
     Path(place).write_text(str(os.getpid()))
-    time.sleep(60)
+    time.sleep(600)
