@@ -128,7 +128,9 @@ def test_killed_at_five_moments_and_started_again() -> None:
 @pytest.mark.skipif(os.name != "posix", reason="SIGINT")
 def test_watched_until_ctrl_c() -> None:
     write_nests(Path("in"), ("one",))
-    command = [sys.executable, "-m", "kerfwise", "batch", "in", "-o", "out", "--work", "0.2", "--watch"]
+    heard = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"  # ignored in the background
+    program = f"{heard}; from kerfwise.cli import main; main()"
+    command = [sys.executable, "-c", program, "batch", "in", "-o", "out", "--work", "0.2", "--watch"]
     running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     patience = threading.Timer(600, running.kill)
     patience.start()
