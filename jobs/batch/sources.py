@@ -29,8 +29,8 @@ class Source:
 def sources_in(given: Iterable[Path], out: Path) -> tuple[Source, ...]:
     """Every nest among files and folders, once: in the order in which they are given, in folders by their names.
 
-    In a folder a nest is a file that ends as one. Hidden files, plans and pictures that kerfwise wrote, and what lies
-    under `out` are passed over.
+    In a folder a nest is a file that ends as one. Hidden files, plans and pictures that kerfwise wrote are passed over,
+    and `out` where it lies in the folder. A folder that is given is read, also where it is `out` or lies in it.
 
     Raises
     ------
