@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -106,12 +105,12 @@ def _expect(plant: Profile, file: Path, out: str, picture: str | None, plan_path
 def _folder(folder: Path, plant: Profile, output: str | None, jobs: int, limits: dict[str, Any]) -> int:
     from kerfwise.jobs.archive import resequence_folder
 
-    from .unforeseen import told
+    from .unforeseen import arguments, told
 
     if output is None:
         raise InputError("a folder of programs needs one for the new ones: give it with -o", file=folder)
     made = resequence_folder(folder, Path(output), plant, jobs=jobs, version=__version__, tell=tell_note, **limits)
     click.echo(made)
     for name, error in made.faults.items():
-        click.echo(f"{shown(name)}: {told(error, sys.argv)}", err=True)
+        click.echo(f"{shown(name)}: {told(error, arguments(None))}", err=True)
     return made.exit_code

@@ -14,7 +14,7 @@ from kerfwise.rules.profile.made_of import files_of
 from kerfwise.rules.profile.profile import Profile
 
 from .archive_record import RECORD, besides_of, record_of, recorded
-from .archive_runs import in_turn, side_by_side
+from .archive_runs import ended_of
 from .archived import Archive, Row
 from .content_key import holds, key_of
 from .given import Tell, silent
@@ -80,9 +80,8 @@ def resequence_folder(
     together = jobs > 1 and _travels(profile)
     if jobs > 1 and not together:
         tell("the profile's rules in Python cannot be handed to other processes: one program after the other")
-    work_of = side_by_side if together else in_turn
     try:
-        for name, ended in work_of(folder, waiting, profile, options, jobs):
+        for name, ended in ended_of(folder, waiting, profile, options, jobs if together else 1):
             row = rows[name] = replace(ended.row, key=waiting[name])
             if ended.fault is not None:
                 faults[name] = ended.fault

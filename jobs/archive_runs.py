@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.encoder.faults import said
 from kerfwise.encoder.shown import shown
 from kerfwise.rules.profile.profile import Profile
 
 from .archived import Row
-from .processes import Workers
+from .processes import Workers, in_turn
 from .resequence import resequence
 
 
@@ -26,43 +27,23 @@ class Ended:
     fault: Exception | None = None
 
 
-def in_turn(
-    folder: Path, names: Mapping[str, str], profile: Profile, options: Mapping[str, Any], jobs: int
+def ended_of(
+    folder: Path, names: Iterable[str], profile: Profile, options: Mapping[str, Any], jobs: int
 ) -> Iterator[tuple[str, Ended]]:
-    """The programs, one after the other."""
-    for name in names:
-        yield name, _ended(name, partial(_one, folder, name, profile, options))
+    """Each program as soon as it is finished: one after the other, or, with more jobs, in processes of their own."""
+    work = partial(_one, folder, profile, options)
+    with Workers(work, jobs) as workers:
+        run = workers.run if jobs > 1 else in_turn(work)
+        for name, made in run(names, lambda name: None):
+            yield name, made if isinstance(made, Ended) else _fault(name, made)
 
 
-def side_by_side(
-    folder: Path, names: Mapping[str, str], profile: Profile, options: Mapping[str, Any], jobs: int
-) -> Iterator[tuple[str, Ended]]:
-    """The programs in processes of their own, a few at a time; each as soon as it is finished."""
-    with Workers(partial(_one_of, folder, profile, options), jobs) as workers:
-        for name, made in workers.run(names):
-            yield name, _ended(name, partial(_answer, made))
+def _fault(name: str, error: Exception) -> Ended:
+    """What nobody foresaw ends with this program alone, and is handed on to be reported."""
+    return Ended(Row(name, "fault", f"a fault of kerfwise itself: {shown(said(error))}"), fault=error)
 
 
-def _one_of(folder: Path, profile: Profile, options: Mapping[str, Any], name: str) -> Ended:
-    return _one(folder, name, profile, options)
-
-
-def _answer(made: Ended | Exception) -> Ended:
-    if isinstance(made, Exception):
-        raise made
-    return made
-
-
-def _ended(name: str, answer: Callable[[], Ended]) -> Ended:
-    """The answer; what nobody foresaw ends here, with this program alone, and is handed on to be reported."""
-    try:
-        return answer()
-    except Exception as error:
-        said = shown(" ".join(str(error).split()))[:200]
-        return Ended(Row(name, "fault", f"a fault of kerfwise itself: {type(error).__name__}: {said}"), fault=error)
-
-
-def _one(folder: Path, name: str, profile: Profile, options: Mapping[str, Any]) -> Ended:
+def _one(folder: Path, profile: Profile, options: Mapping[str, Any], name: str) -> Ended:
     """One program; that it is refused, or that no order keeps the rules, is in its row."""
     try:
         made = resequence(folder / name, profile, **options)

@@ -139,9 +139,7 @@ def in_turn(
 ) -> Callable[[Iterable[Piece], Began[Piece]], Iterator[tuple[Piece, Made | Exception]]]:
     """The same as `Workers.run` in this process, a piece after the other."""
 
-    def run(
-        pieces: Iterable[Piece], began: Began[Piece] = lambda piece: None
-    ) -> Iterator[tuple[Piece, Made | Exception]]:
+    def run(pieces: Iterable[Piece], began: Began[Piece]) -> Iterator[tuple[Piece, Made | Exception]]:
         for piece in pieces:
             began(piece)
             try:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.encoder.faults import said
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers.read import BrokenNest
 from kerfwise.encoder.shown import shown
@@ -69,9 +70,7 @@ def plan_piece(piece: Piece, key: str) -> Made:
 
 def fault(piece: Piece, error: Exception) -> Made:
     """The row of a piece that has ended in a way that nobody foresaw."""
-    said = shown(" ".join(str(error).split()))[:200]
-    what = f"{type(error).__name__}: {said}" if said else type(error).__name__
-    return _without_plan(piece, "fault", f"a fault of kerfwise itself: {what}")
+    return _without_plan(piece, "fault", f"a fault of kerfwise itself: {shown(said(error))}")
 
 
 def _planned(piece: Piece) -> Made:
