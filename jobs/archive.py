@@ -16,6 +16,7 @@ from kerfwise.rules.profile.profile import Profile
 from .archive_record import RECORD, besides_of, record_of, recorded
 from .archive_runs import ended_of
 from .archived import Archive, Row
+from .batch.files import remove
 from .content_key import holds, key_of
 from .given import Tell, silent
 from .old_program import Asked
@@ -42,13 +43,14 @@ def resequence_folder(
 ) -> Archive:
     """Put every program of a folder, and of the folders in it, into a better order, under the same name in `out`.
 
-    A program that is refused stops no other. What is finished is written at once, and known again by its content: the
-    same program, profile, options and `version` of kerfwise are not planned a second time.
+    A program that is refused stops no other; what an earlier run wrote for it is removed, so that nobody cuts by it.
+    What is finished is written at once, and known again by its content: the same program, profile, options and
+    `version` of kerfwise are not planned a second time.
 
     Raises
     ------
     InputError
-        If the folder holds no program, or the other cannot be written.
+        If the folder holds no program, or in the other a file cannot be written or removed.
     """
     names = _programs(folder, out)
     if not names:
@@ -82,17 +84,26 @@ def resequence_folder(
         tell("the profile's rules in Python cannot be handed to other processes: one program after the other")
     try:
         for name, ended in ended_of(folder, waiting, profile, options, jobs if together else 1):
-            row = rows[name] = replace(ended.row, key=waiting[name])
             if ended.fault is not None:
                 faults[name] = ended.fault
-            if row.read:
-                make_folder(out / Path(name).parent, parents=True)
-                record[name] = rows[name] = replace(row, sha256=hashlib.sha256(ended.text.encode()).hexdigest())
-                write_files({out / name: ended.text, out / RECORD: record_of(record)})
-            tell(f"{len(rows)} of {len(names)}: {name}: {row.ended}")
+            rows[name] = _kept(replace(ended.row, key=waiting[name]), ended.text, record, out)
+            tell(f"{len(rows)} of {len(names)}: {name}: {ended.row.ended}")
     except KeyboardInterrupt:
         interrupted = True
     return Archive(tuple(rows[name] for name in names if name in rows), again, interrupted, faults)
+
+
+def _kept(row: Row, text: str, record: dict[str, Row], out: Path) -> Row:
+    """The row, once its program is written; where there is none, one that was written before is removed."""
+    if row.read:
+        make_folder(out / Path(row.name).parent, parents=True)
+        row = record[row.name] = replace(row, sha256=hashlib.sha256(text.encode()).hexdigest())
+        write_files({out / row.name: text, out / RECORD: record_of(record)})
+    elif row.name in record:
+        remove(out / row.name, "an older program")
+        del record[row.name]
+        write_files({out / RECORD: record_of(record)})
+    return row
 
 
 def _travels(profile: Profile) -> bool:

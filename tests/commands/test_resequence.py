@@ -117,6 +117,33 @@ def test_what_is_finished_is_not_planned_again(tmp_path: Path, monkeypatch: pyte
     assert len(planned) == 4
 
 
+def test_nobody_cuts_by_what_an_older_program_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    archive(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    Path("new").mkdir()
+    Path("new/loop.ngc").write_text("written by hand")
+    asked = ("resequence", "old", "-o", "new", "--without-rules", "--work", 1)
+    kerfwise(*asked)
+    assert Path("new/rows.nc").is_file()
+    Path("old/rows.nc").write_text(REFUSED["a loop"][0])
+    ended = kerfwise(*asked)
+    assert ended.code == 2
+    assert "refused: old/rows.nc:5:1: " in ended.out
+    written = sorted(str(path.relative_to("new")) for path in Path("new").rglob("*") if path.is_file())
+    assert written == [
+        "loop.ngc",
+        "more/slow holes.nc",
+        "resequence.json",
+        "squares.nc",
+    ]  # what is not its own it leaves
+    assert [row["name"] for row in json.loads(Path("new/resequence.json").read_text())["programs"]] == [
+        "more/slow holes.nc",
+        "squares.nc",
+    ]
+    Path("old/rows.nc").write_text(READ["rows"])
+    assert "3 of 4 programs read, 3 changed, 2 finished before" in kerfwise(*asked).out
+
+
 def test_a_fault_stops_no_other_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from kerfwise.jobs import archive_runs as job
 
