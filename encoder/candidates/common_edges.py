@@ -31,7 +31,7 @@ Stretches = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Bridge:
+class Junction:
     """Where three parts meet in a T: a stretch of one's ring, a kerf long, between the edges that two others share.
 
     Whichever of the two is cut second goes straight on over it, from `begin` to `end` or back, into the kerf of the
@@ -49,11 +49,11 @@ class Bridge:
 class CommonEdges:
     """Contour number → the number of each neighbour with common edges → the stretches of its ring that both share.
 
-    `bridges` are those over each contour's ring.
+    `junctions` are those over each contour's ring.
     """
 
     of: Mapping[int, Mapping[int, Stretches]]
-    bridges: Mapping[int, tuple[Bridge, ...]] = field(default_factory=dict)
+    junctions: Mapping[int, tuple[Junction, ...]] = field(default_factory=dict)
 
     @property
     def pairs(self) -> Ints:
@@ -128,12 +128,12 @@ def common_edges(nest: Nest, numbers: Sequence[int], kerf_mm: float, options: Co
     }
     kept = _long_enough(longest, options.shortest_mm, len(nest.contours), set(_closer(nest, outers, every, kerf_mm)))
     edges_of = {one: beside for one, beside in every.items() if one in kept}
-    return CommonEdges(edges_of, {k: tuple(_bridges(nest.contours[k], k, edges_of, kerf_mm)) for k in edges_of})
+    return CommonEdges(edges_of, {k: tuple(_junctions(nest.contours[k], k, edges_of, kerf_mm)) for k in edges_of})
 
 
-def _bridges(
+def _junctions(
     contour: Contour, number: int, edges: Mapping[int, Mapping[int, Stretches]], kerf_mm: float
-) -> Iterator[Bridge]:
+) -> Iterator[Junction]:
     ring = compensated(contour, kerf_mm)
     rows = sorted((low, mm, other) for other, stretches in edges[number].items() for low, mm in stretches)
     for (low, mm, one), (after, _, other) in zip(rows, rows[1:] + rows[:1], strict=True):
@@ -142,7 +142,7 @@ def _bridges(
             continue
         begin, end = point_on(ring, begin_mm), point_on(ring, begin_mm + gap_mm)
         if math.dist(begin, end) > gap_mm - _ROUNDING_MM:
-            yield Bridge(one, other, (begin_mm, gap_mm), begin, end)
+            yield Junction(one, other, (begin_mm, gap_mm), begin, end)
 
 
 def point_on(curve: Curve, at_mm: float) -> Point:

@@ -14,7 +14,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.tolerance import tolerance_mm
 
 from .candidate import Candidate, LeadOptions
-from .common_edges import Bridge, CommonEdges, Stretches, common_edges, point_on, rounds_at_corners
+from .common_edges import CommonEdges, Junction, Stretches, common_edges, point_on, rounds_at_corners
 
 _MOST_STATES = 64
 """Sets of neighbours that are out for which a contour has ways, at the most: a rectangle among four has 12."""
@@ -37,7 +37,7 @@ def common_ways(nest: Nest, left: Collection[int], options: LeadOptions) -> tupl
         way
         for number, beside in edges.of.items()
         for out, run in states(
-            compensated(nest.contours[number], options.kerf_mm), beside, options.kerf_mm, edges.bridges[number]
+            compensated(nest.contours[number], options.kerf_mm), beside, options.kerf_mm, edges.junctions[number]
         )
         for way in _ways(nest, number, out, edges, run, options)
     ]
@@ -52,7 +52,7 @@ def with_neighbours_in(nest: Nest, candidates: Collection[Candidate], edges: Com
 
 
 def states(
-    ring: Curve, beside: Mapping[int, Stretches], kerf_mm: float, bridges: Collection[Bridge] = ()
+    ring: Curve, beside: Mapping[int, Stretches], kerf_mm: float, junctions: Collection[Junction] = ()
 ) -> Iterator[tuple[frozenset[int], Run]]:
     """The sets of neighbours that are out together and leave one stretch of a ring, and that stretch.
 
@@ -77,7 +77,7 @@ def states(
                 continue
             seen.add(out)
             covered = [run for k in sorted(out) for run in beside[k]]
-            covered += [bridge.stretch for bridge in bridges if {bridge.one, bridge.other} <= out]
+            covered += [junction.stretch for junction in junctions if {junction.one, junction.other} <= out]
             runs = left_of(ring.length_mm, covered, rounds, tolerance_mm(kerf_mm))
             if len(runs) == 1 and runs[0][1] > 2 * kerf_mm:
                 yield out, runs[0]
@@ -163,7 +163,7 @@ def _straight_ends(
     run: Run,
     kerf_mm: float,
 ) -> tuple[tuple[float, Point | None], tuple[float, Point | None]]:
-    """Where a stretch begins and ends, without its rounds where it goes straight on over a bridge, and to where."""
+    """Where a stretch begins and ends, without its rounds where it goes straight on over a junction, and to where."""
     low, high = run[0], run[0] + run[1]
     first: Point | None = None
     last: Point | None = None
@@ -171,10 +171,10 @@ def _straight_ends(
     ends = [
         (near, far)
         for k in sorted(still_in)
-        for bridge in edges.bridges[k]
+        for junction in edges.junctions[k]
         for own, other, near, far in (
-            (bridge.one, bridge.other, bridge.begin, bridge.end),
-            (bridge.other, bridge.one, bridge.end, bridge.begin),
+            (junction.one, junction.other, junction.begin, junction.end),
+            (junction.other, junction.one, junction.end, junction.begin),
         )
         if own == number and other in out
     ]
