@@ -39,7 +39,7 @@ def common_ways(nest: Nest, left: Collection[int], options: LeadOptions) -> tupl
         for out, run in states(
             compensated(nest.contours[number], options.kerf_mm), beside, options.kerf_mm, edges.junctions[number]
         )
-        for way in _ways(nest, number, out, edges, run, options)
+        for way in _ways(nest, number, out, edges, run, options, asked.kerf_start)
     ]
     return edges, ways
 
@@ -119,7 +119,13 @@ def _rest(around_mm: float, covered: Collection[Run], within_mm: float) -> list[
 
 
 def _ways(
-    nest: Nest, number: int, out: Collection[int], edges: CommonEdges, run: Run, options: LeadOptions
+    nest: Nest,
+    number: int,
+    out: Collection[int],
+    edges: CommonEdges,
+    run: Run,
+    options: LeadOptions,
+    kerf_start: bool,
 ) -> Iterator[Candidate]:
     """Both ways along a stretch of a ring."""
     contour, drawn = nest.contours[number], nest.contours[number].curve
@@ -127,7 +133,6 @@ def _ways(
     still_in = edges.of[number].keys() - set(out)
     (low, first), (high, last) = _straight_ends(ring, number, out, still_in, edges, run, options.kerf_mm)
     first_mm, last_mm = (drawn.project(ring.point_at(mm))[0] for mm in (low, high))
-    asked = options.common
     for onwards in (True, False):
         way: Direction = "ccw" if drawn.is_ccw == onwards else "cw"
         if way not in options.directions[contour.kind]:
@@ -148,7 +153,7 @@ def _ways(
             cut_mm=high - low + leads_mm,
             span=Span(join, leave),
             along_mm=(last_mm - first_mm) % drawn.length_mm,
-            kerf_start=asked is not None and asked.kerf_start,
+            kerf_start=kerf_start,
             out=_ids(nest, out),
             still_in=_ids(nest, still_in),
         )
