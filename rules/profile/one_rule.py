@@ -10,7 +10,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.rule import Rule, RuleSetting, Strength
 
-from .filling import filled_in
+from .checks import at_odds
 
 if TYPE_CHECKING:
     from .profile import Profile
@@ -41,12 +41,10 @@ def with_rule(profile: Profile, name: str, strength: Strength | None = None) -> 
     if chosen not in rule.strengths:
         raise InputError(f"rule {name} cannot be {chosen}: it can be {', '.join(rule.strengths)}")
     changed = _with_strength(profile, name, chosen)
-    if name in changed.rules:
-        setting, known = changed.rules[name], changed.known_rules()
-        options = filled_in(setting.options, changed.plant, changed.rules, known)
-        wrong = [f"rules.{name}.{key}: {text}" for key, text in rule.check_with(options, changed.plant, changed.rules)]
-        if chosen != "off" and wrong:
-            raise InputError("; ".join(wrong))
+    found = at_odds(changed.plant, changed.rules, changed.known_rules())
+    wrong = [f"rules.{name}.{key}: {text}" for of, key, text in found if of == name]
+    if wrong:
+        raise InputError("; ".join(wrong))
     return changed
 
 
