@@ -144,6 +144,8 @@ def _candidate(candidate: Candidate, ids: list[str]) -> dict[str, Any]:
         "end": [_mm(v) for v in candidate.end],
         "cut_mm": _mm(candidate.cut_mm),
         "edge_start": candidate.edge_start,
+        **({"kerf_start": candidate.kerf_start, "out": list(candidate.out)} if candidate.span is not None else {}),
+        **({"still_in": list(candidate.still_in)} if candidate.still_in else {}),
     }
 
 

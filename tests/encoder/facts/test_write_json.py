@@ -11,7 +11,8 @@ import pytest
 from hypothesis import given, settings
 
 from kerfwise.encoder.by_hand import circle, nest, part, rect
-from kerfwise.encoder.candidates.candidate import Candidate
+from kerfwise.encoder.candidates import LeadOptions, build_candidates
+from kerfwise.encoder.candidates.candidate import Candidate, CommonOptions
 from kerfwise.encoder.facts import FactOptions, Facts, compute_facts, facts_json
 from kerfwise.encoder.facts.facts import LinkPath
 from kerfwise.encoder.nest import Nest
@@ -97,6 +98,17 @@ def test_a_candidate_row() -> None:
             "tail": {"total_mm": 80.0, "edge_mm": 80.0, "solid_mm": 0.0, "neighbours": []},
         }
     ]
+
+
+def test_ways_along_common_edges_say_which_neighbours_are_out() -> None:
+    """A rule author would take half a ring for a way that may be used at any time."""
+    two = nest(300, 200, part("A", rect(20, 30, 80, 60)), part("B", rect(101.5, 30, 80, 60)))
+    options = LeadOptions(kerf_mm=1.5, entries=2, common=CommonOptions(20.0, 0.05))
+    data = json.loads(facts_json(compute_facts(two, FactOptions(), build_candidates(two, options))))
+    jsonschema.validate(data, SCHEMA)
+    rows = [row for row in data["candidates"] if row["contour"] == "B.outer"]
+    said = {(row.get("kerf_start"), *row.get("out", ()), *row.get("still_in", ("none in",))) for row in rows}
+    assert said == {(None, "A.outer"), (True, "A.outer", "none in")}
 
 
 def test_the_sheet() -> None:
