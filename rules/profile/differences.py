@@ -82,5 +82,4 @@ def _options(owner: Any, path: str) -> Iterator[tuple[str, str]]:
 
 def _said(sources: Sources, key: str) -> str:
     """Where a key is from; what stands in lists has no place of its own."""
-    section, *inner = key.split(".")
-    return sources.of(f"{section}.{inner[0]}") if section in (*SECTIONS, "rules") else ABSENT
+    return sources.of(key) if key.split(".")[0] in (*SECTIONS, "rules") else ABSENT

@@ -45,6 +45,16 @@ def test_one_key(text: str, key: str, a: str | None, b: str | None, tmp_path: Pa
     assert (turned.a, turned.b) == (found.b, found.a)
 
 
+def test_an_option_of_a_rule_is_from_the_file_that_says_it(tmp_path: Path) -> None:
+    """Not from one that says another option of the same rule."""
+    (tmp_path / "base.yaml").write_text("rules:\n  pierce:\n    clearance: 2 mm\n")
+    for base, clearance_from in (("based_on: base.yaml", f"{tmp_path}/base.yaml:3"), ("name: alone", "default")):
+        mine = profile(tmp_path, f"{base}\nrules: {{pierce: {{splash: 1 mm}}}}\n")
+        found = {one.key: one.a_from for one in differences(mine, load_profile())}
+        assert found["rules.pierce.clearance"] == clearance_from
+        assert found["rules.pierce.splash"] == f"{tmp_path}/other.yaml:2"
+
+
 def test_every_key_of_the_sections_is_compared() -> None:
     schema = profile_schema()
     named = {key for key, _ in flat(load_profile())}
