@@ -51,6 +51,7 @@ def pages_of(sheet: WorkSheet, date: str = "") -> tuple[Scene, ...]:
     paper.lines(to_tick(sheet), 8.0, BOX)
     _signed(paper)
     for heading, texts in (
+        ("Not as it was when the plan was made", [shown(text) for text in sheet.changed]),
         ("What this plan does not keep", sheet.not_kept),
         ("Locks", [shown(line) for lock in sheet.profile.locks for line in lines_of(lock)]),
         ("Not cut", [f"{shown(left.contour)}: {left.why}" for left in sheet.plan.left_out]),

@@ -35,6 +35,8 @@ class WorkSheet:
         The text of the NC program, and the name of its file.
     about
         More to say at the top, such as an order and when it is due: names and values.
+    changed
+        What is not as it was when the plan was made, a sentence each: the settings above may be others than its own.
     """
 
     nest: Nest
@@ -44,6 +46,7 @@ class WorkSheet:
     program: str
     program_name: str
     about: Mapping[str, str] = field(default_factory=dict)
+    changed: tuple[str, ...] = ()
 
     @property
     def program_sha256(self) -> str:
@@ -80,7 +83,7 @@ def work_sheet(
     about
         More to say at the top.
     tell
-        Told what is not as it was when the plan was made.
+        Told what is not as it was when the plan was made; it stands on the sheet, too.
 
     Raises
     ------
@@ -90,7 +93,8 @@ def work_sheet(
         If the check refuses the plan, or the program does not follow it: nobody should cut by such a sheet.
     """
     trusted_dialect(given.profile)
-    for text in differences(plan, given):
+    changed = tuple(differences(plan, given))
+    for text in changed:
         tell(text)
     times = time_made(given, plan)  # refuses the plan of another nest
     verdict = check_plan(given.nest, plan, given.profile)
@@ -105,7 +109,7 @@ def work_sheet(
         if not followed.ok:
             wrong = ", ".join(followed.broken())
             raise RulesConflict(f"{program}: the program does not follow the plan, or breaks rules: {wrong}")
-    return WorkSheet(given.nest, given.profile, plan, times, text, shown(file), about or {})
+    return WorkSheet(given.nest, given.profile, plan, times, text, shown(file), about or {}, changed)
 
 
 def _not_kept(plan: Plan) -> Iterator[str]:

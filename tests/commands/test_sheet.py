@@ -59,11 +59,23 @@ def test_what_stands_on_it(plan: Path) -> None:
         "page 1 of 1",
     ):
         assert said in text, said
+    assert "Not as it was" not in text
     order = [cut["contour"] for cut in json.loads(Path("b.plan.json").read_text())["cuts"]]
     assert re.findall(r"\S+\.outer", text[text.index("in order") :]) == order
     _, bottom, right, _ = page.box("contour")
     assert bottom > 0
     assert right < page.size[0]
+
+
+def test_settings_of_another_profile_are_not_taken_for_those_of_the_plan(plan: Path) -> None:
+    Path("shop.yaml").write_text("based_on: plasma-carbon-steel\nmaterial: {amps: 65 A, gas: air}\n")
+    ended = kerfwise("sheet", "sheet.json", plan, "-p", "shop.yaml", "--program", "a.nc", "-o", "b.pdf")
+    said = "the profile is not the one the plan was made with"
+    assert (ended.code, said in ended.err) == (0, True), ended.err
+    text = pages_of("b.pdf")[0].text
+    assert "65 A" in text
+    assert "Not as it was when the plan was made" in text
+    assert said in text
 
 
 def test_without_the_program_it_is_the_one_that_solve_writes(plan: Path) -> None:
