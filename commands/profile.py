@@ -143,7 +143,7 @@ def new(name: str, like: str | None, output: str | None, trust: bool) -> None:
 def _asked(trust: bool) -> tuple[str, Mapping[tuple[str, str], str]]:
     """The profile to begin from, and the answers that differ from what it says."""
     from kerfwise.jobs.new_profile import questions
-    from kerfwise.rules.profile.profile import shipped_profiles
+    from kerfwise.rules.profile.files import shipped_profiles
 
     for name in shipped_profiles():
         loaded = load_profile(name)

@@ -16,7 +16,8 @@ from kerfwise.rules.options.kind import OptionKind, Unfit
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.yaml_edit import with_value
 from kerfwise.rules.options.yaml_positions import compose
-from kerfwise.rules.profile.profile import Profile, load_profile, profile_text, shipped_profiles
+from kerfwise.rules.profile.files import profile_text, shipped_profiles
+from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import SECTIONS
 
 _NAME = re.compile(r"[^\W_][\w.-]{0,60}")

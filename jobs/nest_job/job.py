@@ -11,8 +11,8 @@ from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.plain_values import Number, Text
 from kerfwise.rules.options.yaml_positions import Place
+from kerfwise.rules.profile.files import shipped_profiles
 from kerfwise.rules.profile.one_nest import Setting
-from kerfwise.rules.profile.profile import shipped_profiles
 
 from .day import Day
 

@@ -6,14 +6,11 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from importlib import resources
-from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
 from kerfwise.encoder.bridges.lawful import expect_wider
 from kerfwise.encoder.candidates.candidate import LEAST_WASTE_MM, CommonOptions, LeadOptions
-from kerfwise.encoder.contents import MOST_BYTES_OF_YAML, contents, is_there
 from kerfwise.encoder.corner_feed import CornerFeed
 from kerfwise.encoder.cornered import with_corners
 from kerfwise.encoder.errors import InputError
@@ -32,7 +29,6 @@ from kerfwise.rules.flat.model_rule import ModelRule
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.by_thickness import ByThickness, length_at
 from kerfwise.rules.options.option import options_of
-from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.outside import PythonFile, installed_rules
 from kerfwise.rules.own import Own, Thresholds, own_pairs
 from kerfwise.rules.plant import Plant
@@ -44,6 +40,7 @@ from kerfwise.rules.temperature_limit import TemperatureLimit
 
 from .chart_use import ChartUse
 from .corners_section import Corners
+from .files import content_of, decoded
 from .filling import T, filled_in, known_plant
 from .for_one_nest import ForOneNest
 from .frame import Frame, frame_of, reach_of
@@ -376,13 +373,6 @@ class Profile:
 LONGEST_CHAIN = 20
 
 
-def shipped_profiles() -> dict[str, Traversable]:
-    """Name → file of the profiles that come with kerfwise, sorted."""
-    folder = resources.files(__package__) / "shipped"
-    found = {f.name.removesuffix(".yaml"): f for f in folder.iterdir() if f.name.endswith(".yaml")}
-    return dict(sorted(found.items()))
-
-
 def load_profile(name_or_path: str | Path = DEFAULT, *, trust: bool = False) -> Profile:
     """The shipped profile of that name, or the one in that file.
 
@@ -399,32 +389,13 @@ def load_profile(name_or_path: str | Path = DEFAULT, *, trust: bool = False) -> 
     return _load(str(name_or_path), Path(), (), trust)
 
 
-def profile_text(name_or_path: str | Path) -> str:
-    """The text of the shipped profile of that name, or of the one in that file, comments and all.
-
-    Raises
-    ------
-    InputError
-        If there is none, or it is not UTF-8.
-    """
-    file, _, content = _content(str(name_or_path), Path())
-    return _decoded(content, file)
-
-
-def _decoded(content: bytes, file: str) -> str:
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(f"not a profile: the file is not UTF-8 text ({error.reason})", file=file) from None
-
-
 def _load(name: str, folder: Path, chain: tuple[str, ...], trust: bool) -> Profile:
-    file, place, content = _content(name, folder)
+    file, place, content = content_of(name, folder)
     if file in chain:
         raise InputError(f"it goes in a circle: {' → '.join((*chain, file))}")
     if len(chain) >= LONGEST_CHAIN:
         raise InputError(f"more than {LONGEST_CHAIN} profiles are based on each other in a row")
-    text = _decoded(content, file)
+    text = decoded(content, file)
     bases: list[str] = []
 
     def base(of: str) -> GivenValues:
@@ -447,21 +418,3 @@ def _silent(name: str) -> Profile:
 
 def _fields(profile: Profile) -> GivenValues:
     return {f.name: getattr(profile, f.name) for f in dataclasses.fields(profile)}
-
-
-def _content(name: str, folder: Path) -> tuple[str, str, bytes]:
-    """File name, place and bytes of a profile given by shipped name or path."""
-    shipped = shipped_profiles()
-    if name in shipped:
-        return f"kerfwise/rules/profile/shipped/{name}.yaml", str(shipped[name]), shipped[name].read_bytes()
-    path = folder / name
-    try:
-        return str(path), str(path), contents(path, MOST_BYTES_OF_YAML)
-    except ValueError as error:  # a NUL, or half a character
-        raise InputError(f"cannot read the profile: no file can have this name ({error})", file=path) from None
-    except OSError as error:
-        if path.suffix or len(Path(name).parts) > 1:
-            raise InputError(f"cannot read the profile: {error.strerror}", file=path) from None
-        beside = Path(f"{path}.yaml")
-        hint = f"; there is a file {beside.name}: give its ending too" if is_there(beside) else ""
-        raise InputError(unknown("profile", name, shipped) + hint) from None

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.rules.options.yaml_edit import with_value
-from kerfwise.rules.profile.profile import profile_text, shipped_profiles
+from kerfwise.rules.profile.files import profile_text, shipped_profiles
 
 
 @pytest.mark.parametrize(

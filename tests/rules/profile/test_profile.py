@@ -16,7 +16,8 @@ from kerfwise.encoder.small_holes import HoleLimits
 from kerfwise.rules.catalogue.zone_order import ZoneOrderOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.option import options_of
-from kerfwise.rules.profile.profile import DEFAULT, Profile, load_profile, shipped_profiles
+from kerfwise.rules.profile.files import shipped_profiles
+from kerfwise.rules.profile.profile import DEFAULT, Profile, load_profile
 from kerfwise.rules.profile.sections import Machine, Material, RuleSetting
 from kerfwise.rules.profile.text import profile_yaml
 from kerfwise.rules.registry import RULES

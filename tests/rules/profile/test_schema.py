@@ -11,7 +11,8 @@ import pytest
 import yaml
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.profile.profile import Profile, load_profile, shipped_profiles
+from kerfwise.rules.profile.files import shipped_profiles
+from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.schema import profile_schema
 from kerfwise.rules.profile.text import profile_yaml
 
