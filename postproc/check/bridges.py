@@ -20,9 +20,9 @@ _SAME_MM = 0.02
 
 
 def broken_bridges(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float) -> Iterator[Violation]:
-    """Bridges that a kerf enters, that meet a third part, or that the outline which is cut does not have.
+    """Bridges that a kerf enters, that meet a third part, or that the outline and holes which are cut do not have.
 
-    The areas of parts and strips are put together here once more, from the parts as they were drawn.
+    The areas of parts and strips are put together here once more, from the parts and bridges as they were drawn.
     """
     if not nest.bridges:
         return
@@ -33,9 +33,10 @@ def broken_bridges(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float) -> Iter
     tree = shapely.STRtree([line for _, line in paths])
     reach_mm = kerf_mm / 2 - tolerance_mm(kerf_mm) - SLACK_MM
     for bridge in nest.bridges:
-        for k in sorted(tree.query(bridge.strip, "dwithin", distance=max(reach_mm, 0.0)).tolist()):
+        strip = _strip(bridge)
+        for k in sorted(tree.query(strip, "dwithin", distance=max(reach_mm, 0.0)).tolist()):
             run, line = paths[k]
-            x, y = shapely.get_coordinates(shapely.shortest_line(line, bridge.strip))[0].tolist()
+            x, y = shapely.get_coordinates(shapely.shortest_line(line, strip))[0].tolist()
             text = f"{run.where}: the kerf of {run.name} enters {bridge.name} at ({x:z.1f}, {y:z.1f})"
             names = () if run.contour is None else (run.contour.id,)
             yield Violation(_RULE, names, text, (run.position,) if run.position else ())
@@ -45,29 +46,41 @@ def broken_bridges(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float) -> Iter
 def _third_parts(bridges: Sequence[Bridge], drawn: dict[str, Part]) -> Iterator[Violation]:
     for bridge in bridges:
         for part in drawn.values():
-            if part.id not in bridge.parts and shapely.intersects(bridge.strip, metal_of(part)):
+            if part.id not in bridge.parts and shapely.intersects(_strip(bridge), metal_of(part)):
                 yield Violation(
                     _RULE, (part.outer.id,), f"{bridge.name} lies on part {part.id}, which it does not join"
                 )
 
 
 def _other_outlines(nest: Nest, drawn: dict[str, Part]) -> Iterator[Violation]:
-    """What is cut round against what is drawn: both as areas, waste that bridges enclose as holes."""
+    """What is cut round against what is drawn, both as areas: outlines, then holes and waste that bridges enclose.
+
+    Holes are those of the drawing: a profile may have small ones marked, or left out.
+    """
     made = [part for part in nest.parts if part.id not in drawn]
+    with_all_holes = {part.id: part for part in (nest.drawn or nest).parts}
     for group in _groups(nest.bridges):
         names = dict.fromkeys(name for bridge in group for name in bridge.parts)
-        areas = [shapely.make_valid(drawn[name].outer.polygon) for name in names]
-        strips = [shapely.buffer(bridge.strip, _SAME_MM, join_style="mitre") for bridge in group]
-        meant = shapely.union_all([*areas, *strips])
+        strips = [shapely.buffer(_strip(bridge), _SAME_MM, join_style="mitre") for bridge in group]
+        meant = shapely.union_all([*(metal_of(drawn[name]) for name in names), *strips])
         outline = shapely.union_all([shapely.Polygon(area.exterior) for area in shapely.get_parts(meant)])
         apart = [shapely.symmetric_difference(outline, part.outer.polygon) for part in made]
         k = min(range(len(made)), key=lambda k: float(apart[k].area))
-        left = shapely.difference(outline, shapely.union_all([meant, *(hole.polygon for hole in made[k].holes)]))
-        for wrong in (apart[k], left):
+        holes = shapely.union_all([shapely.make_valid(h.polygon) for h in with_all_holes[made[k].id].holes])
+        other_holes = shapely.symmetric_difference(shapely.difference(outline, meant), holes)
+        outer = made[k].outer.id
+        for wrong, text in (
+            (apart[k], f"{outer} is not the outline of its parts and bridges"),
+            (other_holes, f"the holes in {outer} are not those that its parts and bridges leave"),
+        ):
             if not shapely.is_empty(rest := shapely.buffer(wrong, -2 * _SAME_MM)):
                 at = shapely.point_on_surface(rest)
-                text = f"{made[k].outer.id} is not the outline of its parts and bridges at ({at.x:z.1f}, {at.y:z.1f})"
-                yield Violation(_RULE, (made[k].outer.id,), text)
+                yield Violation(_RULE, (outer,), f"{text} at ({at.x:z.1f}, {at.y:z.1f})")
+
+
+def _strip(bridge: Bridge) -> shapely.Polygon:
+    """The rectangle that a bridge is, made anew: a wrong one would be scrap."""
+    return shapely.buffer(shapely.LineString([bridge.start, bridge.end]), bridge.width_mm / 2, cap_style="flat")
 
 
 def _groups(bridges: Sequence[Bridge]) -> list[list[Bridge]]:
