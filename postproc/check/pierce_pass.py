@@ -12,7 +12,6 @@ import shapely
 from kerfwise.encoder.cut import Cut, CutSequence, Pierce
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
-from kerfwise.postproc.check.reader.program import AT_HOLE_MM
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
@@ -106,7 +105,7 @@ def _near(points: Sequence[Point], others: Sequence[Point]) -> list[list[int]]:
     found: list[list[int]] = [[] for _ in points]
     if points and others:
         tree = shapely.STRtree(shapely.points(np.array(others)))
-        rows, near = tree.query(shapely.points(np.array(points)), "dwithin", distance=max(AT_HOLE_MM, tolerance_mm()))
+        rows, near = tree.query(shapely.points(np.array(points)), "dwithin", distance=tolerance_mm())
         for k, other in sorted(zip(rows.tolist(), near.tolist(), strict=True)):
             found[k].append(other)
     return found

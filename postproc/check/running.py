@@ -47,7 +47,7 @@ def judge_running(
         ],
         "program-state": [],
         "feeds": list(_feeds(program, profile, control, runs, shares or {})),
-        "pierce-delay": list(_waits(nest, program.burns, profile, in_kerfs)),
+        "pierce-delay": list(_waits(nest, program, profile, in_kerfs)),
         "returns-home": list(_home(program, profile.home_on(nest))),
     }
     corner = profile.frame_on(nest).corner
@@ -113,8 +113,9 @@ def _powers(burns: Sequence[Burn], profile: Profile, control: Control) -> Iterat
                     yield burn.line, f"it {does} with S{power:g}, {says}"
 
 
-def _waits(nest: Nest, burns: Sequence[Burn], profile: Profile, in_kerfs: Collection[str]) -> Iterator[tuple[int, str]]:
+def _waits(nest: Nest, program: NcProgram, profile: Profile, in_kerfs: Collection[str]) -> Iterator[tuple[int, str]]:
     """Pierces too short or too long. A torch that comes in from the sheet's edge pierces nothing, but may preheat."""
+    burns = program.burns
     if not burns:
         return
     machine = profile.machine
@@ -124,7 +125,7 @@ def _waits(nest: Nest, burns: Sequence[Burn], profile: Profile, in_kerfs: Collec
     sheet = shapely.make_valid(nest.sheet.polygon)
     inside, near = (shapely.contains(shapely.buffer(sheet, by), points) for by in (-tolerance_mm(), tolerance_mm()))
     passes = profile.cuts.pierce_pass is not None
-    holes = at_holes(burns) if passes else [False] * len(burns)
+    holes = at_holes(program) if passes else [False] * len(burns)
     for burn, pierced, maybe, hole in zip(burns, inside.tolist(), near.tolist(), holes, strict=True):
         marks = burn.tool != 0
         pierced = pierced and f"line {burn.line}" not in in_kerfs

@@ -93,7 +93,7 @@ def job_of_program(program: NcProgram, nest: Nest | None, own: Profile | None = 
     if kerf_starts:
         edge_starts = [a or b for a, b in zip(edge_starts, _in_older_kerfs(program, starts), strict=True)]
     runs = []
-    holes = at_holes(program.burns)
+    holes = at_holes(program)
     for burn, edge_start, hole in zip(program.burns, edge_starts, holes, strict=True):
         pierced = not (edge_start or hole)
         run = Run(burn.path, burn.tool != 0, pierced, burn.travels_mm, burn.wait_s, unlit_mm=burn.unlit_mm)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import shapely
 
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point, Segment
+from kerfwise.encoder.tolerance import TOLERANCE_MM
 from kerfwise.rules.profile.machine_section import Origin
 
 
@@ -73,23 +73,6 @@ class Burn:
         return self.end_s - self.start_s - self.held_s - self.pierce_s - self.paused_s
 
 
-AT_HOLE_MM = 0.05
-"""How far from a hole that was pierced before a cut may begin, and begin there."""
-
-
-def at_holes(burns: Sequence[Burn]) -> list[bool]:
-    """Whether each burn begins where an earlier burn of the torch has stood and not moved: at a hole pierced before."""
-    holes = [(k, burn.start) for k, burn in enumerate(burns) if burn.pierces_only]
-    if not holes:
-        return [False] * len(burns)
-    tree = shapely.STRtree(shapely.points([at for _, at in holes]))
-    begins = shapely.points([burn.start for burn in burns])
-    found = [False] * len(burns)
-    for k, hole in zip(*(row.tolist() for row in tree.query(begins, "dwithin", distance=AT_HOLE_MM)), strict=True):
-        found[k] = found[k] or (holes[hole][0] < k and burns[k].tool == 0 and not burns[k].pierces_only)
-    return found
-
-
 @dataclass(frozen=True, slots=True)
 class MoveStretch:
     """Moves that are not as they should be: rapids with a tool on, or travel at cutting feed."""
@@ -131,3 +114,18 @@ class NcProgram:
     origin: Origin | None = None
     zero: Point | None = None
     step_mm: float = 0.0
+
+
+def at_holes(program: NcProgram) -> list[bool]:
+    """Whether each burn begins where an earlier burn of the torch has stood and not moved: at a hole pierced before."""
+    burns = program.burns
+    holes = [(k, burn.start) for k, burn in enumerate(burns) if burn.pierces_only]
+    if not holes:
+        return [False] * len(burns)
+    tree = shapely.STRtree(shapely.points([at for _, at in holes]))
+    begins = shapely.points([burn.start for burn in burns])
+    found = [False] * len(burns)
+    within_mm = max(TOLERANCE_MM, program.step_mm)
+    for k, hole in zip(*(row.tolist() for row in tree.query(begins, "dwithin", distance=within_mm)), strict=True):
+        found[k] = found[k] or (holes[hole][0] < k and burns[k].tool == 0 and not burns[k].pierces_only)
+    return found

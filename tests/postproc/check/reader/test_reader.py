@@ -1,6 +1,7 @@
 """The check's own reader: hand-made programs, and the same reading as LinuxCNC's interpreter gives."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kerfwise.postproc.check.reader.program import NcProgram
+from kerfwise.postproc.check.reader.program import NcProgram, at_holes
 from kerfwise.postproc.check.reader.reader import read_nc
 from kerfwise.tests.tools import canon
 
@@ -37,6 +38,14 @@ def test_full_circles_radius_arcs_and_absolute_centres() -> None:
     ).burns
     assert [round(b.path.length_mm / math.pi, 9) for b in burns] == [20, 10, 15, 5]
     assert [round(sum(s.sweep_rad for s in b.path.segments) / math.pi, 9) for b in burns] == [-2, 1, -1.5, 0.5]
+
+
+@pytest.mark.parametrize(("off_mm", "step_mm", "found"), [(0.04, 0, True), (0.09, 0, False), (0.09, 0.1, True)])
+def test_a_cut_begins_at_a_hole_as_near_as_paths_are_judged(off_mm: float, step_mm: float, found: bool) -> None:
+    """A control that counts in coarse steps puts both where it can; the rule on pierce passes allows the same."""
+    text = f"G21 F600\nG0 X10\nM3\nG4 P0.5\nM5\nG0 X50\nG0 X{10 + off_mm}\nM3\nG1 X90\nM5\nM2\n"
+    program = replace(read_nc(text), step_mm=step_mm)
+    assert at_holes(program) == [False, found]
 
 
 def torch_faults(program: NcProgram) -> list[tuple[int, str]]:
