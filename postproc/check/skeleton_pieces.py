@@ -32,7 +32,8 @@ def wrong_pieces(
 ) -> Iterator[Violation]:
     """Pieces of the skeleton that are larger than the grid asked for, and a remnant that is not saved.
 
-    `made` were cut before a stop. What came loose with the parts, before any line was cut, is not cut up.
+    `made` were cut before a stop. Only the largest piece is looked at that the parts leave of the skeleton: what else
+    came loose with them, before any line was cut, is not cut up, however large it is.
     """
     asked, kerf_mm = profile.cuts.scrap, profile.material.kerf_mm
     if kerf_mm <= 0 or (asked.grid_mm is None and asked.remnant is None):

@@ -10,6 +10,7 @@ import pytest
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.cut import Side
 from kerfwise.encoder.nest import Nest
+from kerfwise.postproc.check.program_rules import SENTENCES
 from kerfwise.postproc.check.runs_from_cuts import runs_from_cuts
 from kerfwise.postproc.check.skeleton_pieces import wrong_pieces
 from kerfwise.rules.case import in_order
@@ -47,6 +48,14 @@ def test_a_line_that_is_not_cut_leaves_one() -> None:
 def test_a_line_that_ends_too_soon_leaves_one() -> None:
     (text,) = wrong(nest(1000, 400, A, scrap=[[(500, 0), (500, 390)]]), 500.0)
     assert text.startswith("a piece of the skeleton of 1000 × 400 mm is left")
+
+
+def test_what_parts_alone_cut_off_is_not_looked_at() -> None:
+    """A part from edge to edge divides the skeleton: the smaller side has no lines, and nobody says that it has."""
+    wall = part("W", rect(750, 0, 20, 400))
+    assert wrong(nest(1200, 400, A, wall, scrap=[[(400, 0), (400, 400)]]), 410.0) == []
+    said = SENTENCES["scrap-pieces"]
+    assert said.startswith("The skeleton's largest piece is cut into pieces no larger than asked for")
 
 
 def test_the_remnant_may_be_larger_than_the_grid() -> None:
