@@ -94,11 +94,13 @@ def run_batch(
     """Plan every nest on every machine, and write the index of all.
 
     What the store has finished is not planned again, and what was refused only where `refused_again` says so. Each
-    program is written as soon as it is there: whoever kills this loses what is being planned, and nothing else.
+    program is written as soon as it is there: whoever kills this loses what is being planned, and nothing else. Where a
+    job file names another machine than before, the program for the one that it means no more is removed.
     `sheets` says that the work sheets of each machine are printed, too.
     """
     watcher = watcher or Watcher()
     pieces = list(_pieces(named(sources, store.names()), machines, store.out, options, version))
+    _leave(pieces, machines, store)
     rows: dict[Piece, Row] = {}
     tasks = []
     for piece in pieces:
@@ -137,6 +139,17 @@ def _pieces(
         for machine in machines.of(job):
             day = "" if due is None else due.isoformat()
             yield Piece(name, source.file, machine, options, version, out, quantity, order, day)
+
+
+def _leave(pieces: Iterable[Piece], machines: Machines, store: Store) -> None:
+    """Remove what is there of nests on machines of this batch that their job files do not mean any more."""
+    where: dict[str, set[str]] = {}
+    for piece in pieces:
+        where.setdefault(piece.name, set()).add(piece.machine.name)
+    for nest, meant in where.items():
+        for machine in machines.named:
+            if machine.name not in meant:
+                store.leave(machine.name, nest)
 
 
 def _kept(task: Task, made: Made | Exception, store: Store) -> Row:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import sqlite3
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -87,12 +87,29 @@ class Store:
         record = self._record(row)
         make_folder(record.parent, parents=True)
         before = self._rows.get((row.machine, row.nest))
-        for name in sorted((before.files if before is not None else {}).keys() - row.files.keys()):
-            if not name.endswith(PLAN):
-                remove(record.parent / Path(name).name, "an older nest")
+        if before is not None:
+            self._remove(before, before.files.keys() - row.files.keys())
         write_files({**{record.parent / name: content for name, content in files.items()}, record: row.as_json()})
         self._rows[row.machine, row.nest] = row
         return row
+
+    def leave(self, machine: str, nest: str) -> None:
+        """Remove what was written of a nest that is not for a machine any more; its plan stays, as in `keep`.
+
+        Raises
+        ------
+        InputError
+            If a file cannot be removed.
+        """
+        row = self._rows.get((machine, nest))
+        if row is not None:
+            self._remove(row, row.files)
+
+    def _remove(self, row: Row, names: Iterable[str]) -> None:
+        """Remove files of a row but its plan. The record stays: with its files gone the nest is planned again."""
+        for name in sorted(names):
+            if not name.endswith(PLAN):
+                remove(self._record(row).parent / Path(name).name, "an older nest")
 
     def _record(self, row: Row) -> Path:
         return self.out / row.machine / f"{row.nest}{RECORD}"

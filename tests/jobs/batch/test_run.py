@@ -285,6 +285,26 @@ def test_a_nest_is_planned_where_its_job_file_says(batches: Batches, tmp_path: P
     assert asked == [("one", "the-laser"), ("two", "plasma-carbon-steel")]
 
 
+def test_nobody_cuts_on_a_machine_that_the_job_file_means_no_more(batches: Batches) -> None:
+    write_nests(batches.given, ("one", "two"))
+    batches.machines.append(machine_of("laser", "laser-amg3m-1mm", False))
+    batches.run()
+    before = batches.bytes()
+    job = batches.given / "one.job.yaml"
+    job.write_text("machine: laser\n")
+    laser, plasma = batches.machines[1], batches.machines[0]
+    batches.machines = [laser]
+    batches.run()
+    assert (batches.out / "plasma" / "one.nc").is_file(), "plasma is no machine of that batch: it is left alone"
+    batches.machines = [plasma, laser]
+    batches.run()
+    gone = {name for name in before if name not in batches.bytes()}
+    assert gone == {"plasma/one.nc", "plasma/one.svg"}
+    job.unlink()
+    batches.run()
+    assert batches.bytes() == before
+
+
 def test_a_profile_of_a_job_file_that_is_not_there(batches: Batches) -> None:
     write_nests(batches.given, ("one",))
     (batches.given / "one.job.yaml").write_text("profile: plants/none.yaml\n")
