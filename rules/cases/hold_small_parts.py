@@ -14,6 +14,7 @@ from kerfwise.rules.rule import Violation
 SMALL = nest(400, 200, part("A", rect(20, 20, 80, 50), [rect(50, 35, 20, 20)]))
 WIDE = nest(400, 200, part("A", rect(20, 20, 120, 50)))
 DRAWN = nest(400, 200, replace(part("A", rect(20, 20, 120, 50)), tabs=(Tab((60, 20), 0.4),)))
+DRAWN_TWICE = nest(400, 200, replace(part("A", rect(20, 20, 120, 50)), tabs=(Tab((60, 20), 0.4), Tab((60, 70), 0.4))))
 LASER = HoldSmallPartsOptions(kerf_mm=0.2, process="laser")
 WHY = "its centroid is 40.0 mm from one end, and slats lie 60 mm apart"
 
@@ -128,4 +129,13 @@ CASES = (
         cuts(DRAWN, Tab((70, 20), 0.4)),
         wrong("has a tab at (70.0, 20.0), 10.0 mm from where it is asked for", at=1),
     ),
+    Case(
+        "two at one of the places that are drawn",
+        "fails",
+        DRAWN_TWICE,
+        cuts(DRAWN_TWICE, Tab((59.8, 20), 0.4), Tab((60.3, 20), 0.4)),
+        wrong("has no tab at (60.0, 70.0): the nest draws it", at=1),
+        LASER,
+    ),
+    Case("both as they are drawn", "passes", DRAWN_TWICE, cuts(DRAWN_TWICE, *DRAWN_TWICE.parts[0].tabs), options=LASER),
 )

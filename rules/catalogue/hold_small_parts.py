@@ -177,11 +177,14 @@ def _wrong(contour: Contour, part: Part | None, cut: Cut, options: HoldSmallPart
         yield f"burns all but {max(beside_mm, 0.0):.2f} mm of its tab with its lead-in"
     if len(cut.tabs) != given:
         yield f"has {_tabs(len(cut.tabs))}, not {given}: {why}"
+    elif all(any(_there(one, tab) for one in drawn) for tab in cut.tabs):  # else that tab is told below
+        bare = [one.at for one in drawn if not any(_there(one, tab) for tab in cut.tabs)]
+        yield from (f"has no tab at ({x:.1f}, {y:.1f}): {why}" for x, y in bare)
     for tab in cut.tabs:
         place = f"has a tab at ({tab.at[0]:.1f}, {tab.at[1]:.1f})"
         nearest = min(drawn, key=lambda one: math.dist(one.at, tab.at), default=None)
         width_mm = options.width_mm if nearest is None else nearest.width_mm or options.width_mm
-        if nearest is not None and math.dist(nearest.at, tab.at) > PLACE_MM + WIDTH_MM:
+        if nearest is not None and not _there(nearest, tab):
             yield f"{place}, {math.dist(nearest.at, tab.at):.1f} mm from where it is asked for"
         if abs(tab.width_mm - width_mm) > WIDTH_MM:
             yield f"{place} that is {tab.width_mm:.2f} mm wide, not {width_mm:g} mm"
@@ -190,6 +193,11 @@ def _wrong(contour: Contour, part: Part | None, cut: Cut, options: HoldSmallPart
             yield f"{place}, {off_mm:.1f} mm off the contour"
         elif bend_deg(contour, tab.at, (tab.width_mm + options.kerf_mm) / 2 + options.corner_mm) > BENT_DEG:
             yield f"{place} that lies in a corner, or less than {options.corner_mm:g} mm from one"
+
+
+def _there(asked: Tab, tab: Tab) -> bool:
+    """Whether a tab is where one is asked for."""
+    return math.dist(asked.at, tab.at) <= PLACE_MM + WIDTH_MM
 
 
 def _left_beside_lead_mm(cut: Cut, options: HoldSmallPartsOptions) -> float | None:
