@@ -88,7 +88,7 @@ def time_made(given: Given, made: Plan | str | Path, tell: Tell = silent, truste
     else:
         program = read_program_of(made, given, tell, trusted)
         by_itself = profile.time.model == "constant"
-        own, job = job_of_program(program, nest, profile), job_of_program(program, nest)
+        own, job = (job_of_program(program, nest, by, profile.kerf_starts) for by in (profile, None))
         _tell_if_its_times_differ(own, job, profile, "its own" if by_itself else "the profile's model", tell)
         job = own if by_itself else job
     timed = time_job(job, profile)

@@ -62,6 +62,16 @@ def test_explain_says_where_a_cut_begins(folder: Path) -> None:
     assert "begun in a neighbour's kerf at (" in told.out
 
 
+def test_a_program_pierces_as_often_as_its_plan_by_the_clock(folder: Path) -> None:
+    """Where cuts begin in older kerfs nothing is pierced, and no consumables are worn."""
+    solve("--plan", "plan.json", "-o", "out.nc")
+    told = [kerfwise("time", "nest.json", what, "-p", "plant.yaml") for what in ("plan.json", "out.nc")]
+    pierces = [[line.split() for line in one.out.splitlines() if line.startswith("pierce")] for one in told]
+    assert pierces[0] == pierces[1]
+    assert pierces[0][0][-2:] == ["1", "pierces"]
+    assert "by its own words" not in told[1].err
+
+
 def test_time_and_heat_read_plan_and_program(folder: Path) -> None:
     solve("--plan", "plan.json", "-o", "out.nc")
     for verb in ("time", "heat"):
