@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import pickle
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -44,6 +45,7 @@ def resequence_folder(
     """Put every program of a folder, and of the folders in it, into a better order, under the same name in `out`.
 
     A program that is refused stops no other; what an earlier run wrote for it is removed, so that nobody cuts by it.
+    Files in `out` that no earlier run wrote stay: a program in whose place one stands is refused.
     What is finished is written at once, and known again by its content: the same program, profile, options and
     `version` of kerfwise are not planned a second time.
 
@@ -68,6 +70,7 @@ def resequence_folder(
     }
     record, besides = recorded(out), besides_of(profile, options, version)
     of_profile = files_of(profile)  # a dialect's, above all
+    foreign = _foreign(out, names, record)
     rows: dict[str, Row] = {}
     waiting: dict[str, str] = {}
     for name in names:
@@ -86,11 +89,22 @@ def resequence_folder(
         for name, ended in ended_of(folder, waiting, profile, options, jobs if together else 1):
             if ended.fault is not None:
                 faults[name] = ended.fault
-            rows[name] = _kept(replace(ended.row, key=waiting[name]), ended.text, record, out)
-            tell(f"{len(rows)} of {len(names)}: {name}: {ended.row.ended}")
+            row = replace(ended.row, key=waiting[name])
+            if row.read and name in foreign:
+                why = "is in the place of the new program, and no earlier run wrote it: give the output another folder"
+                row = Row(name, "refused", f"{out / name}: {why}")
+            rows[name] = _kept(row, ended.text, record, out)
+            tell(f"{len(rows)} of {len(names)}: {name}: {row.ended}")
     except KeyboardInterrupt:
         interrupted = True
     return Archive(tuple(rows[name] for name in names if name in rows), again, interrupted, faults)
+
+
+def _foreign(out: Path, names: Sequence[str], record: Mapping[str, Row]) -> frozenset[str]:
+    """The names in `out` of files that no earlier run wrote; of a record that cannot be read, none is sure."""
+    if not record and (out / RECORD).exists():
+        return frozenset()
+    return frozenset(name for name in names if name not in record and os.path.lexists(out / name))
 
 
 def _kept(row: Row, text: str, record: dict[str, Row], out: Path) -> Row:

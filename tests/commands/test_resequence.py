@@ -178,6 +178,18 @@ def test_a_file_that_is_too_large_stops_no_other_program(tmp_path: Path, monkeyp
     assert "2 of 4 programs read" in ended.out
 
 
+def test_originals_of_another_folder_are_not_written_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("old/6 mm").mkdir(parents=True)
+    for place in ("old", "old/6 mm"):
+        Path(place, "a.nc").write_text(READ["squares"])
+    ended = kerfwise("resequence", "old/6 mm", "-o", "old", "--work", 0.2)
+    assert ended.code == 2
+    assert f"refused: {Path('old', 'a.nc')}: is in the place of the new program" in ended.out
+    assert sorted(path.name for path in Path("old").rglob("*")) == ["6 mm", "a.nc", "a.nc"]
+    assert Path("old/a.nc").read_text() == READ["squares"]
+
+
 def test_folders_that_cannot_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     archive(tmp_path)
     monkeypatch.chdir(tmp_path)
