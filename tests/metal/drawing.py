@@ -78,6 +78,8 @@ def drawing_of(nest: Nest) -> Drawing:
         outer = own[-1].area
         assert outer is not None
         parts[part.id] = shapely.Polygon(outer.exterior, holes)
+    if nest.apart:
+        _expect_every_hole(nest, [c for c in contours if c.kind == "hole"], groups)
     contours += [_meant(c) for c in nest.scrap]
     outline = bulged(nest.sheet.outline.vertices, True)
     sheet = shapely.Polygon(outline, [bulged(h.vertices, True) for h in nest.sheet.holes])
@@ -98,6 +100,14 @@ def joined(nest: Nest) -> list[shapely.Polygon]:
         strips = [shapely.LineString(_longer(*line[:2])).buffer(line[2] / 2, cap_style="flat") for line in lines]
         found.append(shapely.union_all([*(_polygon(apart[name].outer) for name in sorted(group)), *strips]))
     return found
+
+
+def _expect_every_hole(nest: Nest, holes: Sequence[Meant], groups: Sequence[shapely.Polygon]) -> None:
+    """Joined parts have the holes that they were drawn with, and those that their bridges enclose: no other."""
+    drawn = [_polygon(hole) for part in nest.apart for hole in part.holes]
+    pockets = [shapely.Polygon(ring) for group in groups for ring in group.interiors]
+    there = shapely.union_all([hole.area for hole in holes])
+    assert shapely.symmetric_difference(there, shapely.union_all([*drawn, *pockets])).area < 0.01, "holes got lost"
 
 
 def _longer(start: Sequence[float], end: Sequence[float]) -> list[tuple[float, float]]:

@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 import math
 import random
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from kerfwise.encoder.readers.read import read_nest
 from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.metal.drawing import drawing_of
 
 
 def made(seed: int) -> dict[str, Any]:
@@ -48,3 +51,17 @@ def test_what_is_joined_is_one_piece_at_the_end(tmp_path: Path, seed: int) -> No
     assert done.code == 0, done.err + done.out
     assert nest["bridges"]
     assert "holds      hard bridges" in done.out
+
+
+def test_a_hole_that_gets_lost_where_parts_are_joined_is_told(tmp_path: Path) -> None:
+    holes = [[[32, 40, 1], [48, 40, 1]]]
+    square = [[20, 20], [60, 20], [60, 60], [20, 60]]
+    parts = [{"id": "A", "outer": square, "holes": holes}, {"id": "B", "outer": [[x + 60, y] for x, y in square]}]
+    bridge = {"parts": ["A", "B"], "from": [55, 40], "to": [85, 40], "width": 6}
+    nest = {"format": "kerfwise-nest/1", "sheet": {"width": 150, "height": 80}, "parts": parts, "bridges": [bridge]}
+    (tmp_path / "nest.json").write_text(json.dumps(nest), encoding="utf-8")
+    read = read_nest(tmp_path / "nest.json")
+    assert [c.kind for c in drawing_of(read).contours] == ["hole", "outer"]
+    (whole,) = read.parts
+    with pytest.raises(AssertionError, match="holes got lost"):
+        drawing_of(replace(read, parts=(replace(whole, holes=()),)))
