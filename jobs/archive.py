@@ -104,7 +104,8 @@ def _foreign(out: Path, names: Sequence[str], record: Mapping[str, Row]) -> froz
     """The names in `out` of files that no earlier run wrote; of a record that cannot be read, none is sure."""
     if not record and (out / RECORD).exists():
         return frozenset()
-    return frozenset(name for name in names if name not in record and os.path.lexists(out / name))
+    places = ((name, out / name) for name in names if name not in record)
+    return frozenset(name for name, place in places if place.is_symlink() or place.exists())
 
 
 def _kept(row: Row, text: str, record: dict[str, Row], out: Path) -> Row:
