@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from .api import (
         CheckResult,
+        Comparison,
         Conflict,
         Explanation,
         InputError,
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
         Simulation,
         Times,
         check,
+        compare,
         conflict,
         draw,
         explain,
@@ -51,6 +53,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 __all__ = [
     "CheckResult",
+    "Comparison",
     "Conflict",
     "Explanation",
     "InputError",
@@ -71,6 +74,7 @@ __all__ = [
     "Times",
     "__version__",
     "check",
+    "compare",
     "conflict",
     "draw",
     "explain",

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from kerfwise.encoder.errors import InputError, KerfwiseError, RulesConflict
 from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.compare import Comparison
 from kerfwise.jobs.listening import Reached
 from kerfwise.jobs.nest_job import Job
 from kerfwise.jobs.no_plan import NoPlan
@@ -34,6 +35,7 @@ from kerfwise.postproc.check import CheckResult
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile
 
+from .comparing import compare
 from .judging import check, draw, explain, simulate, times
 from .planning import conflict, facts, solve, trade_off
 from .reading import load_profile, read_job, read_nest, read_plan
@@ -41,6 +43,7 @@ from .reordering import resequence
 
 __all__ = [
     "CheckResult",
+    "Comparison",
     "Conflict",
     "Explanation",
     "InputError",
@@ -60,6 +63,7 @@ __all__ = [
     "Simulation",
     "Times",
     "check",
+    "compare",
     "conflict",
     "draw",
     "explain",

@@ -5,11 +5,9 @@ from __future__ import annotations
 import contextlib
 import io
 import json
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from functools import partial
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -23,14 +21,7 @@ from .numbers import AMOUNT_OVER_ZERO
 if TYPE_CHECKING:
     from kerfwise.jobs.compare import Comparison, SideAsked
     from kerfwise.jobs.given import Given
-    from kerfwise.rules.profile.profile import Profile
 
-_KINDS = (".svg", ".png", ".html", ".pdf")
-_HOW = (
-    "give two plans or programs, or -p A -p B, or --without RULE, or --with RULE; one plan or program alone is "
-    "compared with a new plan"
-)
-_STRENGTHS: Mapping[str, Literal["hard", "soft"] | None] = {"": None, "hard": "hard", "soft": "soft"}
 _PROFILES = click.option(
     "-p", "--profile", "profiles", multiple=True, metavar="PROFILE",
     help=f"Name or path of the profile (default {DEFAULT}); given twice, that of A and that of B.",
@@ -79,8 +70,7 @@ def command(
     A and B are plans or programs of NEST. What is not given is planned: by two profiles, or by one with
     rules on or off.
     """
-    from kerfwise.jobs.compare import SideAsked
-    from kerfwise.postproc.files import write_files
+    from kerfwise.jobs.compare import pair_of
 
     _expect_two(a, b, profiles, with_, without)
     _expect_outputs(outputs, (options["nest"], a, b))
@@ -88,41 +78,34 @@ def command(
     for side in given:
         protect(side, options["nest"], outputs, a, b)
     limits = {"work": work, "seed": seed, "time_s": time_limit}
-    changed, changes = _changed(given[1], with_, without)
-    asked = (
-        SideAsked(a or f"by profile {given[0].profile.name}", given[0], a, limits, relax),
-        SideAsked(b or changes or _name_of_new(given, a), changed, b, limits, relax),
-    )
-    made = _compared(asked, heat)
+    made = _compared(pair_of(given, a, b, with_, without, limits, relax), heat)
     if made is None:
         return 1
-    files = {Path(name): _content(made, Path(name).suffix.lower()) for name in outputs}
-    write_files(files)
+    files = made.save(*outputs)
     click.echo(json.dumps(made.as_json(), ensure_ascii=False) if as_json else made)
     if files and not as_json:
         click.echo("written: " + ", ".join(shown(str(path)) for path in files))
-    return 130 if made.a.interrupted or made.b.interrupted else 0
+    return 130 if made.interrupted else 0
 
 
 def _expect_two(
     a: str | None, b: str | None, profiles: Sequence[str], with_: Sequence[str], without: Sequence[str]
 ) -> None:
+    from kerfwise.jobs.compare import expect_two
+
     if len(profiles) > 2:
         raise click.UsageError(f"--profile is given {len(profiles)} times: two at the most, that of A and that of B")
-    if b is not None and (with_ or without):
-        raise click.UsageError("--with and --without plan B anew: leave B out")
-    if a is None and len(profiles) < 2 and not (with_ or without):
-        raise click.UsageError(f"nothing to compare: {_HOW}")
-    if both := [name for name in without if name in {one.partition("=")[0] for one in with_}]:
-        raise click.UsageError(f"rule {both[0]} is to be on and off: leave one out")
+    try:
+        expect_two(a, b, len(profiles), with_, without)
+    except InputError as error:
+        raise click.UsageError(error.message) from None
 
 
 def _expect_outputs(outputs: Sequence[str], inputs: Sequence[str | None]) -> None:
+    from kerfwise.jobs.compare.files import expect_kinds
     from kerfwise.postproc.files import expect_outputs
 
-    for name in outputs:
-        if Path(name).suffix.lower() not in _KINDS:
-            raise InputError(f"a comparison is written as {', '.join(_KINDS)}: give a name that ends so", file=name)
+    expect_kinds(outputs)
     expect_outputs(map(Path, outputs), (Path(name) for name in inputs if name))
 
 
@@ -138,33 +121,6 @@ def _given_twice(profiles: Sequence[str | None], options: dict[str, Any]) -> tup
     finally:
         for line in dict.fromkeys(said.getvalue().splitlines()):
             click.echo(line, err=True)
-
-
-def _changed(given: Given, with_: Sequence[str], without: Sequence[str]) -> tuple[Given, str]:
-    """Nest and profile of B, with rules on and off, and what was changed."""
-    from kerfwise.rules.profile.one_rule import with_rule, without_rule
-
-    profile = given.profile
-    for text in with_:
-        name, _, strength = text.partition("=")
-        if strength not in _STRENGTHS:
-            raise click.UsageError(f"--with {text}: a rule is on as hard or soft, such as --with {name}=soft")
-        profile = _switched(f"--with {text}", partial(with_rule, profile, name, _STRENGTHS[strength]))
-    for name in without:
-        profile = _switched(f"--without {name}", partial(without_rule, profile, name))
-    told = [*(f"with {text}" for text in with_), *(f"without {name}" for name in without)]
-    return replace(given, profile=profile), ", ".join(told)
-
-
-def _switched(option: str, switch: Callable[[], Profile]) -> Profile:
-    try:
-        return switch()
-    except InputError as error:
-        raise InputError(f"{option}: {error.message}") from error
-
-
-def _name_of_new(given: tuple[Given, Given], a: str | None) -> str:
-    return "a new plan" if a is not None and given[0] is given[1] else f"by profile {given[1].profile.name}"
 
 
 def _compared(asked: Sequence[SideAsked], heat: bool) -> Comparison | None:
@@ -188,14 +144,4 @@ def _compared(asked: Sequence[SideAsked], heat: bool) -> Comparison | None:
         except NoPlan as no_plan:
             click.echo(f"kerfwise: {letter}, {shown(side.name)}: {no_plan}", err=True)
             return None
-    return compare(*sides)
-
-
-def _content(made: Comparison, suffix: str) -> str | bytes:
-    from kerfwise.jobs.compare.page import page
-    from kerfwise.jobs.compare.paper import paper
-    from kerfwise.jobs.compare.picture import picture
-
-    if suffix == ".pdf":
-        return paper(made)
-    return page(made) if suffix == ".html" else picture(made, suffix)
+    return compare(sides[0], sides[1])

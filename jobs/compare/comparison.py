@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
+from kerfwise.jobs.picture import Picture, PictureKind
 from kerfwise.postproc.check.result import Judgement
+from kerfwise.postproc.files import write_files
 
 from .figures import Figure, figures
 from .moved import CutPair, cut_pairs
@@ -56,9 +59,20 @@ NOT_ASKED = RulePays("-", "not judged", 0, 0, 0.0)
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Comparison:
-    """Two sides, A and B, with their figures, what each rule is on both, and every cut in both.
+    """Two sides, A and B; `print` says what `kerfwise compare` prints.
 
-    `print` says it as a table.
+    Attributes
+    ----------
+    a, b
+        Each with `plan` (None for a program), `verdict`, `times` and, where it was asked for, `heat`.
+    figures
+        Lengths, pierces, times, cost: `key`, `a`, `b` and `texts` of each.
+    rules
+        Id of each rule, and what it is on both sides: `strength`, `verdict`, `breaches`, `excuses`, `cost_mm`.
+    cuts
+        Every contour in both: its position in each, and what differs, in `told`.
+    notes
+        What is to be known of one side, such as that its plan was made with another profile.
     """
 
     a: Side
@@ -66,6 +80,12 @@ class Comparison:
     figures: tuple[Figure, ...]
     rules: tuple[tuple[str, RulePays, RulePays], ...]
     cuts: tuple[CutPair, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C, or the progress callback, ended the planning of a side."""
+        return self.a.interrupted or self.b.interrupted
 
     @property
     def changed(self) -> tuple[CutPair, ...]:
@@ -99,15 +119,36 @@ class Comparison:
             "changed": [pair.as_json() for pair in self.changed],
         }
 
+    def picture(self, kind: PictureKind = "svg") -> Picture:
+        """Both routes, cuts that differ in red; "html" is the page with the tables."""
+        from .files import content_of
+
+        made = content_of(self, f".{kind}")
+        return Picture(made.encode("utf-8") if isinstance(made, str) else made, kind)
+
+    def save(self, *paths: str | Path) -> tuple[Path, ...]:
+        """Write it as .svg, .png, .html or .pdf, by the ends of the names: all files or none.
+
+        Raises
+        ------
+        InputError
+            If a name ends otherwise, or a file cannot be written.
+        """
+        from .files import content_of, expect_kinds
+
+        expect_kinds(paths)
+        write_files({Path(path): content_of(self, Path(path).suffix.lower()) for path in paths})
+        return tuple(map(Path, paths))
+
     def __str__(self) -> str:
         from .text import text
 
         return text(self)
 
 
-def compare(a: Side, b: Side) -> Comparison:
+def compare(a: Side, b: Side, *, notes: tuple[str, ...] = ()) -> Comparison:
     """Put two sides of one nest next to each other."""
-    return Comparison(a, b, figures(a, b), rules_of(a, b), cut_pairs(a.cuts, b.cuts))
+    return Comparison(a, b, figures(a, b), rules_of(a, b), cut_pairs(a.cuts, b.cuts), notes)
 
 
 def rules_of(a: Side, b: Side) -> tuple[tuple[str, RulePays, RulePays], ...]:

@@ -25,19 +25,21 @@ from kerfwise.postproc.check.rebuild import rebuild
 from kerfwise.postproc.nc.plan_paths import toolpaths
 from kerfwise.rules.profile.profile import Profile
 
-Made = Literal["plan", "program", "solved"]
+Kind = Literal["plan", "program", "solved"]
+Made = Plan | str | Path
+"""A plan, or the path of a plan (.json) or of an NC program."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class SideAsked:
-    """What one side is to be: the name that the user knows it by, nest and profile, and its file, if there is one.
+    """What one side is to be: the name that the user knows it by, nest and profile, its plan or file, if it has one.
 
-    Without a file the nest is planned, within `limits` as `options_for` takes them; `relax` as `plan_nest` does.
+    Without one the nest is planned, within `limits` as `options_for` takes them; `relax` as `plan_nest` does.
     """
 
     name: str
     given: Given
-    file: str | Path | None = None
+    file: Made | None = None
     limits: dict[str, Any] | None = None
     relax: bool = False
 
@@ -63,11 +65,11 @@ class Side:
     burns, home, end
         What the torch does, and where it starts and ends, in the coordinates of the drawing.
     interrupted
-        Whether Ctrl-C ended the planning.
+        Whether Ctrl-C, or the progress callback, ended the planning.
     """
 
     name: str
-    made: Made
+    made: Kind
     given: Given
     cuts: CutSequence
     times: Times
@@ -112,6 +114,8 @@ def side_of(asked: SideAsked, heat: bool = False, listener: Listener | None = No
     """
     if asked.file is None:
         return _planned(asked, heat, listener or Listener(), tell)
+    if isinstance(asked.file, Plan):
+        return _of_plan(asked, asked.file, asked.given, check_made, "plan", heat, tell)
     try:
         if is_plan_file(asked.file):
             return _of_plan(asked, read_plan(asked.file), asked.given, check_made, "plan", heat, tell)
@@ -126,11 +130,11 @@ def _planned(asked: SideAsked, heat: bool, listener: Listener, tell: Tell) -> Si
     limits = options_for(asked.given.nest, asked.given.profile, **(asked.limits or {}))
     done = plan_nest(asked.given, limits, relax=asked.relax, listener=listener, tell=tell)
     verdict = done.made.verdict
-    return _of_plan(asked, done.made.plan, done.given, lambda *_: verdict, "solved", heat, tell, listener.interrupted)
+    return _of_plan(asked, done.made.plan, done.given, lambda *_: verdict, "solved", heat, tell, listener.stopped)
 
 
 def _of_plan(
-    asked: SideAsked, plan: Plan, given: Given, judge: Any, made: Made, heat: bool, tell: Tell, broken: bool = False
+    asked: SideAsked, plan: Plan, given: Given, judge: Any, made: Kind, heat: bool, tell: Tell, broken: bool = False
 ) -> Side:
     profile = given.profile.at_origin(plan.origin)
     paths = toolpaths(plan, given.nest, profile)  # refuses the plan of another nest

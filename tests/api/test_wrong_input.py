@@ -66,6 +66,13 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
         lambda: kerfwise.draw(PAIR, contours="P9.outer"),
         "no contour 'P9.outer' in the nest",
     ),
+    "nothing to compare": (lambda: kerfwise.compare(PAIR), "nothing to compare: give two plans or programs"),
+    "B without A": (lambda: kerfwise.compare(PAIR, b="old.nc"), "B is given without A"),
+    "a rule on and off": (
+        lambda: kerfwise.compare(PAIR, with_="level-ahead", without="level-ahead"),
+        "rule level-ahead is to be on and off",
+    ),
+    "a mistyped rule": (lambda: kerfwise.compare(PAIR, without="level-ahed"), "did you mean 'level-ahead'"),
     "a price below 0": (lambda: kerfwise.trade_off(PAIR, prices_mm=[-1]), "prices_mm: expected numbers from 0, got -1"),
 }
 
