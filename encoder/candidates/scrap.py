@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.scrap.whole import skeleton, where_severed
+from kerfwise.encoder.scrap.whole import carrying, skeleton, where_severed
 from kerfwise.encoder.tolerance import tolerance_mm
 
 
@@ -34,7 +34,7 @@ def _severed(nest: Nest, kerf_mm: float) -> list[str]:
     lines = [c.line for c in nest.scrap]
     if len(lines) < 2:  # nothing else ends on it
         return []
-    metal = skeleton(nest.sheet.polygon, [part.outer.polygon for part in nest.parts], kerf_mm)
+    metal = carrying(skeleton(nest.sheet.polygon, [part.outer.polygon for part in nest.parts], kerf_mm), kerf_mm)
     found = []
     for k, places_mm in where_severed(lines, metal, kerf_mm).items():
         points = shapely.get_coordinates(shapely.line_interpolate_point(lines[k], places_mm)).tolist()

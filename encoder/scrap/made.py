@@ -15,7 +15,7 @@ from kerfwise.encoder.nest import Nest, as_scrap
 
 from .grid import grid_lines
 from .rectangle import saved
-from .whole import skeleton, taken_apart
+from .whole import carrying, largest, pieces_of, skeleton, taken_apart
 
 LEAST_MM = 50.0
 """A remnant with a shorter side is not worth keeping."""
@@ -62,7 +62,8 @@ def with_scrap(nest: Nest, kerf_mm: float, grid_mm: float | None, remnant: Side 
             file=nest.file or None,
         )
     whole = skeleton(nest.sheet.polygon, [part.outer.polygon for part in nest.parts], kerf_mm + _CLEAR_MM)
-    metal = _largest(whole, kerf_mm)
+    wide = carrying(whole, kerf_mm)
+    metal = shapely.intersection(_largest(wide, kerf_mm).buffer(kerf_mm), whole)
     rows: list[list[Point]] = []
     if remnant is not None:
         kept = remnant_of(nest, kerf_mm, remnant)
@@ -72,7 +73,7 @@ def with_scrap(nest: Nest, kerf_mm: float, grid_mm: float | None, remnant: Side 
         metal = metal.difference(shapely.box(x0 - half, y0 - half, x1 + half, y1 + half))
     if grid_mm is not None:
         rows += grid_lines(metal, grid_mm)
-        rows = taken_apart(rows, whole, kerf_mm)
+        rows = taken_apart(rows, wide, kerf_mm)
     lines = as_scrap(Curve.of(row, closed=False) for row in rows)
     return replace(nest, scrap=lines, drawn=nest.drawn or nest) if lines else nest
 
@@ -92,9 +93,12 @@ def remnant_of(nest: Nest, kerf_mm: float, side: Side) -> Remnant:
             f"cuts.scrap.remnant: {side} saves a rectangle of a rectangular sheet, and this sheet is none",
             file=nest.file or None,
         )
-    gone = [part.outer.polygon.bounds for part in nest.parts]
     apart_mm = kerf_mm + _CLEAR_MM
+    outlines = [part.outer.polygon for part in nest.parts]
+    pieces = pieces_of(carrying(skeleton(nest.sheet.polygon, outlines, apart_mm), kerf_mm), kerf_mm)
+    gone = [outline.bounds for outline in outlines]
     blocks = [(a - apart_mm, b - apart_mm, c + apart_mm, d + apart_mm) for a, b, c, d in gone]
+    blocks += [piece.bounds for k, piece in enumerate(pieces.tolist()) if k != largest(pieces)]
     found = saved((x0, y0, x1, y1), blocks, side, kerf_mm / 2)
     remnant = Remnant(*found)
     width, height = remnant.size_mm
@@ -109,5 +113,5 @@ def remnant_of(nest: Nest, kerf_mm: float, side: Side) -> Remnant:
 
 def _largest(metal: shapely.Geometry, kerf_mm: float) -> shapely.Geometry:
     """The largest piece of a skeleton: others come loose with the parts."""
-    pieces = [piece for piece in shapely.get_parts(metal) if piece.area > kerf_mm**2]
-    return max(pieces, key=lambda piece: piece.area, default=shapely.Polygon())
+    pieces = pieces_of(metal, kerf_mm)
+    return pieces[largest(pieces)] if len(pieces) else shapely.Polygon()

@@ -16,12 +16,50 @@ from numpy.typing import NDArray
 from shapely.ops import substring
 
 _NOWHERE = -1
+_SAME_SHARE = 1e-3
+"""Pieces that differ by less than this share of the largest are equally large."""
+_FINE_MM = 0.01
+"""A web may be narrower than a kerf by so much, and still carries."""
 
 
 def skeleton(sheet: shapely.Geometry, outlines: Sequence[shapely.Geometry], off_mm: float) -> shapely.Geometry:
     """The sheet without its parts and so much around each, mm."""
     gone = shapely.buffer(np.array(outlines, dtype=object), off_mm, quad_segs=16)
     return shapely.make_valid(sheet).difference(shapely.union_all(gone))
+
+
+def carrying(metal: shapely.Geometry, kerf_mm: float) -> shapely.Geometry:
+    """Metal without what is narrower than a kerf: a line along it would burn it all, and it holds nothing.
+
+    Examples
+    --------
+    Two plates with a web of 0.3 mm between them are two pieces.
+
+    >>> webbed = shapely.union_all([shapely.box(0, 0, 9, 9), shapely.box(9, 4, 20, 4.3), shapely.box(20, 0, 29, 9)])
+    >>> sorted(shapely.bounds(shapely.get_parts(carrying(webbed, 1.0))).round(1).tolist())
+    [[0.0, 0.0, 9.0, 9.0], [20.0, 0.0, 29.0, 9.0]]
+    """
+    half_mm = max(kerf_mm / 2 - _FINE_MM, 0.0)
+    return shapely.intersection(metal.buffer(-half_mm, quad_segs=4).buffer(half_mm, quad_segs=4), metal)
+
+
+def pieces_of(metal: shapely.Geometry, kerf_mm: float) -> NDArray[np.object_]:
+    """What holds together; crumbs are none."""
+    return np.array([piece for piece in shapely.get_parts(metal) if piece.area > kerf_mm**2], dtype=object)
+
+
+def largest(pieces: NDArray[np.object_]) -> int:
+    """The number of the largest piece; of equal ones the lowest, then the leftmost.
+
+    Examples
+    --------
+    >>> largest(shapely.box([20, 0, 40], [0, 0, 9], [29, 9, 49], [9, 9, 18]))
+    1
+    """
+    area = shapely.area(pieces)
+    large = np.flatnonzero(area >= area.max() * (1 - _SAME_SHARE))
+    x0, y0 = np.round(shapely.bounds(pieces[large])[:, :2]).T
+    return int(large[np.lexsort((x0, y0))[0]])
 
 
 def where_severed(

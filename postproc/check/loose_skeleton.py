@@ -1,8 +1,9 @@
 """Burns in pieces of the skeleton that scrap lines have cut off, seen from the kerfs themselves.
 
-From the first burn along a scrap line on, the sheet is looked at before each burn. What every kerf of the program
-together leaves of the skeleton tells the frame: the largest piece. Before each burn it is part of some larger piece of
-metal, and only in that may be cut.
+From the first burn along a scrap line on, the sheet is looked at before each burn. The frame is the largest piece that
+the kerfs of all lines leave of the largest piece that those of all parts leave; leads do not tell which is larger.
+Before each burn the frame is part of some larger piece of metal, and only in that may be cut, or where the metal is
+narrower than the kerf and holds nothing anyway.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import numpy as np
 import shapely
 
 from kerfwise.encoder.nest import Contour, Nest
-from kerfwise.rules.judging.skeleton import in_frame, point_of_frame
+from kerfwise.rules.judging.skeleton import frame_of, in_frame, wide_enough
 from kerfwise.rules.rule import Violation
 
 from .rings import torch_rings
@@ -31,16 +32,25 @@ def off_the_frame(nest: Nest, runs: Sequence[TorchRun], made: Sequence[Contour],
     of_scrap = [run.contour is not None and run.contour.kind == "scrap" for run in torch]
     if kerf_mm <= 0 or not any(of_scrap):
         return
-    lines = np.array([shapely.union_all([run.loop, *run.leads]) for run in torch], dtype=object)
+    lines = np.array([run.loop for run in torch], dtype=object)
     kerfs = shapely.buffer(lines, kerf_mm / 2, quad_segs=4)
+    leads = [shapely.union_all(run.leads).buffer(kerf_mm / 2, quad_segs=4) for run in torch]
     begin = of_scrap.index(True) if not any(c.kind == "scrap" for c in made) else 0
     older = [ring.buffer(kerf_mm / 2, quad_segs=4) for ring in torch_rings(made, kerf_mm) if ring is not None]
     metal = shapely.make_valid(nest.sheet.polygon) - shapely.union_all([*older, *kerfs[:begin]])
+    metal = wide_enough(metal, kerf_mm)
     parts = shapely.union_all(shapely.make_valid([part.outer.polygon for part in nest.parts]))
-    inside = point_of_frame(metal - shapely.union_all(kerfs[begin:]) - parts, kerf_mm)
-    if inside is None:
+    along = np.array(of_scrap)
+    skeleton = metal - shapely.union_all(kerfs[begin:][~along[begin:]]) - parts
+    frame = frame_of(skeleton, shapely.union_all(kerfs[along]), kerf_mm)
+    left = [] if frame is None else shapely.get_parts(frame - shapely.union_all(leads)).tolist()
+    if not left:
         return
-    for run, line, kerf in zip(torch[begin:], lines[begin:].tolist(), kerfs[begin:].tolist(), strict=True):
+    inside = shapely.point_on_surface(max(left, key=lambda piece: piece.area))
+    metal -= shapely.union_all(leads[:begin])
+    for k, (run, line, kerf) in enumerate(zip(torch, lines.tolist(), kerfs.tolist(), strict=True)):
+        if k < begin:
+            continue
         if run.contour is not None and not in_frame(line, metal, inside, kerf_mm):
             x, y = shapely.line_interpolate_point(run.loop, 0.5, normalized=True).coords[0]
             text = (
@@ -48,4 +58,4 @@ def off_the_frame(nest: Nest, runs: Sequence[TorchRun], made: Sequence[Contour],
                 "and loose"
             )
             yield Violation(_RULE, (run.contour.id,), text, (run.position,) if run.position else ())
-        metal -= kerf
+        metal -= shapely.union(kerf, leads[k])

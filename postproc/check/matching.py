@@ -92,8 +92,13 @@ class Matcher:
         return Match(contour, "right", ring, float(shapely.hausdorff_distance(ring, line)))
 
     def _against(self, line: shapely.LineString, contour: int, side: Side) -> Match | None:
-        """How far a ring strays from the path at most: a path that goes all the way round covers its ring."""
+        """How far a ring strays from the path at most: a path that goes all the way round covers its ring.
+
+        A scrap line has no leads: a path that goes on beyond it cuts something else.
+        """
         ring = self.rings[contour]
+        if self.nest.contours[contour].kind == "scrap" and ring is not None and line.length > ring.length + NEAR_MM:
+            return None
         if side != "right":
             ring = torch_rings([self.nest.contours[contour]], self.kerf_mm, side)[0]
         if ring is None or not _within(ring.bounds, line.bounds):

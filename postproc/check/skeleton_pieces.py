@@ -12,6 +12,7 @@ import shapely
 
 from kerfwise.encoder.cut import Side
 from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.rules.judging.skeleton import largest_of
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
@@ -21,6 +22,8 @@ from .torch_run import TorchRun
 _RULE = "scrap-pieces"
 _SLACK_MM = 0.1
 """Chords, and the accuracy of programs."""
+_NARROW_MM = 0.05
+"""A web may be so much wider than the kerf, on either side, and still be no piece."""
 _LEAST_MM = 50.0
 """A remnant with a shorter side is not worth keeping."""
 _FILLED = 0.995
@@ -33,7 +36,8 @@ def wrong_pieces(
     """Pieces of the skeleton that are larger than the grid asked for, and a remnant that is not saved.
 
     `made` were cut before a stop. Only the largest piece is looked at that the parts leave of the skeleton: what else
-    came loose with them, before any line was cut, is not cut up, however large it is.
+    came loose with them, before any line was cut, is not cut up, however large it is. Nor is metal
+    narrower than the kerf: a line along it would leave nothing of it.
     """
     asked, kerf_mm = profile.cuts.scrap, profile.material.kerf_mm
     if kerf_mm <= 0 or (asked.grid_mm is None and asked.remnant is None):
@@ -44,10 +48,12 @@ def wrong_pieces(
     burnt = shapely.buffer(np.array([line for _, line in rows], dtype=object), kerf_mm / 2, quad_segs=4)
     parts = shapely.make_valid([part.outer.polygon for part in nest.parts])
     gone = shapely.union_all(shapely.buffer(parts, kerf_mm, quad_segs=4))  # what tabs leave of a kerf is no piece
-    skeleton = shapely.make_valid(nest.sheet.polygon) - gone - shapely.union_all(burnt[~of_line])
-    frame = max(shapely.get_parts(skeleton), key=lambda piece: piece.area, default=None)
-    if frame is None:
+    half_mm = kerf_mm / 2 + _NARROW_MM
+    skeleton = shapely.make_valid(nest.sheet.polygon) - gone
+    skeleton = skeleton.buffer(-half_mm, quad_segs=4).buffer(half_mm, quad_segs=4) - shapely.union_all(burnt[~of_line])
+    if skeleton.is_empty:
         return
+    frame = largest_of(shapely.get_parts(skeleton).tolist())
     pieces = [p for p in shapely.get_parts(frame - shapely.union_all(burnt[of_line])) if p.area > kerf_mm**2]
     kept = None
     if asked.remnant is not None:

@@ -32,8 +32,9 @@ class ScrapLast(Rule[ScrapLastOptions]):
 
     Scrap lines are cut after every contour of every part, in one run. Among themselves they are cut in an order in
     which each is cut in metal that still holds to the frame: the largest piece that all the lines together leave of
-    the skeleton (of equal ones the lowest, then the leftmost). So pieces come off from the outside in. Stated for each
-    line that does not bound the frame: another line that bounds the same piece is cut after it.
+    the largest piece that the parts leave of the skeleton (of equal ones the lowest, then the leftmost). So pieces come
+    off from the outside in. Stated for each line that does not bound the frame: another line that bounds the same piece
+    is cut after it. Metal narrower than the kerf holds nothing: lines in such metal alone are free.
 
     ## Links, tabs and other cuts
 

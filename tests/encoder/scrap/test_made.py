@@ -98,6 +98,16 @@ def test_a_sheet_that_is_no_rectangle_has_no_remnant() -> None:
     assert with_scrap(corner, KERF_MM, 400.0, None).scrap
 
 
+def test_a_remnant_is_saved_of_the_largest_piece_that_parts_leave() -> None:
+    """A part from edge to edge has cut off the smaller side: a line there would be cut in a loose piece."""
+    drawn = nest(1000, 400, part("A", rect(20, 20, 100, 100)), part("W", rect(700, 0, 100, 400)))
+    assert remnant_of(drawn, KERF_MM, "left").bounds[0] == 0
+    with pytest.raises(InputError, match="right leaves nothing to save"):
+        with_scrap(drawn, KERF_MM, None, "right")
+    halved = nest(900, 400, part("A", rect(20, 20, 100, 100)), part("W", rect(400, 0, 100, 400)))
+    assert remnant_of(halved, KERF_MM, "right").bounds[2] == 900
+
+
 def test_nothing_is_made_unasked() -> None:
     drawn = plate(1)
     assert with_scrap(drawn, KERF_MM, None, None) is drawn
