@@ -18,6 +18,7 @@ VERBS = {
     "heat": "Simulate how hot a plan or a program makes the sheet.",
     "pareto": "Trade idle travel against overheats: a front of plans.",
     "compare": "Put two plans, programs, profiles or sets of rules side by side.",
+    "nest": "Lay parts with quantities on sheets and remnants.",
     "batch": "Plan folders of nests on every machine, and say which is cheaper.",
     "resequence": "Put old programs into a better order, or plan them afresh.",
     "facts": "Write the facts of a nest, as JSON or MiniZinc data.",

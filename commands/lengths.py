@@ -8,6 +8,7 @@ from kerfwise.encoder.errors import InputError
 
 if TYPE_CHECKING:
     from kerfwise.encoder.readers.options import FrameName
+    from kerfwise.rules.options.quantities import Quantity
 
 
 def said_of_reading(
@@ -21,11 +22,22 @@ def said_of_reading(
 
 def length_of(option: str, text: str) -> float:
     """A length over 0 in mm, as in 0.05 mm; InputError with the option's name for anything else."""
-    from kerfwise.rules.options.kind import Unfit
     from kerfwise.rules.options.quantities import LENGTH, over_zero
+
+    return _read(option, text, over_zero(LENGTH))
+
+
+def length_or_zero(option: str, text: str) -> float:
+    """The same, where 0 is a length too."""
+    from kerfwise.rules.options.quantities import LENGTH
+
+    return _read(option, text, LENGTH)
+
+
+def _read(option: str, text: str, kind: Quantity) -> float:
+    from kerfwise.rules.options.kind import Unfit
     from kerfwise.rules.options.yaml_positions import compose
 
-    kind = over_zero(LENGTH)
     try:
         node = compose(text, option)
         if node is None:

@@ -50,6 +50,22 @@ def read_json(data: bytes, options: ReadOptions) -> Nest:
     return Nest(sheet, parts, notes=notes, scrap=as_scrap(scrap), bridges=bridges)
 
 
+def sheet_in_json(data: bytes, options: ReadOptions) -> Sheet:
+    """The sheet of a kerfwise-nest/1 file without parts, not yet validated.
+
+    Raises
+    ------
+    InputError
+        When it is not such a file, or has parts.
+    """
+    text, document = _parsed(data)
+    check_schema(document, text)
+    if document["parts"]:
+        count = len(document["parts"])
+        raise InputError(f'holds {count} parts: expected a sheet alone, with "parts": []')
+    return _sheet(document["sheet"], MM_PER[options.units or document.get("units", "mm")])
+
+
 def _bridges(given: Sequence[Mapping[str, Any]], text: str, scale: float) -> tuple[Bridge, ...]:
     def point(at: Sequence[float]) -> tuple[float, float]:
         return at[0] * scale, at[1] * scale

@@ -78,7 +78,7 @@ def read_nest(path: str | Path, options: ReadOptions = ReadOptions()) -> Nest:  
 
 
 def _read(file: Path, suffix: str, options: ReadOptions) -> Nest:
-    data = _bytes(file)
+    data = file_bytes(file)
     try:
         nest = _nest(file, suffix, data, options)
         drawn = mended(nest) if options.repair else nest
@@ -97,7 +97,8 @@ def _read(file: Path, suffix: str, options: ReadOptions) -> Nest:
     return replace(checked, file=shown(file.name), sha256=hashlib.sha256(data).hexdigest())
 
 
-def _bytes(file: Path) -> bytes:
+def file_bytes(file: Path) -> bytes:
+    """All bytes of a nest file; InputError if it cannot be opened or is empty."""
     try:
         data = contents(file)
     except FileNotFoundError:

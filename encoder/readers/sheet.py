@@ -40,7 +40,7 @@ def choose_sheet(
         When several sheets are drawn.
     """
     if drawn:
-        sheet, asked = _drawn_sheet(drawn), options.sheet_size_mm
+        sheet, asked = drawn_sheet(drawn), options.sheet_size_mm
         x0, y0, x1, y1 = sheet.bounds
         if asked is None or alike((x1 - x0, y1 - y0), asked):
             return sheet, []
@@ -66,7 +66,14 @@ def choose_sheet(
     return sheet, [Note("warning", text)]
 
 
-def _drawn_sheet(drawn: Sequence[DrawnCurve]) -> Sheet:
+def drawn_sheet(drawn: Sequence[DrawnCurve]) -> Sheet:
+    """The sheet that closed lines are the outline and the holes of.
+
+    Raises
+    ------
+    InputError
+        When several sheets are drawn, or a line encloses nothing.
+    """
     again = {k for _, k in coincident([p.curve for p in drawn])}
     drawn = [p for k, p in enumerate(drawn) if k not in again]
     if empty := [p for p in drawn if flat(p.curve)]:

@@ -37,6 +37,7 @@ PAGES = {
     "corners": "[slower corners](materials.md#feeds-by-contour)",
     "cuts": "[chains](links.md), [common cuts](common.md), [narrow slots](narrow-slots.md), "
     "[tabs](tabs.md), [cutting up the skeleton](scrap.md), [pierce pass](pierce-pass.md)",
+    "nesting": "[nesting](nesting.md)",
     "drawing": "[how drawings are read](drawings.md)",
     "time": "[how long a program takes](time.md)",
     "prices": "[what a sheet costs](prices.md)",

@@ -48,6 +48,7 @@ from .heat_section import Heat
 from .machine_section import Origin
 from .made_of import digest_of, of_own
 from .models_section import ModelSource
+from .nesting_section import Nesting
 from .prices_section import Prices
 from .reader import GivenValues, read_given
 from .sections import DrawingSection, LeadsSection, Machine, Material, Objective, RuleSetting, default_settings
@@ -96,6 +97,7 @@ class Profile:
     small_holes: SmallHoles = field(default_factory=SmallHoles)
     corners: Corners = field(default_factory=Corners)
     cuts: Cuts = field(default_factory=Cuts)
+    nesting: Nesting = field(default_factory=Nesting)
     chart: ChartUse | None = field(default=None, compare=False)
     said_at: Mapping[str, str] = field(default_factory=dict, compare=False)
     sha256: str = field(default="", compare=False)

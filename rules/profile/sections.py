@@ -23,6 +23,7 @@ from .corners_section import Corners
 from .heat_section import Heat
 from .machine_section import Machine
 from .material_section import Material
+from .nesting_section import Nesting
 from .prices_section import Prices
 from .small_holes_section import SmallHoles
 from .time_section import Time
@@ -145,6 +146,7 @@ SECTIONS: Mapping[str, type] = {
     "small_holes": SmallHoles,
     "corners": Corners,
     "cuts": Cuts,
+    "nesting": Nesting,
     "drawing": DrawingSection,
     "objective": Objective,
     "time": Time,

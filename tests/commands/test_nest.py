@@ -1,0 +1,120 @@
+"""kerfwise nest: files of parts to files of nests, and what is wrong said in one message."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.encoder.readers import read_nest
+from kerfwise.nesting.written import nest_dxf, nest_json
+from kerfwise.tests.commands.run_cli import kerfwise
+
+BRACKET = part("bracket", [(10, 10), (90, 10), (90, 40), (40, 40), (40, 90), (10, 90)], [circle(25, 25, 6)])
+
+
+@pytest.fixture
+def parts(tmp_path: Path) -> Path:
+    """A folder with a bracket as DXF and as JSON, and a plate."""
+    (tmp_path / "bracket.dxf").write_text(nest_dxf(nest(200, 200, BRACKET)))
+    (tmp_path / "bracket.json").write_text(nest_json(nest(200, 200, BRACKET)))
+    (tmp_path / "plate.json").write_text(nest_json(nest(200, 200, part("plate", rect(10, 10, 60, 30)))))
+    return tmp_path
+
+
+def test_parts_become_nests_that_can_be_read(parts: Path) -> None:
+    out = parts / "out"
+    ended = kerfwise(
+        "nest", f"{parts / 'bracket.dxf'}=5", f"{parts / 'plate.json'}=7", "--sheet", "400x200", "-o", out, "--dxf"
+    )
+    assert ended.code == 0, ended.err
+    assert "12 of 12 parts on 1 sheet" in ended.out
+    read = read_nest(out / "sheet1.json")
+    assert sorted(p.id for p in read.parts)[:2] == ["bracket-1", "bracket-2"]
+    assert {p.attributes["of"] for p in read.parts} == {"bracket", "plate"}
+    drawn = read_nest(out / "sheet1.dxf")
+    assert sorted(round(p.polygon.area) for p in drawn.parts) == sorted(round(p.polygon.area) for p in read.parts)
+    table = json.loads((out / "nests.json").read_text())
+    assert table["gap_mm"] == 7.5
+    assert [row["missing"] for row in table["parts"]] == [0, 0]
+    assert (out / "nests.csv").read_text().splitlines()[1].startswith("sheet1.json,400x200,400.0,200.0,12,")
+    assert (out / "sheet1.svg").read_text().startswith("<svg")
+
+
+def test_a_list_says_the_same_and_more(parts: Path) -> None:
+    (parts / "day.yaml").write_text(
+        "parts:\n"
+        "  - {part: bracket.dxf, quantity: 3, order: 4711, rotations: [0, 90], mirror: true}\n"
+        "  - {part: plate.json, quantity: 2, priority: 2, grain: along}\n"
+        "sheets:\n"
+        "  - {size: 400x200, stock: 2, price: 50}\n"
+    )
+    assert kerfwise("nest", parts / "day.yaml", "-o", parts / "out").code == 0
+    read = read_nest(parts / "out" / "sheet1.json")
+    assert {p.attributes["turned"] for p in read.parts if p.attributes["of"] == "plate"} <= {0.0, 180.0}
+    assert {p.attributes.get("order") for p in read.parts if p.attributes["of"] == "bracket"} == {"4711"}
+
+
+def test_a_remnant_that_solve_saves_is_cut_from_first(parts: Path) -> None:
+    (parts / "rest.json").write_text(
+        '{"format": "kerfwise-nest/1", "units": "mm", "sheet": {"outline": '
+        '[[0, 0], [150, 0], [150, 60], [80, 60], [80, 150], [0, 150]]}, "parts": []}\n'
+    )
+    out = parts / "out"
+    ended = kerfwise(
+        "nest", f"{parts / 'plate.json'}=9", "--remnant", parts / "rest.json", "--sheet", "200x200", "-o", out
+    )
+    assert ended.code == 0, ended.err
+    assert [row["stock"] for row in json.loads((out / "nests.json").read_text())["sheets"]] == ["rest.json", "200x200"]
+
+
+def test_a_second_run_leaves_nothing_of_the_first(parts: Path) -> None:
+    out = parts / "out"
+    for quantity, names in ((11, ["sheet1.json", "sheet2.json", "sheet3.json"]), (2, ["sheet1.json"])):
+        assert kerfwise("nest", f"{parts / 'plate.json'}={quantity}", "--sheet", "160x120", "-o", out).code == 0
+        assert sorted(path.name for path in out.glob("sheet*.json")) == names
+
+
+def test_parts_that_did_not_fit_are_named(parts: Path) -> None:
+    ended = kerfwise("nest", f"{parts / 'plate.json'}=9", "--sheet", "160x120=1", "-o", parts / "out")
+    assert ended.code == 1
+    assert "did not fit: 4 of 9 plate" in ended.out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["plate.json=0", "--sheet", "400x200"], "the quantity behind = is '0': expected a whole number from 1"),
+        (["plate.json=two", "--sheet", "400x200"], "expected a whole number from 1"),
+        (["plate.json", "--sheet", "50x50"], "plate is 60.0 × 30.0 mm: give a larger sheet"),
+        (["plate.json", "--sheet", "400x200", "--edge", "90 mm"], "1 of 1 parts fit on no sheet"),
+        (["plate.json"], "there is nothing to lay parts on"),
+        (["plate.json", "--sheet", "400"], "'400' is not a size"),
+        (["plate.json", "--sheet", "400x200", "--gap", "wide"], "--gap 'wide': expected a length"),
+        (["plate.json", "--remnant", "plate.json", "--sheet", "9x9"], "holds 1 parts: expected a sheet alone"),
+        (["missing.dxf", "--sheet", "400x200"], "there is no such file"),
+        (["open.dxf", "--sheet", "400x200"], "do not close to contours"),
+        (["wrong.yaml"], "wrong.yaml:2:14: parts[1].quantity: expected a whole number from 1 to 100000, got '0'"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_said_and_nothing_is_written(
+    parts: Path, words: list[str], said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(parts)
+    polylines = (parts / "bracket.dxf").read_text().split("POLYLINE")
+    (parts / "open.dxf").write_text(
+        "POLYLINE".join([*polylines[:2], *(p.replace("\n1\n0", "\n0\n0", 1) for p in polylines[2:])])
+    )
+    (parts / "wrong.yaml").write_text("parts:\n- {quantity: 0, part: plate.json}\nsheets: [{size: 400x200}]\n")
+    ended = kerfwise("nest", *words, "-o", "out")
+    assert ended.code == 2, ended.out
+    assert said in ended.err
+    assert not (parts / "out").exists()
+
+
+def test_files_of_others_are_left_alone(parts: Path) -> None:
+    ended = kerfwise("nest", parts / "plate.json", "--sheet", "400x200", "-o", parts)
+    assert ended.code == 2
+    assert "holds files that kerfwise nest did not write" in ended.err

@@ -1,0 +1,37 @@
+"""Many random orders laid out and checked: `python -m kerfwise.tests.nesting.many --lists 200`."""
+
+from __future__ import annotations
+
+import argparse
+import time
+
+from kerfwise.jobs.nesting.run import checked
+from kerfwise.nesting.rounds import Effort, best_layout
+
+from .random_lists import random_order
+
+
+def main() -> None:
+    """Lay out orders and print what the check finds."""
+    asked = argparse.ArgumentParser(description=__doc__)
+    asked.add_argument("--lists", type=int, default=200)
+    asked.add_argument("--first", type=int, default=0)
+    asked.add_argument("--rounds", type=int, default=2)
+    given = asked.parse_args()
+    began, faults, parts, sheets, missing = time.process_time(), 0, 0, 0, 0
+    for seed in range(given.first, given.first + given.lists):
+        wanted, spacing = random_order(seed)
+        nested = checked(best_layout(wanted, spacing, Effort(given.rounds, seed=seed)))
+        for fault in nested.faults:
+            print(f"seed {seed}: {fault}", flush=True)
+        faults += len(nested.faults)
+        parts += sum(len(nest.parts) for nest in nested.nests)
+        sheets += len(nested.nests)
+        missing += sum(nested.layout.missing)
+    spent = time.process_time() - began
+    print(f"{given.lists} lists, {parts} parts on {sheets} sheets, {missing} without room, {spent:.0f} s")
+    print(f"violations: {faults}")
+
+
+if __name__ == "__main__":
+    main()

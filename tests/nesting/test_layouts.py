@@ -1,0 +1,102 @@
+"""Layouts of small orders with answers that are plain to see, and of random ones by the check."""
+
+from __future__ import annotations
+
+import pytest
+
+from kerfwise.encoder.by_hand import circle, part, rect
+from kerfwise.encoder.nest import Part, Sheet
+from kerfwise.jobs.nesting.run import checked, lay_out
+from kerfwise.nesting.rounds import Effort, best_layout
+from kerfwise.nesting.wanted import PartType, Spacing, Stock, Wanted
+from kerfwise.tests.nesting.random_lists import random_order
+
+ONE = Effort(1)
+TOUCHING = Spacing(0.0, 0.0)
+
+
+def wanted(*types: PartType, stock: tuple[Stock, ...]) -> Wanted:
+    return Wanted(types, stock)
+
+
+def of(shape: Part, quantity: int, **more: object) -> PartType:
+    return PartType(shape.id, shape, quantity, **more)  # type: ignore[arg-type]
+
+
+def sheet(width: float, height: float, count: int | None = None, **more: object) -> Stock:
+    return Stock(f"{width:g}x{height:g}", Sheet.rectangle(width, height), count, **more)  # type: ignore[arg-type]
+
+
+def test_what_fits_exactly_fits() -> None:
+    nested = lay_out(
+        wanted(of(part("A", rect(0, 0, 50, 40)), 12, turns_deg=(0.0,)), stock=(sheet(200, 120),)), TOUCHING, ONE
+    )
+    assert [len(nest.parts) for nest in nested.nests] == [12]
+    assert nested.faults == ()
+
+
+def test_a_kerf_and_a_web_lie_between_parts_and_the_edge_is_kept() -> None:
+    nested = lay_out(wanted(of(part("A", rect(0, 0, 50, 50)), 4), stock=(sheet(126, 126),)), Spacing(6.0, 10.0), ONE)
+    bounds = [part.outer.polygon.bounds for part in nested.nests[0].parts]
+    assert sorted((round(x, 2), round(y, 2)) for x, y, _, _ in bounds) == [(10, 10), (10, 66), (66, 10), (66, 66)]
+
+
+def test_parts_lie_in_holes_of_parts_in_holes_of_parts() -> None:
+    rings = [part(f"R{r}", circle(0, 0, r), [circle(0, 0, r - 8)]) for r in (90, 78, 66, 54)]
+    nested = lay_out(wanted(*(of(ring, 1) for ring in rings), stock=(sheet(186, 186, 1),)), Spacing(2.0, 0.2), ONE)
+    assert nested.layout.missing == (0, 0, 0, 0)
+    assert nested.faults == ()
+
+
+def test_remnants_go_first_and_the_smallest_first() -> None:
+    stock = (sheet(1000, 1000), sheet(300, 300, 1, remnant=True), sheet(150, 150, 1, remnant=True))
+    nested = lay_out(wanted(of(part("A", rect(0, 0, 100, 100)), 8), stock=stock), Spacing(2.0, 0.0), ONE)
+    assert [full.stock.name for full in nested.layout.sheets] == ["150x150", "300x300", "1000x1000"]
+
+
+def test_the_cheaper_sheet_is_taken_where_both_do() -> None:
+    stock = (sheet(200, 200, price=50.0), sheet(220, 200, price=20.0))
+    nested = lay_out(wanted(of(part("A", rect(0, 0, 90, 90)), 4), stock=stock), Spacing(2.0, 2.0), ONE)
+    assert [full.stock.name for full in nested.layout.sheets] == ["220x200"]
+
+
+def test_what_has_no_room_is_missing_and_counted() -> None:
+    nested = lay_out(wanted(of(part("A", rect(0, 0, 90, 90)), 7), stock=(sheet(200, 200, 1),)), Spacing(2.0, 2.0), ONE)
+    assert nested.layout.missing == (3,)
+    assert nested.faults == ()
+
+
+def test_arcs_stay_arcs_and_are_turned_over() -> None:
+    shape = part("A", [(0, 0), (80, 0, 0.5), (80, 20), (0, 20, -0.3)], [circle(20, 10, 4)])
+    kind = of(shape, 1, turns_deg=(90.0,), mirror=True)
+    nested = lay_out(wanted(kind, stock=(sheet(300, 300),)), Spacing(2.0, 2.0), ONE)
+    made = nested.nests[0].parts[0]
+    assert [segment.is_arc for segment in made.outer.curve.segments] == [False, True, False, True]
+    assert made.polygon.area == pytest.approx(shape.polygon.area, rel=1e-6)
+    assert nested.faults == ()
+
+
+def test_those_of_a_lower_number_are_placed_first() -> None:
+    small = of(part("small", rect(0, 0, 90, 90)), 1, priority=1)
+    large = of(part("large", rect(0, 0, 100, 100)), 1, priority=2)
+    nested = lay_out(wanted(large, small, stock=(sheet(110, 110, 1),)), Spacing(2.0, 2.0), Effort(3))
+    assert nested.layout.missing == (1, 0)
+
+
+def test_the_same_seed_gives_the_same_nests() -> None:
+    asked, spacing = random_order(3)
+    first, again = (checked(best_layout(asked, spacing, Effort(3, seed=4))).texts for _ in range(2))
+    assert first == again
+
+
+def test_the_best_so_far_is_kept_when_told_to_stop() -> None:
+    asked, spacing = random_order(3)
+    seen = []
+    best_layout(asked, spacing, Effort(10), lambda number, best: seen.append(number) is not None)
+    assert seen == [1]
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_the_check_finds_nothing_in_random_orders(seed: int) -> None:
+    asked, spacing = random_order(seed)
+    assert checked(best_layout(asked, spacing, Effort(1, seed=seed))).faults == ()

@@ -1,0 +1,84 @@
+"""Each fault of a nest is found, and its boundary passes."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+
+from kerfwise.encoder.by_hand import circle, part
+from kerfwise.encoder.nest import Sheet
+from kerfwise.postproc.check.nests import AskedPart, AskedSheet, AskedSpacing, nest_faults
+
+FLAG = part("F", [(0, 0), (40, 0), (40, 10), (12, 10), (12, 30), (0, 30, -0.2)], [circle(6, 20, 3)])
+ASKED = AskedPart("F", FLAG, 2, (0.0, 180.0))
+SHEETS = [AskedSheet("200x100", Sheet.rectangle(200, 100), 1)]
+
+
+def row(
+    name: str, dx: float, dy: float, turn: int = 0, flip: bool = False, of: str = "F", **more: Any
+) -> dict[str, Any]:
+    def moved(rows: list[list[float]]) -> list[list[float]]:
+        found = []
+        for x, y, *bulge in rows:
+            x = -x if flip else x
+            for _ in range(turn // 90):
+                x, y = -y, x
+            found.append([x + dx, y + dy, *(-b if flip else b for b in bulge)])
+        return found
+
+    holes = [moved(hole.curve.as_rows()) for hole in FLAG.holes]
+    return {"id": name, "of": of, "outer": moved(FLAG.outer.curve.as_rows()), "holes": holes, **more}
+
+
+def faults(*rows: dict[str, Any], gap: float = 5.0, edge: float = 5.0, width: float = 200, count: int | None = None,
+           sheets: int = 1) -> list[str]:  # fmt: skip
+    nest = {"format": "kerfwise-nest/1", "sheet": {"width": width, "height": 100}, "parts": list(rows)}
+    written = {f"s{k}": json.dumps(nest).encode() for k in range(sheets)}
+    asked = AskedPart("F", FLAG, 2, (0.0, 180.0), count=count)
+    return nest_faults(written, [asked], SHEETS, AskedSpacing(gap, edge))
+
+
+def test_a_nest_as_asked_for_passes_at_its_boundary() -> None:
+    assert faults(row("F-1", 5 + 3, 5), row("F-2", 8 + 40 + 5 + 40, 60, turn=180), count=2) == []
+
+
+@pytest.mark.parametrize(
+    ("rows", "more", "said"),
+    [
+        ([row("F-1", 20, 20), row("F-2", 50, 20)], {}, "overlap"),
+        ([row("F-1", 20, 20), row("F-2", 64, 20)], {}, "4.000 mm apart, and 5 mm were asked for"),
+        ([row("F-1", 20, 4)], {}, "4.000 mm from the edge of the sheet"),
+        ([row("F-1", 20, 80)], {}, "off the sheet"),
+        ([row("F-1", 60, 20, turn=90)], {}, "F-1 is turned as it may not be"),
+        ([row("F-1", 60, 20, flip=True)], {}, "F-1 is mirrored, which is not allowed"),
+        ([row("F-1", 20, 20) | {"outer": [[20, 20], [60, 20], [60, 50], [20, 50, -0.2]]}], {}, "F-1 has another shape"),
+        ([row("F-1", 20, 20) | {"outer": [[20, 20], [60, 20], [60, 30], [32, 30], [32, 50], [20, 50]]}], {}, "0 arcs"),
+        ([row("F-1", 20, 20) | {"holes": []}], {}, "F-1 has 0 holes"),
+        ([row("F-1", 20, 20) | {"holes": [[[24, 40, 1], [30, 40, 1]]]}], {}, "F-1 has another shape"),
+        ([row("X-1", 20, 20, of="X")], {}, "X-1 is of no part that was asked for"),
+        ([row(f"F-{k}", 10 + 50 * k, 20) for k in range(3)], {}, "3 of F were laid, and 2 are wanted"),
+        ([row("F-1", 20, 20)], {"count": 2}, "1 of F were laid, and the table says 2"),
+        ([row("F-1", 20, 20)], {"width": 201}, "its sheet is none of those that there are"),
+        ([row("F-1", 20, 20)], {"sheets": 2}, "2 sheets of 200 × 100 mm are used, and there are 1"),
+        ([row("F-1", 20, 20)], {"sheets": 2}, "2 parts are called F-1"),
+    ],
+)  # fmt: skip
+def test_a_fault_is_found_and_said(rows: list[dict[str, Any]], more: dict[str, Any], said: str) -> None:
+    found = faults(*rows, **more)
+    assert any(said in fault for fault in found), found
+
+
+def test_a_part_in_the_hole_of_another_keeps_the_gap_to_its_rim() -> None:
+    ring = AskedPart("R", part("R", circle(0, 0, 40), [circle(0, 0, 30)]), 1, (0.0,))
+    disc = AskedPart("D", part("D", circle(0, 0, 25)), 1, (0.0,))
+    rows = [
+        {"id": "R-1", "of": "R", "outer": [[10, 50, 1], [90, 50, 1]], "holes": [[[20, 50, 1], [80, 50, 1]]]},
+        {"id": "D-1", "of": "D", "outer": [[25, 50, 1], [75, 50, 1]]},
+    ]
+    nest = {"format": "kerfwise-nest/1", "sheet": {"width": 100, "height": 100}, "parts": rows}
+    sheets = [AskedSheet("s", Sheet.rectangle(100, 100))]
+    for gap, count in ((5.0, 0), (5.1, 1)):
+        found = nest_faults({"s": json.dumps(nest).encode()}, [ring, disc], sheets, AskedSpacing(gap, 5.0))
+        assert len(found) == count, found
