@@ -97,7 +97,8 @@ def _convex(shape: shapely.Polygon) -> bool:
 
 
 def _corners(shape: shapely.Polygon) -> Floats:
-    return shapely.get_coordinates(shape)[:-1]
+    corners: Floats = shapely.get_coordinates(shape)[:-1]
+    return corners
 
 
 def _edges(shape: shapely.Polygon) -> Floats:

@@ -39,7 +39,8 @@ class Pose:
 
     def moved(self, points: Floats, dx_mm: float = 0.0, dy_mm: float = 0.0) -> Floats:
         """Points (n, 2), mm, turned and then shifted; no zero is negative."""
-        return points @ self.matrix + np.array([dx_mm, dy_mm]) + 0.0
+        moved: Floats = points @ self.matrix + np.array([dx_mm, dy_mm]) + 0.0
+        return moved
 
 
 @dataclass(frozen=True, slots=True)

@@ -94,5 +94,5 @@ class Room:
             a0, b0, a1, b1 = shifts.bounds
             dx, dy = lying.dx_mm, lying.dy_mm
             if a0 + dx <= x1 and a1 + dx >= x0 and b0 + dy <= y1 and b1 + dy >= y0:
-                barred.append(shapely.transform(shifts, lambda points, by=(dx, dy): points + by))  # type: ignore[misc]
+                barred.append(shapely.transform(shifts, lambda points, by=(dx, dy): points + by))
         return shapely.union_all(barred)

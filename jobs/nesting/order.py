@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,8 +17,6 @@ from kerfwise.nesting.wanted import PartType, Stock, Wanted, turns_along
 
 from .part_list import PartList, is_list, read_list
 from .rows import MOST, PartRow, SheetRow
-
-Size = Callable[[str], tuple[float, float]]
 
 
 def order_of(
@@ -54,11 +52,13 @@ def order_of(
         for listed, folder in _lists(text):
             rows += ((row, folder) for row in listed.parts)
             stock += ((row, folder) for row in listed.sheets)
-    stock += ((_sheet_row(text, "--sheet"), Path()) for text in sheets)
-    stock += ((replace(_sheet_row(text, "--remnant"), remnant=True), Path()) for text in remnants)
+    stock += ((_sheet_row(text, remnant=False), Path()) for text in sheets)
+    stock += ((_sheet_row(text, remnant=True), Path()) for text in remnants)
     types = _named(kind for row, folder in rows for kind in _types(row, folder, reading, tell))
     if not stock:
-        raise InputError("there is nothing to lay parts on: give --sheet 3000x1500, or sheets in the list of parts")
+        raise InputError(
+            "there is nothing to lay parts on: name sheets such as 3000x1500, or give them in the list of parts"
+        )
     return Wanted(types, tuple(_stock(row, folder, reading) for row, folder in stock))
 
 
@@ -84,11 +84,12 @@ def _counted(text: str, what: str) -> tuple[str, int | None]:
     return name, int(count)
 
 
-def _sheet_row(text: str, option: str) -> SheetRow:
+def _sheet_row(text: str, remnant: bool) -> SheetRow:
     name, count = _counted(text, "number of sheets")
+    stock = 1 if remnant and count is None else count
     if Path(name).suffix.lower() in (".json", ".dxf", ".svg"):
-        return SheetRow(file=name, stock=count or (1 if option == "--remnant" else None))
-    return SheetRow(size=name, stock=count or (1 if option == "--remnant" else None))
+        return SheetRow(file=name, stock=stock, remnant=remnant)
+    return SheetRow(size=name, stock=stock, remnant=remnant)
 
 
 def _types(row: PartRow, folder: Path, reading: ReadOptions, tell: Tell) -> Iterator[PartType]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -68,20 +69,16 @@ def list_of(text: str, file: str) -> PartList:
             found[key] = value
         else:
             problems.add(key_node, unknown("key", key, (PARTS, SHEETS)))
-    parts = (
-        [_part(node, k, problems) for k, node in enumerate(items(found[PARTS], problems, PARTS), 1)]
-        if PARTS in found
-        else []
-    )
-    sheets = (
-        [_sheet(node, k, problems) for k, node in enumerate(items(found[SHEETS], problems, SHEETS), 1)]
-        if SHEETS in found
-        else []
-    )
+    parts = [_part(node, k, problems) for k, node in enumerate(_members(found, PARTS, problems), 1)]
+    sheets = [_sheet(node, k, problems) for k, node in enumerate(_members(found, SHEETS, problems), 1)]
     problems.raise_any()
     if not parts:
         raise InputError("names no parts: expected parts: [{part: FILE, quantity: N}, …]", file=file)
     return PartList(tuple(parts), tuple(sheets))
+
+
+def _members(found: Mapping[str, yaml.Node], key: str, problems: Problems) -> list[yaml.Node]:
+    return items(found[key], problems, key) if key in found else []
 
 
 def _part(node: yaml.Node, number: int, problems: Problems) -> PartRow:

@@ -52,20 +52,11 @@ def sheet_uses(nested: Nested) -> list[SheetUse]:
         x0, y0, x1, y1 = sheet.stock.sheet.bounds
         metal_mm2, whole_mm2 = sheet.metal_mm2(layout.wanted), sheet.stock.area_mm2
         a0, b0, a1, b1 = largest_rectangle(sheet.stock.sheet, layout.metal_of(sheet), layout.spacing.gap_mm)
-        rows.append(
-            SheetUse(
-                f"{name}.json",
-                sheet.stock.name,
-                round(x1 - x0, 3),
-                round(y1 - y0, 3),
-                len(sheet.placed),
-                round(metal_mm2 / whole_mm2, 4),
-                round(whole_mm2 - metal_mm2, 1),
-                round(a1 - a0, 1),
-                round(b1 - b0, 1),
-                sheet.stock.price,
-            )  # fmt: skip
-        )
+        size = (round(x1 - x0, 3), round(y1 - y0, 3))
+        left = (round(a1 - a0, 1), round(b1 - b0, 1))
+        use, waste_mm2 = round(metal_mm2 / whole_mm2, 4), round(whole_mm2 - metal_mm2, 1)
+        stock, parts = sheet.stock, len(sheet.placed)
+        rows.append(SheetUse(f"{name}.json", stock.name, *size, parts, use, waste_mm2, *left, stock.price))
     return rows
 
 
@@ -120,9 +111,8 @@ def _lines(nested: Nested) -> Iterator[str]:
     yield f"{'sheet':12} {'stock':{width}} {'parts':>6} {'use':>7} {'waste m²':>9} {'left mm':>15}"
     for row in rows:
         left = f"{row.remnant_width_mm:.0f} × {row.remnant_height_mm:.0f}" if row.remnant_width_mm else "–"
-        yield (
-            f"{row.file:12} {shown(row.stock):{width}} {row.parts:6} {row.use:7.1%} {row.waste_mm2 / 1e6:9.3f} {left:>15}"
-        )
+        waste_m2 = row.waste_mm2 / 1e6
+        yield f"{row.file:12} {shown(row.stock):{width}} {row.parts:6} {row.use:7.1%} {waste_m2:9.3f} {left:>15}"
     parts = part_uses(nested)
     placed = sum(row.placed for row in parts)
     spacing = nested.layout.spacing
@@ -130,6 +120,6 @@ def _lines(nested: Nested) -> Iterator[str]:
         f"{placed} of {sum(row.wanted for row in parts)} parts on {len(rows)} sheet{'s' if len(rows) != 1 else ''}, "
         f"{use_of_all(nested):.1%} used; {spacing.gap_mm:g} mm between parts, {spacing.edge_mm:g} mm to the edge"
     )
-    for row in parts:
-        if row.missing:
-            yield f"did not fit: {row.missing} of {row.wanted} {shown(row.part)}"
+    for part in parts:
+        if part.missing:
+            yield f"did not fit: {part.missing} of {part.wanted} {shown(part.part)}"

@@ -19,7 +19,7 @@ def error_of(tmp_path: Path, text: str) -> list[str]:
 
 
 KEYS = (
-    "based_on, corners, cuts, drawing, heat, leads, locks, machine, material, models, name, objective, own_rules, "
+    "based_on, corners, cuts, drawing, heat, leads, locks, machine, material, models, name, nesting, objective, own_rules, "
     "prices, python, rules, small_holes, time"
 )
 OF_MATERIAL = (
