@@ -21,19 +21,35 @@ if TYPE_CHECKING:
 @given_options
 @click.argument("plan", metavar="[PLAN.json]", required=False)
 @click.option("-o", "--output", required=True, metavar="OUT.svg|.png|.pdf|.html", help="File of the picture.")
+@click.option(
+    "--heat/--no-heat", default=None, help="Of a page: simulate the heat or not; else where it takes seconds."
+)
+@click.option("--why", is_flag=True, help="Of a page: what moving each contour would cost, however many there are.")
 @FEED
 @KERF
-def command(plan: str | None, output: str, feed: float | None, kerf: float | None, **given: Any) -> None:
+def command(
+    plan: str | None,
+    output: str,
+    heat: bool | None,
+    why: bool,
+    feed: float | None,
+    kerf: float | None,
+    **given: Any,
+) -> None:
     """Draw NEST, or the plan PLAN.json of it: order, zones, pierces, leads, directions and idle travel.
+
+    An .html is a page for the browser, in one file: it plays the cuts, says why each is where it is, and has the
+    verdict on every rule, the heat and the program.
 
     A nest that cannot be cut as it is drawn is drawn all the same, with the wrong contours in red. An NC program in the
     place of NEST is drawn as it burns: paths, order and travel.
     """
     from kerfwise.encoder.readers.read import BrokenNest
     from kerfwise.jobs.given import differences
+    from kerfwise.jobs.page import page_bytes, page_data
     from kerfwise.models.plan.reader import read_plan
-    from kerfwise.postproc.files import expect_outputs
-    from kerfwise.postproc.report import expect_picture, plot
+    from kerfwise.postproc.files import expect_outputs, write_files
+    from kerfwise.postproc.report import PAGE, expect_picture, plot
 
     expect_picture(Path(output).suffix, output)
     expect_outputs([Path(output)], [Path(given["nest"])])
@@ -50,6 +66,10 @@ def command(plan: str | None, output: str, feed: float | None, kerf: float | Non
     if made is not None:
         for text in differences(made, asked):
             tell_note(text)
+    if Path(output).suffix.lower() == PAGE and made is not None:
+        data = page_data(asked, made, heat=heat, detail="full" if why else None)
+        write_files({Path(output): page_bytes(data)})
+        return
     profile = asked.profile if made is None else asked.profile.at_origin(made.origin)
     plot(asked.nest, made, output, profile.home_on(asked.nest))
 

@@ -82,13 +82,13 @@ def command(
     """Turn NEST into a cutting program that keeps every hard rule of the profile, checked before it is written."""
     from kerfwise.jobs.main_job import plan_nest
     from kerfwise.jobs.no_plan import NoPlan
+    from kerfwise.jobs.page.picture import planned_picture
     from kerfwise.jobs.solve_options import options_for
     from kerfwise.jobs.stopped import already_cut
     from kerfwise.jobs.summary import job_line, summary
     from kerfwise.postproc.files import write_files
     from kerfwise.postproc.nc.dxf_out import write_dxf
     from kerfwise.postproc.nc.remnant import remnant_files, remnant_names
-    from kerfwise.postproc.report import draw
 
     from .conflict import tell_conflict
     from .progress import ProgressLine
@@ -137,7 +137,7 @@ def command(
             files[Path(dxf)] = write_dxf(made.plan, given.nest, given.profile)
         files |= drawings(made.plan, given, svg, reordered_dxf, options)
         if picture:
-            files[Path(picture)] = draw(given.nest, made.plan, Path(picture).suffix, given.profile.home_on(given.nest))
+            files[Path(picture)] = planned_picture(given, made, Path(picture).suffix)
         write_files(files)
     if verbose:
         click.echo("\n".join(made.notes))

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.plan.conflict import state_relaxed
-from kerfwise.models.plan.explain import Explanation, explain
+from kerfwise.models.plan.explain import Explanation, Setting, expect_planned, explained, make_setting
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.stating.state_rules import state_rules
 
@@ -43,7 +44,18 @@ class Explainer:
         stated = state(facts, profile)
         if profile.objective.heat:
             stated = with_heat_prices(facts, profile, stated)
-        self._facts, self._profile, self._stated, self._plan = facts, profile, stated, plan
+        self.facts, self.profile, self.stated, self.plan = facts, profile, stated, plan
+
+    @cached_property
+    def setting(self) -> Setting:
+        """The plan as the engines would see it.
+
+        Raises
+        ------
+        InputError
+            If the plan is not one of this nest.
+        """
+        return make_setting(self.facts, self.profile, self.stated, self.plan)
 
     def explain(self, contour: str) -> Explanation:
         """What holds the contour in its place, why it is entered so, and what moving it would cost.
@@ -53,7 +65,8 @@ class Explainer:
         InputError
             If the plan does not cut such a contour; the nearest id is named.
         """
-        return explain(self._facts, self._profile, self._stated, self._plan, contour)
+        expect_planned(self.facts, self.plan, contour)
+        return explained(self.setting, self.plan, contour)
 
 
 def _by_its_zones(facts: Facts, plan: Plan) -> Facts:

@@ -105,13 +105,18 @@ class Result:
         return made
 
     def picture(self, kind: PictureKind = "svg") -> Picture:
-        """Order numbers, zones, pierces, leads, directions and idle travel; html plays the cuts in order.
+        """Order numbers, zones, pierces, leads, directions and idle travel; html is a page with all that is known.
 
         Raises
         ------
         InputError
             For another kind of picture.
         """
+        if kind == "html":
+            from .page import page_bytes, page_data
+
+            given = Given(self.nest, self.profile)
+            return Picture(page_bytes(page_data(given, self.plan, self.verdict, self.program)), kind)
         return Picture(draw(self.nest, self.plan, f".{kind}", self.profile.home_on(self.nest)), kind)
 
     def to_frame(self) -> pandas.DataFrame:

@@ -15,6 +15,11 @@ if TYPE_CHECKING:
 
 def summary(plan: Plan, verdict: CheckResult) -> str:
     """The plan's totals, what is proven of it, and the verdict of the independent check on every rule."""
+    return "\n".join([*summary_lines(plan), report(verdict)])
+
+
+def summary_lines(plan: Plan) -> list[str]:
+    """The plan's totals, what is proven of it, and what was dropped."""
     totals, solve = plan.totals, plan.solve
     proof = proof_of(plan)
     lines = []
@@ -44,7 +49,7 @@ def summary(plan: Plan, verdict: CheckResult) -> str:
         lines.append(f"waits for metal to cool: {all_told}, {longest_told}")
     for dropped in plan.dropped:
         lines.append(f"{_what_of(dropped)}, {dropped.why}")
-    return "\n".join([*lines, report(verdict)])
+    return lines
 
 
 def job_line(job: Job, plan: Plan) -> str:

@@ -9,7 +9,6 @@ import numpy as np
 import shapely
 
 from kerfwise.encoder.cut import Cut
-from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
@@ -25,6 +24,7 @@ from .cuts import (
     tab_layer,
     travel_layer,
 )
+from .known import expect_known
 from .labels import Label, place_labels, place_names
 from .legend import Clock, footer_layer, header_layer, nest_name
 from .metal import out_layer, part_layer, sheet_layer, zone_layer, zone_map
@@ -55,7 +55,7 @@ def make_scene(nest: Nest, plan: Plan | None = None, home: Point = (0.0, 0.0), s
         If the plan cuts, or the spot names, a contour that the nest does not have.
     """
     cuts = tuple(p.cut for p in plan.cuts) if plan else ()
-    _check_known(nest, [c.contour for c in cuts] + (sorted(spot.contours) if spot else []))
+    expect_known(nest, plan, sorted(spot.contours) if spot else ())
     view, window = _frame(nest, cuts, home, spot)
     drawn = _drawn(nest, plan, home, spot, view, window)
     caption = spot.caption if spot else f"resumed after cut {plan.resumed_after}" if plan and plan.already else ""
@@ -75,7 +75,7 @@ def bare_picture(nest: Nest, plan: Plan, home: Point, width: float, most_high: f
         If the plan cuts a contour that the nest does not have.
     """
     cuts = tuple(p.cut for p in plan.cuts)
-    _check_known(nest, [c.contour for c in cuts])
+    expect_known(nest, plan)
     x0, y0, x1, y1 = _whole(nest, cuts, home)
     scale = min(width / max(x1 - x0, 1e-6), most_high / max(y1 - y0, 1e-6))
     pitch = scale * math.sqrt(_used_mm2(nest) / max(len(nest.contours), 1))
@@ -157,15 +157,6 @@ def _drawn(
         kinds.add("wait")
         layers.append(wait_layer(view, plan.cuts, list(places.values())))
     return _Drawn(tuple(layers), clock, frozenset(kinds), numbers)
-
-
-def _check_known(nest: Nest, contours: list[str]) -> None:
-    unknown = [c for c in contours if c not in nest.index]
-    if unknown:
-        raise InputError(
-            f"no contour {unknown[0]!r} in the nest ({len(unknown)} unknown in all): is it the nest of this plan?",
-            file=nest.file or None,
-        )
 
 
 def _frame(nest: Nest, cuts: tuple[Cut, ...], home: Point, spot: Spot | None) -> tuple[View, shapely.Polygon | None]:

@@ -12,19 +12,21 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.files import write_files
 
-from .page import html_text
+from .known import expect_known
+from .page import page_html
+from .page_data import plain_page
 from .pdf import on_paper
 from .picture import Spot, make_scene
 from .png import png_bytes
 from .scene import Scene
 from .svg import svg_text
 
-_DRAWN: dict[str, Callable[[Scene, Plan | None], bytes]] = {
-    ".svg": lambda scene, plan: svg_text(scene).encode(),
-    ".png": lambda scene, plan: png_bytes(scene),
-    ".pdf": lambda scene, plan: on_paper(scene),
-    ".html": lambda scene, plan: html_text(scene, plan).encode(),
+_DRAWN: dict[str, Callable[[Scene], bytes]] = {
+    ".svg": lambda scene: svg_text(scene).encode(),
+    ".png": png_bytes,
+    ".pdf": on_paper,
 }
+PAGE = ".html"
 
 
 @few_collections()
@@ -39,7 +41,8 @@ def draw(nest: Nest, plan: Plan | None, suffix: str, home: Point = (0.0, 0.0), s
         Its plan: order numbers, zones, pierces, leads, directions and idle travel. Without one the parts have their
         names.
     suffix
-        ".svg", ".png", ".pdf" for a sheet of A4, or ".html" for a page that plays the cuts in order.
+        ".svg", ".png", ".pdf" for a sheet of A4, or ".html" for a page that plays the cuts in order; the page of
+        `jobs.page` knows more: verdict, reasons, heat and program.
     home
         Where the torch starts and ends, mm.
     spot
@@ -51,7 +54,11 @@ def draw(nest: Nest, plan: Plan | None, suffix: str, home: Point = (0.0, 0.0), s
         If the suffix is another, or the plan or the spot is not of this nest.
     """
     expect_picture(suffix)
-    return _DRAWN[suffix.lower()](make_scene(nest, plan, home, spot), plan)
+    if suffix.lower() == PAGE:
+        named, caption = (spot.contours, spot.caption) if spot else ((), "")
+        expect_known(nest, plan, named)
+        return page_html(plain_page(nest, plan, home, sorted(named), caption)).encode()
+    return _DRAWN[suffix.lower()](make_scene(nest, plan, home, spot))
 
 
 def expect_picture(suffix: str, file: str | Path | None = None) -> None:
@@ -62,8 +69,8 @@ def expect_picture(suffix: str, file: str | Path | None = None) -> None:
     InputError
         With those that can be.
     """
-    if suffix.lower() not in _DRAWN:
-        known = ", ".join(_DRAWN)
+    if suffix.lower() not in (*_DRAWN, PAGE):
+        known = ", ".join((*_DRAWN, PAGE))
         raise InputError(
             f"cannot draw a picture of type {suffix!r}: the file name must end in one of {known}", file=file
         )

@@ -1,6 +1,19 @@
 """Why a contour of a plan is cut where it is, then, and so."""
 
-from .explain import Explanation, explain
+from .explain import Explanation, expect_planned, explain, explained
+from .lawful import TriedOrder, try_order
+from .setting import Setting, make_setting
 from .words import as_text, explanation_as_json
 
-__all__ = ["Explanation", "as_text", "explain", "explanation_as_json"]
+__all__ = [
+    "Explanation",
+    "Setting",
+    "TriedOrder",
+    "as_text",
+    "expect_planned",
+    "explain",
+    "explained",
+    "explanation_as_json",
+    "make_setting",
+    "try_order",
+]

@@ -20,7 +20,7 @@ from .entry import Entry, explain_entry
 from .heat_prices import HeatPrice, heat_prices
 from .holding import Hold, chain, holds, others
 from .moves import Relocation, explain_moves
-from .setting import make_setting
+from .setting import Setting, make_setting
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +75,12 @@ def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour:
     InputError
         If the nest has no such contour (the nearest names are given), or the plan is not one of this nest.
     """
+    expect_planned(facts, plan, contour)
+    return explained(make_setting(facts, profile, stated, plan), plan, contour)
+
+
+def expect_planned(facts: Facts, plan: Plan, contour: str) -> None:
+    """Make sure that the plan cuts such a contour; InputError with the nearest id, or why it does not."""
     index = facts.nest.index
     left = next((left for left in plan.left_out if left.contour == contour), None)
     if contour not in index and left is not None:
@@ -85,8 +91,12 @@ def explain(facts: Facts, profile: Profile, stated: Stated, plan: Plan, contour:
         )
     if contour not in index:
         raise InputError(unknown("contour", contour, index))
-    setting = make_setting(facts, profile, stated, plan)
-    number = index[contour]
+
+
+def explained(setting: Setting, plan: Plan, contour: str) -> Explanation:
+    """One contour of a plan whose setting is made already."""
+    facts, profile = setting.facts, setting.profile
+    number = facts.nest.index[contour]
     order, budget_kj = setting.order, facts.options.zone_heat_kj
     k = order.index(number)
     return Explanation(

@@ -88,8 +88,8 @@ def _chain(title: str, contour: str, held: Sequence[Hold]) -> Iterator[str]:
 
 def _entry(e: Explanation, everything: bool) -> Iterator[str]:
     entry = e.entry
-    begun = "on the link" if e.linked else _begun(entry.used)
-    yield f"entered at {_at(entry.used.entry)} and cut {entry.used.direction}, {begun}"
+    how = "on the link" if e.linked else begun(entry.used)
+    yield f"entered at {_at(entry.used.entry)} and cut {entry.used.direction}, {how}"
     if entry.one_way_by:
         yield f"  - {' and '.join(entry.one_way_by)} leaves no other way round than {entry.used.direction}"
     yield from _lawful(entry)
@@ -104,13 +104,14 @@ def _lawful(entry: Entry) -> Iterator[str]:
     others = "" if len(entry.lawful) == 1 else f" ({len(entry.lawful)} others are lawful, this is the best of them)"
     where = f"enters at {_at(best.entry)}, {best.direction}"
     if (best.entry, best.direction) == (entry.used.entry, entry.used.direction):
-        where = f"enters there too, but is {_begun(best)}"
-    yield f"  - the next best {where}: {_more(best.more_um)}{others}"
+        where = f"enters there too, but is {begun(best)}"
+    yield f"  - the next best {where}: {difference(best.more_um)}{others}"
 
 
-def _begun(way: OtherEntry) -> str:
-    begun = "begun in a neighbour's kerf" if way.in_kerf else "begun off the edge of the sheet"
-    return f"{begun if way.from_edge or way.in_kerf else 'pierced'} at {_at(way.pierce)}"
+def begun(way: OtherEntry) -> str:
+    """How a cut begins, and where."""
+    how = "begun in a neighbour's kerf" if way.in_kerf else "begun off the edge of the sheet"
+    return f"{how if way.from_edge or way.in_kerf else 'pierced'} at {_at(way.pierce)}"
 
 
 def _unlawful(entry: Entry, everything: bool) -> Iterator[str]:
@@ -128,7 +129,7 @@ def _moved(contour: str, move: Relocation) -> str:
     together = f" together with {', '.join(run[:FEW])}{' …' if len(run) > FEW else ''}" if run else ""
     head = f"{move.label} ({_nth(move.place)}){together}: "
     if not move.breaks:
-        return head + _more(move.more_um)
+        return head + difference(move.more_um)
     rules = _few([f"{about.rule} ({about.sentence})" for about in move.breaks])
     return head + f"breaks {rules}"
 
@@ -137,7 +138,7 @@ def _few(names: Sequence[str]) -> str:
     return names[0] + (f" and {len(names) - 1} more" if len(names) > 1 else "")
 
 
-def _more(more_um: int | None) -> str:
+def difference(more_um: int | None) -> str:
     """A difference in cost; excuses from hard rules are told apart from millimetres."""
     um = more_um or 0
     excuses = round(um / EXEMPTION_UM)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 
@@ -61,24 +60,6 @@ def test_every_type_can_be_drawn_without_a_plan(plate: Nest, tmp_path: Path, suf
     plot(plate, None, path)
     assert path.stat().st_size > 1000
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
-
-
-def test_the_page_has_the_drawing_and_the_story_of_every_cut(plate: Nest, tmp_path: Path) -> None:
-    plan = plausible_plan(plate)
-    plot(plate, plan, tmp_path / "plan.html")
-    page = (tmp_path / "plan.html").read_text(encoding="utf-8")
-    told = re.search(r"^const cuts = (.*);$", page, re.MULTILINE)
-    assert told is not None
-    assert [row["contour"] for row in json.loads(told[1])] == [p.cut.contour for p in plan.cuts]
-    assert draw(plate, plan, ".svg").decode() in page
-    assert "http" not in page.replace("http://www.w3.org/2000/svg", "")
-
-
-def test_a_name_cannot_break_out_of_the_page() -> None:
-    plate = nest(300, 300, part("</script><b>@drawing", rect(0, 0, 200, 200)))
-    page = draw(plate, plausible_plan(plate), ".html").decode()
-    assert page.count("</script>") == 1
-    assert page.count("<svg") == 1
 
 
 @pytest.mark.parametrize("name", ["plan.eps", "plan", "plan.svgz"])

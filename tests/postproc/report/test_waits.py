@@ -67,7 +67,5 @@ def test_the_key_and_the_totals_tell_of_waits_where_there_are_any() -> None:
 def test_every_type_of_picture_has_them() -> None:
     plan = waiting(PLATE, (3, 12.5))
     assert ">wait 12.5 s</text>" in draw(PLATE, plan, ".svg").decode()
-    page = draw(PLATE, plan, ".html").decode()
-    assert ">wait 12.5 s</text>" in page
-    assert '"dwell_s":12.5' in page
+    assert '"wait_s":12.5' in draw(PLATE, plan, ".html").decode()
     assert draw(PLATE, plan, ".png") != draw(PLATE, plausible_plan(PLATE), ".png")

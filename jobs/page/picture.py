@@ -1,0 +1,22 @@
+"""The picture of a plan that has just been made: a page with all that is known of it, or a drawing."""
+
+from __future__ import annotations
+
+from kerfwise.jobs.given import Given
+from kerfwise.jobs.produce import Produced
+from kerfwise.postproc.report import PAGE, draw
+
+
+def planned_picture(given: Given, made: Produced, suffix: str) -> bytes:
+    """The content of a picture's file, of the type that its suffix says.
+
+    Raises
+    ------
+    InputError
+        If it is none of a picture.
+    """
+    if suffix.lower() == PAGE:
+        from .page import page_bytes, page_data  # asks for most of the package, which a drawing does without
+
+        return page_bytes(page_data(given, made.plan, made.verdict, made.program))
+    return draw(given.nest, made.plan, suffix, given.profile.home_on(given.nest))

@@ -1,0 +1,166 @@
+/** @import { CutData, PageData, SideData, Source } from "./types.js" */
+/** @import { State } from "./store.js" */
+import { byId } from "./elements.js";
+import { HeatFrames } from "./heat.js";
+import { Outlines } from "./outlines.js";
+import { doingText } from "./player.js";
+import { Stage } from "./stage.js";
+import { Store } from "./store.js";
+import { momentAt } from "./timeline.js";
+
+/** The page: what is shown, who shows it, and all that can be done to it. */
+export class App {
+  /**
+   * @param {Source} source
+   * @param {PageData} data
+   */
+  constructor(source, data) {
+    this.source = source;
+    this.data = data;
+    this.store = new Store();
+    /** @type {Stage[]} */
+    this.stages = [];
+    /** @type {(() => void)[]} */
+    this.renewers = [];
+    /** @type {(() => void)[]} */
+    this.recolourers = [];
+    /** @type {((row: HTMLElement, cut: CutData) => void)[]} */
+    this.rowMakers = [];
+    /** @type {((event: PointerEvent, stage: Stage) => boolean)[]} */
+    this.gestures = [];
+    /** @type {{name: string, fn: () => void, text: string}[]} */
+    this.keys = [];
+    this.slots = { tools: byId("slot-tools"), why: byId("slot-why"), rules: byId("slot-rules"), side: byId("slot-side") };
+    /** @type {Map<string, number>} */
+    this.numbers = new Map();
+    this.#stand();
+  }
+
+  #stand() {
+    const outlines = new Outlines(this.data.nest), old = this.stages[0]?.camera;
+    this.numbers = new Map(this.data.nest.contours.map((contour, k) => [contour.id, k]));
+    const layers = this.stages.map(stage => stage.layers);
+    const sides = Math.max(1, this.data.sides.length);
+    this.stages = Array.from({ length: sides }, (_, side) => new Stage(this.data, side, this.store, outlines));
+    this.stages.forEach((stage, k) => {
+      stage.layers = layers[k] ?? layers[0] ?? [];
+      if (old) stage.camera = old;
+    });
+  }
+
+  /** @type {State} */
+  get state() { return this.store.state; }
+
+  /** The side whose order and reasons are shown; null where there is no plan. */
+  /** @type {SideData} */
+  get side() { return /** @type {SideData} */ (this.data.sides[this.state.side] ?? null); }
+
+  /** @param {Partial<State>} changes */
+  set(changes) { this.store.set(changes); }
+
+  /** @param {(state: State, changes: Partial<State>) => void} fn */
+  on(fn) { this.store.on(fn); }
+
+  /** @param {() => void} fn called when there are other data */
+  renewed(fn) { this.renewers.push(fn); }
+
+  /** @param {() => void} fn called when the colours are others */
+  recoloured(fn) { this.recolourers.push(fn); }
+
+  /** Another plan, or another nest; the view and the choice stay where they can. */
+  /** @param {PageData} data */
+  replace(data) {
+    const chosen = this.data.nest.contours[this.state.selected]?.id, same = data.nest.sha256 === this.data.nest.sha256;
+    this.data = data;
+    this.#stand();
+    const side = Math.min(this.state.side, Math.max(0, data.sides.length - 1));
+    this.renewers.forEach(fn => fn());
+    if (!same) this.stages.forEach(stage => stage.fit());
+    this.set({ side, selected: this.numberOf(chosen ?? ""), marked: [], time_s: Math.min(this.state.time_s, this.end()) });
+    this.draw();
+  }
+
+  /** @type {() => void} */
+  draw() { this.stages.forEach(stage => stage.draw()); }
+
+  /** When the longer side ends, s. */
+  /** @type {() => number} */
+  end() { return Math.max(1e-3, ...this.stages.map(stage => stage.timeline.end_s)); }
+
+  /** @param {number} time_s */
+  seek(time_s) { this.set({ time_s: Math.max(0, Math.min(this.end(), time_s)) }); }
+
+  /** The number of the cut that is being made, or that the torch is on its way to; -1 at the end. */
+  /** @type {() => number} */
+  cutNow() {
+    const { moment } = momentAt(this.stages[this.state.side].timeline, this.state.time_s);
+    return moment && moment.does !== "home" ? moment.cut : -1;
+  }
+
+  /** @type {() => string} */
+  doing() {
+    const { moment, done } = momentAt(this.stages[this.state.side].timeline, this.state.time_s);
+    return doingText(this, moment, done);
+  }
+
+  /** @type {() => void} */
+  toggle() {
+    if (!this.side) return;
+    const again = !this.state.playing && this.state.time_s >= this.end();
+    this.set({ playing: !this.state.playing, ...(again ? { time_s: 0 } : {}) });
+    this.tell(this.state.playing ? `playing, ${this.state.speed} times as fast as the machine` : `paused: ${this.doing()}`);
+  }
+
+  /** The end of the cut before, or of the next. */
+  /** @param {number} by */
+  step(by) {
+    const { ends_s } = this.stages[this.state.side].timeline, now = this.state.time_s;
+    const after = ends_s.find(end => end > now + 1e-6), before = ends_s.findLast(end => end < now - 1e-6);
+    this.set({ playing: false });
+    this.seek(by > 0 ? after ?? this.end() : before ?? 0);
+    this.tell(this.doing());
+  }
+
+  /** @type {(contour: number) => number | undefined} */
+  cutOf(contour) { return this.stages[this.state.side].scenery.cutOf.get(contour); }
+
+  /** @type {(id: string) => number} */
+  numberOf(id) { return this.numbers.get(id) ?? -1; }
+
+  /** @type {(contour: number, bring?: boolean) => void} */
+  choose(contour, bring = true) {
+    if (contour >= 0 && bring) this.stages[0].show(contour);
+    this.set({ selected: contour });
+    this.moved();
+    const cut = this.cutOf(contour), { contours } = this.data.nest;
+    if (contour >= 0) this.tell(`${contours[contour].id}${cut === undefined ? "" : `, cut ${this.side.made + cut + 1}`}`);
+  }
+
+  /** @param {string} id */
+  chooseId(id) { this.choose(this.numberOf(id)); }
+
+  /** @param {string[]} ids contours to draw in red */
+  mark(ids) { this.set({ marked: ids.map(id => this.numberOf(id)).filter(k => k >= 0) }); }
+
+  /** The view of one drawing has moved: the others go with it. */
+  /** @param {Stage} [by] */
+  moved(by = this.stages[0]) {
+    for (const stage of this.stages) if (stage !== by) stage.camera.like(by.camera);
+    this.draw();
+  }
+
+  /** Says something on the page, and to a screen reader. */
+  /** @param {string} text */
+  tell(text) { byId("live").textContent = text; }
+
+  /** @param {boolean} heat */
+  async showHeat(heat) {
+    for (const stage of this.stages) {
+      if (!heat || stage.heat) continue;
+      const data = await this.source.heat(stage.side);
+      if (data) stage.heat = await HeatFrames.of(data);
+    }
+    this.set({ heat });
+    this.draw();
+  }
+}

@@ -1,0 +1,68 @@
+/** @import { App } from "./app.js" */
+import { Camera } from "./camera.js";
+import { byId, make } from "./elements.js";
+import { palette } from "./palette.js";
+import { clock, counted, metres, millimetres, placeText } from "./words.js";
+
+const PAPER_PX = 2200, MOST_HIGH = 1700, PAPER_FONT_PX = 22;
+
+/**
+ * The page on paper: a work sheet with the drawing, what was excused, and every cut with a box to tick.
+ *
+ * @param {App} app
+ */
+export function workSheet(app) {
+  const paper = byId("paper");
+  const lay = () => {
+    const { nest, title } = app.data, { side } = app, [x0, y0, x1, y1] = nest.bounds;
+    const figures = side ? `${side.profile} · ${clock(app.stages[app.state.side].timeline.end_s)} · cut ${metres(side.figures.cut_mm)} · idle `
+      + `${metres(side.figures.idle_mm)} · ${counted(side.figures.pierces, "pierce")}` : "no plan";
+    paper.replaceChildren(
+      make("h1", {}, title, side?.name ? ` – ${side.name}` : ""),
+      make("p", {}, `${(x1 - x0).toFixed(0)} × ${(y1 - y0).toFixed(0)} mm · ${counted(nest.parts.length, "part")} · ${figures}`),
+      make("p", {}, `nest sha256 ${nest.sha256.slice(0, 16)} · ${side ? (side.ok ? "every hard rule holds" : "A HARD RULE IS BROKEN: do not cut") : ""}`),
+      drawing(app), ...(side ? [...notKept(app), table(app)] : []));
+  };
+  addEventListener("beforeprint", lay);
+  addEventListener("afterprint", () => paper.replaceChildren());
+  byId("print").addEventListener("click", () => { print(); });
+}
+
+/** @type {(app: App) => HTMLElement} */
+function drawing(app) {
+  const { bounds } = app.data.nest, canvas = document.createElement("canvas"), camera = new Camera();
+  canvas.width = PAPER_PX;
+  canvas.height = Math.min(MOST_HIGH, Math.round((PAPER_PX * (bounds[3] - bounds[1])) / Math.max(1, bounds[2] - bounds[0])) + 40);
+  const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d", { alpha: false }));
+  camera.fit(bounds, canvas.width, canvas.height, 20);
+  const root = document.documentElement, look = root.dataset.look ?? "";
+  root.dataset.look = "light";
+  const light = palette();
+  root.dataset.look = look;
+  if (!look) delete root.dataset.look;
+  const { scenery } = app.stages[app.state.side];
+  for (const _ of scenery.paint(context, camera, light, { done: 0, travel: true, numbers: true, wide: canvas.width, high: canvas.height, font: PAPER_FONT_PX }));
+  return canvas;
+}
+
+/** @type {(app: App) => HTMLElement[]} */
+function notKept(app) {
+  const lines = [
+    ...app.side.rules.flatMap(rule => rule.excused.map(one => `${rule.id}: ${one.text || one.contours.join(", ")} – ${one.why}`)),
+    ...app.side.dropped.map(one => `${one.rule}: ${one.contours.join(" before ")} – ${one.why}`),
+    ...app.side.rules.filter(rule => rule.breaches.length).map(rule => `${rule.id} (${rule.strength}): ${counted(rule.breaches.length, "place")} where it does not hold`),
+  ];
+  return lines.length ? [make("h2", {}, "Not kept"), make("ul", {}, ...lines.map(text => make("li", {}, text)))] : [];
+}
+
+/** @type {(app: App) => HTMLElement} */
+function table(app) {
+  const { side } = app, { timeline } = app.stages[app.state.side];
+  const head = ["", "no.", "contour", "zone", "pierce at, mm", "way", "length", "begins", ""];
+  return make("table", {}, make("thead", {}, make("tr", {}, ...head.map(text => make("th", {}, text)))),
+    make("tbody", {}, ...side.cuts.map((cut, k) => make("tr", {}, make("td", {}, "☐"), make("td", {}, String(side.made + k + 1)),
+      make("td", {}, app.data.nest.contours[cut.contour].id), make("td", {}, String(cut.zone || "")), make("td", {}, placeText(cut.path)),
+      make("td", {}, cut.direction), make("td", {}, millimetres(cut.length_mm)), make("td", {}, clock(timeline.begins_s[k])),
+      make("td", {}, [cut.wait_s ? `wait ${cut.wait_s} s` : "", cut.linked ? "linked" : "", cut.excused.length ? "excused" : "",
+        cut.tabs.length ? counted(cut.tabs.length, "tab") : ""].filter(Boolean).join(", "))))));
+}

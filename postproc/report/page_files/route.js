@@ -1,0 +1,65 @@
+/** @import { Camera } from "./camera.js" */
+/** @import { Palette } from "./palette.js" */
+/** @import { Scenery } from "./scenery.js" */
+/** @import { SideData } from "./types.js" */
+import { pen, write } from "./brush.js";
+import { endOf, startOf } from "./timeline.js";
+
+export const NUMBER_FONT_PX = 11;
+const ROOM_FOR_NUMBER = 2, MOST_NUMBERS = 1500;
+
+/**
+ * All travel: pale where it is to come, dark where it has been made.
+ *
+ * @param {CanvasRenderingContext2D} context
+ * @param {Camera} camera
+ * @param {Palette} palette
+ * @param {SideData} side
+ * @param {number} done cuts
+ * @returns {Generator<void, void, void>}
+ */
+export function* paintRoute(context, camera, palette, side, done) {
+  const { cuts, home } = side;
+  /** @type {[number, number, string, number][]} */
+  const stretches = [[done + 1, cuts.length, palette.ink.edge, 0.8], [0, done, palette.ink.travel, 1.1]];
+  for (const [from, to, colour, width] of stretches) {
+    context.beginPath();
+    for (let k = from; k <= to && k <= cuts.length; k++) {
+      if (k < cuts.length && cuts[k].linked) continue;
+      context.moveTo(...camera.toScreen(...(k ? endOf(cuts[k - 1]) : home)));
+      context.lineTo(...camera.toScreen(...(k < cuts.length ? startOf(cuts[k]) : home)));
+    }
+    pen(context, colour, width, [5, 4]);
+    context.stroke();
+    yield;
+  }
+}
+
+/**
+ * The number of each cut where its torch begins, or without a plan the name of each part, where there is room.
+ *
+ * @param {CanvasRenderingContext2D} context
+ * @param {Camera} camera
+ * @param {Palette} palette
+ * @param {Scenery} scenery
+ * @param {number[]} seen contours
+ * @param {number} font pixels
+ */
+export function paintNumbers(context, camera, palette, scenery, seen, font) {
+  const { contours, parts } = scenery.data.nest, { side } = scenery;
+  context.font = `600 ${font}px system-ui, 'DejaVu Sans', sans-serif`;
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  let written = 0;
+  for (const k of seen) {
+    const [x0, y0, x1, y1] = scenery.outlines.bounds[k], size = Math.max(x1 - x0, y1 - y0) * camera.scale;
+    if (size < ROOM_FOR_NUMBER * font || written >= MOST_NUMBERS) continue;
+    const cut = scenery.cutOf.get(k), { kind, part } = contours[k];
+    if (cut === undefined && (side || kind !== "outer")) continue;
+    const text = cut === undefined ? parts[part] ?? "" : String((side?.made ?? 0) + cut + 1);
+    const at = cut === undefined ? [(x0 + x1) / 2, (y0 + y1) / 2] : startOf(scenery.cuts[cut]);
+    const [x, y] = camera.toScreen(at[0], at[1]);
+    write(context, text, x, y, palette.ink[kind === "outer" ? "text" : kind], palette.ink.halo);
+    written++;
+  }
+}

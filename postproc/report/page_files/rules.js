@@ -1,0 +1,86 @@
+/** @import { App } from "./app.js" */
+/** @import { Place, RuleData } from "./types.js" */
+import { byId, make } from "./elements.js";
+import { counted, metres } from "./words.js";
+
+/**
+ * The rules: first what was excused and dropped, which is never hidden, then every rule with its verdict and price.
+ *
+ * @param {App} app
+ */
+export function rulesPanel(app) {
+  const panel = byId("rules-said");
+  let open = "";
+  const show = () => {
+    if (!app.side) {
+      panel.replaceChildren(make("p", { class: "hint" }, "No plan, no verdict."));
+      return;
+    }
+    const { rules, dropped, warnings } = app.side;
+    const excused = rules.flatMap(rule => rule.excused.map(place => ({ rule, place })));
+    panel.replaceChildren(
+      verdict(app),
+      ...(warnings ?? []).map(text => make("p", { class: "warn" }, text)),
+      excused.length || dropped.length ? make("section", { class: "kept-open" },
+        make("h3", {}, `Excused and dropped: ${excused.length + dropped.length}`),
+        ...excused.map(({ rule, place }) => spot(app, place, `${rule.id}: ${place.text || place.contours.join(", ")}`, place.why)),
+        ...dropped.map(one => spot(app, { contours: one.contours, text: "" }, `${one.rule}: ${one.contours.join(" before ")}`, one.why)))
+        : make("p", { class: "hint" }, "Nothing was excused, and no statement was dropped."),
+      make("table", { class: "score" },
+        make("thead", {}, make("tr", {}, ...["rule", "strength", "breaches", "cost"].map(text => make("th", { scope: "col" }, text)))),
+        make("tbody", {}, ...sorted(rules).flatMap(rule => lines(app, rule, open === rule.id, () => {
+          open = open === rule.id ? "" : rule.id;
+          app.mark(open ? [...rule.breaches, ...rule.excused].flatMap(place => place.contours) : []);
+          show();
+          panel.querySelector(`[data-rule="${CSS.escape(rule.id)}"] button`)?.dispatchEvent(new Event("shown"));
+          /** @type {HTMLElement | null} */ (panel.querySelector(`[data-rule="${CSS.escape(rule.id)}"] button`))?.focus();
+        })))));
+  };
+  show();
+  app.renewed(() => { open = ""; show(); });
+  app.on((_, changes) => { if (changes.side !== undefined) { open = ""; show(); } });
+}
+
+/** @type {(app: App) => HTMLElement} */
+function verdict(app) {
+  const { ok, rules } = app.side;
+  const broken = rules.filter(rule => rule.strength === "hard" && rule.verdict === "broken").map(rule => rule.id);
+  return make("p", { class: ok ? "good" : "bad" }, ok ? "Every hard rule holds." : `Broken: ${broken.join(", ") || "see below"}.`);
+}
+
+/** Broken ones first, then what costs, then the others. */
+/** @type {(rules: RuleData[]) => RuleData[]} */
+function sorted(rules) {
+  /** @type {(rule: RuleData) => number} */
+  const weight = rule => (rule.verdict === "broken" && rule.strength === "hard" ? 4 : rule.breaches.length ? 3
+    : rule.excused.length ? 2 : rule.unjudged ? 1 : 0);
+  return [...rules].sort((a, b) => weight(b) - weight(a) || b.cost_mm - a.cost_mm);
+}
+
+/** @type {(app: App, rule: RuleData, open: boolean, toggle: () => void) => HTMLElement[]} */
+function lines(app, rule, open, toggle) {
+  const bad = rule.breaches.length > 0, places = [...rule.breaches, ...rule.excused];
+  const row = make("tr", { class: `${bad ? (rule.strength === "hard" ? "bad" : "soft") : ""}`, "data-rule": rule.id },
+    make("td", {}, make("button", { class: "link", type: "button", "aria-expanded": String(open), title: rule.sentence, onclick: toggle }, rule.id),
+      rule.unjudged ? make("small", {}, " not judged") : null),
+    make("td", {}, rule.strength),
+    make("td", { class: "figure" }, rule.breaches.length ? String(rule.breaches.length) : "–",
+      rule.excused.length ? make("small", {}, ` +${rule.excused.length} excused`) : null),
+    make("td", { class: "figure" }, rule.cost_mm ? metres(rule.cost_mm) : "–"));
+  if (!open) return [row];
+  return [row, make("tr", { class: "places" }, make("td", { colspan: 4 },
+    rule.sentence ? make("p", {}, rule.sentence) : null, rule.unjudged ? make("p", {}, rule.unjudged) : null,
+    ...places.slice(0, 200).map(place => spot(app, place, place.text || place.contours.join(", "), place.why)),
+    places.length ? (places.length > 200 ? make("p", { class: "hint" }, `and ${places.length - 200} more`) : null)
+      : make("p", { class: "hint" }, `${counted(0, "breach").replace("breachs", "breaches")}: it holds everywhere`)))];
+}
+
+/** @type {(app: App, place: Place, text: string, why?: string) => HTMLElement} */
+function spot(app, place, text, why) {
+  const known = place.contours.filter(id => app.numberOf(id) >= 0);
+  return make("p", { class: "place" },
+    known.length ? make("button", { class: "link", type: "button", onclick: () => {
+      app.mark(known);
+      app.chooseId(known[0]);
+    } }, text) : text, why ? make("span", { class: "because" }, ` – ${why}`) : null);
+}

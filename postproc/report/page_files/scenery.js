@@ -1,0 +1,200 @@
+/** @import { Camera } from "./camera.js" */
+/** @import { PageData, SideData } from "./types.js" */
+/** @import { Palette } from "./palette.js" */
+import { pen, trace } from "./brush.js";
+import { Outlines } from "./outlines.js";
+import { NUMBER_FONT_PX, paintNumbers, paintRoute } from "./route.js";
+import { wayOf } from "./way.js";
+
+const AT_ONCE = 200;
+
+/** What stands still: the sheet after so many cuts. It is painted in small steps: a large nest never holds the page up. */
+export class Scenery {
+  /**
+   * @param {PageData} data
+   * @param {SideData | null} side
+   * @param {Outlines} outlines
+   */
+  constructor(data, side, outlines) {
+    this.data = data;
+    this.side = side;
+    this.outlines = outlines;
+    this.cuts = side ? side.cuts : [];
+    this.out = new Set(side ? side.already : []);
+    this.cutOf = /** @type {Map<number, number>} */ (new Map());
+    this.cuts.forEach((cut, k) => this.cutOf.set(cut.contour, k));
+    this.zoneOfPart = /** @type {number[]} */ ([]);
+    for (const cut of this.cuts) {
+      const part = data.nest.contours[cut.contour].part;
+      if (part >= 0) this.zoneOfPart[part] = cut.zone;
+    }
+    /** @type {number[][]} */
+    this.holesOf = data.nest.parts.map(() => []);
+    data.nest.contours.forEach((contour, k) => {
+      if (contour.kind === "hole" && contour.part >= 0) this.holesOf[contour.part].push(k);
+    });
+    this.ways = /** @type {import("./way.js").Way[]} */ ([]);
+    this.alert = new Set(data.alert);
+  }
+
+  /** @type {(cut: number) => import("./way.js").Way} */
+  way(cut) {
+    return (this.ways[cut] ??= wayOf(this.cuts[cut]));
+  }
+
+  /**
+   * Paints all, a step at a time.
+   *
+   * @param {CanvasRenderingContext2D} context
+   * @param {Camera} camera
+   * @param {Palette} palette
+   * @param {{done: number, travel: boolean, numbers: boolean, wide: number, high: number, font?: number}} look
+   * @returns {Generator<void, void, void>}
+   */
+  *paint(context, camera, palette, look) {
+    const { ink } = palette, { nest } = this.data;
+    context.fillStyle = ink.ground;
+    context.fillRect(0, 0, look.wide, look.high);
+    this.#shapes(context, camera, this.outlines.sheet, ink.sheet, ink.edge);
+    const [x0, y1] = camera.toSheet(0, 0), [x1, y0] = camera.toSheet(look.wide, look.high);
+    const seen = this.outlines.grid.within(x0, y0, x1, y1), level = Outlines.level(camera.scale);
+    const outers = seen.filter(k => nest.contours[k].kind === "outer");
+    const size = (/** @type {number} */ k) => {
+      const [a, b, c, d] = this.outlines.bounds[k];
+      return (c - a) * (d - b);
+    };
+    outers.sort((a, b) => size(b) - size(a));
+    for (let k = 0; k < outers.length; k += AT_ONCE) {
+      this.#parts(context, camera, palette, outers.slice(k, k + AT_ONCE), level);
+      yield;
+    }
+    for (let k = 0; k < seen.length; k += AT_ONCE) {
+      this.#lines(context, camera, palette, seen.slice(k, k + AT_ONCE), level, look.done);
+      yield;
+    }
+    this.#shapes(context, camera, this.outlines.leftOut, "", ink.edge);
+    for (const cut of this.#inOrder(seen, look.done)) {
+      this.cutOut(context, camera, palette, cut);
+      if (cut % AT_ONCE === 0) yield;
+    }
+    if (look.travel && this.side) yield* paintRoute(context, camera, palette, this.side, look.done);
+    if (look.numbers) paintNumbers(context, camera, palette, this, seen, look.font ?? NUMBER_FONT_PX);
+  }
+
+  /** @type {(seen: number[], done: number) => number[]} */
+  #inOrder(seen, done) {
+    const cuts = seen.map(k => this.cutOf.get(k) ?? Infinity).filter(cut => cut < done);
+    return cuts.sort((a, b) => a - b);
+  }
+
+  /** @type {(context: CanvasRenderingContext2D, camera: Camera, rings: Float64Array[], fill: string, line: string) => void} */
+  #shapes(context, camera, rings, fill, line) {
+    context.beginPath();
+    for (const ring of rings) trace(context, camera, ring, true);
+    if (fill) {
+      context.fillStyle = fill;
+      context.fill("evenodd");
+    }
+    pen(context, line, 1, fill ? [] : [3, 3]);
+    context.stroke();
+  }
+
+  /** @type {(context: CanvasRenderingContext2D, camera: Camera, palette: Palette, outers: number[], level: number) => void} */
+  #parts(context, camera, palette, outers, level) {
+    /** @type {Map<string, number[]>} */
+    const byColour = new Map();
+    for (const k of outers) {
+      const { part } = this.data.nest.contours[k], zone = this.zoneOfPart[part] || 0;
+      const colour = this.out.has(k) ? palette.ink.gap : zone ? palette.zones[(zone - 1) % 8] : palette.ink.part;
+      const same = byColour.get(colour);
+      if (same) same.push(k);
+      else byColour.set(colour, [k]);
+    }
+    for (const [colour, of] of byColour) {
+      context.beginPath();
+      for (const k of of) this.#metal(context, camera, k, level);
+      context.fillStyle = colour;
+      context.fill("evenodd");
+    }
+  }
+
+  /** @type {(context: CanvasRenderingContext2D, camera: Camera, outer: number, level: number) => void} */
+  #metal(context, camera, outer, level) {
+    trace(context, camera, this.outlines.points(outer, level), true);
+    for (const hole of this.holesOf[this.data.nest.contours[outer].part] ?? []) {
+      trace(context, camera, this.outlines.points(hole, level), true);
+    }
+  }
+
+  /** @type {(context: CanvasRenderingContext2D, camera: Camera, palette: Palette, seen: number[], level: number, done: number) => void} */
+  #lines(context, camera, palette, seen, level, done) {
+    const { contours } = this.data.nest;
+    for (const kind of ["outer", "hole", "slit", "scrap", "mark"]) {
+      context.beginPath();
+      for (const k of seen) {
+        const contour = contours[k];
+        if (contour.kind !== kind || (this.cutOf.get(k) ?? Infinity) < done || this.out.has(k)) continue;
+        trace(context, camera, this.outlines.points(k, level), contour.closed);
+      }
+      pen(context, palette.ink[kind], kind === "mark" ? 1 : 1.2);
+      context.stroke();
+    }
+    const loud = seen.filter(k => this.alert.has(k));
+    if (!loud.length) return;
+    context.beginPath();
+    for (const k of loud) trace(context, camera, this.outlines.points(k, level), contours[k].closed);
+    pen(context, palette.ink.alert, 3);
+    context.stroke();
+  }
+
+  /**
+   * What one cut has done: the kerf, the slug that falls out of a hole, the part that comes loose.
+   *
+   * @param {CanvasRenderingContext2D} context
+   * @param {Camera} camera
+   * @param {Palette} palette
+   * @param {number} cut
+   */
+  cutOut(context, camera, palette, cut) {
+    const { ink } = palette, { contour } = this.cuts[cut];
+    const { kind } = this.data.nest.contours[contour], level = Outlines.level(camera.scale);
+    if (kind === "hole") {
+      context.beginPath();
+      trace(context, camera, this.outlines.points(contour, level), true);
+      context.fillStyle = ink.gap;
+      context.fill();
+      this.#within(contour).forEach(k => this.#loose(context, camera, palette, k, level));
+    } else if (kind === "outer") this.#loose(context, camera, palette, contour, level);
+    const way = this.way(cut), kerf = (this.side?.kerf_mm ?? 0) * camera.scale;
+    const width = kind === "mark" ? 1 : Math.max(1, kerf);
+    context.beginPath();
+    trace(context, camera, way.points, false);
+    pen(context, kind === "mark" ? ink.mark : ink.gap, Math.max(width, kind === "mark" ? 1 : 1.6));
+    context.stroke();
+    if (kind === "mark" || kerf > 3) return;
+    context.beginPath();
+    trace(context, camera, this.outlines.points(contour, level), this.data.nest.contours[contour].closed);
+    pen(context, ink.done, 1);
+    context.stroke();
+  }
+
+  /** @type {(context: CanvasRenderingContext2D, camera: Camera, palette: Palette, outer: number, level: number) => void} */
+  #loose(context, camera, palette, outer, level) {
+    context.beginPath();
+    this.#metal(context, camera, outer, level);
+    context.fillStyle = palette.ink.loose;
+    context.fill("evenodd");
+    pen(context, palette.ink.done, 1);
+    context.stroke();
+  }
+
+  /** @type {(hole: number) => number[]} outer contours in a hole that are cut before it: they are seen in its gap */
+  #within(hole) {
+    const [x0, y0, x1, y1] = this.outlines.bounds[hole], now = this.cutOf.get(hole) ?? 0;
+    return this.outlines.grid.within(x0, y0, x1, y1).filter(k => {
+      const [a, b, c, d] = this.outlines.bounds[k];
+      const inIt = a > x0 && b > y0 && c < x1 && d < y1 && this.data.nest.contours[k].kind === "outer";
+      return inIt && (this.cutOf.get(k) ?? Infinity) < now;
+    });
+  }
+}

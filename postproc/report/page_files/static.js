@@ -1,0 +1,4 @@
+import { embedded } from "./source.js";
+import { start } from "./start.js";
+
+start(embedded());

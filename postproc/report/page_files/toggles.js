@@ -1,0 +1,51 @@
+/** @import { App } from "./app.js" */
+import { byId } from "./elements.js";
+import { warm } from "./heat.js";
+
+/**
+ * The switches over the drawing: travel, numbers, heat, and the light or dark look.
+ *
+ * @param {App} app
+ * @returns {{look: () => void}}
+ */
+export function toggles(app) {
+  const heat = byId("heat"), root = document.documentElement, dark = matchMedia("(prefers-color-scheme: dark)");
+  const recolour = () => {
+    app.stages.forEach(stage => stage.recolour());
+    app.recolourers.forEach(fn => fn());
+  };
+  const look = () => {
+    const now = root.dataset.look ?? (dark.matches ? "dark" : "light");
+    root.dataset.look = now === "dark" ? "light" : "dark";
+    recolour();
+  };
+  dark.addEventListener("change", recolour);
+  byId("look").addEventListener("click", look);
+  byId("travel").addEventListener("click", () => app.set({ travel: !app.state.travel }));
+  byId("numbers").addEventListener("click", () => app.set({ numbers: !app.state.numbers }));
+  heat.addEventListener("click", () => void app.showHeat(!app.state.heat));
+  const known = async () => {
+    const data = app.side ? await app.source.heat(app.state.side) : null;
+    heat.hidden = data === null;
+    byId("heat-scale").hidden = !app.state.heat;
+    if (!data) return;
+    const steps = Array.from({ length: 9 }, (_, k) => `rgb(${warm(k / 8).join(" ")})`);
+    byId("heat-bar").style.background = `linear-gradient(90deg, ${steps.join(", ")})`;
+    byId("heat-low").textContent = `${data.ambient_c} °C`;
+    byId("heat-high").textContent = `${data.top_c.toFixed(0)} °C`;
+    byId("heat-now").textContent = "";
+  };
+  const show = () => {
+    byId("travel").setAttribute("aria-pressed", String(app.state.travel));
+    byId("numbers").setAttribute("aria-pressed", String(app.state.numbers));
+    heat.setAttribute("aria-pressed", String(app.state.heat));
+    byId("heat-scale").hidden = !app.state.heat;
+    const frames = app.stages[app.state.side].heat;
+    if (app.state.heat && frames) byId("heat-now").textContent = `hottest now ${frames.hottest(app.state.time_s).toFixed(0)} °C, limit ${frames.data.limit_c} °C`;
+  };
+  app.on((_, changes) => { if (changes.side !== undefined) void known(); show(); });
+  app.renewed(() => void known());
+  void known();
+  show();
+  return { look };
+}

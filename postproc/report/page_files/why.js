@@ -1,0 +1,129 @@
+/** @import { App } from "./app.js" */
+/** @import { EntryWay, Holds, Told, Why } from "./types.js" */
+import { byId, make } from "./elements.js";
+import { clock, counted, millimetres, placeText } from "./words.js";
+
+const FEW_WAYS = 4;
+
+/**
+ * The panel that says why the chosen contour is cut where it is, then, and so.
+ *
+ * @param {App} app
+ */
+export function whyPanel(app) {
+  const panel = byId("why-said");
+  let asked = 0;
+  const show = async () => {
+    const mine = ++asked, contour = app.data.nest.contours[app.state.selected];
+    if (!contour) {
+      panel.replaceChildren(make("p", { class: "hint" }, app.side
+        ? "Click a contour, or a row of the list: this panel then says why it is cut there and not earlier or later."
+        : "Click a contour to read its name. There is no plan to explain."));
+      return;
+    }
+    const why = app.side ? await app.source.why(app.state.side, contour.id) : null;
+    if (mine === asked) panel.replaceChildren(...said(app, app.state.selected, why));
+  };
+  app.on((_, changes) => { if (changes.selected !== undefined || changes.side !== undefined) void show(); });
+  app.renewed(show);
+  void show();
+}
+
+/**
+ * @param {App} app
+ * @param {number} contour
+ * @param {Why | null} why
+ * @returns {(Node)[]}
+ */
+function said(app, contour, why) {
+  const { id, kind, part } = app.data.nest.contours[contour], k = app.cutOf(contour);
+  const head = [make("h2", {}, id),
+    make("p", { class: "sub" }, [kind, part >= 0 ? `part ${app.data.nest.parts[part]}` : ""].filter(Boolean).join(" · "))];
+  const left = app.side?.left_out.find(one => one.contour === id);
+  if (left) return [...head, make("p", {}, `Not cut: ${left.why}`)];
+  if (k === undefined) return head;
+  const cut = app.side.cuts[k], { timeline } = app.stages[app.state.side];
+  const facts = make("dl", {},
+    ...row("cut", `${app.side.made + k + 1} of ${app.side.made + app.side.cuts.length}${cut.zone ? `, zone ${cut.zone}` : ""}`),
+    ...row("time", `${clock(timeline.begins_s[k])} to ${clock(timeline.ends_s[k])}${timeline.timed ? "" : " (guessed)"}`),
+    ...row("way", `${cut.direction}, ${millimetres(cut.length_mm)}, from ${placeText(cut.path)}`),
+    ...(cut.wait_s ? row("waits", `${cut.wait_s} s, so that metal may cool`) : []),
+    ...(cut.excused.length ? row("excused", cut.excused.join(", ")) : []));
+  const sections = [...head, facts, part_("Why here", list(cut.because))];
+  return [...sections, ...(why ? reasonsOf(app, why) : [])];
+}
+
+/**
+ * @param {App} app
+ * @param {Why} why
+ * @returns {Node[]}
+ */
+function reasonsOf(app, why) {
+  const { entry } = why;
+  const free = !why.earlier.nearest.length && !why.later.nearest.length && !why.also.length && !why.heat.length;
+  return [
+    part_("", list(why.said)),
+    part_("Not earlier", holds(app, why.earlier)),
+    part_("Not later", holds(app, why.later)),
+    part_("Also asked", told(why.also)),
+    part_("Heat", list(why.heat.map(one => `${one.kept ? "kept" : `broken, costs ${one.price_mm} mm`}: ${one.text}`))),
+    free ? make("p", {}, "No order rule is about it: it is cut here for the shortest travel.") : null,
+    entry && part_("Entries weighed", ways(entry)),
+    why.moves.length ? part_("If it were moved", make("ul", {}, ...why.moves.map(move => make("li", {},
+      make("b", {}, `${move.label} (${move.place})`),
+      move.together.length ? ` with ${counted(move.together.length, "other")}` : "", ": ",
+      move.breaks.length ? make("span", { class: "no-way" }, `breaks ${move.breaks[0].rule}: ${move.breaks[0].text}`
+        + (move.breaks.length > 1 ? ` and ${move.breaks.length - 1} more` : "")) : make("span", { class: "cost" }, move.cost))))) : null,
+    part_("Note", list(why.notes)),
+    why.full ? null : make("p", { class: "hint" }, "Other entries and places were not tried out for this page: write it "
+      + "with --why, or ask ", make("code", {}, `kerfwise explain NEST PLAN.json '${app.data.nest.contours[app.state.selected].id}'`)),
+  ].filter(node => node !== null);
+}
+
+/** @type {(name: string, value: string) => HTMLElement[]} */
+function row(name, value) {
+  return [make("dt", {}, name), make("dd", {}, value)];
+}
+
+/** @type {(title: string, content: HTMLElement | null) => HTMLElement | null} */
+function section(title, content) {
+  return content && make("section", {}, title ? make("h3", {}, title) : null, content);
+}
+
+/** @type {(title: string, content: HTMLElement | null) => Node} */
+function part_(title, content) {
+  return section(title, content) ?? document.createTextNode("");
+}
+
+/** @type {(texts: string[]) => HTMLElement | null} */
+function list(texts) {
+  return texts.length ? make("ul", {}, ...texts.map(text => make("li", {}, text))) : null;
+}
+
+/** @type {(abouts: Told[]) => HTMLElement | null} */
+function told(abouts) {
+  return abouts.length ? make("ul", {}, ...abouts.map(about => make("li", {}, make("b", {}, about.rule), `: ${about.text}`))) : null;
+}
+
+/** @type {(app: App, held: Holds) => HTMLElement | null} */
+function holds(app, held) {
+  if (!held.nearest.length) return null;
+  return make("ul", {}, ...held.nearest.map(one => make("li", {},
+    make("button", { class: "link", type: "button", onclick: () => app.chooseId(one.contour) }, `${one.place} ${one.contour}`),
+    " ", make("b", {}, one.rule), `: ${one.text}`)),
+  held.more ? make("li", { class: "hint" }, `and ${held.more} more of these rules`) : null);
+}
+
+/** @type {(entry: NonNullable<Why["entry"]>) => HTMLElement} */
+function ways(entry) {
+  /** @type {(way: EntryWay) => string} */
+  const place = way => `${placeText(way.at)} ${way.direction}`;
+  return make("ul", {},
+    make("li", {}, make("b", {}, `${place(entry.used)}`), `, ${entry.used.text}: taken`),
+    entry.one_way_by.length ? make("li", {}, `${entry.one_way_by.join(" and ")}: no other way round than ${entry.used.direction}`) : null,
+    ...entry.lawful.slice(0, FEW_WAYS).map(way => make("li", {}, `${place(way)}, ${way.text}: `, make("span", { class: "cost" }, way.cost ?? ""))),
+    entry.lawful.length > FEW_WAYS ? make("li", { class: "hint" }, `and ${entry.lawful.length - FEW_WAYS} more lawful ones`) : null,
+    entry.lawful.length ? null : make("li", {}, "no other entry is lawful in this order"),
+    ...entry.unlawful.map(one => make("li", { class: "no-way" }, `${one.ways.map(place).join(", ")}`
+      + `${one.more ? ` and ${one.more} more` : ""}: `, make("b", {}, one.rule), `: ${one.text}`)));
+}

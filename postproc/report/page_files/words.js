@@ -1,0 +1,28 @@
+/** Numbers for people. */
+
+/** @type {(s: number) => string} */
+export function clock(s) {
+  const whole = Math.max(0, Math.floor(s + 1e-6));
+  const h = Math.floor(whole / 3600), m = Math.floor(whole / 60) % 60, rest = String(whole % 60).padStart(2, "0");
+  return h ? `${h}:${String(m).padStart(2, "0")}:${rest}` : `${m}:${rest}`;
+}
+
+/** @type {(mm: number) => string} */
+export function metres(mm) {
+  return `${(mm / 1000).toFixed(3)} m`;
+}
+
+/** @type {(mm: number) => string} */
+export function millimetres(mm) {
+  return mm >= 1000 ? metres(mm) : `${mm.toFixed(mm < 100 ? 1 : 0)} mm`;
+}
+
+/** @type {(count: number, word: string) => string} */
+export function counted(count, word) {
+  return `${count} ${word}${count === 1 ? "" : "s"}`;
+}
+
+/** @type {(place: readonly number[]) => string} */
+export function placeText(place) {
+  return `(${place[0].toFixed(1)}, ${place[1].toFixed(1)})`;
+}
