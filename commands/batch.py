@@ -49,6 +49,7 @@ _NAME = re.compile(r"\w[\w-]*")
 @click.option("--relax", is_flag=True, help="Where hard rules clash, take the cheapest way out, marked in the plan.")
 @click.option("--repair", is_flag=True, help="Mend what can be mended in the drawings.")
 @click.option("--refused-again", is_flag=True, help="Try again what was refused before.")
+@click.option("--tidy", is_flag=True, help="Remove what earlier runs wrote of nests that are not among IN… any more.")
 @click.argument("nests", metavar="IN…", nargs=-1, required=True)
 def command(
     nests: tuple[str, ...],
@@ -61,6 +62,7 @@ def command(
     sheets: bool,
     time_limit: float | None,
     refused_again: bool,
+    tidy: bool,
     **limits: Any,
 ) -> int:
     """Plan every nest of files and folders on every machine; what is finished is known by its content, and skipped."""
@@ -75,6 +77,8 @@ def command(
 
     if jobs is not None and scheduler is not None:
         raise click.UsageError("--jobs is for this machine: with --scheduler the number of its workers counts")
+    if tidy and watch:
+        raise click.UsageError("--tidy is for one run: with --watch a folder may be away for a while")
     given, out, options = [Path(name) for name in nests], Path(output), Options(time_s=time_limit, **limits)
     machines = _machines(profiles, trust)
     sources = sources_in(given, out)
@@ -86,7 +90,7 @@ def command(
 
         def one_round(found: Sequence[Source], now: Machines) -> Batch:
             with BatchProgress() as progress:
-                asked = {"refused_again": refused_again, "sheets": sheets}
+                asked = {"refused_again": refused_again, "sheets": sheets, "tidied": tidy}
                 batch = run_batch(found, now, store, options, __version__, run, progress, **asked)
             click.echo(printed(batch, out))
             for text in batch.papers.told:

@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any, Self
 from kerfwise.encoder.shown import shown
 from kerfwise.jobs.batch.compared import totals
 from kerfwise.jobs.batch.figures import clock, money
+from kerfwise.jobs.batch.folded import folded
 from kerfwise.jobs.batch.groups import groups_of
 from kerfwise.jobs.batch.run import Batch, Watcher
+from kerfwise.postproc.report.legend import counted
 
 if TYPE_CHECKING:
     from kerfwise.jobs.batch.piece import Piece
@@ -84,7 +86,14 @@ def _lines(batch: Batch, out: Path) -> Iterator[str]:
     for group in groups_of(batch.rows):
         yield f"{group.head}. {group.remedy}"
         for nest, told, machines in group.said():
-            yield f"  {shown(nest)} on {', '.join(machines)}: {told}".replace("\n", "\n    ")
+            short = folded(told)
+            text = f"{short.told}\n  {short.more}, all of them in the index" if short.more else told
+            yield f"  {shown(nest)} on {', '.join(machines)}: {text}".replace("\n", "\n    ")
+    if gone := sum(not one.given for one in batch.left):
+        of = f"{counted(gone, 'program')} {'is' if gone == 1 else 'are'} left from earlier runs"
+        yield f"{of}, of nests that are not given now: the index lists them, --tidy removes them"
+    if batch.tidied:
+        yield f"{counted(batch.tidied, 'program')} removed, of nests that are not given any more"
     planned = sum(row.planned for row in batch.rows)
     counts = [f"{planned} of {len(batch.rows) + batch.waiting} planned"]
     if batch.again:

@@ -12,7 +12,9 @@ from typing import Any
 
 from .compared import by_nest, cheapest, quickest, totals
 from .files import file_of
+from .folded import folded
 from .groups import groups_of
+from .left import Left
 from .page import page
 from .row import Row
 
@@ -22,13 +24,20 @@ COLUMNS = ("nest", "file", "quantity", "order", "due", "machine", "ended", "time
 
 
 def index_files(
-    rows: Sequence[Row], machines: Sequence[str], papers: Mapping[str, str] = MappingProxyType({})
+    rows: Sequence[Row],
+    machines: Sequence[str],
+    papers: Mapping[str, str] = MappingProxyType({}),
+    left: Sequence[Left] = (),
 ) -> Mapping[str, str]:
-    """index.html, index.csv and index.json of the rows, by their names; `papers` are the work sheets of machines."""
+    """index.html, index.csv and index.json of the rows, by their names.
+
+    `papers` are the work sheets of machines, `left` programs of earlier runs that no row is about.
+    """
+    data = {**_data(rows, machines, papers), "left": [asdict(one) | {"why": one.why} for one in left]}
     return {
-        "index.html": page(rows, machines, papers),
+        "index.html": page(rows, machines, papers, left),
         "index.csv": _table(rows),
-        "index.json": json.dumps(_data(rows, machines, papers), indent=1) + "\n",
+        "index.json": json.dumps(data, indent=1) + "\n",
     }
 
 
@@ -41,7 +50,9 @@ def _table(rows: Sequence[Row]) -> str:
         best = {"quickest": quickest(of_nest), "cheapest": cheapest(of_nest)}
         for row in of_nest:
             figures = {} if row.figures is None else asdict(row.figures) | {"excuses": len(row.figures.excuses)}
-            said = {"nest": row.nest, "file": row.source, "machine": row.machine, "ended": row.ended, "told": row.told}
+            said = {"nest": row.nest, "file": row.source, "machine": row.machine, "ended": row.ended}
+            short = folded(row.told)
+            said["told"] = f"{short.told}\n  {short.more}" if short.more else row.told
             sheets = {"quantity": row.quantity, "order": row.order, "due": row.due}
             marks = {column: "yes" if machine == row.machine else "" for column, machine in best.items()}
             writer.writerow({**said, **sheets, **figures, **marks, "program": file_of(row, ".nc")})

@@ -14,14 +14,21 @@ from kerfwise.postproc.report.legend import counted
 from .card import anchor, card
 from .compared import by_nest, cheapest, quickest, totals
 from .figures import NONE, clock, metres, money
+from .folded import folded
 from .groups import Group, groups_of
+from .left import Left
 from .row import Row
 
 
-def page(rows: Sequence[Row], machines: Sequence[str], papers: Mapping[str, str] = MappingProxyType({})) -> str:
+def page(
+    rows: Sequence[Row],
+    machines: Sequence[str],
+    papers: Mapping[str, str] = MappingProxyType({}),
+    left: Sequence[Left] = (),
+) -> str:
     """The page: sums a machine, what was refused and what to do, then each nest with its picture.
 
-    `papers` are the names of the work sheets, by machines.
+    `papers` are the names of the work sheets, by machines, `left` programs of earlier runs that no row is about.
 
     Examples
     --------
@@ -36,6 +43,7 @@ def page(rows: Sequence[Row], machines: Sequence[str], papers: Mapping[str, str]
         "@said": escape(said),
         "@totals": "\n".join(_totals(rows, machines, papers)),
         "@refused": "\n".join(_refused(groups_of(rows))),
+        "@left": "\n".join(_left(left)),
         "@nests": "\n".join(card(nest, of_nest) for nest, of_nest in nests.items()),
     }
     for mark, text in parts.items():
@@ -81,5 +89,27 @@ def _refused(groups: Sequence[Group]) -> Iterator[str]:
             link = f'<a href="#{anchor(nest)}">{escape(shown(nest))}</a> ({escape(", ".join(on))})'
             told.setdefault(text, []).append(link)
         for text, links in told.items():
-            yield f"<p class=who>{', '.join(links)}</p><pre>{escape(shown_lines(text))}</pre>"
+            yield f"<p class=who>{', '.join(links)}</p>{_told(text)}"
         yield "</section>"
+
+
+def _left(left: Sequence[Left]) -> Iterator[str]:
+    if left:
+        yield '<h2 id="left">Left from earlier runs</h2>'
+        yield "<p>No row of this page is about these programs, and this run did not touch them:</p><ul>"
+    for one in left:
+        link = f'<a href="{quote(one.program.encode("utf-8", "surrogateescape"))}">{escape(shown(one.program))}</a>'
+        yield f"<li>{link}: {one.why} ({escape(shown(one.source))})"
+    if left:
+        yield "</ul>"
+        if any(not one.given for one in left):
+            yield "<p>With --tidy the batch removes what it wrote of nests that are not given any more.</p>"
+
+
+def _told(text: str) -> str:
+    """What is said of a nest; a long list is opened by a click."""
+    short = folded(shown_lines(text))
+    told = f"<pre>{escape(short.told)}</pre>"
+    if not short.rest:
+        return told
+    return f"{told}<details><summary>{short.more}</summary><pre>{escape(chr(10).join(short.rest))}</pre></details>"

@@ -55,8 +55,7 @@ def papers_of(rows: Mapping[Piece, Row], machines: Iterable[str], out: Path, *, 
         if planned and _is_finished(pdf, record, key):
             files[machine] = pdf.name
             continue
-        for old in (record, pdf):
-            remove(old, "older plans")
+        leave_papers([machine], out)
         sheets = _sheets(planned, out, told) if make else ()
         if sheets:
             made = sheets_pdf(sheets)
@@ -66,6 +65,19 @@ def papers_of(rows: Mapping[Piece, Row], machines: Iterable[str], out: Path, *, 
             write_files(whole)
             files[machine] = pdf.name
     return Papers(files, tuple(told))
+
+
+def leave_papers(machines: Iterable[str], out: Path) -> None:
+    """Remove the work sheets of machines, as before a program on them gives way to another.
+
+    Raises
+    ------
+    InputError
+        If one cannot be removed.
+    """
+    for machine in machines:
+        for ending in (RECORD, ".pdf"):
+            remove(out / f"{machine}{ending}", "older plans")
 
 
 def _key(planned: Mapping[Piece, Row]) -> str:

@@ -131,11 +131,14 @@ def _is_of(error: InputError, source: Path) -> bool:
 
 
 def _told(error: InputError, source: Path) -> str:
-    """What is wrong with a nest, without the name of its file, which stands in the row."""
-    if not _is_of(error, source):
-        return str(error)
+    """All that is wrong with a nest, without the name of its file, which stands in the row."""
+    message = error.message
     place = ", ".join(f"{what} {at}" for what, at in (("line", error.line), ("column", error.column)) if at is not None)
-    return str(InputError(f"{place}: {error.message}" if place else error.message, details=error.details))
+    if _is_of(error, source):
+        head = InputError(f"{place}: {message}" if place else message)
+    else:
+        head = InputError(message, file=error.file, line=error.line, column=error.column)
+    return "\n".join([str(head), *(f"  - {shown(text)}" for text in error.details)])
 
 
 def _seen(nest: Nest, alert: tuple[str, ...]) -> str:

@@ -11,8 +11,9 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.files import write_files
 
 from .index import index_files
+from .left import Left, left_in, tidy
 from .machines import Machines, job_of
-from .papers import Papers, papers_of
+from .papers import Papers, leave_papers, papers_of
 from .piece import Options, Piece
 from .planning import Made, fault, plan_piece
 from .row import Row
@@ -59,6 +60,7 @@ class Batch:
     """What became of a batch: a row for each nest and machine that is finished, in the order of the nests.
 
     `again` were finished before. `waiting` are still to be planned, where it was interrupted.
+    `left` are programs of earlier runs that no row is about; `tidied` is how many of these were removed.
     `faults` are what nobody foresaw, by nest and machine. `papers` are the work sheets of each machine.
     """
 
@@ -69,6 +71,8 @@ class Batch:
     interrupted: bool = False
     faults: Mapping[str, Exception] = field(default_factory=dict)
     papers: Papers = field(default_factory=Papers)
+    left: tuple[Left, ...] = ()
+    tidied: int = 0
 
     @property
     def exit_code(self) -> int:
@@ -90,17 +94,21 @@ def run_batch(
     *,
     refused_again: bool = False,
     sheets: bool = False,
+    tidied: bool = False,
 ) -> Batch:
     """Plan every nest on every machine, and write the index of all.
 
     What the store has finished is not planned again, and what was refused only where `refused_again` says so. Each
     program is written as soon as it is there: whoever kills this loses what is being planned, and nothing else. Where a
     job file names another machine than before, the program for the one that it means no more is removed.
-    `sheets` says that the work sheets of each machine are printed, too.
+    `sheets` says that the work sheets of each machine are printed, too, `tidied` that what earlier runs wrote of nests
+    that are not among the sources is removed.
     """
     watcher = watcher or Watcher()
     pieces = list(_pieces(named(sources, store.names()), machines, store.out, options, version))
     _leave(pieces, machines, store)
+    named_here = {(piece.machine.name, piece.name) for piece in pieces}
+    removed = tidy(store, named_here) if tidied else 0
     rows: dict[Piece, Row] = {}
     tasks = []
     for piece in pieces:
@@ -112,6 +120,7 @@ def run_batch(
             rows[piece] = replace(row, source=str(piece.source))
     again, interrupted = len(rows), False
     watcher.planned(len(pieces), again)
+    leave_papers({task.piece.machine.name for task in tasks if _is_other(task, store)}, store.out)
     faults: dict[str, Exception] = {}
     try:
         for task, made in run(tasks, lambda task: watcher.began(task.piece)):
@@ -125,8 +134,15 @@ def run_batch(
     done = tuple(ended.values())
     names = tuple(dict.fromkeys([*(m.name for m in machines.named), *(piece.machine.name for piece in pieces)]))
     papers = papers_of(ended, names, store.out, make=sheets and not interrupted)
-    write_files({store.out / name: text for name, text in index_files(done, names, papers.files).items()})
-    return Batch(done, names, again, len(pieces) - len(done), interrupted, faults, papers)
+    left = left_in(store, named_here)
+    write_files({store.out / name: text for name, text in index_files(done, names, papers.files, left).items()})
+    return Batch(done, names, again, len(pieces) - len(done), interrupted, faults, papers, left, removed)
+
+
+def _is_other(task: Task, store: Store) -> bool:
+    """Whether there is a program for a task that is about to give way to another, so that its sheet is old."""
+    before = store.known(task.piece.machine.name, task.piece.name)
+    return before is not None and before.planned and before.key != task.key
 
 
 def _pieces(

@@ -65,6 +65,14 @@ class Store:
         """The name of every nest that has a record, and its file."""
         return {row.nest: Path(row.source) for row in self._rows.values()}
 
+    def rows(self) -> tuple[Row, ...]:
+        """Every record, by machine and nest."""
+        return tuple(row for _, row in sorted(self._rows.items()))
+
+    def known(self, machine: str, nest: str) -> Row | None:
+        """The record of a nest on a machine, whether it is finished or not; None where there is none."""
+        return self._rows.get((machine, nest))
+
     def finished(self, machine: str, nest: str, key: str) -> Row | None:
         """The row of what is finished with this key, if its files are there as they were written."""
         row = self._rows.get((machine, nest))
@@ -104,6 +112,24 @@ class Store:
         row = self._rows.get((machine, nest))
         if row is not None:
             self._remove(row, row.files)
+
+    def forget(self, row: Row) -> bool:
+        """Remove all that was written of a row, and its record; whether a program was among it.
+
+        A file that is not as it was written stays.
+
+        Raises
+        ------
+        InputError
+            If a file cannot be removed.
+        """
+        record = self._record(row)
+        files = {record.parent / Path(name).name: sha256 for name, sha256 in row.files.items()}
+        ours = [path for path, sha256 in files.items() if holds(path, sha256)]
+        for path in (*ours, record):
+            remove(path, "a nest that is gone")
+        del self._rows[row.machine, row.nest]
+        return any(path.suffix == ".nc" for path in ours)
 
     def _remove(self, row: Row, names: Iterable[str]) -> None:
         """Remove files of a row but its plan. The record stays: with its files gone the nest is planned again."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -23,16 +24,16 @@ KILLED = f"""
 {COUNTED}
 import multiprocessing.spawn  # knows the interpreter from here on
 from kerfwise.cli import main
-from kerfwise.jobs.batch import run, store
+from kerfwise.jobs.batch import papers, run, store
 from kerfwise.postproc import files
 sys.executable = ""  # no process beside it goes on: a kill ends all, as a power cut does
-store.write_files = run.write_files = counted(files.write_files)
+store.write_files = papers.write_files = run.write_files = counted(files.write_files)
 main()
 """
-"""Killed before the writing of so many sets of files: those of each nest, the index at the end."""
-KILLED_IN_WRITING = KILLED.replace("store.write_files = run.write_files =", "os.replace =").replace(
-    "files.write_files", "os.replace"
-)
+"""Killed before the writing of so many sets of files: those of each nest, each machine's work sheets, the index."""
+KILLED_IN_WRITING = KILLED.replace(
+    "store.write_files = papers.write_files = run.write_files =", "os.replace ="
+).replace("files.write_files", "os.replace")
 """Killed before so many files have taken their places."""
 DIES = """
 from kerfwise.cli import main
@@ -61,6 +62,7 @@ main()
         (["in", "-o", "out", "--jobs", "0"], "--jobs"),
         (["in", "-o", "out", "--jobs", "2", "--scheduler", "tcp://127.0.0.1:1"], "--jobs is for this machine"),
         (["in", "-o", "out", "--time-limit", "soon"], "--time-limit"),
+        (["in", "-o", "out", "--tidy", "--watch"], "--tidy is for one run"),
     ],
 )
 def test_what_cannot_be_is_one_message(given: list[str], said: str) -> None:
@@ -106,22 +108,28 @@ def made() -> dict[str, bytes]:
 @pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="SIGKILL")
 def test_killed_at_five_moments_and_started_again() -> None:
-    write_nests(Path("in"), ("one", "more/one", "off the sheet"))
-    assert kerfwise(*BATCH).code == 1
+    write_nests(Path("in"), ("one", "off the sheet"))
+    sheets = (*BATCH, "--sheets")
+    assert kerfwise(*sheets).code == 1
     whole = made()
-    assert len(whole) == 4 * 4 + 2 + 3 + 1
-    for program, moment in ((KILLED, 1), (KILLED, 3), (KILLED, 7), (KILLED_IN_WRITING, 2), (KILLED_IN_WRITING, 7)):
-        subprocess.run(["rm", "-r", "out"], check=True)
-        command = [sys.executable, "-c", program, str(moment), *BATCH]
+    assert len(whole) == 2 * 4 + 2 + 2 * 2 + 3 + 1
+    moments = ((KILLED, 2), (KILLED, 6), (KILLED, 7), (KILLED_IN_WRITING, 3), (KILLED_IN_WRITING, 12))
+    for program, moment in moments:  # the second between the two PDFs, the third before the index
+        shutil.rmtree("out")
+        command = [sys.executable, "-c", program, str(moment), *sheets]
         assert subprocess.run(command, capture_output=True, check=False).returncode == -signal.SIGKILL
         for left in Path("out").rglob(".kerfwise-moves.json"):  # as if some time had gone by
             os.utime(left, (time.time() - 100, time.time() - 100))
         left_over = len(list(Path("out").rglob("*.batch.json")))
-        ended = kerfwise(*BATCH)
+        ended = kerfwise(*sheets)
         assert ended.code == 1, ended.err
         assert made() == whole
-        finished = [row for row in ended.out.splitlines() if row.startswith("4 of 6 planned")]
-        assert finished == [f"4 of 6 planned, {left_over} finished before" if left_over else "4 of 6 planned"]
+        finished = [row for row in ended.out.splitlines() if row.startswith("2 of 4 planned")]
+        assert finished == [f"2 of 4 planned, {left_over} finished before" if left_over else "2 of 4 planned"]
+    Path("in", "one.job.yaml").write_text("order: A-77\n")
+    command = [sys.executable, "-c", KILLED, "2", *sheets]
+    assert subprocess.run(command, capture_output=True, check=False).returncode == -signal.SIGKILL
+    assert not list(Path("out").glob("*.pdf")), "nobody cuts by an old sheet"
 
 
 @pytest.mark.slow

@@ -5,13 +5,16 @@ from __future__ import annotations
 import csv
 import io
 import re
+from pathlib import Path
 
 import pytest
 
+from kerfwise.commands.batch_progress import printed
 from kerfwise.jobs.batch.compared import cheapest, quickest, totals
 from kerfwise.jobs.batch.groups import groups_of
 from kerfwise.jobs.batch.index import index_files
 from kerfwise.jobs.batch.row import Figures, Row
+from kerfwise.jobs.batch.run import Batch
 
 
 def planned(machine: str, time_s: float, cost: float | None = None, currency: str = "EUR") -> Row:
@@ -93,3 +96,17 @@ def test_any_name_can_be_in_the_index() -> None:
     lines = list(csv.DictReader(io.StringIO(files["index.csv"])))
     assert [line["program"] for line in lines] == ["", "m/a.nc"]
     assert [line["gap"] for line in lines] == ["", "0.0"]
+
+
+def test_a_long_refusal_is_folded_and_nothing_of_it_is_lost() -> None:
+    told = "50 problems" + "".join(f"\n  - P{k} touches P{k + 1}" for k in range(50))
+    rows = [refused("a", told), refused("b", told.replace("50 p", "4 p").rsplit("\n", 46)[0])]
+    files = index_files(rows, ["m"])
+    before, _, rest = files["index.html"].partition("<details><summary>… and 47 more</summary>")
+    assert (before.count("touches"), rest.partition("</details>")[0].count("touches")) == (3, 47)
+    assert files["index.html"].count("<details>") == 1, "four are told as a whole"
+    assert [line["told"].count("touches") for line in csv.DictReader(io.StringIO(files["index.csv"]))] == [3, 4]
+    assert files["index.json"].count("touches") == 2 * (50 + 4), "at the nest, and among what is refused"
+    out = printed(Batch(tuple(rows), ("m",)), Path("out"))
+    assert out.count("touches") == 3 + 4
+    assert "… and 47 more, all of them in the index" in out
