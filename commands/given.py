@@ -116,6 +116,7 @@ def read_given(
 
     What its job file, --set and --lock say is laid over the profile: `of_nest` is what `asked_of` takes.
     """
+    from kerfwise.jobs.as_it_was_read import refit_as_made
     from kerfwise.jobs.nest_job.asked import job_for, locked_for, locks_told, profile_for
 
     asked = asked_of(profile, **of_nest)
@@ -124,7 +125,9 @@ def read_given(
     if told := locks_told(plant):
         tell_note(told)
     plant = plant.at_origin(origin) if origin else plant
-    read = drawn_nest(nest, plant, **said_of_reading(units, sheet, frame, repair, refit_arcs))
+    said = said_of_reading(units, sheet, frame, repair, refit_arcs)
+    said["refit_arcs_mm"] = refit_as_made(said["refit_arcs_mm"], asked.last, plant, tell_note)
+    read = drawn_nest(nest, plant, **said)
     for note in read.notes:
         click.echo(f"{note.severity}: {note.text}", err=True)
     if cut_all_the_same := tabs_not_left(read, plant):
@@ -135,7 +138,8 @@ def read_given(
 def reading_of(given: Given, options: Mapping[str, Any]) -> ReadOptions:
     """How the nest was read, with what the command line says of that."""
     names = ("units", "sheet", "frame", "repair", "refit_arcs")
-    return reading(given.profile, **said_of_reading(*(options[name] for name in names)))
+    said = said_of_reading(*(options[name] for name in names))
+    return reading(given.profile, **said | {"refit_arcs_mm": given.nest.refit_arcs_mm})
 
 
 def protect(given: Given, nest: str, outputs: Iterable[str | Path | None], *others: str | Path | None) -> None:

@@ -147,7 +147,8 @@ class Nest:
     `contours` lists every contour, part by part in file order, each part's marks, slits, holes, then outer, and after
     all parts the lines that cut up the skeleton, `scrap`. A nest as it is cut keeps the one that was read as `drawn`
     (see `small_holes.as_cut` and `slits.with_slits`). One whose `bridges` have been made keeps the parts that they
-    join, and all others, as they were drawn: `apart`.
+    join, and all others, as they were drawn: `apart`. `refit_arcs_mm` is how near to flattened outlines its arcs were
+    made; None where they are as drawn.
     """
 
     sheet: Sheet
@@ -159,6 +160,7 @@ class Nest:
     scrap: tuple[Contour, ...] = ()
     bridges: tuple[Bridge, ...] = ()
     apart: tuple[Part, ...] = ()
+    refit_arcs_mm: float | None = None
 
     @cached_property
     def kept(self) -> dict[Any, Any]:

@@ -94,7 +94,8 @@ def _read(file: Path, suffix: str, options: ReadOptions) -> Nest:
             checked = replace(validated(joined), notes=joined.notes)
     except InputError as error:
         raise BrokenNest(replace(drawn, file=shown(file.name)), error, file) from error.__cause__
-    return replace(checked, file=shown(file.name), sha256=hashlib.sha256(data).hexdigest())
+    sha256 = hashlib.sha256(data).hexdigest()
+    return replace(checked, file=shown(file.name), sha256=sha256, refit_arcs_mm=options.refit_arcs_mm)
 
 
 def file_bytes(file: Path) -> bytes:

@@ -10,6 +10,7 @@ from typing import Literal
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.as_it_was_read import refit_as_made
 from kerfwise.jobs.given import Given, NestLike, ProfileLike, Tell, drawn_nest, plant_of, silent
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.lock import Lock
@@ -124,7 +125,8 @@ def given_for(nest: NestLike, asked: Asked = NOTHING, tell: Tell = silent) -> Gi
     laid = isinstance(asked.profile, Profile) and asked.profile.for_one_nest is not None
     job = None if laid and asked.job is None else job_for(nest, asked.job, tell)
     plant = profile_for(asked, job, tell)
-    read = plant.as_cut(drawn_nest(nest, plant))
+    refit_mm = None if isinstance(nest, Nest) else refit_as_made(None, asked.last, plant, tell)
+    read = plant.as_cut(drawn_nest(nest, plant, refit_arcs_mm=refit_mm))
     return locked_for(read, None if isinstance(nest, Nest) else nest, plant, asked, job, tell)
 
 

@@ -14,7 +14,7 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.few_collections import few_collections
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.encoder.nest import Contour
+from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.slits import slit_because
 from kerfwise.encoder.small_holes import not_cut_because
 from kerfwise.encoder.tabs import off_mm
@@ -79,7 +79,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
     if solution.bound is not None:
         gap = (solution.objective - solution.bound) / solution.objective if solution.objective > 0 else 0.0
     return Plan(
-        nest={"file": nest.file, "sha256": nest.sha256},
+        nest=_named(nest),
         profile={"name": profile.name, "sha256": profile.sha256, **_charted(profile)},
         made_with=profile.for_one_nest,
         start_side=facts.start_side,
@@ -114,6 +114,12 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
         already_cut=tuple(_made(facts, cut, profile.material.kerf_mm) for cut in facts.already_cut),
         broken_off=None if (again := _broken_off(facts)) is None else _made(facts, again, profile.material.kerf_mm),
     )
+
+
+def _named(nest: Nest) -> dict[str, str]:
+    """The file of a nest, its sha256, and how near to it arcs were made, where they were."""
+    refit = {} if nest.refit_arcs_mm is None else {"refit_arcs_mm": f"{nest.refit_arcs_mm:.9g}"}
+    return {"file": nest.file, "sha256": nest.sha256, **refit}
 
 
 def _charted(profile: Profile) -> dict[str, str]:

@@ -21,6 +21,9 @@ from .plan_paths import SHA_DIGITS, Toolpath, toolpaths
 from .resume_comments import out_comments, resume_comment
 from .setting_comments import setting_comments
 
+ARCS_REFITTED = "ARCS REFITTED WITHIN"
+"""What a program of a nest says whose flattened outlines were made arcs again; a length in mm follows."""
+
 
 def write_program(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect | None = None) -> str:
     """The program of `plan` in the dialect of the profile's machine, or in one that has no file.
@@ -67,6 +70,8 @@ def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, 
     yield comment(dialect, f"KERFWISE FOR {plain(dialect.title).upper()}")
     of_file = f"SHA256 {nest.sha256[:SHA_DIGITS]}" if nest.sha256 else "TOLD FROM AN OLDER PROGRAM"
     yield comment(dialect, "NEST", PurePath(nest.file).name, of_file)
+    if nest.refit_arcs_mm is not None:
+        yield comment(dialect, f"{ARCS_REFITTED} {number(nest.refit_arcs_mm, 9)} MM")
     yield comment(dialect, "PROFILE", profile.name, f"SHA256 {profile.sha256[:SHA_DIGITS]}")
     if profile.for_one_nest is not None and (job := profile.for_one_nest).file:
         yield comment(dialect, "JOB", job.file, f"SHA256 {job.sha256[:SHA_DIGITS]}")

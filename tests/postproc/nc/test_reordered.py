@@ -23,6 +23,7 @@ from kerfwise.encoder.by_hand import rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
 from kerfwise.encoder.readers.options import ReadOptions
+from kerfwise.jobs.nest_job.asked import Asked, given_for
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.reader import read_plan
 from kerfwise.postproc.nc.reordered_dxf import reordered_dxf
@@ -292,7 +293,8 @@ def test_names_that_do_not_fit() -> None:
 def test_refit_arcs_on_the_command_line() -> None:
     ring = [[60 + 40 * math.cos(2 * math.pi * k / 90), 60 + 40 * math.sin(2 * math.pi * k / 90)] for k in range(90)]
     nest_file("a.json", [{"id": "A", "outer": ring}])
-    ended = kerfwise("solve", "a.json", "--work", 1, "--refit-arcs", "0.05 mm", "--svg", "a.svg", "-o", "a.nc")
+    ended = kerfwise("solve", "a.json", "--work", 1, "--refit-arcs", "0.05 mm", "--svg", "a.svg", "-o", "a.nc",
+                     "--plan", "a.plan.json")  # fmt: skip
     assert ended.code == 0, ended.err
     assert "repaired: 90 lines became 2 arcs in 1 contour, at most 0.0244 mm off (0.05 mm allowed)" in ended.err
     assert Path("a.svg").read_text().count("A") >= 2
@@ -301,6 +303,13 @@ def test_refit_arcs_on_the_command_line() -> None:
     assert len(lines) < len(Path("b.nc").read_text().splitlines()) - 60
     Path("refit.yaml").write_text("based_on: plasma-carbon-steel\ndrawing: {refit_arcs: 0.05 mm}\n")
     assert "2 arcs" in kerfwise("check", "a.json", "a.nc", "-p", "refit.yaml").err
+    for made in ("a.nc", "a.plan.json"):
+        ended = kerfwise("check", "a.json", made)
+        assert ended.code == 0, ended.err
+        assert f"note: arcs are refitted within 0.05 mm (--refit-arcs), as they were for {made}" in ended.err
+        assert "2 arcs" in ended.err
+        assert given_for("a.json", Asked(last=made)).nest.refit_arcs_mm == 0.05
+    assert "arcs" not in kerfwise("check", "a.json", "b.nc").err
     for given_length in ("0", "-1 mm", "much", "nan"):
         ended = kerfwise("solve", "a.json", "-o", "c.nc", "--refit-arcs", given_length)
         assert (ended.code, "--refit-arcs" in ended.err) == (2, True), ended.err
