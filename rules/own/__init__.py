@@ -3,6 +3,7 @@
 from .own_rule import PREFIX, Own, OwnFile, OwnRule
 from .plant_rule import PlantRule, Thresholds, as_rule, own_pairs
 from .read import own_rules_definitions, own_rules_schema, read_own_rules
+from .set_values import is_own, with_own_values
 
 __all__ = [
     "PREFIX",
@@ -12,8 +13,10 @@ __all__ = [
     "PlantRule",
     "Thresholds",
     "as_rule",
+    "is_own",
     "own_pairs",
     "own_rules_definitions",
     "own_rules_schema",
     "read_own_rules",
+    "with_own_values",
 ]

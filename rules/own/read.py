@@ -44,7 +44,7 @@ def read_own_rules(node: yaml.Node, problems: Problems) -> tuple[Own, ...]:
         is_file = any(key == "file" for key, _, _ in members)
         if len(problems.found) > so_far:
             continue
-        rule = _file(entry, members, problems, what) if is_file else _rule(entry, members, problems, what)
+        rule = _file(entry, members, problems, what) if is_file else read_own_rule(entry, members, problems, what)
         if rule is not None and rule.name in rules:
             problems.add(entry, f"{what}: the name {rule.name!r} is taken by an own rule before it")
         elif rule is not None:
@@ -52,7 +52,7 @@ def read_own_rules(node: yaml.Node, problems: Problems) -> tuple[Own, ...]:
     return tuple(rules.values())
 
 
-def _rule(entry: yaml.Node, members: KeyedNodes, problems: Problems, what: str) -> OwnRule | None:
+def read_own_rule(entry: yaml.Node, members: KeyedNodes, problems: Problems, what: str) -> OwnRule | None:
     so_far = len(problems.found)
     given: dict[str, Any] = {}
     asked = [(key, key_node, value) for key, key_node, value in members if key in ASKS]
@@ -61,7 +61,7 @@ def _rule(entry: yaml.Node, members: KeyedNodes, problems: Problems, what: str) 
             given[key] = read_selector(value, problems, f"{what}.select")
         elif key not in KEYS:
             problems.add(key_node, f"{what}: {unknown('key', key, [*KEYS, 'file'])}")
-    given |= _plain_values(members, problems, what)
+    given |= plain_values(members, problems, what)
     for key, key_node, _ in asked[1:]:
         problems.add(key_node, f"{what}: a rule asks one thing, this one asks {asked[0][0]} and {key}; write two rules")
     ask = [ASKS[key].read(key, value, problems, f"{what}.{key}") for key, _, value in asked[:1]]
@@ -76,7 +76,7 @@ def _rule(entry: yaml.Node, members: KeyedNodes, problems: Problems, what: str) 
 
 def _file(entry: yaml.Node, members: KeyedNodes, problems: Problems, what: str) -> OwnFile | None:
     so_far = len(problems.found)
-    given = _plain_values(members, problems, what)
+    given = plain_values(members, problems, what)
     for key, key_node, value in members:
         if key == "file":
             try:
@@ -97,7 +97,7 @@ def _file(entry: yaml.Node, members: KeyedNodes, problems: Problems, what: str) 
     return made
 
 
-def _plain_values(members: KeyedNodes, problems: Problems, what: str) -> dict[str, Any]:
+def plain_values(members: KeyedNodes, problems: Problems, what: str) -> dict[str, Any]:
     strength = next((value.value for key, _, value in members if key == "strength"), "hard")
     given: dict[str, Any] = {"weight": DEFAULT_WEIGHT_MM} if strength == "soft" else {}
     for key, _, value in members:

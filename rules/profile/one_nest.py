@@ -12,12 +12,13 @@ import yaml
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.yaml_positions import Place, Problems, compose, entries, is_empty
+from kerfwise.rules.own import is_own, with_own_values
 
 from .profile import Profile
 from .reader import given_by
 from .sections import SECTIONS
 
-SETTABLE = (*SECTIONS, "rules")
+SETTABLE = (*SECTIONS, "rules", "own_rules")
 """What a key that is set can begin with."""
 COMMAND_LINE = "--set"
 BOTH = "--set (in Python: settings)"
@@ -90,10 +91,12 @@ def with_settings(profile: Profile, settings: Sequence[Setting], file: str = COM
     if not settings:
         return profile
     problems = Problems(file)
-    root = _nested(settings, problems)
+    own = [(setting.key, setting.key_node, setting.node) for setting in settings if is_own(setting.key)]
+    root = _nested([setting for setting in settings if not is_own(setting.key)], settings[0].key_node, problems)
+    start = {f.name: getattr(profile, f.name) for f in dataclasses.fields(profile)}
+    start["own_rules"] = with_own_values(profile.own_rules, own, problems)
     try:
         problems.raise_any()
-        start = {f.name: getattr(profile, f.name) for f in dataclasses.fields(profile)}
         given = given_by(root, problems, start, _no_base)
     except InputError as error:
         if file != COMMAND_LINE:
@@ -122,7 +125,7 @@ class _Tree(dict[str, "tuple[yaml.Node, _Tree | yaml.Node]"]):
     """Key → where it stands, and what stands under it."""
 
 
-def _nested(settings: Iterable[Setting], problems: Problems) -> yaml.Node:
+def _nested(settings: Iterable[Setting], at: yaml.Node, problems: Problems) -> yaml.Node:
     """Settings as the YAML of a profile."""
     tree = _Tree()
     for setting in settings:
@@ -131,7 +134,7 @@ def _nested(settings: Iterable[Setting], problems: Problems) -> yaml.Node:
             problems.add(setting.key_node, f"set: {unknown('key', path[0], SETTABLE)}")
         else:
             _put(tree, path, setting.key_node, setting.node, setting.key, problems)
-    return _mapping(tree, next(iter(settings)).key_node)
+    return _mapping(tree, at)
 
 
 def _put(
