@@ -43,7 +43,7 @@ def check(profile: str, trust: bool) -> None:
     click.echo(f"{loaded.name}: fine, {hard} hard and {soft} soft rules")
     for text in Sources(loaded).charted():
         click.echo(f"  {text}")
-    for text in (*loaded.chart_notes(), locks_told(loaded)):
+    for text in (*loaded.chart_notes(), *loaded.price_notes(), locks_told(loaded)):
         if text:
             tell_note(text)
 

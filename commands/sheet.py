@@ -40,6 +40,8 @@ def command(
     expect_outputs([path], [Path(name) for name in (options["nest"], plan, program) if name])
     given = read_given(**options, last=plan)
     protect(given, options["nest"], [path], plan, program)
+    for text in given.profile.price_notes():
+        tell_note(text)
     facts = about_of_job(given.job) | facts
     made = work_sheet(given, read_plan(plan), program, about=facts, tell=tell_note)
     write_files({path: sheets_pdf([made], date)})

@@ -27,5 +27,8 @@ def command(made: str | None, as_json: bool, feed: float | None, kerf: float | N
     if program_alone(given["nest"], made):
         times = time_old(read_alone(feed, kerf, given))
     else:
-        times = time_made(read_given(**given, last=made), str(made), tell_note, trusted_if(feed))
+        asked = read_given(**given, last=made)
+        for text in asked.profile.price_notes():
+            tell_note(text)
+        times = time_made(asked, str(made), tell_note, trusted_if(feed))
     click.echo(json.dumps(times.as_json()) if as_json else times)

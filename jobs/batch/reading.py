@@ -61,4 +61,4 @@ def _notes(drawn: Nest, given: Given) -> Iterator[str]:
     if cut_all_the_same := tabs_not_left(drawn, given.profile):
         yield f"warning: {cut_all_the_same}"
     yield from (f"warning: {text}" for text in placing_notes(given.nest, given.profile))
-    yield from (f"note: {text}" for text in given.profile.chart_notes())
+    yield from (f"note: {text}" for text in (*given.profile.chart_notes(), *given.profile.price_notes()))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from kerfwise.rules.options.members import Members
@@ -52,3 +53,30 @@ class Prices:
         """Whether there is any price at all."""
         worn = self.consumables.set_price
         return any((self.machine_hour, self.gas_hour, self.gas_m3, self.kwh, worn, self.sheet_kg, self.sheet_each))
+
+    def half_given(self, gas_flow_m3_h: float | None) -> Iterator[str]:
+        """A sentence for each thing that is said in part, so that the cost leaves it out.
+
+        `gas_flow_m3_h` is how much gas flows, None where nobody says so.
+
+        Examples
+        --------
+        >>> list(Prices(machine_hour=80, torch_kw=40).half_given(None))
+        ['prices.torch_kw is given without prices.kwh: the cost leaves out the power']
+        """
+        worn = self.consumables
+        lasts = [f"prices.consumables.{key}" for key in ("pierces", "torch_hours") if getattr(worn, key)]
+        drawn = [f"prices.{key}" for key in ("torch_kw", "standby_kw") if getattr(self, key)]
+        if lasts and not worn.set_price:
+            yield _left_out(lasts, "prices.consumables.set_price", "consumables")
+        if drawn and not self.kwh:
+            yield _left_out(drawn, "prices.kwh", "the power")
+        if self.given and gas_flow_m3_h and not (self.gas_m3 or self.gas_hour):
+            yield _left_out(["material.gas_flow"], "prices.gas_m3 or gas_hour", "the gas")
+        if self.remnant_share and not (self.sheet_kg or self.sheet_each):
+            yield _left_out(["prices.remnant_share"], "prices.sheet_kg or sheet_each", "sheet and remnant")
+
+
+def _left_out(said: Sequence[str], missing: str, what: str) -> str:
+    given = f"{' and '.join(said)} {'is' if len(said) == 1 else 'are'} given"
+    return f"{given} without {missing}: the cost leaves out {what}"

@@ -181,6 +181,13 @@ class Profile:
         """What a planner would want to know of the material chart: what is interpolated, and what it is not asked."""
         return () if self.chart is None else tuple(self.chart.notes())
 
+    def price_notes(self) -> tuple[str, ...]:
+        """What a planner would want to know of the prices: what they say in part, so that the cost leaves it out."""
+        if found := tuple(self.prices.half_given(self.material.gas_flow_m3_h)):
+            return found
+        said = any(key.startswith("prices.") for key in self.said_at)
+        return ("prices: no price is given, so that no cost is told",) if said and not self.prices.given else ()
+
     def at_origin(self, origin: Origin) -> Profile:
         """The profile with the machine's zero where a plan or program says that it has it."""
         return (

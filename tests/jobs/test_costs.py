@@ -21,6 +21,7 @@ from kerfwise.models.plan.reader import read_plan
 from kerfwise.rules.profile.cuts_section import Cuts, Scrap
 from kerfwise.rules.profile.prices_section import Consumables, Prices
 from kerfwise.rules.profile.profile import load_profile
+from kerfwise.tests.commands.run_cli import kerfwise
 
 HOUR = RunTimes((), cut_s=1700.0, idle_s=1800.0, pierce_s=100.0)
 """An hour, half of it with the torch on."""
@@ -117,3 +118,44 @@ def test_the_flow_of_gas_is_in_the_chart(tmp_path: Path) -> None:
     plant = load_profile(file)
     assert plant.material.gas_flow_m3_h == pytest.approx(3.0)
     assert dict(cost_of_sheet(HOUR, 0, PLATE, plant).parts) == pytest.approx({"gas": 3.0})  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            "prices: {machine_hour: 80, consumables: {pierces: 400, torch_hours: 3}}",
+            "prices.consumables.pierces and prices.consumables.torch_hours are given without "
+            "prices.consumables.set_price: the cost leaves out consumables",
+        ),
+        (
+            "prices: {torch_kw: 40}",
+            "prices.torch_kw is given without prices.kwh: the cost leaves out the power",
+        ),
+        (
+            "material: {gas_flow: 80 l/min}\nprices: {machine_hour: 80}",
+            "material.gas_flow is given without prices.gas_m3 or gas_hour: the cost leaves out the gas",
+        ),
+        ("material: {gas_flow: 80 l/min}", ""),
+        (
+            "prices: {machine_hour: 80, remnant_share: 0.5}",
+            "prices.remnant_share is given without prices.sheet_kg or sheet_each: the cost leaves out sheet and "
+            "remnant",
+        ),
+        ("prices: {sheet_kg: 1, remnant_share: 0.5}", ""),
+        ("prices: {currency: USD}", "prices: no price is given, so that no cost is told"),
+        ("prices: {machine_hour: 80}", ""),
+        ("name: bare", ""),
+    ],
+)
+def test_prices_that_are_half_given_say_what_is_missing(text: str, said: str, tmp_path: Path) -> None:
+    file = tmp_path / "plant.yaml"
+    file.write_text(text, encoding="utf-8")
+    assert load_profile(file).price_notes() == ((said,) if said else ())
+
+
+def test_the_command_line_tells_it(tmp_path: Path) -> None:
+    file = tmp_path / "plant.yaml"
+    file.write_text("prices: {machine_hour: 80, torch_kw: 40}\n", encoding="utf-8")
+    ended = kerfwise("profile", "check", file)
+    assert (ended.code, "note: prices.torch_kw is given without prices.kwh" in ended.err) == (0, True)
