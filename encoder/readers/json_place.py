@@ -20,6 +20,8 @@ def places(text: str, paths: Sequence[Path]) -> list[tuple[int | None, int | Non
     >>> places('{"parts": [\\n  {"id": "A"},\\n  {"id": 7}]}', [["parts", 1, "id"]])
     [(3, 10)]
     """
+    if not paths:
+        return []
     try:
         root = yaml.compose(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
     except (yaml.YAMLError, RecursionError):

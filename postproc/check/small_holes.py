@@ -12,8 +12,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import shapely
 
-from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.scrap import with_scrap
 from kerfwise.encoder.small_holes import HoleLimits
@@ -54,8 +55,13 @@ class Judged:
 
 
 def judged_nest(nest: Nest, profile: Profile) -> Judged:
-    """The drawing's nest as the profile has it cut."""
-    drawn, limits = nest.drawn or nest, profile.hole_limits()
+    """The drawing's nest as the profile has it cut; kept with the drawing, for a plan and its program."""
+    scrap = profile.cuts.scrap
+    return _judged(nest.drawn or nest, profile.hole_limits(), profile.material.kerf_mm, scrap.grid_mm, scrap.remnant)
+
+
+@kept_with_nest(most=2)
+def _judged(drawn: Nest, limits: HoleLimits, kerf_mm: float, grid_mm: float | None, remnant: Side | None) -> Judged:
     under_mm = limits.least_mm if limits.under == "refuse" else max(limits.least_mm, limits.room_mm)
     outers = shapely.STRtree([part.outer.polygon for part in drawn.parts])
     small: list[SmallHole] = []
@@ -80,8 +86,7 @@ def judged_nest(nest: Nest, profile: Profile) -> Judged:
                 marks.append(_cross(hole, area, limits))
         changed = len(holes) != len(part.holes)
         parts.append(replace(part, holes=tuple(holes), marks=tuple(marks)) if changed else part)
-    scrap = profile.cuts.scrap
-    lined = with_scrap(drawn, profile.material.kerf_mm, scrap.grid_mm, scrap.remnant)
+    lined = with_scrap(drawn, kerf_mm, grid_mm, remnant)
     changed_parts = replace(lined, parts=tuple(parts), drawn=drawn) if small else lined
     return Judged(changed_parts, tuple(small), shares)
 

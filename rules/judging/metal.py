@@ -5,7 +5,8 @@ It is looked up once: which parts may take metal from around which, and which se
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -118,6 +119,28 @@ class Sights:
     of: list[list[tuple[int, int]]]
     barred_by: list[Ints]
     inner: list[tuple[float, float]]
+
+    def going_on(
+        self, parts: Sequence[int], barred: Bools, far_mm: float, known: Set[int] = frozenset()
+    ) -> set[int] | None:
+        """Parts on the metal of some parts, where lines that are not `barred` show that it is wider than `far_mm`.
+
+        They are those that were seen before that showed. It shows, too, where one of them is `known` to be on such
+        metal. None where it does not.
+        """
+        reached, seen = list(parts), set(parts)
+        low_x = low_y = math.inf
+        high_x = high_y = -math.inf
+        for q in reached:
+            x, y = self.inner[q]
+            low_x, low_y, high_x, high_y = min(low_x, x), min(low_y, y), max(high_x, x), max(high_y, y)
+            if q in known or high_x - low_x > far_mm or high_y - low_y > far_mm:
+                return seen
+            for sight, other in self.of[q]:
+                if other not in seen and not barred[sight]:
+                    seen.add(other)
+                    reached.append(other)
+        return None
 
 
 def sights_of(areas: Any, inner: Any, grown: Any, ground: Any, far_mm: float) -> Sights:

@@ -6,7 +6,6 @@ strip is wide, and an island is a piece of metal that is closed within a few str
 
 from __future__ import annotations
 
-import math
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -142,6 +141,8 @@ class Uncut:
         window = _wider(metal.grown[p], reach)
         near = metal.tree.query(shapely.box(*window))
         gone, left = near[self.out[near]], near[~self.out[near]]
+        if self._all_go_on(left.tolist()):
+            return
         touching = gone[shapely.intersects(metal.grown[gone], metal.grown[p])]
         if len(left) == 0 or not self._divides(p, [int(k) for k in touching if k != p]):
             return
@@ -172,28 +173,30 @@ class Uncut:
             px0, py0, px1, py1 = shapely.bounds(pieces).reshape(-1, 4).T
             ends = (px0 > near[0]) & (py0 > near[1]) & (px1 < near[2]) & (py1 < near[3])
             islands = [piece for piece in pieces[ends] if shapely.intersects(piece, inner).any()]
-            if len(islands) < 2 and all(self._large(piece, window, left) for piece in pieces[~ends]):
+            if len(islands) < 2 and all(self._large(piece, left) for piece in pieces[~ends]):
                 return np.array(islands, dtype=object)
         return self._pieces(window)
 
-    def _large(self, piece: Any, window: Box, left: Ints) -> bool:
-        """Whether parts that are still in show that a piece of metal goes on, in a window, farther than islands do."""
-        reached = left[shapely.intersects(piece, self.metal.inner[left])].tolist()
-        seen, sights, inner = set(reached), self.metal.sights, self.metal.sights.inner
-        low_x = low_y = math.inf
-        high_x = high_y = -math.inf
-        for q in reached:
-            x, y = inner[q]
-            low_x, low_y, high_x, high_y = min(low_x, x), min(low_y, y), max(high_x, x), max(high_y, y)
-            if max(high_x - low_x, high_y - low_y) > ISLAND_STRIPS * self.metal.strip_mm + 1e-6:
-                return True
-            for sight, other in sights.of[q]:
-                if other not in seen and not self.barred[sight]:
-                    x, y = inner[other]
-                    if window[0] < x < window[2] and window[1] < y < window[3]:
-                        seen.add(other)
-                        reached.append(other)
-        return False
+    def _large(self, piece: Any, left: Ints) -> bool:
+        """Whether parts that are still in show that a piece of metal goes on farther than islands do."""
+        on_it = left[shapely.intersects(piece, self.metal.inner[left])].tolist()
+        return self.metal.sights.going_on(on_it, self.barred, self._island_mm) is not None
+
+    def _all_go_on(self, left: Sequence[int]) -> bool:
+        """Whether the metal of every part still in is seen to go on farther than islands do."""
+        large: set[int] = set()
+        for q in left:
+            if q not in large:
+                seen = self.metal.sights.going_on([q], self.barred, self._island_mm, large)
+                if seen is None:
+                    return False
+                large |= seen
+        return True
+
+    @property
+    def _island_mm(self) -> float:
+        """Wider than this is no island."""
+        return ISLAND_STRIPS * self.metal.strip_mm + 1e-6
 
     def _pieces(self, window: Box) -> Any:
         """The pieces of metal that is left in a window."""
@@ -216,12 +219,29 @@ def _wider(area: Any, by_mm: float) -> Box:
     return x0 - by_mm, y0 - by_mm, x1 + by_mm, y1 + by_mm
 
 
-@kept_with_nest(most=4)
 def strips_and_islands(nest: Nest, order: tuple[str, ...], strip_mm: float, web_mm: float) -> tuple[Cutting, ...]:
     """What lies badly after each cut of an order of contour ids, told once a part; numbers are those of parts.
 
-    Kept for the last few orders: the plan that is found is looked at again as a plan, and as a program.
+    Kept for the last few orders, with the nest as drawn: the plan that is found is looked at again as a plan, and as a
+    program.
     """
+    return _told(_as_drawn(nest), order, strip_mm, web_mm)
+
+
+def _as_drawn(nest: Nest) -> Nest:
+    """The nest as drawn, where its parts have the same outlines on the same sheet, and lie in the same holes."""
+    drawn = nest.drawn
+    if drawn is None or drawn.sheet is not nest.sheet or len(drawn.parts) != len(nest.parts):
+        return nest
+    same = all(
+        one.id == other.id and one.outer.curve is other.outer.curve
+        for one, other in zip(nest.parts, drawn.parts, strict=True)
+    )
+    return drawn if same and places(drawn, host_holes(drawn)) == places(nest, host_holes(nest)) else nest
+
+
+@kept_with_nest(most=4)
+def _told(nest: Nest, order: tuple[str, ...], strip_mm: float, web_mm: float) -> tuple[Cutting, ...]:
     return tuple(_badly(nest, order, strip_mm, web_mm))
 
 
