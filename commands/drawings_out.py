@@ -35,6 +35,8 @@ def drawings(
     plan: Plan, given: Given, svg: str | None, dxf: str | None, options: Mapping[str, Any]
 ) -> dict[Path, str | bytes]:
     """The files that are asked for; what is not in them is said."""
+    if not svg and not dxf:
+        return {}
     from kerfwise.postproc.nc.reordered_dxf import reordered_dxf
     from kerfwise.postproc.nc.reordered_svg import reordered_svg
 

@@ -17,7 +17,6 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.still_going import long_job, so_much
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.postproc.clock.contour_heat import contour_heat_kj
-from kerfwise.rules.flat.compiler import minizinc_program
 from kerfwise.rules.lock import check_locks
 from kerfwise.rules.profile.common_use import expect_common_cuts
 from kerfwise.rules.profile.profile import Profile
@@ -61,9 +60,12 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) ->
     RulesConflict
         If contours cannot be cut and hard rules cannot hold in any order: the second is mostly the reason of the first.
     """
-    for rule in profile.model_rules():
+    if rules := profile.model_rules():
+        from kerfwise.rules.flat.compiler import minizinc_program
+
         minizinc_program()
-        rule.expect_small(nest)
+        for rule in rules:
+            rule.expect_small(nest)
     so_much(len(nest.contours), "contour", "contours")
     nest = profile.as_cut(nest)
     check_locks(profile.locks, nest)

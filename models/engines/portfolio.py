@@ -7,6 +7,7 @@ plan is proven.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from kerfwise.models.engines.ideals.windows import polish
 from kerfwise.models.problem.evaluate import broken, route_cost
@@ -15,9 +16,11 @@ from kerfwise.models.problem.problem import Problem
 from . import beam, bounds, cpsat, ideals
 from .known import Known
 from .names import Member
-from .search import Searcher
 from .solution import Incumbent, Progress, SolveOptions, table_bytes
 from .watch import Watch
+
+if TYPE_CHECKING:
+    from .search import Searcher
 
 FIRST, FIRST_S, FIRST_MOST = 0.03, 0.9, 0.6
 """Share of the work for a first look by the search; as many seconds at the least, but no more than this share."""
@@ -159,6 +162,8 @@ class _Run:
 
     def _look(self, share: float, looks: int) -> None:
         """Searches from scratch, as one alone may be caught; that of the best plan is gone on with later."""
+        from .search import Searcher  # what most small nests are proven without
+
         best: Searcher | None = None
         for look in range(looks):
             known = self.known.incumbent
@@ -171,6 +176,8 @@ class _Run:
         self.searcher = best
 
     def _search(self, share: float) -> None:
+        from .search import Searcher
+
         if self.searcher is None:
             self.searcher = Searcher(self.problem, self.options.seed)
             if self.known.incumbent is not None:

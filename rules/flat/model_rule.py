@@ -25,18 +25,18 @@ from kerfwise.rules.rule import Forced, Ids, Rule, Strength, Violation
 from kerfwise.rules.rule_file import RuleFile
 from kerfwise.rules.statements import About, Before, Statement
 
-from .flatten import Flattened, JudgedOrder, flatten, judge_order, judge_orders
 from .further_words import further_words
 from .measured_facts import Limits, measured_data, missing, order_data, orders_data
 from .model_file import ModelFile, Parameter, read_model_file, states, whole_text
 from .nodes import Lit, Node, contours_of, parts
-from .to_statements import NotHeld, Way, Writer
 
 if TYPE_CHECKING:
     from kerfwise.encoder.candidates.candidate import LeadOptions
     from kerfwise.encoder.facts.facts import FactOptions, Facts
     from kerfwise.rules.plant import Plant
     from kerfwise.rules.rule import RuleSetting
+
+    from .flatten import Flattened, JudgedOrder
 
 
 _MARKS = (
@@ -115,6 +115,9 @@ class ModelRule(Rule[Any]):
             )
 
     def statements(self, facts: Facts, options: Any) -> Iterator[Statement]:
+        from .flatten import flatten  # most runs have no rule in a file: they do without the reading of such
+        from .to_statements import NotHeld, Way, Writer
+
         self.expect_small(facts.nest)
         further = self.further(options)
         data = facts_data(facts) + assignments(self.data(facts, options)) + self.words(facts.nest)
@@ -176,6 +179,8 @@ class ModelRule(Rule[Any]):
     def violations(self, nest: Nest, cuts: CutSequence, options: Any) -> list[Violation]:
         if self.unjudged(nest, cuts, options) is not None:
             return []
+        from .flatten import judge_order
+
         data = self._measured_data(nest, cuts, options)
         order = judge_order(self.file, data + assignments(order_data(nest, cuts)))
         return self._blamed(nest, cuts, order, () if all(order.holds) else self._flat(nest, data).elements)
@@ -187,6 +192,8 @@ class ModelRule(Rule[Any]):
 
         Sentences are kerfwise's own.
         """
+        from .flatten import judge_orders
+
         alike: dict[frozenset[tuple[object, ...]], list[int]] = {}
         for k, cuts in enumerate(orders):
             alike.setdefault(frozenset((c.contour, c.entry, c.direction, c.zone) for c in cuts), []).append(k)
@@ -276,6 +283,8 @@ class ModelRule(Rule[Any]):
         return self._flat(nest, self._measured_data(nest, cuts, options))
 
     def _flat(self, nest: Nest, data: str) -> Flattened:
+        from .flatten import flatten
+
         n = len(nest.contours)
         return flatten(self.file, data, n, range(n))
 
