@@ -16,6 +16,7 @@ import numpy as np
 from kerfwise.models.engines.solution import Incumbent, Progress
 from kerfwise.models.problem.problem import Problem
 
+from .between import Between
 from .branching import MOST_BRANCHED, branch
 from .demands import DemandColumns
 from .flow_program import FlowProgram
@@ -94,6 +95,7 @@ class CutLoop:
         What holds of all moves is noted as the best.
         """
         flow, best, seen = self.flow, 0.0, [0.0] * patience
+        between = Between(self._separation)
         found: Inequalities | None = None
         self.stalled = False
         while flow.solve(self._work):
@@ -104,7 +106,7 @@ class CutLoop:
             if best > self._plan.cost - 1 or not self.go():
                 break
             before = self._separation.work
-            found = self._separation.broken(flow.moves, flow.beside, self.go)
+            found = between.broken(flow.moves, flow.beside, self.go)
             flow.work += self._separation.work - before
             seen.append(best)
             if (flow.complete and not len(found)) or best < (1 + least_gain) * seen[-1 - patience]:

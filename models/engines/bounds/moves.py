@@ -11,25 +11,36 @@ from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.problem import Problem
 
 
-def least_moves(problem: Problem) -> Floats:
-    """Cost of going from the end of one site to the pierce of another, (m + 1, m + 1), home last.
+class Moves:
+    """What it costs at least to go from the end of one site to the pierce of another, from site to site.
 
     Infinite for moves that no lawful order has. What soft lags charge for following each other at once is in it, and
     what is crossed that is out in every order that has the move. What depends on the order is not: it can only add.
     """
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem, n = problem, problem.n
+        self._owner = np.append(problem.site_contour, n)
+        self._extra: Floats = np.where(problem.successors(), 0.0, np.inf)
+        for lag in problem.lags:
+            if lag.weight is not None and lag.cuts > 0:
+                cost = round(lag.weight * UM_PER_MM) * lag.cuts
+                self._extra[lag.first, lag.second] += cost
+                self._extra[lag.second, lag.first] += cost
+        self._charged = sure_crossings(problem) if len(problem.crossings) else None
+
+    def between(self, leave: Ints, reach: Ints) -> Floats:
+        """From each site in `leave` (k,) to each in `reach` (l,), (k, l); home is site m."""
+        move = self._problem.travel(leave, reach) + self._extra[np.ix_(self._owner[leave], self._owner[reach])]
+        if self._charged is not None:
+            move += self._charged[leave][:, reach].toarray()
+        return move
+
+
+def least_moves(problem: Problem) -> Floats:
+    """All `Moves`, (m + 1, m + 1), home last."""
     everywhere = np.arange(problem.m + 1)
-    owner = np.append(problem.site_contour, problem.n)
-    move = problem.travel(everywhere, everywhere).astype(np.float64)
-    for lag in problem.lags:
-        if lag.weight is not None and lag.cuts > 0:
-            cost = round(lag.weight * UM_PER_MM) * lag.cuts
-            one, other = np.flatnonzero(owner == lag.first), np.flatnonzero(owner == lag.second)
-            move[np.ix_(one, other)] += cost
-            move[np.ix_(other, one)] += cost
-    if len(problem.crossings):
-        move += sure_crossings(problem).toarray()
-    move[~problem.successors()[np.ix_(owner, owner)]] = np.inf
-    return move
+    return Moves(problem).between(everywhere, everywhere)
 
 
 def sure_crossings(problem: Problem) -> csr_matrix:

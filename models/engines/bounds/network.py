@@ -13,29 +13,34 @@ from itertools import product
 
 import numpy as np
 
-from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.arrays import Bools, Float32s, Floats, Ints
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import Crossings
 from kerfwise.models.problem.links import Links
 from kerfwise.models.problem.problem import Problem
 
-from .moves import least_moves
+from .moves import Moves
 
 MOST_SPLIT = 2
 """Conditions of a site that are paid for by a site of their own, at the most."""
+WIDE = 2000
+"""With more sites what moves cost is kept in half the bytes, rounded down."""
+ROWS = 500
+"""Sites from which all moves are worked out at once."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Network:
     """A problem of m sites that no plan undercuts, and what holds wherever a site of it is used.
 
-    `cost` (m + 1, m + 1) is that of every move with the site it leads to, home last, infinite where no plan has it.
+    `cost` (m + 1, m + 1) is that of every move with the site it leads to, home last, infinite where no plan has it: no
+    more than that where there are many sites, as narrow numbers do not hold all that wide ones do.
     `sooner[s, c]` says that contour c is out before site s is cut, `later[s, c]` that it is not; both (m + 1, n), all
     false for home. `plan` is the known plan on these sites.
     """
 
     problem: Problem
-    cost: Floats
+    cost: Floats | Float32s
     sooner: Bools
     later: Bools
     plan: tuple[int, ...]
@@ -63,9 +68,9 @@ def network_of(problem: Problem, route: Sequence[int], most: int, most_sites: in
         if condition.when is not None:
             hard = condition.cost is not None and condition.cost > most
             asked[condition.when].append(replace(condition, cost=None) if hard else condition)
-    splits = _splits(problem, asked, MOST_SPLIT)
+    splits = _splits(problem, asked, MOST_SPLIT, most)
     if len(splits) > most_sites:
-        splits = _splits(problem, asked, 0)
+        splits = _splits(problem, asked, 0, most)
     sites = np.array([split.site for split in splits], dtype=np.int64)
     contours = problem.site_contour[sites]
     paid = np.array([sum(c.cost or 0 for c in split.paid) for split in splits], dtype=np.int64)
@@ -86,17 +91,35 @@ def network_of(problem: Problem, route: Sequence[int], most: int, most_sites: in
     none = np.zeros((1, problem.n), dtype=np.bool_)
     sooner = np.vstack([*(split.sooner[None] for split in splits), none])
     later = np.vstack([*(split.later[None] for split in splits), none])
-    cost = least_moves(problem)[np.ix_(np.append(sites, problem.m), np.append(sites, problem.m))]
-    cost[:, :-1] += split_problem.site_cost
-    cost[~_lawful(contours, sooner, later)] = np.inf
+    cost = _costs(problem, sites, split_problem, sooner, later)
     return Network(split_problem, cost, sooner, later, tuple(_on(splits, route, problem)))
 
 
-def _splits(problem: Problem, asked: list[list[Condition]], most: int) -> list[_Split]:
-    """All sites, as often as so many of their conditions can be met or paid for."""
+def _costs(problem: Problem, sites: Ints, split: Problem, sooner: Bools, later: Bools) -> Floats | Float32s:
+    """See `Network`; `sites` are those of the problem that the sites of the `split` one stand for."""
+    m, moves = split.m, Moves(problem)
+    cost: Floats | Float32s = np.empty((m + 1, m + 1), dtype=np.float32 if m > WIDE else np.float64)
+    ends, charged = np.append(sites, problem.m), np.append(split.site_cost, 0)
+    wants_out, wants_in = sooner.astype(np.float32).T, later.astype(np.float32)
+    for start in range(0, m + 1, ROWS):
+        rows = np.arange(start, min(start + ROWS, m + 1))
+        part = moves.between(ends[rows], ends) + charged
+        part[~_lawful(rows, split.site_contour, sooner, later, wants_in[rows] @ wants_out)] = np.inf
+        cost[rows] = part
+        if cost.dtype == np.float32:
+            above = cost[rows] > part
+            cost[rows] = np.where(above, np.nextafter(cost[rows], np.float32(-np.inf)), cost[rows])
+    return cost
+
+
+def _splits(problem: Problem, asked: list[list[Condition]], most: int, most_um: int) -> list[_Split]:
+    """All sites, as often as so many of their conditions can be met or paid for; none that costs more than a plan."""
+    dear = np.inf if len(problem.links) or problem.matrix is not None else most_um
     splits: list[_Split] = []
     for i in range(problem.n):
-        of_contour = [split for s in problem.sites(i) for split in _splits_of(problem, s, asked[s], most)]
+        near = [s for s in problem.sites(i) if problem.site_cost[s] <= dear]
+        of_contour = [split for s in near for split in _splits_of(problem, s, asked[s], most)]
+        of_contour = [s for s in of_contour if problem.site_cost[s.site] + sum(c.cost or 0 for c in s.paid) <= dear]
         if not of_contour:  # no lawful plan: not for this to find out
             plain = (_Split(s, (), problem.before[:, i], problem.before[i], ()) for s in problem.sites(i))
             of_contour.extend(plain)
@@ -154,14 +177,18 @@ def _ordered(problem: Problem, i: int, met: list[Condition]) -> tuple[Bools, Boo
             return sooner, later, left
 
 
-def _lawful(contours: Ints, sooner: Bools, later: Bools) -> Bools:
-    """Which site may follow which: none that is to be out before, or after something that is to be between them."""
-    between = later.astype(np.float32) @ sooner.astype(np.float32).T > 0.5
-    between[-1] = sooner.any(axis=1)
-    between[:, -1] = later.any(axis=1)
-    between[:, :-1] |= sooner[:, contours]
-    between[:-1] |= later[:, contours].T
-    return np.asarray(~between)
+def _lawful(rows: Ints, contours: Ints, sooner: Bools, later: Bools, between: Float32s) -> Bools:
+    """Which site may follow some: none that is to be out before, or after something that is to be between them.
+
+    `between` (rows, m + 1) counts the contours that are.
+    """
+    never = between > 0.5
+    home = len(contours)
+    never[rows == home] = sooner.any(axis=1)
+    never[:, home] = later[rows].any(axis=1)
+    never[:, :home] |= sooner[rows][:, contours]
+    never |= np.where((rows < home)[:, None], later[:, contours[np.minimum(rows, home - 1)]].T, False)
+    return np.asarray(~never)
 
 
 def _on(splits: list[_Split], route: Sequence[int], problem: Problem) -> Iterator[int]:

@@ -26,8 +26,10 @@ UNIT = 1_000_000
 """Flows are whole millionths."""
 MUCH, LITTLE = 0.2, 0.05
 """What may be missing of a flow without a cut: less only where there is no cut by more."""
-MOST = 250
-"""Inequalities in a round."""
+MOST, PLENTY = 250, 2
+"""Inequalities in a round at the most, unless there are more contours; and how many times as many are looked for."""
+REST = 3
+"""Rounds for which ways that nothing is missing of are looked at no more, unless nothing is missing of any other."""
 LOOKS = 64
 """Ways from one look at whether to go on to the next."""
 MOVES_PER_S = 1.2e7
@@ -41,6 +43,16 @@ class Flow:
     leave: Ints
     reach: Ints
     amount: Floats
+
+
+class _Sites(NamedTuple):
+    """Some sites of a contour."""
+
+    contour: int
+    sites: tuple[int, ...]
+
+
+_Task = tuple[int] | tuple[int, int] | _Sites | Order
 
 
 class _Way(NamedTuple):
@@ -83,7 +95,11 @@ class Separation:
         self._wants_out = np.ascontiguousarray(network.sooner.T)
         self._wants_in = np.ascontiguousarray(network.later.T)
         self._owner = np.append(self._problem.site_contour, self._problem.n)
+        self._blocks = np.append(self._problem.block, -1)[self._owner]
+        self._near = immediate(self._problem.before)
         self._ordered = self._sites_by_order()
+        self._most = max(MOST, self._problem.n)
+        self._round, self._rests = 0, dict[_Task, int]()
         self.work = 0.0
 
     def broken(self, flow: Flow, beside: Floats, go: Callable[[], bool] = lambda: True) -> Inequalities:
@@ -93,40 +109,65 @@ class Separation:
         """
         graph = _Graph(self._network, flow)
         found: dict[bytes, _Missing] = {}
-        for count, way in enumerate(self._ways(graph.used, beside)):
-            if count % LOOKS == 0 and not go():
-                break
-            self.work += graph.size / MOVES_PER_S
-            missing = graph.least_cut(way, beside)
-            if missing is not None:
-                found.setdefault(missing.name, missing)
+        self._round += 1
+        tasks = self._tasks(graph.used, beside)
+        tasks = [tasks[k] for k in np.random.default_rng(self._round).permutation(len(tasks)).tolist()]
+        rested = [task for task in tasks if self._rests.get(task, 0) <= self._round]
+        self._look(rested, graph, beside, found, go)
+        if not found:
+            self._look([task for task in tasks if self._rests.get(task, 0) > self._round], graph, beside, found, go)
         by_much = [missing for missing in found.values() if missing.amount > MUCH]
-        chosen = sorted(by_much or found.values(), key=lambda missing: -missing.amount)[:MOST]
+        chosen = sorted(by_much or found.values(), key=lambda missing: -missing.amount)[: self._most]
         m, columns = self._problem.m, len(beside)
         covers = [cover for _, cover in self._demands.covers(graph.used, beside)]
         return of_cuts([graph.lifted(missing) for missing in chosen], m, columns).joined(of_covers(covers, m, columns))
 
-    def _ways(self, used: Floats, beside: Floats) -> Iterator[_Way]:
-        problem, wants_out, wants_in = self._problem, self._wants_out, self._wants_in
-        n, before, block = problem.n, problem.before, np.append(problem.block, -1)[self._owner]
-        for j in range(n):
-            yield _Way(n, j, wants_out[j])
-            yield _Way(j, n, wants_in[j])
-        for i, j in np.argwhere(immediate(before)).tolist():
+    def _look(
+        self, tasks: list[_Task], graph: _Graph, beside: Floats, found: dict[bytes, _Missing], go: Callable[[], bool]
+    ) -> None:
+        """Look at some until more is missing than a round takes; those that nothing is missing of then rest."""
+        much = 0
+        for count, task in enumerate(tasks):
+            if much > PLENTY * self._most or (count % LOOKS == 0 and not go()):
+                break
+            whole = True
+            for way in self._ways(task):
+                self.work += graph.size / MOVES_PER_S
+                missing = graph.least_cut(way, beside)
+                if missing is not None:
+                    whole = False
+                    much += missing.amount > MUCH and missing.name not in found
+                    found.setdefault(missing.name, missing)
+            if whole:
+                self._rests[task] = self._round + REST
+
+    def _tasks(self, used: Floats, beside: Floats) -> list[_Task]:
+        """What may be missing of a flow: to and from every contour, between two, by sites, and in an order."""
+        tasks: list[_Task] = [(j,) for j in range(self._problem.n)]
+        tasks += [(i, j) for i, j in np.argwhere(self._near).tolist()]
+        split = np.flatnonzero((used[:-1] > LITTLE) & (used[:-1] < 1 - LITTLE))
+        tasks += [_Sites(int(self._problem.site_contour[site]), (site,)) for site in split.tolist()]
+        tasks += [some for some in self._ordered if used[list(some.sites)].sum() > LITTLE]
+        orders = (order for pair in self._demands.pairs for order in (pair, pair.other_way_round))
+        return [*tasks, *(order for order in orders if order.value(beside) > LITTLE)]
+
+    def _ways(self, task: _Task) -> Iterator[_Way]:
+        n, wants_out, wants_in = self._problem.n, self._wants_out, self._wants_in
+        if isinstance(task, _Sites):
+            yield from self._by_sites(task.contour, list(task.sites))
+        elif isinstance(task, Order):
+            block = self._blocks
+            i, j = task.first, task.then
+            sooner, later = block == self._problem.block[i], block == self._problem.block[j]
+            yield _Way(n, i, wants_out[i] | wants_out[j] | later, order=task)
+            yield _Way(i, j, wants_in[i] | wants_out[j], order=task)
+            yield _Way(j, n, wants_in[j] | wants_in[i] | sooner, order=task)
+        elif len(task) == 1:
+            yield _Way(n, task[0], wants_out[task[0]])
+            yield _Way(task[0], n, wants_in[task[0]])
+        else:
+            i, j = task
             yield _Way(i, j, wants_in[i] | wants_out[j])
-        for site in np.flatnonzero((used[:-1] > LITTLE) & (used[:-1] < 1 - LITTLE)).tolist():
-            yield from self._by_sites(int(problem.site_contour[site]), [site])
-        for j, sites in self._ordered:
-            if used[sites].sum() > LITTLE:
-                yield from self._by_sites(j, sites)
-        for pair in self._demands.pairs:
-            for order in (pair, pair.other_way_round):
-                if order.value(beside) > LITTLE:
-                    i, j = order.first, order.then
-                    sooner, later = block == problem.block[i], block == problem.block[j]
-                    yield _Way(n, i, wants_out[i] | wants_out[j] | later, order=order)
-                    yield _Way(i, j, wants_in[i] | wants_out[j], order=order)
-                    yield _Way(j, n, wants_in[j] | wants_in[i] | sooner, order=order)
 
     def _by_sites(self, j: int, sites: list[int]) -> Iterator[_Way]:
         """Ways to and from some sites of contour j, with what holds where one of them is used."""
@@ -145,9 +186,9 @@ class Separation:
         for k in np.flatnonzero(sooner & ~self._problem.before[:, j]).tolist():
             yield _Way(k, j, after | others | self._wants_in[k], end_sites=through)
 
-    def _sites_by_order(self) -> list[tuple[int, list[int]]]:
+    def _sites_by_order(self) -> list[_Sites]:
         """Contours with those of their sites that want one other contour out, or in, where those are several."""
-        found: dict[tuple[int, tuple[int, ...]], None] = {}
+        found: dict[_Sites, None] = {}
         for side in (self._network.sooner, self._network.later):
             for j in range(self._problem.n):
                 sites = self._problem.sites(j)
@@ -155,8 +196,8 @@ class Separation:
                 for k in np.flatnonzero(of_contour.any(axis=0) & ~of_contour.all(axis=0)).tolist():
                     chosen = tuple((sites.start + np.flatnonzero(of_contour[:, k])).tolist())
                     if len(chosen) > 1:
-                        found[j, chosen] = None
-        return [(j, list(sites)) for j, sites in found]
+                        found[_Sites(j, chosen)] = None
+        return list(found)
 
 
 class _Graph:

@@ -1,0 +1,179 @@
+"""What every move is worth by the multipliers of a linear program: the bound they prove, and what is missing.
+
+The program holds few moves; a bound must hold of all. What they cost stands in one table, gone through some rows at a
+time. Where it is kept in narrow numbers, multipliers are rounded down to such as are summed in them exactly: a bound
+holds whatever the multipliers are.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from kerfwise.arrays import Bools, Float32s, Floats, Ints
+
+from .inequalities import Inequalities
+from .network import Network
+
+NEAREST = 3
+"""Moves from and to every site that are looked at from the start."""
+MORE = 8000
+"""Moves that are added at once at the most."""
+MARGIN_UM = 0.5
+"""Plans cost whole numbers: one that is cheaper than the known one costs 1 less."""
+ENOUGH, ENOUGH_OF_PLAN = 1.0, 1e-6
+"""A move that would make the program cheaper by no more than this, or this share of the plan, is not missing."""
+ROWS = 256
+"""Sites whose moves are gone through at once."""
+
+
+class Multipliers(NamedTuple):
+    """Of a linear program: `price` (m + 1,) of the sites, and what is `paid` (k,) for inequalities, never negative."""
+
+    price: Floats
+    paid: Floats
+    inequalities: Inequalities
+
+
+class AllMoves:
+    """Every move from site to site, home last: which are open, and which of those are in the program.
+
+    Attributes
+    ----------
+    open, used
+        Both (m + 1, m + 1).
+    bound
+        What the last multipliers prove, less what the columns beside the moves add.
+    """
+
+    def __init__(self, network: Network, plan_um: int) -> None:
+        m, self._cost, self._plan_um = network.problem.m, network.cost, plan_um
+        self._owner = np.append(network.problem.site_contour, network.problem.n)
+        self._first = np.append(network.problem.first[:-1], m)
+        self.open: Bools = np.isfinite(self._cost)
+        self.used: Bools = np.zeros_like(self.open)
+        self._own = (np.array([m, *network.plan]), np.array([*network.plan, m]))
+        self._forced = np.zeros(len(network.plan) + 1, dtype=np.bool_)
+        self._left: Floats | Float32s = np.zeros((0, 0))
+        self._enough = min(ENOUGH, ENOUGH_OF_PLAN * plan_um)
+
+    @property
+    def narrow(self) -> bool:
+        """Whether costs are kept in half the bytes."""
+        return bool(self._cost.dtype == np.float32)
+
+    def nearest(self) -> tuple[Ints, Ints]:
+        """The cheapest moves from and to every site, and the known plan's own."""
+        everywhere, most = np.arange(len(self._owner)), min(NEAREST, len(self._owner)) - 1
+        wanted = np.zeros_like(self.open)
+        for start in range(0, len(everywhere), ROWS):
+            rows = everywhere[start : start + ROWS]
+            part = np.argpartition(self._cost[rows], most, axis=1)[:, : most + 1]
+            wanted[rows[:, None], part] = True
+            part = np.argpartition(self._cost[:, rows], most, axis=0)[: most + 1]
+            wanted[part, rows[None, :]] = True
+        wanted &= self.open
+        wanted[self._own] = True
+        leave, reach = np.nonzero(wanted)
+        return leave, reach
+
+    def costs(self, leave: Ints, reach: Ints) -> Floats:
+        """What moves cost: those of the known plan that are not allowed as much as a plan more."""
+        cost: Floats = self._cost[leave, reach].astype(np.float64)
+        if self._forced.any():
+            row, column = self._own
+            forced = row[self._forced] * len(self._owner) + column[self._forced]
+            cost[np.isin(leave * len(self._owner) + reach, forced)] += self._plan_um
+        return cost
+
+    def look(self, by: Multipliers, in_use: tuple[Ints, Ints]) -> tuple[float, tuple[Ints, Ints] | None]:
+        """What coming to every contour costs at least by these multipliers, in sum; and the moves most missing.
+
+        None where none is missing; `in_use` are the moves of the program.
+        """
+        owner, paying = self._owner, by.paid > 0.0
+        paid, some = by.paid[paying], by.inequalities.only(paying)
+        gain = by.price - paid @ some.into
+        heads = some.head.astype(self._cost.dtype)
+        paid = paid.astype(self._cost.dtype)
+        if not self._left.size:
+            self._left = np.empty_like(self._cost)
+        left, least_in = self._left, np.full(len(owner), np.inf)
+        for start in range(0, len(owner), ROWS):
+            rows = slice(start, start + ROWS)
+            part = self._cost[rows] - ((some.tail[:, rows].T * paid) @ heads).astype(np.float64)
+            part += by.price[rows, None]
+            part -= gain[None, :]
+            for row, column in zip(*(ends[self._forced] for ends in self._own), strict=True):
+                if start <= row < start + ROWS:
+                    part[row - start, column] += self._plan_um
+            part[~self.open[rows]] = np.inf
+            np.minimum(least_in, part.min(axis=0), out=least_in)
+            left[rows] = part
+        self._least: Floats = np.minimum.reduceat(least_in, self._first)
+        return float(self._least.sum()), self._missing(*in_use)
+
+    def _missing(self, leave: Ints, reach: Ints) -> tuple[Ints, Ints] | None:
+        left, owner = self._left, self._owner
+        known = np.full(len(self._least), np.inf)
+        np.minimum.at(known, owner[reach], left[leave, reach])
+        limit = (known - self._enough)[owner]
+        found, by = [], []
+        for start in range(0, len(owner), ROWS):
+            rows = slice(start, start + ROWS)
+            row, column = np.nonzero((left[rows] < limit[None, :]) & ~self.used[rows])
+            found.append(np.stack([row + start, column]))
+            by.append(left[row + start, column] - known[owner[column]])
+        moves, missing = np.concatenate(found, axis=1), np.concatenate(by)
+        if not len(missing):
+            return None
+        chosen = moves[:, np.argsort(missing, kind="stable")[:MORE]]
+        return chosen[0], chosen[1]
+
+    def close(self, bound: float) -> bool:
+        """Close the moves that no plan has that costs less than the known one, and answer whether there are any.
+
+        By the last look, which proves this bound: a plan with a move costs as much more as the move is dearer than the
+        cheapest one. The known plan's own stay, so that there is always a flow.
+        """
+        left, closes = self._left, False
+        wrong = 2.0**-23 * float(np.abs(left, where=self.open, out=np.zeros_like(left)).max())
+        room = (self._plan_um - MARGIN_UM - bound + (wrong if self.narrow else 0.0) + self._least)[self._owner]
+        own = self.open[self._own]
+        for start in range(0, len(self._owner), ROWS):
+            rows = slice(start, start + ROWS)
+            dear = (left[rows] > room[None, :]) & self.open[rows]
+            self.open[rows] &= ~dear
+            closes = closes or bool(dear.any())
+        self.open[self._own] = own
+        if closes:
+            stays = np.ones(len(self._owner), dtype=np.bool_)
+            stays[:-1] = self.open[:, :-1].any(axis=0) & self.open[:-1].any(axis=1)
+            self.open[~stays] = False
+            self.open[:, ~stays] = False
+        return closes
+
+    def restrict(self, allowed: Bools) -> tuple[Ints, Ints]:
+        """Leave these moves alone open, (m + 1, m + 1), and the known plan's own, whose ends are answered."""
+        self.open = allowed.copy()
+        self._forced = ~allowed[self._own]
+        self.open[self._own] = True
+        return self._own
+
+    @property
+    def allowed(self) -> Bools:
+        """The open moves, without those of the known plan that stay although they are not allowed."""
+        allowed = self.open.copy()
+        allowed[tuple(ends[self._forced] for ends in self._own)] = False
+        return allowed
+
+
+def whole(by: Multipliers, width: int) -> Multipliers:
+    """The same with what is paid in multiples of a power of 2: no sum over a site is more than 2 ** `width` of them."""
+    paid = by.paid
+    most = float((paid @ by.inequalities.tail).max(initial=0.0))
+    if most <= 0.0:
+        return by
+    unit = 2.0 ** (np.ceil(np.log2(most)) - width)
+    return by._replace(paid=np.floor(paid / unit) * unit)
