@@ -17,6 +17,8 @@ from .separation import Flow, Separation
 
 STEP = 0.4
 """How far it goes from where it was towards the cheapest flow each time."""
+LITTLE = 1e-3
+"""Less than so much along a move is none of it."""
 LEAST = 0.02
 """What the cheapest flow must be missing of an inequality."""
 
@@ -37,7 +39,7 @@ class Between:
         amount = np.zeros_like(cheapest.amount)
         amount[: len(self._amount)] = (1 - STEP) * self._amount
         self._amount, self._beside = amount + STEP * cheapest.amount, STEP * beside + (1 - STEP) * self._beside
-        inside = Flow(cheapest.leave, cheapest.reach, self._amount)
+        inside = Flow(cheapest.leave, cheapest.reach, np.where(self._amount < LITTLE, 0.0, self._amount))
         found = self._separation.broken(inside, self._beside, go)
         some = np.flatnonzero(cheapest.amount)
         comes_to = found.across(cheapest.leave[some], cheapest.reach[some]) @ cheapest.amount[some]

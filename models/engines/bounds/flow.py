@@ -30,6 +30,8 @@ EVERY, EVERY_WIDE, WIDE = 1, 2, 2000
 LEAST_GAIN = 3e-4
 """Share of the bound that the last few rounds must bring."""
 PATIENCE = 20
+LOOSE = 0.01
+"""Share of what the program costs, by which the bound may lag behind before the program is cut again."""
 CROWD = 3
 """Inequalities per contour, beyond which those are dropped that nothing is paid for."""
 RISEN = 1e-5
@@ -103,6 +105,10 @@ class CutLoop:
                 flow.look_at_all()
                 best = max(best, flow.bound)
                 self._note(best)
+                if self._loose(flow.value - flow.bound) and flow.solve(self._work):
+                    flow.look_at_all()
+                    best = max(best, flow.bound)
+                    self._note(best)
             if best > self._plan.cost - 1 or not self.go():
                 break
             before = self._separation.work
@@ -120,6 +126,10 @@ class CutLoop:
             best = max(best, flow.bound)
             self._note(best)
         return best
+
+    def _loose(self, missing: float) -> bool:
+        """Whether the program is worth solving once more with the moves that were missing, before it is cut."""
+        return not self.flow.complete and missing > LOOSE * self.flow.value
 
     def go(self) -> bool:
         """Whether there is work left."""

@@ -31,7 +31,7 @@ class Moves:
 
     def between(self, leave: Ints, reach: Ints) -> Floats:
         """From each site in `leave` (k,) to each in `reach` (l,), (k, l); home is site m."""
-        move = self._problem.travel(leave, reach) + self._extra[np.ix_(self._owner[leave], self._owner[reach])]
+        move: Floats = self._problem.travel(leave, reach) + self._extra[np.ix_(self._owner[leave], self._owner[reach])]
         if self._charged is not None:
             move += self._charged[leave][:, reach].toarray()
         return move

@@ -98,7 +98,7 @@ def network_of(problem: Problem, route: Sequence[int], most: int, most_sites: in
 def _costs(problem: Problem, sites: Ints, split: Problem, sooner: Bools, later: Bools) -> Floats | Float32s:
     """See `Network`; `sites` are those of the problem that the sites of the `split` one stand for."""
     m, moves = split.m, Moves(problem)
-    cost: Floats | Float32s = np.empty((m + 1, m + 1), dtype=np.float32 if m > WIDE else np.float64)
+    cost = empty_costs(m)
     ends, charged = np.append(sites, problem.m), np.append(split.site_cost, 0)
     wants_out, wants_in = sooner.astype(np.float32).T, later.astype(np.float32)
     for start in range(0, m + 1, ROWS):
@@ -110,6 +110,13 @@ def _costs(problem: Problem, sites: Ints, split: Problem, sooner: Bools, later: 
             above = cost[rows] > part
             cost[rows] = np.where(above, np.nextafter(cost[rows], np.float32(-np.inf)), cost[rows])
     return cost
+
+
+def empty_costs(m: int) -> Floats | Float32s:
+    """A table (m + 1, m + 1) to fill."""
+    if m > WIDE:
+        return np.empty((m + 1, m + 1), dtype=np.float32)
+    return np.empty((m + 1, m + 1), dtype=np.float64)
 
 
 def _splits(problem: Problem, asked: list[list[Condition]], most: int, most_um: int) -> list[_Split]:

@@ -7,7 +7,7 @@ holds whatever the multipliers are.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -95,14 +95,14 @@ class AllMoves:
         owner, paying = self._owner, by.paid > 0.0
         paid, some = by.paid[paying], by.inequalities.only(paying)
         gain = by.price - paid @ some.into
-        heads = some.head.astype(self._cost.dtype)
-        paid = paid.astype(self._cost.dtype)
+        kind: Any = self._cost.dtype
+        heads, each = some.head.astype(kind), paid.astype(kind)
         if not self._left.size:
             self._left = np.empty_like(self._cost)
         left, least_in = self._left, np.full(len(owner), np.inf)
         for start in range(0, len(owner), ROWS):
             rows = slice(start, start + ROWS)
-            part = self._cost[rows] - ((some.tail[:, rows].T * paid) @ heads).astype(np.float64)
+            part = self._cost[rows] - ((some.tail[:, rows].T * each) @ heads).astype(np.float64)
             part += by.price[rows, None]
             part -= gain[None, :]
             for row, column in zip(*(ends[self._forced] for ends in self._own), strict=True):
