@@ -47,7 +47,8 @@ from .numbers import AMOUNT_OVER_ZERO, Amount
 @click.option("--strategy", type=click.Choice(list(STRATEGIES)), default="ours", show_default=True,
               help="All but ours are there to compare with: they keep the hard rules, and no soft ones.")  # fmt: skip
 @click.option("--lock-from", metavar="OLD.plan.json|OLD.nc",
-              help="Go on after a stop: plan only what the old plan or program has not cut yet.")  # fmt: skip
+              help="With --upto go on after a stop: plan only what the old plan or program has not cut yet. Alone: the "
+                   "one that locks such as '#7 first' count in.")  # fmt: skip
 @click.option(
     "--upto", type=click.IntRange(min=1), metavar="N", help="How many of its cuts are made; with --lock-from."
 )

@@ -36,15 +36,16 @@ def already_cut(
     Raises
     ------
     InputError
-        If one of the two is given without the other, the file cannot be read or does not fit the nest, or nothing is
-        left to cut.
+        If one of the two is given without the other, and no lock calls a cut by its number in the old plan; if the
+        file cannot be read or does not fit the nest, or nothing is left to cut.
     """
-    if old is None and upto is None and not redo_last:
+    if upto is None and not redo_last and (old is None or _names_cuts_only(given)):
         return NOTHING_CUT
     if old is None or upto is None:
         raise InputError(
             "--lock-from OLD and --upto N go together (in Python: resume_from and upto): which plan or program was "
-            "stopped, and how many of its cuts are cut (--redo-last, in Python redo_last=True: the last broke off)"
+            "stopped, and how many of its cuts are cut (--redo-last, in Python redo_last=True: the last broke off); "
+            "OLD alone is for locks that call a cut by its number there, such as '#7 first'"
         )
     file = "" if isinstance(old, Plan) else str(old)
     if isinstance(old, Plan) or is_plan_file(old):
@@ -57,6 +58,12 @@ def already_cut(
     if not rest_of(given.nest, already.contours).contours:
         raise InputError(f"{_upto(upto)}: every contour of the nest is cut, nothing is left; no program is written")
     return already
+
+
+def _names_cuts_only(given: Given) -> bool:
+    """Whether locks call cuts by numbers, so that an old plan may be given for these alone."""
+    made_with = given.profile.for_one_nest
+    return made_with is not None and bool(made_with.numbered)
 
 
 def again_first(profile: Profile, already: AlreadyCut) -> Profile:

@@ -200,6 +200,19 @@ def test_a_contour_without_metal_left_to_pierce_is_named(tmp_path: Path) -> None
     assert "host.hole1 at (25.0, 25.0): what is already cut leaves no metal to pierce near it" in refused.err
 
 
+def test_an_old_plan_alone_is_the_one_that_numbers_count_in(old: Path, tmp_path: Path) -> None:
+    plan, third = tmp_path / "new.plan.json", json.loads(old.read_text())["cuts"][2]["contour"]
+    for file in (old, old.with_suffix(".nc")):
+        ended = kerfwise(
+            "solve", NEST, "--work", 1, "--relax", "--lock", "#3 first", "--lock-from", file, "--plan", plan
+        )
+        assert ended.code == 0, ended.err
+        assert f"note: #3 is {third}, as in {file}" in ended.err
+        assert json.loads(plan.read_text())["cuts"][0]["contour"] == third
+    alone = kerfwise("solve", NEST, "--lock-from", old)
+    assert (alone.code, "OLD alone is for locks that call a cut by its number there" in alone.err) == (2, True)
+
+
 def test_wrong_use_is_said(old: Path, tmp_path: Path) -> None:
     alone = kerfwise("solve", NEST, "--upto", "3")
     assert (alone.code, "--lock-from OLD and --upto N go together" in alone.err) == (2, True)
