@@ -46,7 +46,7 @@ def compare(
     profile, profile_b
         Profiles, names or paths: that of A, or of both, and that of B. None as for `solve`.
     with_, without
-        Rules that B is planned with, such as "t-max" or "t-max=soft", and without.
+        Rules that B is planned with, such as "t-max" or "hull-before=soft", and without.
     heat
         Simulate how hot both make the sheet.
     locks, job, settings, time_s, work, seed, relax, on_progress

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from kerfwise.rules.profile.profile import Profile
 
 
+_YAML = (".yaml", ".yml")
+
+
 @click.group()
 def command() -> None:
     """Check a profile (by name or path), show all it says, compare two, begin one, or print the schema of profiles."""
@@ -116,14 +119,17 @@ def diff(a: str, b: str, sources: bool, as_json: bool, trust: bool) -> None:
 def new(name: str, like: str | None, output: str | None, trust: bool) -> None:
     """Write a profile of a plant's own, NAME.yaml: asked step by step on a terminal, or a copy of another.
 
-    Comments of the profile that it begins from are kept.
+    NAME may be a path, such as plants/laser-2.yaml: the profile is then named after its file. Comments of the profile that it begins from are kept.
     """
     from kerfwise.jobs.new_profile import begun, expect_usable
     from kerfwise.postproc.files import expect_outputs, write_files
 
-    path = Path(output or f"{name}.yaml")
+    bare = name if Path(name).suffix in _YAML else f"{name}.yaml"
+    if output is None:  # a file may be named, too
+        name = Path(bare).stem
+    path = Path(output or bare)
     begun(name, DEFAULT)  # a name that no profile can have is refused first
-    if path.suffix not in (".yaml", ".yml"):
+    if path.suffix not in _YAML:
         raise InputError("a profile's file ends in .yaml", file=path)
     expect_outputs([path], [Path(like)] if like else [])
     if path.exists():

@@ -58,7 +58,7 @@ def pair_of(
     a, b
         Plans or programs; what is None is planned within `limits`, see `SideAsked`.
     with_, without
-        Rules, such as `t-max` or `t-max=soft`, that B is planned with and without.
+        Rules, such as `t-max` or `hull-before=soft`, that B is planned with and without.
 
     Raises
     ------

@@ -37,6 +37,13 @@ def test_a_copy_says_the_same_and_keeps_the_comments(like: str) -> None:
     assert [line for line in Path("shop.yaml").read_text().splitlines() if line in words] == words
 
 
+@pytest.mark.parametrize("name", ["plants/shop-2.5mm", "plants/shop-2.5mm.yaml"])
+def test_a_path_may_stand_in_the_place_of_the_name(name: str) -> None:
+    Path("plants").mkdir()
+    assert kerfwise("profile", "new", name, "--like", "laser-wood").code == 0
+    assert load_profile("plants/shop-2.5mm.yaml").name == "shop-2.5mm"
+
+
 def test_asked_step_by_step(monkeypatch: pytest.MonkeyPatch) -> None:
     answers = ("laser-wood", "", "600 mm/min", "", "", "", "birch", "four", "4 mm", "")
     ended = asked(monkeypatch, *answers)
@@ -76,7 +83,9 @@ def test_a_copy_elsewhere_whose_files_are_not_there_is_not_written() -> None:
     [
         (["shop"], "there is no terminal to ask on: say --like PROFILE"),
         (["laser-wood", "--like", "laser-wood"], "a profile that comes with kerfwise"),
-        (["../shop", "--like", "laser-wood"], "cannot be a profile's name"),
+        (["sh!op", "--like", "laser-wood"], "'sh!op' cannot be a profile's name"),
+        (["plants/sh!op.yaml", "--like", "laser-wood"], "'sh!op' cannot be a profile's name"),
+        (["plants/shop", "--like", "laser-wood"], "there is no folder 'plants'"),
         (["shop", "--like", "lasr-wood"], "did you mean 'laser-wood'"),
         (["shop", "--like", "laser-wood", "-o", "shop.txt"], "ends in .yaml"),
         (["shop", "--like", "laser-wood", "-o", "there.yaml"], "there already"),
