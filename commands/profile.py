@@ -119,7 +119,8 @@ def diff(a: str, b: str, sources: bool, as_json: bool, trust: bool) -> None:
 def new(name: str, like: str | None, output: str | None, trust: bool) -> None:
     """Write a profile of a plant's own, NAME.yaml: asked step by step on a terminal, or a copy of another.
 
-    NAME may be a path, such as plants/laser-2.yaml: the profile is then named after its file. Comments of the profile that it begins from are kept.
+    NAME may be a path, such as plants/laser-2.yaml: the profile is then named after its file. Comments of the profile
+    that it begins from are kept.
     """
     from kerfwise.jobs.new_profile import begun, expect_usable
     from kerfwise.postproc.files import expect_outputs, write_files
