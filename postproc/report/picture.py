@@ -122,7 +122,7 @@ def _drawn(
     layers = [sheet_layer(nest, view), part_layer(nest, view, zones, order, faded, made)]
     if out:
         layers.append(out_layer(nest, view, out))
-    if spot is None:
+    if spot is None and not (names and len(set(zones.of_part.values())) == 1):  # on paper a single zone says nothing
         layers.append(zone_layer(nest, view, zones, [p.box() for p in (*places.values(), *called.values())]))
     layers.append(contour_layer(nest, view, order, named, out))
     clock = None

@@ -42,6 +42,7 @@ def test_what_stands_on_it(plan: Path) -> None:
     assert (ended.code, ended.out) == (0, "written: b.pdf\n"), ended.err
     (page,) = pages_of("b.pdf")
     text = page.text
+    assert "Z1" not in text, "one zone says nothing, and stands in the way"
     sha256 = hashlib.sha256(Path("b.nc").read_bytes()).hexdigest()
     assert sha256 in text.replace("\n", "")
     for said in (
