@@ -108,7 +108,7 @@ def kept(way: str, folder: Path) -> Measured:
     if record.is_file():
         return Measured(**json.loads(record.read_text(encoding="utf-8")))
     made = measured(way, folder / "nests", folder / f"out{number}")
-    record.write_text(json.dumps(asdict(made), indent=1), encoding="utf-8")
+    record.write_text(json.dumps(asdict(made), indent=1), encoding="utf-8", newline="\n")
     print(f"{way}: {made.wall_s:.0f} s, {made.cpu_s:.0f} processor s", file=sys.stderr)
     return made
 
@@ -148,7 +148,7 @@ def rows_of(nests: int, ways: Sequence[str], folder: Path) -> list[Measured]:
         write_nests(given, nests)
         (folder / "warm").mkdir(exist_ok=True)
         run(["solve", str(given / "nest0001.json"), "-p", PROFILE, "--work", str(WORK)], folder / "warm")
-        whole.write_text(str(nests), encoding="utf-8")
+        whole.write_text(str(nests), encoding="utf-8", newline="\n")
     if (there := int(whole.read_text(encoding="utf-8"))) != nests:
         raise ValueError(f"{folder} is of {there} nests: give another folder, or --nests {there}")
     return [kept(way, folder) for way in ways]
