@@ -35,6 +35,7 @@ from .closure import close
 from .conditions import Condition, of_at_least, of_no_good, of_soft_precede
 from .crossed_areas import Going
 from .crossings import TooManyMoves, find_crossings, from_home
+from .last import digest
 from .links import Links
 from .magnitude import check_magnitude
 from .pace import Pace
@@ -68,7 +69,9 @@ def make_problem(
     kinds = by_kind(statements)
     hard = [s for s in kinds.precede if s.weight is None]
     blocks = _blocks(facts.n, [g for g in kinds.contiguous if g.weight is None])
-    before = close(facts.n, [(p.before, p.after) for p in hard], blocks)
+    pairs = np.array([(p.before, p.after) for p in hard], dtype=np.int64).reshape(-1, 2)
+    orders = digest(pairs, blocks)
+    before = earlier.before if earlier is not None and earlier.orders == orders else close(facts.n, pairs, blocks)
     if before.diagonal().any():
         raise _contradiction(before, hard)
     conditions, general = _conditions(statements, contour_of)
@@ -93,6 +96,7 @@ def make_problem(
         travel_weight=sum(s.weight for s in kinds.idle_travel),
         before=before,
         block=blocks,
+        orders=orders,
         conditions=tuple(dict.fromkeys(_on_site(c, site_of) for c in conditions if c.when is None or c.when in kept)),
         soft_groups=tuple(
             SoftGroup(g.contours, cost_um(g.weight), g.about) for g in kinds.contiguous if g.weight is not None

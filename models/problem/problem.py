@@ -18,7 +18,7 @@ from .conditions import Condition
 from .crossings import Crossings
 from .links import Links
 from .pace import Pace
-from .successors import lawful_successors
+from .successors import known_successors
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,8 @@ class Problem:
     are moves that cost more, or are unlawful, once some contour is out. `pace` tells how long cuts and moves take.
     `links` are moves with the torch on, each in place of the idle travel between its two sites.
     `left_out` are soft rules that could not be priced on a problem of this size, and why. `matrix` (m + 1, m + 1), home
-    last, replaces idle travel between points where costs are given by a table.
+    last, replaces idle travel between points where costs are given by a table. `orders` tells hard orders and blocks
+    that `before` was made of from others, where it was made of such.
     """
 
     n: int
@@ -68,6 +69,7 @@ class Problem:
     links: Links = field(default_factory=Links)
     matrix: Ints | None = None
     left_out: tuple[tuple[str, str], ...] = ()
+    orders: bytes = b""
 
     @property
     def m(self) -> int:
@@ -94,7 +96,7 @@ class Problem:
 
     def successors(self) -> Bools:
         """Matrix (n + 1, n + 1): which contour may directly follow which; n is the machine's home."""
-        return lawful_successors(self.before, self.block, self.apart())
+        return known_successors(self.before, self.block, self.apart())
 
     def apart(self) -> list[tuple[int, int]]:
         """Contours that may not follow each other, whichever comes first."""
