@@ -224,7 +224,7 @@ def draw(
     named = frozenset([contours] if isinstance(contours, str) else contours)
     spot = Spot(named, caption) if named else None
     if kind == "html" and plan is not None and spot is None:
-        from kerfwise.jobs.page import page_bytes, page_data
+        from kerfwise.jobs.page.page import page_bytes, page_data
 
         return Picture(page_bytes(page_data(given, plan)), kind)
     return Picture(drawn(given.nest, plan, f".{kind}", plant.home_on(given.nest), spot), kind)

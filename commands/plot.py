@@ -46,7 +46,7 @@ def command(
     """
     from kerfwise.encoder.readers.read import BrokenNest
     from kerfwise.jobs.given import differences
-    from kerfwise.jobs.page import page_bytes, page_data
+    from kerfwise.jobs.page.page import page_bytes, page_data
     from kerfwise.models.plan.reader import read_plan
     from kerfwise.postproc.files import expect_outputs, write_files
     from kerfwise.postproc.report import PAGE, expect_picture, plot

@@ -113,7 +113,7 @@ class Result:
             For another kind of picture.
         """
         if kind == "html":
-            from .page import page_bytes, page_data
+            from .page.page import page_bytes, page_data
 
             given = Given(self.nest, self.profile)
             return Picture(page_bytes(page_data(given, self.plan, self.verdict, self.program)), kind)

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 import kerfwise
 
+NEST = Path(kerfwise.__file__).parent / "examples" / "nests" / "e1x_6.json"
+UNNEEDED = (
+    *("scipy", "ortools", "matplotlib", "ezdxf", "urllib.request"),
+    *(f"kerfwise.{name}" for name in ("models.engines.search", "rules.flat.flatten", "postproc.nc.reordered_svg")),
+)
 HEAVY = ("numpy", "shapely", "numba", "ortools", "matplotlib", "ezdxf", "svgelements", "scipy", "rich", "yaml")
 
 
@@ -23,6 +29,19 @@ def test_help_imports_nothing_heavy() -> None:
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert "solve" in run.stdout
     assert run.stderr.strip() == "[]"
+
+
+def test_a_small_solve_imports_no_more_than_it_uses(tmp_path: Path) -> None:
+    """What it has no use for takes longer to import than it takes to plan."""
+    script = (
+        "import sys\n"
+        "from kerfwise.cli import main\n"
+        f"try: main(['solve', {str(NEST)!r}])\n"
+        "except SystemExit as end: assert not end.code, end.code\n"
+        f"print('unneeded', [m for m in {UNNEEDED!r} if m in sys.modules], 'kerfwise.postproc.report' in sys.modules)\n"
+    )
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=tmp_path)
+    assert run.stdout.splitlines()[-1] == "unneeded [] True"
 
 
 @pytest.mark.parametrize("module", ["kerfwise", "kerfwise.cli"])

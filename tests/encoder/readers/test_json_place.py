@@ -1,3 +1,6 @@
+import pytest
+import yaml
+
 from kerfwise.encoder.readers.json_place import places, spoken
 
 TEXT = """{"format": "kerfwise-nest/1",
@@ -18,6 +21,15 @@ def test_a_missing_step_leaves_the_place_of_what_holds_it() -> None:
 def test_what_yaml_cannot_follow_has_no_place() -> None:
     assert places('{"a":\t[}', [["a"]]) == [(None, None)]
     assert places("", [["a"]]) == [(None, None)]
+
+
+def test_a_text_is_not_parsed_again_where_nothing_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+    monkeypatch.setattr(yaml, "compose", lambda text, **given: asked.append(text))
+    assert places(TEXT, []) == []
+    assert asked == []
+    places(TEXT, [["format"]])
+    assert asked == [TEXT]
 
 
 def test_paths_in_words() -> None:

@@ -16,8 +16,10 @@ from kerfwise.models.engines import portfolio, rounds
 from kerfwise.models.engines.names import Engine
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.watch import Watch
+from kerfwise.models.problem import compile as compile_
+from kerfwise.models.problem.closure import close
 from kerfwise.rules.profile.profile import load_profile
-from kerfwise.rules.statements import About, Lag, NoGood
+from kerfwise.rules.statements import About, Lag, NoGood, Precede
 
 PRICE_MM = 5.0
 TWO: Nest = nest(300, 100, part("A", rect(10, 10, 60, 60)), part("B", rect(110, 10, 160, 60)))
@@ -60,6 +62,27 @@ def test_there_are_rounds_until_geometry_finds_nothing(solved: Any) -> None:
     found = solved(geometry)
     assert geometry.looks == 4
     assert not [note for note in found.notes if note.startswith("rounds:")]
+
+
+def test_hard_orders_are_closed_once_for_all_rounds(solved: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    closed: list[int] = []
+    monkeypatch.setattr(compile_, "close", lambda n, *given: (closed.append(n), close(n, *given))[1])
+    geometry = Geometry(finds=3)
+    solved(geometry)
+    assert geometry.looks == 4
+    assert closed == [2]
+
+
+def test_further_hard_orders_are_closed_anew() -> None:
+    profile = load_profile()
+    asked = ask(facts_of(TWO, profile), profile)
+    home = profile.machine.home
+    plain = tuple(s for s in asked.stated.statements if not isinstance(s, Precede))
+    first = compile_.make_problem(asked.facts, plain, home)
+    more = (*plain, Precede(1, 0, About("test", (), "B before A")))
+    again = compile_.make_problem(asked.facts, more, home, earlier=first)
+    assert (again.before != first.before).any()
+    assert (again.before == compile_.make_problem(asked.facts, more, home).before).all()
 
 
 def test_what_a_proof_by_cp_sat_leaves_of_the_work_is_for_further_rounds(solved: Any) -> None:

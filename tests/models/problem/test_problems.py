@@ -1,8 +1,11 @@
 """What the other tests stand on: the problems drawn at random, and the routes tried one by one."""
 
+from dataclasses import replace
+
 from hypothesis import given, settings
 
 from kerfwise.models.problem.problem import Problem
+from kerfwise.models.problem.successors import lawful_successors
 from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.brute import cheapest, lawful
 from kerfwise.tests.models.problems import ABOUT, problem, problems, scattered
@@ -31,6 +34,22 @@ def test_scattered_problems_are_the_same_each_time() -> None:
     first, second = scattered(3, 6, 2, pairs=4), scattered(3, 6, 2, pairs=4)
     assert (first.pierce_um == second.pierce_um).all()
     assert (first.before == second.before).all()
+
+
+@given(problems())
+@settings(max_examples=20, deadline=None)
+def test_who_may_follow_whom_is_the_same_however_often_it_is_asked(drawn: Problem) -> None:
+    plainly = lawful_successors(drawn.before, drawn.block, drawn.apart())
+    other = replace(drawn, lags=())
+    for asked in (drawn, drawn, other, drawn):
+        wanted = lawful_successors(other.before, other.block) if asked is other else plainly
+        assert (asked.successors() == wanted).all()
+
+
+def test_what_is_changed_in_an_answer_stays_out_of_the_next() -> None:
+    line = problem([[(1, 0)], [(2, 0)], [(4, 0)]], pairs=[(2, 0)])
+    line.successors()[:] = False
+    assert line.successors().any()
 
 
 @given(problems())

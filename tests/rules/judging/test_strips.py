@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 from itertools import permutations
 from random import Random
@@ -140,7 +141,36 @@ def test_close_looks_find_the_islands_that_a_look_at_all_finds(seed: int, chance
     closely = sorted(strips._badly(found, order, 60.0, 25.0), key=repr)  # two islands of one cut come in either order
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(strips.Uncut, "_closed_off", plainly_closed_off)
+        patch.setattr(strips.Uncut, "_all_go_on", lambda uncut, left: False)
         assert sorted(strips._badly(found, order, 60.0, 25.0), key=repr) == closely
+
+
+def test_metal_is_seen_to_go_on_before_its_pieces_are_looked_for() -> None:
+    """A plate cut from one side on: pieces are looked for at half as many cuts, or fewer, and the same is told."""
+    order = [p.outer.id for p in sorted(plate(1).parts, key=lambda p: p.outer.curve.vertices[:, 0].min())]
+    looks: list[int] = []
+    looked = strips.Uncut._closed_off
+
+    def noted(uncut: strips.Uncut, p: int, window: Box, left: Ints) -> Any:
+        looks.append(p)
+        return looked(uncut, p, window, left)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(strips.Uncut, "_closed_off", noted)
+        told = sorted(strips._badly(plate(1), order, 60.0, 25.0), key=repr)
+        few = len(looks)
+        patch.setattr(strips.Uncut, "_all_go_on", lambda uncut, left: False)
+        assert sorted(strips._badly(plate(1), order, 60.0, 25.0), key=repr) == told
+    assert 2 * few <= len(looks[few:])
+
+
+def test_what_is_told_is_kept_with_the_drawing() -> None:
+    """The nest as it is cut, and the one that the check makes of the drawing, are other nests of the same outlines."""
+    order = tuple(p.outer.id for p in plate(1).parts)
+    first = strips.strips_and_islands(replace(plate(1), drawn=plate(1)), order, 60.0, 25.0)
+    assert strips.strips_and_islands(replace(plate(1), drawn=plate(1)), order, 60.0, 25.0) is first
+    fewer = replace(plate(1), parts=plate(1).parts[1:], drawn=plate(1))
+    assert strips.strips_and_islands(fewer, order[1:], 60.0, 25.0) == tuple(strips._badly(fewer, order[1:], 60.0, 25.0))
 
 
 def plainly_closed_off(uncut: strips.Uncut, p: int, window: Box, left: Ints) -> Any:
