@@ -53,6 +53,11 @@ class Layout:
         worth = sum(sheet.stock.worth for sheet in self.sheets if not sheet.stock.remnant)
         return round(missing_mm2, 3), round(worth, 3), -round(self.remnant_mm2, 3)
 
+    @property
+    def alike(self) -> tuple[object, ...]:
+        """What two layouts have in common that are the same."""
+        return tuple((sheet.number, frozenset(sheet.placed)) for sheet in self.sheets)
+
     @cached_property
     def remnant_mm2(self) -> float:
         """The largest rectangle that is left of the last sheet."""

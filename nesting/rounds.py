@@ -30,7 +30,13 @@ def best_layout(wanted: Wanted, spacing: Spacing, effort: Effort, told: Told = l
 
     A limit in seconds ends the look wherever it is; the first round is always finished.
     """
+    return layouts(wanted, spacing, effort, told)[0]
+
+
+def layouts(wanted: Wanted, spacing: Spacing, effort: Effort, told: Told = lambda n, best: True) -> list[Layout]:
+    """The layouts of all rounds, the best first, each once: see `best_layout`."""
     shapes = Shapes(wanted.types, spacing.gap_mm)
+    found: list[Layout] = []
     ends = None if effort.time_s is None else time.monotonic() + effort.time_s
     best: Layout | None = None
     for number, (order, taste) in enumerate(_ways(shapes, effort), 1):
@@ -39,12 +45,13 @@ def best_layout(wanted: Wanted, spacing: Spacing, effort: Effort, told: Told = l
             return best is None or ends is None or time.monotonic() < ends  # noqa: B023 - called in this round only
 
         made = allot(wanted, shapes, spacing, order, taste, going)
+        if all(made.alike != other.alike for other in found):
+            found.append(made)
         if best is None or made.score < best.score:
             best = made
         if not told(number, best) or (ends is not None and time.monotonic() >= ends):
             break
-    assert best is not None
-    return best
+    return sorted(found, key=lambda layout: layout.score)
 
 
 def _ways(shapes: Shapes, effort: Effort) -> Iterator[tuple[list[int], Taste]]:

@@ -39,20 +39,25 @@ def expect_folder(out: Path) -> None:
         )
 
 
-def write_nests(out: Path, nested: Nested, picture: str, dxf: bool, **about: Any) -> list[Path]:
-    """Write every file, or none; those of an earlier run that are not made again are removed.
+def nest_files(nested: Nested, picture: str, dxf: bool) -> dict[str, str | bytes]:
+    """The nests and their pictures by the names that they have: `picture` is how the names of these end."""
+    made: dict[str, str | bytes] = {}
+    for name, nest, text in zip(nested.names, nested.nests, nested.texts, strict=True):
+        made[f"{name}.json"] = text
+        made[f"{name}{picture}"] = draw(nest, None, Path(picture).suffix or picture)
+        if dxf:
+            made[f"{name}.dxf"] = nest_dxf(nest)
+    return made
+
+
+def write_nests(out: Path, nested: Nested, files: Mapping[str, str | bytes], **about: Any) -> list[Path]:
+    """Write these files and the table, or none; those of an earlier run that are not made again are removed.
 
     Returns
     -------
     The files, the table last.
     """
-    made: dict[str, str | bytes] = {}
-    for name, nest, text in zip(nested.names, nested.nests, nested.texts, strict=True):
-        made[f"{name}.json"] = text
-        made[f"{name}{picture}"] = draw(nest, None, picture)
-        if dxf:
-            made[f"{name}.dxf"] = nest_dxf(nest)
-    made[ROWS] = as_csv(nested)
+    made = {**files, ROWS: as_csv(nested)}
     made[TABLE] = as_json(nested, **about, **{_FILES: list(made)})
     make_folder(out)
     before = _before(out)

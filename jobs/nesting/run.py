@@ -40,7 +40,7 @@ def lay_out(wanted: Wanted, spacing: Spacing, effort: Effort, told: Told = lambd
         If a part fits on no sheet, not even on an empty one: all such parts, by name.
     """
     expect_room(wanted, spacing)
-    return checked(best_layout(wanted, spacing, effort, told))
+    return nests_from(best_layout(wanted, spacing, effort, told))
 
 
 def expect_room(wanted: Wanted, spacing: Spacing) -> None:
@@ -60,7 +60,7 @@ def _size(wanted: Wanted, kind: int) -> str:
     return f"{part.name} is {x1 - x0:.1f} × {y1 - y0:.1f} mm: give a larger sheet, or allow other rotations"
 
 
-def checked(layout: Layout) -> Nested:
+def nests_from(layout: Layout) -> Nested:
     """A layout as nests, with what the check finds wrong in their texts."""
     nests = nests_of(layout)
     texts = [nest_json(nest) for nest in nests]

@@ -118,3 +118,48 @@ def test_files_of_others_are_left_alone(parts: Path) -> None:
     ended = kerfwise("nest", parts / "plate.json", "--sheet", "400x200", "-o", parts)
     assert ended.code == 2
     assert "holds files that kerfwise nest did not write" in ended.err
+
+
+def test_the_cheapest_to_cut_is_taken_and_never_dearer_than_the_densest(parts: Path) -> None:
+    words = (f"{parts / 'bracket.json'}=2", f"{parts / 'plate.json'}=2", "--sheet", "300x200")
+    weighing = ("--for", "cutting", "--weigh", "2", "--weigh-work", "0.2")
+    ended = kerfwise("nest", *words, *weighing, "-o", parts / "out")
+    assert ended.code == 0, ended.err
+    prices = [float(line.split()[-3 if "taken" in line else -2].replace("taken", "")) for line in _weighed(ended.out)]
+    [taken] = [k for k, line in enumerate(_weighed(ended.out)) if "taken" in line]
+    assert prices[taken] == min(prices) <= prices[0]
+    assert len(prices) == 2
+
+
+def _weighed(text: str) -> list[str]:
+    """The lines of what was weighed, the mark of the one that was taken as a word."""
+    lines = text.split("weighed ")[1].splitlines()[1:]
+    return [line.replace("← taken", "taken") for line in lines if line.startswith(("densest", "layout"))]
+
+
+def test_a_nest_without_room_for_a_pierce_is_said_to_have_no_plan(parts: Path) -> None:
+    words = (f"{parts / 'plate.json'}=4", "--sheet", "140x80", "--gap", "0.2", "--edge", "0.5", "--rounds", "1")
+    ended = kerfwise("nest", *words, "--for", "cutting", "-o", parts / "out")
+    assert ended.code == 0, ended.err
+    assert "no plan: sheet1:" in ended.out
+
+
+def test_parts_become_programs_in_one_command(parts: Path) -> None:
+    words = (f"{parts / 'bracket.json'}=2", f"{parts / 'plate.json'}=1", "--sheet", "300x200")
+    ended = kerfwise("make", *words, "--work", "0.5", "-o", parts / "out")
+    assert ended.code == 0, ended.err
+    assert "sheet1.nc: 5 contours, 5 pierces" in ended.out
+    names = {path.name for path in (parts / "out").iterdir()}
+    assert names == {
+        "nests.csv", "nests.json", "sheet1.json", "sheet1.nc", "sheet1.nest.svg", "sheet1.plan.json", "sheet1.svg",
+    }  # fmt: skip
+    checked = kerfwise("check", parts / "out" / "sheet1.json", parts / "out" / "sheet1.nc")
+    assert checked.code == 0, checked.out
+
+
+def test_where_a_sheet_has_no_plan_nothing_is_written(parts: Path) -> None:
+    words = (f"{parts / 'plate.json'}=4", "--sheet", "140x80", "--gap", "0.2", "--edge", "0.5", "--rounds", "1")
+    ended = kerfwise("make", *words, "--work", "0.5", "-o", parts / "out")
+    assert ended.code in (1, 2)
+    assert "sheet1" in ended.err
+    assert not (parts / "out").exists()

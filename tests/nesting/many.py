@@ -1,11 +1,11 @@
-"""Many random orders laid out and checked: `python -m kerfwise.tests.nesting.many --lists 200`."""
+"""Many random orders laid out and nests_from: `python -m kerfwise.tests.nesting.many --lists 200`."""
 
 from __future__ import annotations
 
 import argparse
 import time
 
-from kerfwise.jobs.nesting.run import checked
+from kerfwise.jobs.nesting.run import nests_from
 from kerfwise.nesting.rounds import Effort, best_layout
 
 from .random_lists import random_order
@@ -21,7 +21,7 @@ def main() -> None:
     began, faults, parts, sheets, missing = time.process_time(), 0, 0, 0, 0
     for seed in range(given.first, given.first + given.lists):
         wanted, spacing = random_order(seed)
-        nested = checked(best_layout(wanted, spacing, Effort(given.rounds, seed=seed)))
+        nested = nests_from(best_layout(wanted, spacing, Effort(given.rounds, seed=seed)))
         for fault in nested.faults:
             print(f"seed {seed}: {fault}", flush=True)
         faults += len(nested.faults)

@@ -6,7 +6,7 @@ import pytest
 
 from kerfwise.encoder.by_hand import circle, part, rect
 from kerfwise.encoder.nest import Part, Sheet
-from kerfwise.jobs.nesting.run import checked, lay_out
+from kerfwise.jobs.nesting.run import lay_out, nests_from
 from kerfwise.nesting.rounds import Effort, best_layout
 from kerfwise.nesting.wanted import PartType, Spacing, Stock, Wanted
 from kerfwise.tests.nesting.random_lists import random_order
@@ -85,7 +85,7 @@ def test_those_of_a_lower_number_are_placed_first() -> None:
 
 def test_the_same_seed_gives_the_same_nests() -> None:
     asked, spacing = random_order(3)
-    first, again = (checked(best_layout(asked, spacing, Effort(3, seed=4))).texts for _ in range(2))
+    first, again = (nests_from(best_layout(asked, spacing, Effort(3, seed=4))).texts for _ in range(2))
     assert first == again
 
 
@@ -99,4 +99,4 @@ def test_the_best_so_far_is_kept_when_told_to_stop() -> None:
 @pytest.mark.parametrize("seed", range(12))
 def test_the_check_finds_nothing_in_random_orders(seed: int) -> None:
     asked, spacing = random_order(seed)
-    assert checked(best_layout(asked, spacing, Effort(1, seed=seed))).faults == ()
+    assert nests_from(best_layout(asked, spacing, Effort(1, seed=seed))).faults == ()

@@ -1,0 +1,65 @@
+"""Lists of parts for the benchmark of nesting: made ones, the same for the same seed."""
+
+from __future__ import annotations
+
+import math
+import random
+
+from kerfwise.encoder.by_hand import Rows, circle, part, rect
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Part, Sheet
+from kerfwise.nesting.wanted import PartType, Stock, Wanted
+
+
+def shape(name: str, chance: random.Random, size_mm: float) -> Part:
+    """A part as shops have them: plates, brackets, gussets, flanges, frames, channels, arms with round ends."""
+    w, h = size_mm * chance.uniform(0.5, 1.2), size_mm * chance.uniform(0.3, 1.0)
+    r = min(w, h)
+    match chance.randrange(7):
+        case 0:
+            bore = max(r / 12, 4)
+            return part(name, rect(0, 0, w, h), [circle(r / 4, r / 4, bore), circle(w - r / 4, h - r / 4, bore)])
+        case 1:
+            a, b = w * chance.uniform(0.25, 0.5), h * chance.uniform(0.25, 0.5)
+            return part(name, [(0, 0), (w, 0), (w, b), (a, b), (a, h), (0, h)], [circle(a / 2, b / 2, min(a, b) / 5)])
+        case 2:
+            return part(name, [(0, 0), (w, 0), (w, h / 4), (w / 4, h), (0, h)])
+        case 3:
+            return part(name, circle(0, 0, r / 2), [circle(0, 0, r / 2 * chance.uniform(0.3, 0.7))])
+        case 4:
+            t = max(r * 0.12, 8)
+            return part(name, rect(0, 0, w, h), [rect(t, t, w - 2 * t, h - 2 * t)])
+        case 5:
+            t = max(r * 0.25, 8)
+            return part(name, [(0, 0), (w, 0), (w, h), (w - t, h), (w - t, t), (t, t), (t, h), (0, h)])
+        case _:
+            return part(name, [(0, 0), (w, 0, 1.0), (w, h / 2), (0, h / 2, 1.0)], [circle(0, h / 4, h / 12)])
+
+
+def day_list(seed: int = 1, types: int = 60, parts: int = 600) -> Wanted:
+    """A day of a shop: so many part types and parts, three sizes of sheets, two remnants."""
+    chance = random.Random(seed)
+    sizes = [math.exp(chance.uniform(math.log(60), math.log(500))) for _ in range(types)]
+    counts = [1] * types
+    for _ in range(parts - types):
+        counts[min(range(types), key=lambda k: (chance.random() * sizes[k], k))] += 1
+    kinds = tuple(PartType(f"P{k + 1}", shape(f"P{k + 1}", chance, sizes[k]), counts[k]) for k in range(types))
+    return Wanted(kinds, (*sheets(), *remnants()))
+
+
+def sheets() -> tuple[Stock, ...]:
+    """Three sizes, as many as it takes."""
+    return tuple(
+        Stock(f"{w}x{h}", Sheet.rectangle(w, h), price=round(w * h / 1e6 * per_m2, 2))
+        for w, h, per_m2 in ((3000, 1500, 60.0), (2500, 1250, 62.0), (2000, 1000, 65.0))
+    )
+
+
+def remnants() -> tuple[Stock, ...]:
+    """An L and a plate with a window."""
+    ell = [(0, 0), (1800, 0), (1800, 500), (700, 500), (700, 1200), (0, 1200)]
+    window: Rows = rect(300, 300, 250, 250)
+    return (
+        Stock("rest-l", Sheet(Curve.of(ell)), 1, remnant=True),
+        Stock("rest-window", Sheet(Curve.of(rect(0, 0, 900, 800)), (Curve.of(window),)), 1, remnant=True),
+    )

@@ -1,0 +1,120 @@
+"""Nest and cut together: layouts that use the sheets alike are planned, and the one that is cheapest to cut is taken."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.readers.json_nest import read_json
+from kerfwise.encoder.readers.options import ReadOptions
+from kerfwise.encoder.validate import validated
+from kerfwise.jobs.batch.figures import clock
+from kerfwise.jobs.given import Given
+from kerfwise.jobs.listening import Listener
+from kerfwise.jobs.main_job import Finished, plan_nest
+from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.times import Times, time_made
+from kerfwise.nesting.allot import Layout
+from kerfwise.nesting.wanted import Stock
+from kerfwise.rules.profile.profile import Profile
+
+from .run import Nested
+
+NEAR = 0.02
+"""Layouts whose sheets are worth so much more, as a share, are weighed too."""
+
+def alike(ranked: Sequence[Layout], most: int) -> list[Layout]:
+    """The best layout, and those after it that lay as many parts on sheets worth about the same."""
+    missing, worth, _ = ranked[0].score
+    near = [layout for layout in ranked if layout.score[0] <= missing and layout.score[1] <= worth * (1 + NEAR)]
+    return near[:most]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Weighed:
+    """A layout, how its sheets are cut, and what that costs; `why` says why it has no plan, where it has none.
+
+    `price` is in the profile's currency, or in seconds where the profile has no prices.
+    """
+
+    nested: Nested
+    plans: tuple[Finished, ...] = ()
+    price: float | None = None
+    time_s: float = 0.0
+    pierces: int = 0
+    idle_mm: float = 0.0
+    why: str = ""
+
+
+def as_read(name: str, text: str) -> Nest:
+    """The nest in a text that is to be written under a name."""
+    data = text.encode()
+    nest = validated(read_json(data, ReadOptions()))
+    return replace(nest, file=f"{name}.json", sha256=hashlib.sha256(data).hexdigest())
+
+
+def weigh(nested: Nested, profile: Profile, work: float, listener: Callable[[str], Listener]) -> Weighed:
+    """Plan every sheet of a layout, within `work` each, and add up what they cost."""
+    plans: list[Finished] = []
+    price, time_s, pierces, idle_mm = 0.0, 0.0, 0, 0.0
+    for name, text, sheet in zip(nested.names, nested.texts, nested.layout.sheets, strict=True):
+        plant = priced(profile, sheet.stock)
+        try:
+            given = Given(plant.as_cut(as_read(name, text)), plant)
+            done = plan_nest(given, options_for(given.nest, plant, work=work), listener=listener(name))
+        except (InputError, RulesConflict) as error:
+            return Weighed(nested, why=f"{name}: {str(error).splitlines()[0]}")
+        plan = done.made.plan
+        if not done.made.verdict.ok:
+            return Weighed(nested, why=f"{name}: the check refuses its plan: {', '.join(done.made.verdict.broken())}")
+        times = time_made(done.given, plan)
+        price += _price(times, profile)
+        time_s += times.total_s
+        pierces += plan.totals.pierces
+        idle_mm += plan.totals.idle_mm
+        plans.append(done)
+    return Weighed(nested, tuple(plans), price, time_s, pierces, idle_mm)
+
+
+def _price(times: Times, profile: Profile) -> float:
+    if not profile.prices.given:
+        return times.total_s
+    return times.cost.total if times.cost is not None else 0.0
+
+
+def priced(profile: Profile, stock: Stock) -> Profile:
+    """The profile with the price of this sheet, where it has prices; a remnant that has none was paid before."""
+    if not profile.prices.given or (stock.price is None and not stock.remnant):
+        return profile
+    prices = replace(profile.prices, sheet_each=stock.price or 0.0, sheet_kg=0.0)
+    return replace(profile, prices=prices)
+
+
+def cheapest(weighed: Sequence[Weighed]) -> Weighed:
+    """The one that costs least; the first, which is the densest, where none is cheaper or none can be planned."""
+    planned = [one for one in weighed if one.price is not None]
+    return min(planned, key=lambda one: round(one.price or 0.0, 6), default=weighed[0])
+
+
+def weighed_text(weighed: Sequence[Weighed], taken: Weighed, profile: Profile) -> str:
+    """What was weighed, a line each, the densest first."""
+    return "\n".join(_lines(weighed, taken, profile))
+
+
+def _lines(weighed: Sequence[Weighed], taken: Weighed, profile: Profile) -> Iterator[str]:
+    unit = profile.prices.currency if profile.prices.given else "s"
+    yield f"{'weighed':9} {'sheets':>6} {'left m²':>8} {'time':>9} {'pierces':>7} {'idle m':>8} {unit:>10} {'a part':>9}"
+    for number, one in enumerate(weighed, 1):
+        layout = one.nested.layout
+        mark = "← taken" if one is taken else ""
+        name = "densest" if number == 1 else f"layout {number}"
+        head = f"{name:9} {len(layout.sheets):6} {layout.remnant_mm2 / 1e6:8.3f}"
+        if one.price is None:
+            yield f"{head} no plan: {one.why} {mark}".rstrip()
+            continue
+        parts = sum(len(nest.parts) for nest in one.nested.nests)
+        cut = f"{clock(one.time_s):>9} {one.pierces:7} {one.idle_mm / 1000:8.2f}"
+        yield f"{head} {cut} {one.price:10.2f} {one.price / parts:9.3f} {mark}".rstrip()
