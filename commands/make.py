@@ -18,9 +18,7 @@ from .numbers import AMOUNT_OVER_ZERO
 @click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
               help="Limit of the plan of each sheet. The same work gives the same bytes, on each machine.")  # fmt: skip
 @click.option("--relax", is_flag=True, help="Where hard rules clash, take the cheapest way out, marked in the plan.")
-def command(
-    dxf: bool, purpose: str, weigh: int, weigh_work: float, work: float, relax: bool, **options: Any
-) -> int:
+def command(dxf: bool, purpose: str, weigh: int, weigh_work: float, work: float, relax: bool, **options: Any) -> int:
     """Lay PARTS on sheets, and turn every sheet into a checked program with its plan and pictures."""
     from kerfwise.jobs.nesting.files import nest_files, write_nests
     from kerfwise.jobs.nesting.programs import plan_sheet, plan_text, program_files

@@ -41,6 +41,8 @@ _OPTIONS = (
     click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Look as long, by the clock, in seconds."),
     click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N",
                  help="Of random orders."),
+    click.option("--engine", type=click.Choice(["own", "sparrow"]), default="own", show_default=True,
+                 help="sparrow: make the best layout denser with spyrrow (pip install kerfwise[nest])."),
     click.option("--for", "purpose", type=click.Choice(["density", "cutting"]), default="density", show_default=True,
                  help="cutting: plan several layouts that use the sheets alike, and take the cheapest to cut."),
     click.option("--weigh", type=click.IntRange(1, 100), default=4, show_default=True, metavar="N",
@@ -68,6 +70,7 @@ class Asked:
     wanted: Wanted
     spacing: Spacing
     effort: Effort
+    engine: str = "own"
 
 
 def read_asked(
@@ -83,20 +86,23 @@ def read_asked(
     time_limit: float | None,
     seed: int,
     units: str | None,
+    engine: str,
 ) -> Asked:
     """Read parts, sheets and profile; what the readers have to say goes to standard error."""
     from kerfwise.jobs.given import plant_of, reading
+    from kerfwise.jobs.nesting.engines import expect_engine
     from kerfwise.jobs.nesting.files import expect_folder
     from kerfwise.jobs.nesting.order import order_of
     from kerfwise.jobs.nesting.spacing import spacing_of
     from kerfwise.nesting.rounds import Effort
 
     plant, out = plant_of(profile, trust), Path(output)
+    expect_engine(engine)
     expect_folder(out)
     gap_mm = None if gap is None else length_or_zero("--gap", gap)
     spacing = spacing_of(plant, gap_mm, None if edge is None else length_or_zero("--edge", edge))
     wanted = order_of(parts, sheets, remnants, reading(plant, units=units), tell_note)
-    return Asked(plant, out, wanted, spacing, Effort(rounds, time_limit, seed))
+    return Asked(plant, out, wanted, spacing, Effort(rounds, time_limit, seed), engine)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -116,16 +122,16 @@ def find_nests(asked: Asked, purpose: str, most: int, work: float) -> Found:
     InputError
         If a part fits on no sheet, or the check refuses the nests.
     """
+    from kerfwise.jobs.nesting.engines import ranked_layouts
     from kerfwise.jobs.nesting.run import expect_room, nests_from
     from kerfwise.jobs.nesting.weigh import alike, cheapest, weigh
-    from kerfwise.nesting.rounds import layouts
 
     from .nest_progress import NestProgress
     from .progress import ProgressLine
 
     expect_room(asked.wanted, asked.spacing)
     with NestProgress() as progress:
-        ranked = layouts(asked.wanted, asked.spacing, asked.effort, progress)
+        ranked = ranked_layouts(asked.wanted, asked.spacing, asked.effort, asked.engine, progress, tell_note)
     if purpose == "density":
         return Found(_sound(nests_from(ranked[0])), interrupted=progress.interrupted)
     weighed: list[Weighed] = []

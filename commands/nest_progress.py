@@ -36,6 +36,12 @@ class NestProgress(Listener):
             self._status.update(f"{line}  (Ctrl-C keeps the best so far)")
         return not self.stopped
 
+    def going(self, doing: str) -> bool:
+        """Show what is being done; whether to go on."""
+        if self._status is not None:
+            self._status.update(f"{time.monotonic() - self.started:5.1f} s  {doing}  (Ctrl-C keeps the best so far)")
+        return not self.stopped
+
     def __enter__(self) -> Self:
         super().__enter__()
         if self._status is not None:

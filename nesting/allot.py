@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -73,14 +73,22 @@ class Layout:
 
 
 def allot(
-    wanted: Wanted, shapes: Shapes, spacing: Spacing, order: Sequence[int], taste: Taste, going: Going = lambda: True
+    wanted: Wanted,
+    shapes: Shapes,
+    spacing: Spacing,
+    order: Sequence[int],
+    taste: Taste,
+    going: Going = lambda: True,
+    left: Mapping[int, int] | None = None,
+    gone: Mapping[int, int] | None = None,
 ) -> Layout:
     """Fill sheet after sheet until every part lies on one, no stock is left, or what is left fits on none.
 
-    `order` are the part types as they are laid, one after the other.
+    `order` are the part types as they are laid, one after the other; `left` says how many of them are, all where it is
+    not given, and `gone` how many sheets of each stock are used already.
     """
-    left = {kind: wanted.types[kind].quantity for kind in order}
-    used = [0] * len(wanted.stocks)
+    left = {kind: wanted.types[kind].quantity if left is None else left[kind] for kind in order}
+    used = [(gone or {}).get(number, 0) for number in range(len(wanted.stocks))]
     sheets: list[Sheetful] = []
     while any(left.values()) and going():
         best: Sheetful | None = None

@@ -33,8 +33,14 @@ def best_layout(wanted: Wanted, spacing: Spacing, effort: Effort, told: Told = l
     return layouts(wanted, spacing, effort, told)[0]
 
 
-def layouts(wanted: Wanted, spacing: Spacing, effort: Effort, told: Told = lambda n, best: True) -> list[Layout]:
-    """The layouts of all rounds, the best first, each once: see `best_layout`."""
+def layouts(
+    wanted: Wanted,
+    spacing: Spacing,
+    effort: Effort,
+    told: Told = lambda n, best: True,
+    stopped: Callable[[], bool] = lambda: False,
+) -> list[Layout]:
+    """The layouts of all rounds, the best first, each once: see `best_layout`. Once `stopped`, a round breaks off."""
     shapes = Shapes(wanted.types, spacing.gap_mm)
     found: list[Layout] = []
     ends = None if effort.time_s is None else time.monotonic() + effort.time_s
@@ -42,7 +48,8 @@ def layouts(wanted: Wanted, spacing: Spacing, effort: Effort, told: Told = lambd
     for number, (order, taste) in enumerate(_ways(shapes, effort), 1):
 
         def going() -> bool:
-            return best is None or ends is None or time.monotonic() < ends  # noqa: B023 - called in this round only
+            over = stopped() or (ends is not None and time.monotonic() >= ends)
+            return best is None or not over  # noqa: B023 - called in this round only
 
         made = allot(wanted, shapes, spacing, order, taste, going)
         if all(made.alike != other.alike for other in found):

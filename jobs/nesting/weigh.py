@@ -1,4 +1,4 @@
-"""Nest and cut together: layouts that use the sheets alike are planned, and the one that is cheapest to cut is taken."""
+"""Nest and cut together: layouts that use the sheets alike are planned, and the cheapest to cut is taken."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ from .run import Nested
 
 NEAR = 0.02
 """Layouts whose sheets are worth so much more, as a share, are weighed too."""
+
 
 def alike(ranked: Sequence[Layout], most: int) -> list[Layout]:
     """The best layout, and those after it that lay as many parts on sheets worth about the same."""
@@ -106,7 +107,8 @@ def weighed_text(weighed: Sequence[Weighed], taken: Weighed, profile: Profile) -
 
 def _lines(weighed: Sequence[Weighed], taken: Weighed, profile: Profile) -> Iterator[str]:
     unit = profile.prices.currency if profile.prices.given else "s"
-    yield f"{'weighed':9} {'sheets':>6} {'left m²':>8} {'time':>9} {'pierces':>7} {'idle m':>8} {unit:>10} {'a part':>9}"
+    titles = f"{'weighed':9} {'sheets':>6} {'left m²':>8} {'time':>9} {'pierces':>7} {'idle m':>8}"
+    yield f"{titles} {unit:>10} {'a part':>9}"
     for number, one in enumerate(weighed, 1):
         layout = one.nested.layout
         mark = "← taken" if one is taken else ""

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import signal
 from pathlib import Path
 
 import pytest
 
+from kerfwise.commands.nest_progress import NestProgress
 from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.readers import read_nest
+from kerfwise.nesting.allot import Layout
 from kerfwise.nesting.written import nest_dxf, nest_json
 from kerfwise.tests.commands.run_cli import kerfwise
 
@@ -163,3 +166,23 @@ def test_where_a_sheet_has_no_plan_nothing_is_written(parts: Path) -> None:
     assert ended.code in (1, 2)
     assert "sheet1" in ended.err
     assert not (parts / "out").exists()
+
+
+def test_ctrl_c_keeps_the_best_nests(parts: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    heard = NestProgress.__call__
+
+    def press_after_the_first_round(progress: NestProgress, number: int, best: Layout) -> bool:
+        signal.raise_signal(signal.SIGINT)
+        return heard(progress, number, best)
+
+    monkeypatch.setattr(NestProgress, "__call__", press_after_the_first_round)
+    words = (f"{parts / 'plate.json'}=20", "--sheet", "300x200", "--time-limit", "600")
+    assert kerfwise("nest", *words, "-o", parts / "out").code == 130
+    assert (parts / "out" / "sheet1.json").is_file()
+
+
+def test_an_engine_that_is_not_installed_is_said_before_the_work(parts: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("kerfwise.nesting.sparrow.installed", lambda: False)
+    ended = kerfwise("nest", parts / "plate.json", "--sheet", "300x200", "--engine", "sparrow", "-o", parts / "out")
+    assert ended.code == 2
+    assert "pip install 'kerfwise[nest]'" in ended.err
