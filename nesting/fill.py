@@ -21,12 +21,14 @@ Going = Callable[[], bool]
 class Taste:
     """What makes one place better than another: `along` weighs how far the part reaches from the left, `up` from below.
 
-    `reach` counts to the part's far side, else to its near side.
+    `reach` counts to the part's far side, else to its near side. With `pairs` two of a type are laid at once, side by
+    side in their least rectangle, as long as pairs have room.
     """
 
     along: float = 1.0
     up: float = 0.01
     reach: bool = True
+    pairs: bool = False
 
     def of(self, shifts: Floats, box: tuple[float, float, float, float]) -> Floats:
         """Array (n,), the less the better."""
@@ -37,7 +39,14 @@ class Taste:
 
 
 LEFT = Taste()
-TASTES = (LEFT, Taste(reach=False), Taste(1.0, 0.3), Taste(0.01, 1.0), Taste(1.0, 1.0))
+TASTES = (
+    LEFT,
+    Taste(pairs=True),
+    Taste(reach=False),
+    Taste(1.0, 0.3, pairs=True),
+    Taste(0.01, 1.0),
+    Taste(1.0, 1.0, pairs=True),
+)
 _TRIES = 4
 
 
@@ -52,18 +61,22 @@ def fill(
     """
     laid: list[Placed] = []
     for kind in order:
-        for _ in range(left[kind]):
-            if not going():
-                return laid
-            one = put_best(room, kind, taste)
-            if one is None:
-                break
-            laid.append(one)
+        wanted = left[kind]
+        for number in (kind + len(room.shapes.types), kind) if taste.pairs else (kind,):
+            size = 1 if number == kind else 2
+            while wanted >= size:
+                if not going():
+                    return laid
+                news = put_best(room, number, taste)
+                if not news:
+                    break
+                laid += news
+                wanted -= size
     return laid
 
 
-def put_best(room: Room, kind: int, taste: Taste) -> Placed | None:
-    """Lay one part of a type at its best place; None where there is no room."""
+def put_best(room: Room, kind: int, taste: Taste) -> tuple[Placed, ...]:
+    """Lay one part of a type, or one pair, at its best place; nothing where there is no room."""
     for _ in range(_TRIES):
         best: tuple[float, float, float, int] | None = None
         where: tuple[Key, Floats] | None = None
@@ -78,11 +91,11 @@ def put_best(room: Room, kind: int, taste: Taste) -> Placed | None:
             if best is None or found < best:
                 best, where = found, (key, places[k])
         if where is None:
-            return None
-        if (laid := room.put(*where)) is not None:
+            return ()
+        if laid := room.put(*where):
             return laid
         room.bar(*where)
-    return None
+    return ()
 
 
 def by_size(shapes: Shapes, kinds: Sequence[int]) -> list[int]:

@@ -46,20 +46,27 @@ class Room:
         points: Floats = shapely.get_coordinates(self._where(key))
         return points
 
-    def put(self, key: Key, shift: Iterable[float]) -> Placed | None:
-        """Lay a part there, and say how; None where it would come too near to others, and it is not laid."""
+    def put(self, key: Key, shift: Iterable[float]) -> tuple[Placed, ...]:
+        """Lay a part or a pair there, and say how; nothing where it would come too near to others, and is not laid."""
         dx, dy = (round(float(by), 3) + 0.0 for by in shift)
-        lying = Placed(key[0], key[1], dx, dy)
-        metal = lying.area(self.shapes.types[key[0]].part.polygon)
+        laid = tuple(self.shapes.members(key, dx, dy))
+        before = len(self._metal)
+        for lying in laid:
+            metal = lying.area(self.shapes.types[lying.kind].part.polygon)
+            if not self._fits(metal):
+                del self._metal[before:]
+                return ()
+            self._metal.append(metal)
+        self.placed += laid
+        return laid
+
+    def _fits(self, metal: shapely.Geometry) -> bool:
         if not self._whole.covers(metal):
-            return None
-        if self._metal and (shapely.distance(np.array(self._metal), metal) < self.spacing.gap_mm - _NEAR_MM).any():
-            return None
-        if self.spacing.gap_mm < _NEAR_MM and self._overlaps(metal):
-            return None
-        self.placed.append(lying)
-        self._metal.append(metal)
-        return lying
+            return False
+        others = np.array(self._metal, dtype=object)
+        if self.spacing.gap_mm < _NEAR_MM:
+            return not (shapely.area(shapely.intersection(others, metal)) > _NEAR_MM * 10).any()
+        return not (shapely.distance(others, metal) < self.spacing.gap_mm - _NEAR_MM).any()
 
     def bar(self, key: Key, shift: Floats) -> None:
         """Never offer this place again."""
@@ -70,9 +77,6 @@ class Room:
         for lying in others:
             self.placed.append(lying)
             self._metal.append(lying.area(self.shapes.types[lying.kind].part.polygon))
-
-    def _overlaps(self, metal: shapely.Geometry) -> bool:
-        return bool((shapely.area(shapely.intersection(np.array(self._metal), metal)) > _NEAR_MM * 10).any())
 
     def _where(self, key: Key) -> shapely.Geometry:
         if key not in self._free:

@@ -17,7 +17,10 @@ def main() -> None:
     task: dict[str, Any] = json.load(sys.stdin)
     import spyrrow
 
-    items = [spyrrow.Item(row["id"], row["points"], row["demand"], row["turns"]) for row in task["items"]]
+    items = [
+        spyrrow.Item(row["id"], [(x, y) for x, y in row["points"]], row["demand"], row["turns"])
+        for row in task["items"]
+    ]
     strip = spyrrow.StripPackingInstance("strip", task["height"], items)
     config = spyrrow.StripPackingConfig(
         early_termination=True,
