@@ -63,3 +63,32 @@ def remnants() -> tuple[Stock, ...]:
         Stock("rest-l", Sheet(Curve.of(ell)), 1, remnant=True),
         Stock("rest-window", Sheet(Curve.of(rect(0, 0, 900, 800)), (Curve.of(window),)), 1, remnant=True),
     )
+
+
+def furniture() -> tuple[PartType, ...]:
+    """Parts as of a piece of furniture: rails, sides, shelves, tapered legs, brackets, slats with round ends, feet."""
+    made = (
+        (part("side", [(0, 0), (420, 0), (420, 780), (60, 780), (0, 720)]), 8),
+        (part("shelf", rect(0, 0, 560, 300)), 14),
+        (part("rail", rect(0, 0, 560, 70)), 36),
+        (part("leg", [(0, 0), (30, 0), (70, 420), (0, 420)]), 48),
+        (part("bracket", [(0, 0), (140, 0), (0, 110)]), 60),
+        (part("arm", [(0, 0), (260, 0), (260, 60), (60, 60), (60, 200), (0, 200)]), 24),
+        (part("slat", [(30, 0), (370, 0, 1.0), (370, 60), (30, 60, 1.0)]), 40),
+        (part("foot", [(0, 0), (120, 0), (95, 70), (25, 70)]), 48),
+        (part("brace", [(0, 0), (50, 0), (290, 240), (240, 240)]), 30),
+        (part("knob", circle(0, 0, 22)), 40),
+        (part("block", rect(0, 0, 60, 45)), 80),
+        (part("wedge", [(0, 0), (80, 0), (80, 12), (0, 30)]), 60),
+    )
+    return tuple(PartType(shape.id, shape, count) for shape, count in made)
+
+
+def cutting_list(seed: int) -> Wanted:
+    """A small list, for layouts that are planned as they are weighed."""
+    chance = random.Random(seed)
+    kinds = tuple(
+        PartType(f"P{k + 1}", shape(f"P{k + 1}", chance, chance.uniform(90, 260)), chance.randint(2, 5))
+        for k in range(5)
+    )
+    return Wanted(kinds, (Stock("1500x1000", Sheet.rectangle(1500, 1000)),))

@@ -43,7 +43,7 @@ def usable_area_mm2(width_mm: float, height_mm: float, margins_mm: tuple[float, 
     Examples
     --------
     >>> usable_area_mm2(1500.0, 1000.0, (10.0, 5.0), 0.35)
-    1465859.6225
+    1466064.6225
     """
     across, up = margins_mm
     return (width_mm - 2 * across + half_kerf_mm) * (height_mm - 2 * up + half_kerf_mm)
