@@ -12,7 +12,7 @@ import platform
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -56,7 +56,7 @@ def main() -> None:
         f"with kerfwise {kerfwise.__version__}, Python {platform.python_version()}. Seconds are of the processor. "
         "Each layout passed the check."
     )
-    parts = {
+    parts: dict[str, Callable[[], Iterator[str]]] = {
         "strips": lambda: _strips(given.folder, given.rounds, given.seconds),
         "furniture": lambda: _furniture(given.rounds),
         "day": lambda: _day(given.rounds),
@@ -130,7 +130,7 @@ def _density(layout: Layout) -> float:
         return 0.0
     [sheet] = layout.sheets
     reach = max(area.bounds[2] for area in layout.metal_of(sheet))
-    return layout.wanted.area_mm2 / (reach * sheet.stock.sheet.bounds[3])
+    return float(layout.wanted.area_mm2 / (reach * sheet.stock.sheet.bounds[3]))
 
 
 def _furniture(rounds: int) -> Iterator[str]:
