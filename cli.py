@@ -23,6 +23,7 @@ VERBS = {
     "batch": "Plan folders of nests on every machine, and say which is cheaper.",
     "resequence": "Put old programs into a better order, or plan them afresh.",
     "facts": "Write the facts of a nest, as JSON or MiniZinc data.",
+    "serve": "Show a nest in the browser: ask why, move, plan again, save.",
     "sheet": "Print a plan as a work sheet for the operator (PDF).",
     "plot": "Draw a nest or a plan (SVG, PNG, PDF or HTML).",
     "job": "Check a job file, which says what belongs to one nest.",

@@ -12,7 +12,6 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.shown import shown
 from kerfwise.models.engines.baselines import STRATEGIES
 
-from .default_names import expect_own
 from .drawings_out import drawings, expect_as_drawn, expect_drawings
 from .engine_choice import EngineChoice
 from .given import given_options, note_placing, protect, read_given, tell_note
@@ -81,6 +80,7 @@ def command(
     **options: Any,
 ) -> int:
     """Turn NEST into a cutting program that keeps every hard rule of the profile, checked before it is written."""
+    from kerfwise.jobs.default_names import expect_own, named_after
     from kerfwise.jobs.main_job import plan_nest
     from kerfwise.jobs.no_plan import NoPlan
     from kerfwise.jobs.page.picture import planned_picture
@@ -95,16 +95,15 @@ def command(
     from .progress import ProgressLine
 
     file = Path(options["nest"])
-    if named_after := output is plan_path is dxf is picture is svg is reordered_dxf is None:
-        beside = f"{file.stem}.plan.svg" if file.suffix.lower() == ".svg" else f"{file.stem}.svg"
-        output, plan_path, picture = f"{file.stem}.nc", f"{file.stem}.plan.json", beside
+    if by_default := output is plan_path is dxf is picture is svg is reordered_dxf is None:
+        output, plan_path, picture = named_after(file)
     conflict_picture = conflict_picture or f"{file.stem}.conflict.svg"
     outputs = (output, plan_path, dxf, picture, conflict_picture, svg, reordered_dxf)
     expect_drawings(svg, reordered_dxf)
     if dxf and Path(dxf).suffix.lower() != ".dxf":
         raise InputError("the torch's paths are written as DXF: give a name ending in .dxf", file=dxf)
     _expect(outputs, (picture, conflict_picture), (file, lock_from))
-    if named_after:
+    if by_default:
         expect_own(file, Path(str(output)), Path(str(plan_path)), Path(str(picture)))
     given = read_given(**options, last=lock_from)
     beside_program = remnant_names(output, given.profile) if output else ()

@@ -154,7 +154,7 @@ def in_turn(
 def _serve(way: Connection, work: Work[Piece, Made], cores: list[int]) -> None:
     """What a process does: its share of the cores, then piece after piece, until nobody is there who gives any."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; only the first one answers
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    threading.Thread(target=end_with_parent, daemon=True).start()
     keep_to(cores)
     with contextlib.suppress(EOFError, OSError):
         while True:
@@ -189,7 +189,7 @@ def keep_to(cores: list[int]) -> None:
             os.sched_setaffinity(0, cores)
 
 
-def _end_with_parent() -> None:
+def end_with_parent() -> None:
     """End where the process that gives the work was killed: nobody is left who would want the answer."""
     parent = parent_process()
     if parent is not None:

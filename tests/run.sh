@@ -26,7 +26,7 @@ PYTHON=${PYTHON:-python3}
 
 say "environment in .venv"
 [ -x .venv/bin/python ] || "$PYTHON" -m venv .venv 2>/dev/null || { from_debian python3-venv; "$PYTHON" -m venv .venv; }
-.venv/bin/python -m pip install -q -e '.[cluster,docs,nest,test]'
+.venv/bin/python -m pip install -q -e '.[cluster,docs,nest,serve,test]'
 [ -e .typing/kerfwise ] || { mkdir -p .typing; ln -s .. .typing/kerfwise; } # left out of source distributions
 
 say "MiniZinc"

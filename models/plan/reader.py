@@ -43,13 +43,29 @@ def read_plan(path: str | Path) -> Plan:
     """
     try:
         text = contents(path).decode("utf-8-sig")
-        data = strict_json(text)  # NaN becomes a text, which the schema refuses in place
     except InputError as error:
         raise InputError(f"not a plan: {error.message}", file=path, line=error.line, column=error.column) from None
     except OSError as error:
         raise InputError(f"cannot read the plan: {error.strerror}", file=path) from None
     except UnicodeDecodeError:
         raise InputError("not a plan: the file is not UTF-8 text", file=path) from None
+    except ValueError as error:  # no file can have this name
+        raise InputError(f"not a plan: {error}", file=path) from None
+    return plan_in(text, path)
+
+
+def plan_in(text: str, path: str | Path = "the plan") -> Plan:
+    """The plan that a text is, which stands at `path`.
+
+    Raises
+    ------
+    InputError
+        As `read_plan` does.
+    """
+    try:
+        data = strict_json(text)  # NaN becomes a text, which the schema refuses in place
+    except InputError as error:
+        raise InputError(f"not a plan: {error.message}", file=path, line=error.line, column=error.column) from None
     except json.JSONDecodeError as error:
         message = f"not a plan: expected JSON as solve writes it with --plan ({error.msg})"
         raise InputError(message, file=path, line=error.lineno, column=error.colno) from None

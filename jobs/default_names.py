@@ -16,6 +16,18 @@ _OF = re.compile(rb"\(NEST (.*) SHA256 ", re.IGNORECASE)
 _HEAD_BYTES = 2000
 
 
+def named_after(nest: Path) -> tuple[str, str, str]:
+    """Names of the program, the plan and the picture of a nest.
+
+    Examples
+    --------
+    >>> named_after(Path("nests/plate.dxf")), named_after(Path("plate.svg"))[2]
+    (('plate.nc', 'plate.plan.json', 'plate.svg'), 'plate.plan.svg')
+    """
+    beside = f"{nest.stem}.plan.svg" if nest.suffix.lower() == ".svg" else f"{nest.stem}.svg"
+    return f"{nest.stem}.nc", f"{nest.stem}.plan.json", beside
+
+
 def expect_own(nest: Path, program: Path, plan: Path, picture: Path) -> None:
     """Refuse to write over the program, plan or picture of another nest: NEST.dxf and NEST.json give the same names.
 

@@ -1,0 +1,62 @@
+"""kerfwise serve: the page with hands, in a browser on this machine."""
+
+from __future__ import annotations
+
+import webbrowser
+from importlib.util import find_spec
+from pathlib import Path
+
+import click
+
+from kerfwise.encoder.errors import InputError
+
+from .given import TRUST
+from .numbers import AMOUNT_OVER_ZERO
+
+NEEDED = ("starlette", "uvicorn", "anyio", "ruamel.yaml")
+
+
+@click.command()
+@click.argument("given", metavar="[NEST|DIR]", default=".")
+@click.option("-p", "--profile", metavar="PROFILE", help="Name or path, for nests whose job file names none.")
+@click.option("--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Any that is free, if left out.")
+@click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
+              help="How much goes into a plan, as for solve.")  # fmt: skip
+@click.option("--open", "open_browser", is_flag=True, help="Open the page in the browser.")
+@TRUST
+def command(given: str, profile: str | None, port: int, work: float, open_browser: bool, trust: bool) -> None:
+    """Show NEST, or the nests of the folder DIR, in the browser: see, ask why, move, plan again and save.
+
+    Only browsers of this machine reach it, by the address that is printed.
+    """
+    if missing := [name for name in NEEDED if not _is_there(name)]:
+        raise InputError(f"serve needs {', '.join(missing)}: install it with `pip install 'kerfwise[serve]'`")
+    from kerfwise.serving.run import serve
+
+    def ready(address: str) -> None:
+        click.echo(f"serving {given} at {address}\nCtrl-C ends it")
+        if open_browser:
+            webbrowser.open(address)
+
+    serve(Path(given), port=port, profile=_found(profile), work=work, trust=trust, ready=ready)
+
+
+def _is_there(name: str) -> bool:
+    try:
+        return find_spec(name) is not None
+    except ModuleNotFoundError:
+        return False
+
+
+def _found(profile: str | None) -> str | None:
+    """A shipped profile's name as it is, a path from wherever the nest lies."""
+    from kerfwise.rules.profile.files import shipped_profiles
+
+    if profile is None or profile in shipped_profiles():
+        return profile
+    path = Path(profile)
+    if not path.is_file():
+        from kerfwise.jobs.given import plant_of
+
+        plant_of(profile)  # says what is wrong, with the nearest name
+    return str(path.resolve())

@@ -1,0 +1,52 @@
+"""One plan of a session's history, with all that it was made of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from .wanted import Wanted
+
+
+@dataclass(frozen=True, slots=True)
+class Alternative:
+    """A plan that was made, and what it was made of.
+
+    `files` are its files by name, as `kerfwise solve` writes them; `figures` what a list of plans says of it. `stopped`
+    says that the engines were asked to end: then the command line may come further. `options` are those of the command
+    line beside what is wanted.
+    """
+
+    number: int
+    wanted: Wanted
+    plan: str
+    program: str
+    files: Mapping[str, str]
+    figures: Mapping[str, Any]
+    summary: str
+    ok: bool
+    broken: tuple[str, ...] = ()
+    stopped: bool = False
+    options: str = ""
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def command(self) -> str:
+        """The command line that makes the same files, once its job file is saved."""
+        return self.wanted.command(self.options)
+
+    def as_json(self, locks: tuple[str, ...] = ()) -> dict[str, Any]:
+        """What a page shows of it in the list of plans."""
+        return {
+            "number": self.number,
+            "figures": dict(self.figures),
+            "summary": self.summary,
+            "ok": self.ok,
+            "broken": list(self.broken),
+            "stopped": self.stopped,
+            "command": self.command,
+            "notes": list(self.notes),
+            "locks": list(locks),
+            "upto": self.wanted.upto,
+        }

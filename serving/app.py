@@ -1,0 +1,259 @@
+"""What the server answers: its addresses, each with what it takes and gives."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+from http import HTTPStatus
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, JSONResponse, Response
+from starlette.routing import Route
+
+from kerfwise.encoder.errors import InputError
+
+from .child import as_told
+from .events import Stream
+from .guard import Guard
+from .helper import Died, Refused
+from .pages import list_page, static_file, worked_page
+from .server import Server
+from .session import Session, Stale, back_to
+
+Answer = Callable[[Request], Awaitable[Response]]
+
+
+class Addresses:
+    """The server's answers, an address each."""
+
+    def __init__(self, server: Server, first: str | None) -> None:
+        self._server, self._first = server, first
+
+    def routes(self) -> list[Route]:
+        """All of them; what changes a session is sent with POST, and carries the version that it has seen."""
+        reading: dict[str, Answer] = {
+            "/": self.home,
+            "/files/{name:path}": self.file,
+            "/nest/{id}": self.nest,
+            "/nest/{id}/drawing": self.drawing,
+            "/api/nests": self.nests,
+            "/api/{id}/state": self.state,
+            "/api/{id}/why": self.why,
+            "/api/{id}/move": self.move,
+            "/api/{id}/program": self.program,
+            "/api/{id}/events": self.events,
+        }
+        writing: dict[str, Answer] = {
+            "/api/open": self.open,
+            "/api/drop": self.drop,
+            "/api/{id}/edit": self.edit,
+            "/api/{id}/cut": self.cut,
+            "/api/{id}/back": self.back,
+            "/api/{id}/solve": self.solve,
+            "/api/{id}/cancel": self.cancel,
+            "/api/{id}/try": self.tried,
+            "/api/{id}/save": self.save,
+        }
+        asked = [Route(path, self._told(answer), methods=["GET"]) for path, answer in reading.items()]
+        return asked + [Route(path, self._told(answer), methods=["POST"]) for path, answer in writing.items()]
+
+    async def home(self, request: Request) -> Response:
+        """The nest that the server was started with, or the list of those in its folder."""
+        return HTMLResponse(list_page(self._first))
+
+    async def file(self, request: Request) -> Response:
+        return static_file(request.path_params["name"])
+
+    async def nest(self, request: Request) -> Response:
+        return HTMLResponse(worked_page(self._session(request)))
+
+    async def drawing(self, request: Request) -> Response:
+        """The plan as a page that plays it; it runs in a sandbox, and may ask for nothing."""
+        number = request.query_params.get("plan")
+        text = await self._server.page(self._session(request), int(number) if number else None)
+        sandbox = "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'"
+        headers = {"content-security-policy": f"{sandbox}; img-src data:", "x-frame-options": "SAMEORIGIN"}
+        return HTMLResponse(text, headers=headers)
+
+    async def nests(self, request: Request) -> Response:
+        """Names of the nests in the folder."""
+        return JSONResponse({"nests": [*self._server.folder.nests()], "first": self._first})
+
+    async def open(self, request: Request) -> Response:
+        """`{"nest": NAME, "repair": false}` gives the session's state."""
+        said = await _json(request)
+        path = self._server.folder.nest(str(said.get("nest", "")))
+        return JSONResponse((await self._server.open(path, said.get("repair") is True)).as_json())
+
+    async def drop(self, request: Request) -> Response:
+        """A drawing as the body, `?name=plate.dxf&repair=0`: it is written into the folder and opened."""
+        drawing = await request.body()
+        path = self._server.folder.dropped(request.query_params.get("name", ""), drawing)
+        repair = request.query_params.get("repair") == "1"
+        return JSONResponse((await self._server.open(path, repair)).as_json(), HTTPStatus.CREATED)
+
+    async def state(self, request: Request) -> Response:
+        return JSONResponse(self._session(request).as_json())
+
+    async def why(self, request: Request) -> Response:
+        """`?contour=P1.outer&plan=2`: as `kerfwise explain --json`, with `text`."""
+        contour = request.query_params.get("contour", "")
+        return JSONResponse(await self._about(request, "why", contour=contour))
+
+    async def move(self, request: Request) -> Response:
+        """`?contours=P1.outer&place=3&look=0`: whether they may be cut from that place on, and what it costs."""
+        said = request.query_params
+        given = {
+            "contours": said.getlist("contours"),
+            "place": _whole(said.get("place")),
+            "look": said.get("look") == "1",
+        }
+        return JSONResponse(await self._about(request, "move", **given))
+
+    async def program(self, request: Request) -> Response:
+        """The NC text of a plan."""
+        session, number = self._session(request), request.query_params.get("plan")
+        plan = session.alternative(_whole(number)) if number else session.current
+        if plan is None:
+            raise InputError("there is no plan yet")
+        return Response(plan.program, media_type="text/plain; charset=utf-8")
+
+    async def events(self, request: Request) -> Response:
+        """Server-sent events: `state` when anything has changed, `progress` while the engines run."""
+        return Stream(self._session(request))
+
+    async def edit(self, request: Request) -> Response:
+        """`{"version": 3, "changes": [{"lock": "P2 first"}, …]}`; see `edits.py` for what can be changed."""
+        session, said = await self._writing(request)
+        changes = said.get("changes")
+        if not isinstance(changes, list) or not all(isinstance(change, dict) for change in changes):
+            raise InputError("changes: expected a list of changes")
+        undone = await self._server.edit(session, changes)
+        return JSONResponse({**session.as_json(), "undone": undone})
+
+    async def cut(self, request: Request) -> Response:
+        """`{"version": 3, "upto": 7}`: the first cuts of the shown plan are made already; 0 takes that back."""
+        session, said = await self._writing(request)
+        await self._server.cut_up_to(session, _whole(said.get("upto")))
+        return JSONResponse(session.as_json())
+
+    async def back(self, request: Request) -> Response:
+        """`{"version": 3, "to": 1}`: an earlier plan is shown, and what it was made of is wanted again."""
+        session, said = await self._writing(request)
+        number = _whole(said.get("to"))
+        await self._server.want(session, back_to(session, number), shown=number)
+        return JSONResponse(session.as_json())
+
+    async def solve(self, request: Request) -> Response:
+        """`{"version": 3, "work": 30, "relax": false}`: the planning begins; events tell how it goes."""
+        session, said = await self._writing(request)
+        work = said.get("work")
+        if work is not None and not (isinstance(work, int | float) and 0 < work <= 10_000):
+            raise InputError(f"work: expected a number over 0, got {work!r}")
+        self._server.solve(session, work, said.get("relax") is True)
+        return JSONResponse(session.as_json(), HTTPStatus.ACCEPTED)
+
+    async def cancel(self, request: Request) -> Response:
+        """`{"at_once": false}`: the best plan so far is kept, unless it is to end at once."""
+        session, said = self._session(request), await _json(request)
+        self._server.cancel(session, said.get("at_once") is True)
+        return JSONResponse(session.as_json(), HTTPStatus.ACCEPTED)
+
+    async def tried(self, request: Request) -> Response:
+        """`{"changes": […], "relax": false}`: what they would bring; nothing is changed."""
+        session, said = self._session(request), await _json(request)
+        changes = said.get("changes") or []
+        return JSONResponse(await self._server.tried(session, changes, said.get("relax") is True))
+
+    async def save(self, request: Request) -> Response:
+        """`{"version": 3}`: the files of the shown plan and its job file, and the command line that makes the same."""
+        session, _ = await self._writing(request)
+        told = session.save()
+        return JSONResponse({**session.as_json(), "saved": told})
+
+    async def _about(self, request: Request, question: str, **given: Any) -> dict[str, Any]:
+        number = request.query_params.get("plan")
+        return await self._server.about(self._session(request), question, _whole(number) if number else None, **given)
+
+    def _session(self, request: Request) -> Session:
+        found = self._server.sessions.get(request.path_params["id"])
+        if found is None:
+            raise KeyError(request.path_params["id"])
+        return found
+
+    def _told(self, answer: Answer) -> Answer:
+        """What goes wrong becomes an answer in words; a stale change gets the state as it is now."""
+
+        async def answered(request: Request) -> Response:
+            try:
+                return await answer(request)
+            except Stale:
+                return JSONResponse({"kind": "stale", **self._session(request).as_json()}, HTTPStatus.CONFLICT)
+            except KeyError as error:
+                return _wrong(
+                    HTTPStatus.NOT_FOUND, {"kind": "input", "message": f"no nest is open as {error.args[0]!r}"}
+                )
+            except InputError as error:
+                return _wrong(HTTPStatus.UNPROCESSABLE_ENTITY, as_told(error))
+            except Refused as error:
+                fault = error.told["kind"] == "fault"
+                return _wrong(
+                    HTTPStatus.INTERNAL_SERVER_ERROR if fault else HTTPStatus.UNPROCESSABLE_ENTITY, error.told
+                )
+            except Died as error:
+                return _wrong(HTTPStatus.SERVICE_UNAVAILABLE, {"kind": "died", "message": str(error)})
+
+        return answered
+
+    async def _writing(self, request: Request) -> tuple[Session, dict[str, Any]]:
+        session, said = self._session(request), await _json(request)
+        session.expect(said.get("version"))
+        return session, said
+
+
+def _wrong(status: HTTPStatus, told: dict[str, Any]) -> Response:
+    return JSONResponse(told, status)
+
+
+async def _json(request: Request) -> dict[str, Any]:
+    """The body, a JSON object; nothing stands for an empty one."""
+    body = await request.body()
+    try:
+        said = json.loads(body or b"{}")
+    except (ValueError, RecursionError):
+        raise InputError("the body is not JSON") from None
+    if not isinstance(said, dict):
+        raise InputError("the body: expected a JSON object")
+    return said
+
+
+def _whole(said: object) -> int:
+    try:
+        return int(str(said))
+    except ValueError:
+        raise InputError(f"expected a whole number, got {said!r}") from None
+
+
+def make_app(server: Server, token: str, port: int, first: str | None = None) -> Guard:
+    """The whole application; `first` is the name of the nest that the server was started with."""
+
+    @asynccontextmanager
+    async def running(app: Starlette) -> AsyncIterator[None]:
+        await server.begin()
+        try:
+            yield
+        finally:
+            await server.end()
+
+    routes = Addresses(server, first).routes()
+    return Guard(Starlette(routes=list(routes), lifespan=running), token, port, POLICY)
+
+
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; "
+    "connect-src 'self'; frame-src 'self'; font-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+"""What the server's pages may load and do: nothing that is not the server's own."""

@@ -1,0 +1,176 @@
+"""The process that answers at once: what a nest is, what a move would do, why a contour is cut where it is."""
+
+from __future__ import annotations
+
+import json
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+from kerfwise.encoder.shown import shown
+from kerfwise.jobs.explaining import Explainer
+from kerfwise.jobs.given import Given
+from kerfwise.jobs.moving import Mover
+from kerfwise.models.plan.explain import as_text, explanation_as_json
+from kerfwise.models.plan.reader import plan_in
+from kerfwise.postproc.report import draw
+from kerfwise.rules.lock import Lock
+from kerfwise.rules.profile.lock_text import lines_of
+
+from .child import Answers, Asking
+from .edits import against, edited
+from .job_text import JobText, settings_of
+from .wanted import Wanted, given_of
+
+MOST_KEPT = 6
+"""Nests, and plans of them, that are kept worked out."""
+
+T = TypeVar("T")
+
+
+@dataclass
+class _Kept:
+    """The last few things that were worked out, by what they were asked for."""
+
+    most: int = MOST_KEPT
+    made: OrderedDict[Any, Any] = field(default_factory=OrderedDict)
+
+    def get(self, key: Any, make: Callable[[], T]) -> T:
+        if key not in self.made:
+            self.made[key] = make()
+            while len(self.made) > self.most:
+                self.made.popitem(last=False)
+        self.made.move_to_end(key)
+        found: T = self.made[key]
+        return found
+
+
+@dataclass(frozen=True)
+class _Read:
+    """A nest with its profile, and what was said while both were read."""
+
+    given: Given
+    notes: tuple[str, ...]
+
+
+class Desk:
+    """Answers questions about nests and plans; what it has worked out serves the next one."""
+
+    def __init__(self) -> None:
+        self._reads, self._plans = _Kept(), _Kept()
+
+    def ready(self) -> bool:
+        """All is loaded."""
+        return True
+
+    def prepared(self, wanted: Wanted, plan: str) -> bool:
+        """Work out what moves and reasons need, before anybody asks."""
+        return bool(self._mover(wanted, plan)[0].setting.route)
+
+    def opened(self, wanted: Wanted) -> dict[str, Any]:
+        """What there is to know of a nest before it is planned."""
+        read = self._read(wanted)
+        nest, profile = read.given.nest, read.given.profile
+        numbered = {} if profile.for_one_nest is None else dict(profile.for_one_nest.numbered)
+        text = JobText(wanted.job_text or "")
+        return {
+            "file": nest.file,
+            "sha256": nest.sha256,
+            "contours": [{"id": c.id, "part": c.part, "kind": c.kind} for c in nest.contours],
+            "profile": profile.name,
+            "notes": list(read.notes),
+            "numbered": numbered,
+            "locks": [line for line, _ in text.lines()],
+            "settings": dict(settings_of(text.job())),
+            "rules": [_rule(read.given, name) for name in {**profile.rules, **profile.settings()}],
+        }
+
+    def edited(self, wanted: Wanted, changes: Sequence[dict[str, Any]]) -> dict[str, Any]:
+        """The job file with changes made in it, and what gave way; refused whole where one of them cannot be."""
+        read = self._read(wanted)
+        text, undone = edited(wanted, read.given, changes)
+        return {"job_text": text, "undone": undone}
+
+    def drawn(self, wanted: Wanted, plan: str | None) -> str:
+        """The nest, with a plan if there is one, as a page that plays the cuts."""
+        given = self._read(wanted).given
+        made = None if plan is None else plan_in(plan)
+        return draw(given.nest, made, ".html", given.profile.home_on(given.nest)).decode("utf-8")
+
+    def why(self, wanted: Wanted, plan: str, contour: str) -> dict[str, Any]:
+        """Why a contour is cut where it is, as `kerfwise explain --json` says it, and as text."""
+        told = self._mover(wanted, plan)[0].explain(contour)
+        data: dict[str, Any] = json.loads(explanation_as_json(told))
+        return {**data, "text": as_text(told)}
+
+    def move(
+        self, wanted: Wanted, plan: str, contours: Sequence[str], place: int, look: bool = False
+    ) -> dict[str, Any]:
+        """Whether contours can be cut from another place on, what it costs, or what forbids it; nothing is planned.
+
+        `locks` are what a drop there would lock, and `undone` those of before that it takes the place of.
+        """
+        explainer, mover = self._mover(wanted, plan)
+        locks = self._locks_of(explainer, contours, place)
+        gone = self._against(wanted, locks)
+        moved, _ = mover.move(contours, place, [lock.because for lock in gone], look)
+        return {
+            "contours": list(moved.contours),
+            "place": moved.place,
+            "lawful": moved.lawful,
+            "more_mm": moved.more_mm,
+            "looked": moved.looked,
+            "text": shown(moved.sentence),
+            "breaks": [{"rule": a.rule, "contours": list(a.contours), "text": shown(a.sentence)} for a in moved.breaks],
+            "locks": [line for lock in locks for line in lines_of(lock)],
+            "undone": [line for lock in gone for line in lines_of(lock)],
+        }
+
+    def _locks_of(self, explainer: Explainer, contours: Sequence[str], place: int) -> list[Lock]:
+        """The places of contours that are moved together: they keep their order."""
+        at = {planned.cut.contour: k for k, planned in enumerate(explainer.plan.cuts)}
+        order = sorted(contours, key=lambda name: at.get(name, -1))
+        return [Lock(contour=name, position=k) for k, name in enumerate(order, place)]
+
+    def _against(self, wanted: Wanted, locks: Sequence[Lock]) -> list[Lock]:
+        """The locks of the job file that give way to others."""
+        given, text = self._read(wanted).given, JobText(wanted.job_text or "")
+        gone = set(against(given.nest, text, locks))
+        return [] if given.job is None else [lock for lock in given.job.locks if gone & set(lines_of(lock))]
+
+    def _read(self, wanted: Wanted) -> _Read:
+        def read() -> _Read:
+            notes: list[str] = []
+            return _Read(given_of(wanted, notes.append), tuple(map(shown, notes)))
+
+        return self._reads.get(wanted.key, read)
+
+    def _mover(self, wanted: Wanted, plan: str) -> tuple[Explainer, Mover]:
+        def made() -> tuple[Explainer, Mover]:
+            given = self._read(wanted).given
+            explainer = Explainer(given, plan_in(plan), None)
+            return explainer, Mover(explainer)
+
+        return self._plans.get((wanted.key, plan), made)
+
+
+def _rule(given: Given, name: str) -> dict[str, Any]:
+    """A rule as its slider shows it; one of the plant's own has no key that can be set."""
+    profile = given.profile
+    rule, setting = profile.rulebook()[name], profile.rules.get(name) or profile.settings()[name]
+    return {
+        "id": name,
+        "sentence": shown(rule.sentence),
+        "strength": setting.strength,
+        "strengths": list(rule.strengths),
+        "weight_mm": setting.weight,
+        "default_weight_mm": rule.default_weight,
+        "settable": name in profile.rules,
+    }
+
+
+def desk(asking: Asking) -> Answers:
+    """The questions that the desk answers."""
+    made = Desk()
+    return {name: getattr(made, name) for name in ("ready", "prepared", "opened", "edited", "drawn", "why", "move")}

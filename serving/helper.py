@@ -1,0 +1,127 @@
+"""A process that answers questions for the server, one at a time. One that dies is started again, and nothing is lost:
+all that counts is held by the server."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+from collections.abc import Callable
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from multiprocessing.context import SpawnProcess
+from typing import Any, Literal
+
+from .child import answer_questions
+
+Role = Literal["desk", "planner"]
+Heard = Callable[[dict[str, Any]], None]
+"""Called with what a process has to tell before its answer."""
+ENDED_S = 3.0
+
+
+class Refused(Exception):
+    """The question was answered: it cannot be, and `told` says why, as JSON."""
+
+    def __init__(self, told: dict[str, Any]) -> None:
+        super().__init__(told["message"])
+        self.told = told
+
+
+class Died(Exception):
+    """The process ended in the middle of its answer: it was killed, memory ran out, or a library has crashed."""
+
+
+class Helper:
+    """One such process. Threads may ask; each waits for its turn.
+
+    `desk` answers in hundredths of a second, `planner` plans.
+    """
+
+    def __init__(self, role: Role) -> None:
+        self.role = role
+        self._turn = threading.Lock()
+        self._process: SpawnProcess | None = None
+        self._way: Connection | None = None
+        self._stop: Connection | None = None
+        self._closed = False
+
+    @property
+    def pid(self) -> int | None:
+        """Of the process; None where none runs."""
+        return None if self._process is None or not self._process.is_alive() else self._process.pid
+
+    def ask(self, question: str, heard: Heard = lambda told: None, **given: Any) -> Any:
+        """The answer, as JSON can hold it.
+
+        Raises
+        ------
+        Refused
+            If something given cannot be used.
+        Died
+            If the process died; the next question starts another.
+        """
+        with self._turn:
+            if self._closed:
+                raise Died("the server is ending")
+            way = self._begun()
+            try:
+                way.send((question, given))
+            except OSError:  # it has died since the last question
+                way = self._begun(again=True)
+                way.send((question, given))
+            try:
+                while True:
+                    kind, told = way.recv()
+                    if kind == "heard":
+                        heard(told)
+                    elif kind == "answer":
+                        return told
+                    else:
+                        raise Refused(told)
+            except (EOFError, OSError):
+                self._end()
+                raise Died(f"the process that worked on it died ({self._how()}); another is started") from None
+
+    def stop(self) -> None:
+        """Ask it to come to an end with the best that it has, soon."""
+        with contextlib.suppress(OSError, AttributeError):
+            self._stop.send(b"stop")  # type: ignore[union-attr]
+
+    def kill(self) -> None:
+        """End the process; what it is doing is lost, and who waits for it is told `Died`."""
+        if (process := self._process) is not None:
+            process.kill()
+
+    def close(self) -> None:
+        """End the process for good."""
+        self._closed = True
+        self.kill()
+        if (process := self._process) is not None:
+            process.join(ENDED_S)
+
+    def _begun(self, again: bool = False) -> Connection:
+        if again:
+            self._end()
+        if self._way is None or self._process is None or not self._process.is_alive():
+            self._end()
+            context = get_context("spawn")
+            self._way, there = context.Pipe()
+            self._stop, stop = context.Pipe()
+            self._process = context.Process(target=answer_questions, args=(self.role, there, stop), daemon=True)
+            self._process.start()
+            there.close()
+            stop.close()
+        return self._way
+
+    def _end(self) -> None:
+        for way in (self._way, self._stop):
+            if way is not None:
+                way.close()
+        self._way = self._stop = None
+        if self._process is not None:
+            self._process.kill()
+            self._process.join(ENDED_S)
+
+    def _how(self) -> str:
+        code = None if self._process is None else self._process.exitcode
+        return f"signal {-code}" if code is not None and code < 0 else f"exit code {code}"

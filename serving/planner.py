@@ -1,0 +1,134 @@
+"""The process that plans: it tells what is reached as it goes, and keeps what it has loaded for the next plan."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.shown import shown
+from kerfwise.jobs.default_names import named_after
+from kerfwise.jobs.given import Given
+from kerfwise.jobs.listening import Listener, Reached
+from kerfwise.jobs.main_job import Finished, plan_nest
+from kerfwise.jobs.no_plan import NoPlan
+from kerfwise.jobs.solve_options import WORK, options_for
+from kerfwise.jobs.summary import summary
+from kerfwise.postproc.nc.remnant import remnant_files
+from kerfwise.postproc.report import draw
+
+from .child import Answers, Asking
+from .conflicts import conflict_told
+from .edits import edited
+from .wanted import Wanted, already_of, given_of
+
+TOLD_EACH_S = 0.1
+"""What the engines reach is told no more often than this."""
+REMEDY_WORK = 0.5
+"""Work for a first look at what a way out of a conflict would bring."""
+
+
+class Planner:
+    """Plans what is wanted, exactly as `kerfwise solve` does in the nest's folder."""
+
+    def __init__(self, asking: Asking) -> None:
+        self._asking = asking
+
+    def ready(self) -> bool:
+        """Load what planning needs, so that the first plan does not wait for it."""
+        import kerfwise.models.engines.rounds  # noqa: F401
+
+        return True
+
+    def solve(self, wanted: Wanted, work: float = WORK, relax: bool = False) -> dict[str, Any]:
+        """The plan with its program, or the conflict; what the engines reach is told meanwhile."""
+        self._asking.begin()
+        notes: list[str] = []
+        given = given_of(wanted)
+        limits = options_for(given.nest, given.profile, work=work)
+        listener = Listener(self._reached())
+        try:
+            done = plan_nest(
+                given, limits, already=already_of(wanted, given), relax=relax, listener=listener, tell=notes.append
+            )
+        except NoPlan as no_plan:
+            return {"conflict": conflict_told(no_plan, given.job)}
+        except RulesConflict as error:
+            return {"conflict": {"text": str(error), "clash": [], "relax": None, "notes": []}}
+        return self._planned(wanted, given, done, listener.stopped) | {"notes": [*map(shown, notes)]}
+
+    def tried(self, wanted: Wanted, changes: list[dict[str, Any]], relax: bool = False) -> dict[str, Any]:
+        """What a way out of a conflict would bring: a first plan's cost, or the sentence that is left in the way."""
+        self._asking.begin()
+        given = given_of(wanted)
+        text, undone = edited(wanted, given, changes)
+        given = given_of(replace(wanted, job_text=text))
+        limits = options_for(given.nest, given.profile, work=REMEDY_WORK)
+        try:
+            done = plan_nest(
+                given, limits, already=already_of(wanted, given), relax=relax, listener=Listener(self._reached())
+            )
+        except NoPlan as no_plan:
+            conflict = conflict_told(no_plan, given.job)
+            first = conflict["clash"][0]["text"] if conflict["clash"] else conflict["text"]
+            return {"works": False, "text": f"another contradiction is left: {first}", "undone": undone}
+        except RulesConflict as error:
+            return {"works": False, "text": str(error), "undone": undone}
+        plan = done.made.plan
+        relaxed = sum(dropped.relaxed for dropped in plan.dropped)
+        idle_mm = plan.totals.idle_mm
+        told = f"a plan with {idle_mm / 1000:.3f} m of idle travel" + (f", {relaxed} relaxed" if relaxed else "")
+        return {"works": done.made.verdict.ok, "text": told, "idle_mm": float(idle_mm), "undone": undone}
+
+    def _planned(self, wanted: Wanted, given: Given, done: Finished, stopped: bool) -> dict[str, Any]:
+        """All that is kept of a plan: its files, and what a list of plans says of it."""
+        made, plan = done.made, done.made.plan
+        program, plan_file, picture = named_after(Path(wanted.nest))
+        drawn = draw(given.nest, plan, ".svg", given.profile.home_on(given.nest))
+        remnant = {str(path): text for path, text in remnant_files(program, given.nest, given.profile).items()}
+        solve = plan.solve
+        return {
+            "plan": plan.to_json(),
+            "program": made.program,
+            "files": {program: made.program, plan_file: plan.to_json(), picture: drawn.decode("utf-8"), **remnant},
+            "ok": made.verdict.ok,
+            "broken": [*made.verdict.broken()],
+            "stopped": stopped,
+            "summary": summary(plan, made.verdict),
+            "figures": {
+                "objective_mm": float(solve.objective),
+                "bound_mm": None if solve.bound is None else float(solve.bound),
+                "gap": None if solve.gap is None else float(solve.gap),
+                "status": solve.status,
+                "idle_mm": float(plan.totals.idle_mm),
+                "time_s": float(plan.totals.time_s),
+                "cuts": len(plan.cuts),
+                "excuses": solve.excuses,
+                "dropped": len(plan.dropped),
+            },
+        }
+
+    def _reached(self) -> Any:
+        told_s = 0.0
+        last: tuple[float | None, float | None] | None = None
+
+        def heard(reached: Reached) -> bool:
+            nonlocal told_s, last
+            now_s, new = time.monotonic(), (reached.objective_mm, reached.bound_mm)
+            if new != last and now_s - told_s >= TOLD_EACH_S:
+                told_s, last = now_s, new
+                best, bound = (None if v is None else float(v) for v in new)
+                self._asking.tell(
+                    engine=reached.engine, objective_mm=best, bound_mm=bound, seconds=float(reached.seconds)
+                )
+            return not self._asking.stopped
+
+        return heard
+
+
+def planner(asking: Asking) -> Answers:
+    """The questions that the planner answers."""
+    made = Planner(asking)
+    return {name: getattr(made, name) for name in ("ready", "solve", "tried")}

@@ -1,0 +1,89 @@
+"""Starts the server: on this machine's own address, with a new token, until Ctrl-C."""
+
+from __future__ import annotations
+
+import contextlib
+import secrets
+import socket
+from collections.abc import Callable
+from pathlib import Path
+
+import uvicorn
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.jobs.solve_options import WORK
+
+from .app import make_app
+from .folder import Folder
+from .guard import TOKEN
+from .server import Server
+
+LOOPBACK = "127.0.0.1"
+ENDING_S = 2
+"""How long open connections are waited for at the end."""
+
+
+def serve(
+    given: Path,
+    *,
+    port: int = 0,
+    profile: str | None = None,
+    work: float = WORK,
+    trust: bool = False,
+    ready: Callable[[str], None] = print,
+) -> None:
+    """Serve a folder of nests, or a nest and the folder that it is in, to this machine's browsers until Ctrl-C.
+
+    Parameters
+    ----------
+    given
+        The nest or the folder.
+    port
+        0 for any that is free.
+    profile
+        What nests are planned by whose job file names none, as `load_profile` takes it.
+    work
+        How much goes into a plan.
+    trust
+        Whether Python rules of profiles are run.
+    ready
+        Called with the address, the token in it, as soon as the server listens.
+
+    Raises
+    ------
+    InputError
+        If there is no such folder or nest, or the port is taken.
+    """
+    folder, first = _folder_of(given)
+    with contextlib.closing(socket.socket(socket.AF_INET, socket.SOCK_STREAM)) as listening:
+        try:
+            listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            listening.bind((LOOPBACK, port))
+        except OSError as error:
+            raise InputError(f"--port {port}: {error.strerror}; leave it out for any that is free") from None
+        port, token = listening.getsockname()[1], secrets.token_urlsafe(32)
+        app = make_app(Server(folder, profile, work, trust), token, port, first)
+        config = uvicorn.Config(
+            app, http="h11", ws="none", lifespan="on", log_level="error", access_log=False, server_header=False,
+            timeout_graceful_shutdown=ENDING_S, proxy_headers=False,
+        )  # fmt: skip
+        listening.listen()
+        ready(f"http://{LOOPBACK}:{port}/?{TOKEN}={token}")
+        with contextlib.suppress(KeyboardInterrupt):
+            uvicorn.Server(config).run(sockets=[listening])
+
+
+def _folder_of(given: Path) -> tuple[Folder, str | None]:
+    """The folder, and the name of the nest in it; None where a folder was given."""
+    try:
+        path = given.resolve()
+        if path.is_dir():
+            return Folder(path), None
+        folder = Folder(path.parent)
+        return folder, folder.nest(path.name).name if path.is_file() else _no_nest(given)
+    except (OSError, ValueError, RuntimeError) as error:
+        raise InputError(f"expected a nest or a folder of nests ({error})", file=given) from None
+
+
+def _no_nest(given: Path) -> str:
+    raise InputError("there is no such nest or folder", file=given)

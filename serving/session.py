@@ -1,0 +1,215 @@
+"""A session: one nest, what is wanted of it, and the plans that were made. All tabs that show the nest share it."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from kerfwise.encoder.contents import MOST_BYTES_OF_YAML, contents, is_file
+from kerfwise.encoder.errors import InputError
+from kerfwise.jobs.default_names import expect_own, named_after
+from kerfwise.jobs.nest_job.beside import beside_name
+from kerfwise.jobs.solve_options import WORK
+from kerfwise.postproc.files import expect_outputs, write_files
+
+from .alternative import Alternative
+from .job_text import JobText
+from .wanted import Wanted, before_name
+
+MOST_ALTERNATIVES = 60
+"""Plans that a session keeps; the oldest that is not shown goes first."""
+
+
+class Stale(Exception):
+    """Something was to be changed that another tab has changed meanwhile."""
+
+
+@dataclass(eq=False)
+class Session:
+    """What the server knows of one nest. Whatever changes it counts `version` up and wakes who waits for news.
+
+    Attributes
+    ----------
+    id, name
+        In addresses, and in the folder.
+    wanted
+        What is to be planned next.
+    opened
+        What the desk says of it: contours, rules, locks.
+    alternatives, shown
+        The plans that were made, and the number of the one that is looked at; 0 for none.
+    solving
+        What the engines have reached; None where nothing is being planned.
+    conflict, problem
+        Why the last planning made no plan: rules that contradict each other, or a sentence.
+    """
+
+    id: str
+    name: str
+    wanted: Wanted
+    opened: dict[str, Any]
+    version: int = 1
+    alternatives: list[Alternative] = field(default_factory=list)
+    shown: int = 0
+    made: int = 0
+    solving: dict[str, Any] | None = None
+    conflict: dict[str, Any] | None = None
+    problem: str = ""
+    saved: dict[str, Any] | None = None
+    on_disk: str | None = None
+    _news: set[asyncio.Queue[str]] = field(default_factory=set)
+
+    def expect(self, version: object) -> None:
+        """Make sure that whoever changes something has seen the last change; Stale otherwise."""
+        if version != self.version:
+            raise Stale
+
+    def changed(self, **values: Any) -> None:
+        """Change something, and tell all who show it."""
+        for name, value in values.items():
+            setattr(self, name, value)
+        self.version += 1
+        self.tell("state")
+
+    def tell(self, what: str) -> None:
+        """Wake who waits for news of a kind; one who has not taken the last news of it yet hears it once."""
+        for queue in self._news:
+            if queue.qsize() < 8:
+                queue.put_nowait(what)
+
+    def listen(self) -> asyncio.Queue[str]:
+        """News from now on, until `leave`."""
+        queue: asyncio.Queue[str] = asyncio.Queue()
+        self._news.add(queue)
+        return queue
+
+    def leave(self, queue: asyncio.Queue[str]) -> None:
+        """No more news."""
+        self._news.discard(queue)
+
+    @property
+    def listeners(self) -> int:
+        """How many tabs listen."""
+        return len(self._news)
+
+    @property
+    def current(self) -> Alternative | None:
+        """The plan that is looked at."""
+        return next((one for one in self.alternatives if one.number == self.shown), None)
+
+    def alternative(self, number: object) -> Alternative:
+        """A plan by its number; InputError if there is none."""
+        found = next((one for one in self.alternatives if one.number == number), None)
+        if found is None:
+            raise InputError(f"there is no plan {number!r} in this session")
+        return found
+
+    def add(self, told: dict[str, Any], wanted: Wanted, work: float, relax: bool) -> None:
+        """Keep a plan that was made, and show it."""
+        options = (f" --work {work:g}" if work != WORK else "") + (" --relax" if relax else "")
+        keys = ("plan", "program", "files", "figures", "summary", "ok", "stopped")
+        parts = {key: told[key] for key in keys}
+        broken, notes = tuple(told["broken"]), tuple(told["notes"])
+        made = Alternative(self.made + 1, wanted, **parts, broken=broken, options=options, notes=notes)
+        kept = [*self.alternatives, made]
+        if len(kept) > MOST_ALTERNATIVES:
+            kept.remove(next(one for one in kept if one.number != self.shown))
+        self.changed(alternatives=kept, shown=made.number, made=made.number, solving=None, conflict=None, problem="")
+
+    def as_json(self) -> dict[str, Any]:
+        """The state as a page shows it."""
+        current = self.current
+        return {
+            "id": self.id,
+            "nest": self.name,
+            "version": self.version,
+            **{key: self.opened[key] for key in ("profile", "notes", "locks", "settings", "rules")},
+            "job_file": beside_name(Path(self.wanted.nest).name),
+            "job_text": self.wanted.job_text,
+            "repair": self.wanted.repair,
+            "upto": self.wanted.upto,
+            "shown": self.shown,
+            "fits": current is not None and current.wanted == self.wanted,
+            "alternatives": [one.as_json(_locks(one.wanted)) for one in self.alternatives],
+            "solving": self.solving,
+            "conflict": self.conflict,
+            "problem": self.problem,
+            "saved": self.saved,
+        }
+
+    def save(self) -> dict[str, Any]:
+        """Write the shown plan's files and its job file, all of them or none; what was written, and the command line.
+
+        Raises
+        ------
+        InputError
+            If there is no plan, the check refuses it, the nest or the job file has changed on disk, or a file is of
+            another nest.
+        """
+        current = self.current
+        if current is None:
+            raise InputError("there is no plan to save yet")
+        if not current.ok:
+            raise InputError(f"the check refuses this plan ({', '.join(current.broken)}): nothing is written")
+        wanted, nest = current.wanted, Path(current.wanted.nest)
+        job = nest.with_name(beside_name(nest.name))
+        if hashlib.sha256(nest.read_bytes()).hexdigest() != self.opened["sha256"]:
+            raise InputError("the nest has changed on disk since it was opened: open it again")
+        if text_of(job) != self.on_disk:
+            raise InputError(f"{job.name} has changed on disk since it was read: open the nest again")
+        files: dict[Path, str | bytes] = {nest.with_name(name): text for name, text in current.files.items()}
+        expect_own(nest, *(nest.with_name(name) for name in named_after(nest)))
+        expect_outputs(files, (nest, job))
+        if wanted.old_plan is not None:
+            files[nest.with_name(before_name(wanted.nest))] = wanted.old_plan
+        if wanted.job_text is not None and wanted.job_text != self.on_disk:
+            files[job] = wanted.job_text
+        write_files(files)
+        told = {
+            "number": current.number,
+            "files": [path.name for path in files],
+            "command": current.command,
+            "same_bytes": not current.stopped,
+        }
+        self.changed(saved=told, on_disk=wanted.job_text if wanted.job_text is not None else self.on_disk)
+        return told
+
+
+def text_of(job: Path) -> str | None:
+    """What a job file says, to the byte; None where there is none."""
+    try:
+        return contents(job, MOST_BYTES_OF_YAML).decode("utf-8") if is_file(job) else None
+    except UnicodeDecodeError:
+        raise InputError("not a job file: it is no UTF-8 text", file=job.name) from None
+
+
+def _locks(wanted: Wanted) -> tuple[str, ...]:
+    return tuple(line for line, _ in JobText(wanted.job_text or "").lines())
+
+
+def back_to(session: Session, number: object) -> Wanted:
+    """What was wanted when an earlier plan was made."""
+    return session.alternative(number).wanted
+
+
+def cut_up_to(session: Session, upto: int) -> Wanted:
+    """The same wanted of what is left once the first cuts of the shown plan are made; all of it again with 0."""
+    if upto == 0:
+        return replace(session.wanted, old_plan=None, upto=0)
+    current = session.current
+    if current is None:
+        raise InputError("there is no plan yet that could be cut up to some place")
+    return replace(session.wanted, old_plan=current.plan, upto=upto)
+
+
+def contours_of(opened: dict[str, Any], names: Sequence[str]) -> list[str]:
+    """The contours that ids and parts stand for."""
+    known = opened["contours"]
+    found = [c["id"] for name in names for c in known if name in (c["id"], c["part"])]
+    if not found:
+        raise InputError(f"the nest has no {', '.join(map(repr, names))}")
+    return list(dict.fromkeys(found))

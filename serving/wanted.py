@@ -1,0 +1,137 @@
+"""What is to be planned, as the server holds it and its processes are told it: plain texts, nothing worked out."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
+from kerfwise.jobs.given import Given, Tell, drawn_nest, plant_of, silent
+from kerfwise.jobs.nest_job.asked import Asked, locked_for, profile_for
+from kerfwise.jobs.nest_job.beside import beside_name
+from kerfwise.jobs.nest_job.job import Job
+from kerfwise.jobs.nest_job.read import job_of
+from kerfwise.jobs.stopped import already_cut
+from kerfwise.models.plan.plan import Plan
+from kerfwise.models.plan.reader import plan_in
+
+BOM = "\ufeff"
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What is to be planned.
+
+    Attributes
+    ----------
+    nest
+        Path of the nest's file.
+    job_text
+        What the job file beside it says, or is to say; None for no job file.
+    repair
+        Whether the drawing is mended.
+    old_plan, upto
+        The plan that is cut already up to this number, as JSON; None and 0 where nothing is cut.
+    trust
+        Whether Python rules that the profile names are run.
+    """
+
+    nest: str
+    job_text: str | None = None
+    repair: bool = False
+    old_plan: str | None = None
+    upto: int = 0
+    trust: bool = False
+
+    @property
+    def key(self) -> str:
+        """The same for the same thing to be planned, and for no other."""
+        stands = [
+            self.nest,
+            self.job_text,
+            self.repair,
+            self.old_plan,
+            self.upto,
+            _sha256(Path(self.nest).read_bytes()),
+        ]
+        return _sha256(repr(stands).encode())
+
+    def command(self, options: str = "") -> str:
+        """The command line that makes the same files, once the job file is saved.
+
+        Examples
+        --------
+        >>> Wanted("/nests/plate.dxf", repair=True).command()
+        'kerfwise solve plate.dxf --repair'
+        """
+        name = Path(self.nest).name
+        shown = f"'{name}'" if " " in name else name
+        again = f" --lock-from {before_name(self.nest)} --upto {self.upto}" if self.old_plan else ""
+        return f"kerfwise solve {shown}{' --repair' if self.repair else ''}{again}{options}"
+
+
+def before_name(nest: str) -> str:
+    """The name of the plan that is kept beside a nest because a part of it is cut already.
+
+    Examples
+    --------
+    >>> before_name("/nests/plate.dxf")
+    'plate.before.plan.json'
+    """
+    return f"{Path(nest).stem}.before.plan.json"
+
+
+def job_in(wanted: Wanted) -> Job | None:
+    """The job that is wanted, as if its file stood beside the nest already.
+
+    Raises
+    ------
+    InputError
+        If it is wrong anywhere, with line and column.
+    """
+    if wanted.job_text is None:
+        return None
+    sha256 = _sha256(wanted.job_text.encode())
+    return replace(job_of(wanted.job_text.removeprefix(BOM), beside_name(Path(wanted.nest).name)), sha256=sha256)
+
+
+def stand_beside(wanted: Wanted) -> str:
+    """Go to the nest's folder: names in messages and plans are then as on the command line there. The nest's name."""
+    path = Path(wanted.nest)
+    os.chdir(path.parent)
+    return path.name
+
+
+def given_of(wanted: Wanted, tell: Tell = silent) -> Given:
+    """Nest and profile, read as `kerfwise solve` reads them in the nest's folder.
+
+    Raises
+    ------
+    InputError
+        If something cannot be read, or is wrong: with its place.
+    """
+    name = stand_beside(wanted)
+    job = job_in(wanted)
+    asked = Asked(job=False if job is None else job, last=old_plan(wanted))
+    plant = profile_for(asked, job, tell, lambda named: plant_of(named, wanted.trust))
+    read = drawn_nest(name, plant, repair=wanted.repair)
+    for note in read.notes:
+        tell(f"{note.severity}: {note.text}")
+    return locked_for(plant.as_cut(read), name, plant, asked, job, tell)
+
+
+def old_plan(wanted: Wanted) -> Plan | None:
+    """The plan that is cut in part."""
+    return None if wanted.old_plan is None else plan_in(wanted.old_plan, before_name(wanted.nest))
+
+
+def already_of(wanted: Wanted, given: Given) -> AlreadyCut:
+    """What is cut already."""
+    old = old_plan(wanted)
+    return NOTHING_CUT if old is None else already_cut(given, old, wanted.upto)
+
+
+def _sha256(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
