@@ -26,6 +26,10 @@ from .session import Session, Stale, back_to
 Answer = Callable[[Request], Awaitable[Response]]
 
 
+class NotOpen(Exception):
+    """No nest is open under the name that an address has."""
+
+
 class Addresses:
     """The server's answers, an address each."""
 
@@ -89,11 +93,10 @@ class Addresses:
         return JSONResponse((await self._server.open(path, said.get("repair") is True)).as_json())
 
     async def drop(self, request: Request) -> Response:
-        """A drawing as the body, `?name=plate.dxf&repair=0`: it is written into the folder and opened."""
-        drawing = await request.body()
-        path = self._server.folder.dropped(request.query_params.get("name", ""), drawing)
-        repair = request.query_params.get("repair") == "1"
-        return JSONResponse((await self._server.open(path, repair)).as_json(), HTTPStatus.CREATED)
+        """A drawing as the body, `?name=plate.dxf&repair=0`: one that can be cut is written into the folder."""
+        said = request.query_params
+        session = await self._server.drop(said.get("name", ""), await request.body(), said.get("repair") == "1")
+        return JSONResponse(session.as_json(), HTTPStatus.CREATED)
 
     async def state(self, request: Request) -> Response:
         return JSONResponse(self._session(request).as_json())
@@ -181,7 +184,7 @@ class Addresses:
     def _session(self, request: Request) -> Session:
         found = self._server.sessions.get(request.path_params["id"])
         if found is None:
-            raise KeyError(request.path_params["id"])
+            raise NotOpen(request.path_params["id"])
         return found
 
     def _told(self, answer: Answer) -> Answer:
@@ -192,10 +195,9 @@ class Addresses:
                 return await answer(request)
             except Stale:
                 return JSONResponse({"kind": "stale", **self._session(request).as_json()}, HTTPStatus.CONFLICT)
-            except KeyError as error:
-                return _wrong(
-                    HTTPStatus.NOT_FOUND, {"kind": "input", "message": f"no nest is open as {error.args[0]!r}"}
-                )
+            except NotOpen as error:
+                told = {"kind": "input", "message": f"no nest is open as {error.args[0]!r}"}
+                return _wrong(HTTPStatus.NOT_FOUND, told)
             except InputError as error:
                 return _wrong(HTTPStatus.UNPROCESSABLE_ENTITY, as_told(error))
             except Refused as error:

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from kerfwise.encoder.shown import shown
 from kerfwise.jobs.explaining import Explainer
 from kerfwise.jobs.given import Given
-from kerfwise.jobs.moving import Mover
+from kerfwise.jobs.moving import Moved, Mover
 from kerfwise.models.plan.explain import as_text, explanation_as_json
 from kerfwise.models.plan.reader import plan_in
 from kerfwise.postproc.report import draw
@@ -21,7 +21,7 @@ from kerfwise.rules.profile.lock_text import lines_of
 from .child import Answers, Asking
 from .edits import against, edited
 from .job_text import JobText, settings_of
-from .wanted import Wanted, given_of
+from .wanted import Wanted, already_of, given_of
 
 MOST_KEPT = 6
 """Nests, and plans of them, that are kept worked out."""
@@ -71,6 +71,7 @@ class Desk:
     def opened(self, wanted: Wanted) -> dict[str, Any]:
         """What there is to know of a nest before it is planned."""
         read = self._read(wanted)
+        already_of(wanted, read.given)
         nest, profile = read.given.nest, read.given.profile
         numbered = {} if profile.for_one_nest is None else dict(profile.for_one_nest.numbered)
         text = JobText(wanted.job_text or "")
@@ -119,6 +120,7 @@ class Desk:
             "contours": list(moved.contours),
             "place": moved.place,
             "lawful": moved.lawful,
+            "gives_way": _gives_way(explainer, moved),
             "more_mm": moved.more_mm,
             "looked": moved.looked,
             "text": shown(moved.sentence),
@@ -153,6 +155,13 @@ class Desk:
             return explainer, Mover(explainer)
 
         return self._plans.get((wanted.key, plan), made)
+
+
+def _gives_way(explainer: Explainer, moved: Moved) -> list[str]:
+    """The rules that give way to a lock there, where no others are broken: it can be locked all the same."""
+    book = explainer.profile.rulebook()
+    rules = list(dict.fromkeys(about.rule for about in moved.breaks))
+    return rules if all(rule in book and book[rule].gives_way for rule in rules) else []
 
 
 def _rule(given: Given, name: str) -> dict[str, Any]:

@@ -55,8 +55,22 @@ class Folder:
             raise InputError(f"no nest of this folder has the name {shown(name)!r}")
         return path
 
-    def dropped(self, name: str, drawing: bytes) -> Path:
-        """Where a drawing goes that was dropped on the page; it is written there, unless it is there already.
+    def keep(self, name: str, drawing: bytes) -> Path:
+        """Write a drawing that was dropped on the page, unless it is there already; its path.
+
+        Raises
+        ------
+        InputError
+            As `expect_free` does.
+        """
+        self.expect_free(name, drawing)
+        path = self.path / name
+        if not path.exists():
+            write_files({path: drawing})
+        return path
+
+    def expect_free(self, name: str, drawing: bytes) -> None:
+        """Make sure that a drawing can be written under a name.
 
         Raises
         ------
@@ -70,10 +84,8 @@ class Folder:
         path = self.path / name
         if path.is_symlink() or path.exists():
             if path.is_file() and not path.is_symlink() and path.read_bytes() == drawing:
-                return path
+                return
             raise InputError(f"another file {shown(name)!r} is in the folder already: give the drawing another name")
-        write_files({path: drawing})
-        return path
 
     def _is_nest(self, path: Path) -> bool:
         try:

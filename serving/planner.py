@@ -16,6 +16,7 @@ from kerfwise.jobs.main_job import Finished, plan_nest
 from kerfwise.jobs.no_plan import NoPlan
 from kerfwise.jobs.solve_options import WORK, options_for
 from kerfwise.jobs.summary import summary
+from kerfwise.postproc.check import report
 from kerfwise.postproc.nc.remnant import remnant_files
 from kerfwise.postproc.report import draw
 
@@ -96,7 +97,7 @@ class Planner:
             "ok": made.verdict.ok,
             "broken": [*made.verdict.broken()],
             "stopped": stopped,
-            "summary": summary(plan, made.verdict),
+            "summary": summary(plan, made.verdict).removesuffix(report(made.verdict)).rstrip(),
             "figures": {
                 "objective_mm": float(solve.objective),
                 "bound_mm": None if solve.bound is None else float(solve.bound),

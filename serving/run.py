@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import uvicorn
+from starlette.types import ASGIApp
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.solve_options import WORK
@@ -63,14 +64,18 @@ def serve(
             raise InputError(f"--port {port}: {error.strerror}; leave it out for any that is free") from None
         port, token = listening.getsockname()[1], secrets.token_urlsafe(32)
         app = make_app(Server(folder, profile, work, trust), token, port, first)
-        config = uvicorn.Config(
-            app, http="h11", ws="none", lifespan="on", log_level="error", access_log=False, server_header=False,
-            timeout_graceful_shutdown=ENDING_S, proxy_headers=False,
-        )  # fmt: skip
         listening.listen()
         ready(f"http://{LOOPBACK}:{port}/?{TOKEN}={token}")
         with contextlib.suppress(KeyboardInterrupt):
-            uvicorn.Server(config).run(sockets=[listening])
+            uvicorn.Server(config_of(app)).run(sockets=[listening])
+
+
+def config_of(app: ASGIApp) -> uvicorn.Config:
+    """How the application is run."""
+    return uvicorn.Config(
+        app, http="h11", ws="none", lifespan="on", log_level="error", access_log=False, server_header=False,
+        timeout_graceful_shutdown=ENDING_S, proxy_headers=False,
+    )  # fmt: skip
 
 
 def _folder_of(given: Path) -> tuple[Folder, str | None]:

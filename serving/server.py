@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+import tempfile
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -71,6 +72,15 @@ class Server:
         self.sessions[key] = Session(key, name, wanted, opened, version, on_disk=disk)
         return self.sessions[key]
 
+    async def drop(self, name: str, drawing: bytes, repair: bool = False) -> Session:
+        """The session of a drawing that was dropped on the page; it is written into the folder once it can be read."""
+        self.folder.expect_free(name, drawing)
+        with tempfile.TemporaryDirectory() as aside:
+            path = Path(aside).resolve() / name
+            path.write_bytes(drawing)
+            await self._asked("opened", wanted=Wanted(str(path), self._first_text(None, path), repair))
+        return await self.open(self.folder.keep(name, drawing), repair)
+
     def _first_text(self, disk: str | None, nest: Path) -> str | None:
         """The job file of a nest that is opened: with the profile that the server was given, where it names none."""
         if self.profile is None or (disk is not None and JobText(disk).job().profile is not None):
@@ -81,7 +91,9 @@ class Server:
 
     async def edit(self, session: Session, changes: list[dict[str, Any]]) -> list[str]:
         """Change the job file that is wanted; the locks that gave way."""
+        version = session.version
         told = await self._asked("edited", wanted=session.wanted, changes=changes)
+        session.expect(version)  # the desk took its time, and another tab did not wait
         await self.want(session, replace(session.wanted, job_text=told["job_text"]))
         undone: list[str] = told["undone"]
         return undone
@@ -90,7 +102,7 @@ class Server:
         """Want something else from now on."""
         version = session.version
         opened = await self._asked("opened", wanted=wanted)
-        session.expect(version)  # the desk took its time, and another tab did not wait
+        session.expect(version)
         session.changed(wanted=wanted, opened=opened, conflict=None, problem="", **also)
 
     async def cut_up_to(self, session: Session, upto: int) -> None:
@@ -186,7 +198,12 @@ class Server:
                 return
 
     async def _asked(self, question: str, **given: Any) -> Any:
-        return await to_thread.run_sync(partial(self.desk.ask, question, **given))
+        """What the desk answers; it changes nothing, so that another one is asked where it has died."""
+        ask = partial(self.desk.ask, question, **given)
+        try:
+            return await to_thread.run_sync(ask)
+        except Died:
+            return await to_thread.run_sync(ask)
 
     def _in_background(self, work: Any) -> None:
         job: asyncio.Task[None] = asyncio.get_running_loop().create_task(work)

@@ -1,8 +1,11 @@
-"""A server with its two processes, for the tests of a file; each takes a folder of its own."""
+"""A server on loopback with its two processes, for the tests of a file; each takes a folder of its own."""
 
 from __future__ import annotations
 
+import contextlib
 import shutil
+import socket
+import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -11,19 +14,20 @@ from typing import Any
 
 import httpx
 import pytest
-from starlette.testclient import TestClient
+import uvicorn
 
 import kerfwise
 from kerfwise.serving.app import make_app
 from kerfwise.serving.folder import Folder
+from kerfwise.serving.run import config_of
 from kerfwise.serving.server import Server
 
-TOKEN, PORT = "the-token-of-the-tests", 8765
-HOST = f"http://127.0.0.1:{PORT}"
+TOKEN = "the-token-of-the-tests"
 EXAMPLES = Path(kerfwise.__file__).parent / "examples" / "nests"
 WAIT_S = 120.0
 SMALL = """{"format": "kerfwise-nest/1", "sheet": {"width": 400, "height": 120}, "parts": [
- {"id": "A", "outer": [[20, 20], [100, 20], [100, 100], [20, 100]], "holes": [[[50, 50], [70, 50], [70, 70], [50, 70]]]},
+ {"id": "A", "outer": [[20, 20], [100, 20], [100, 100], [20, 100]],
+  "holes": [[[50, 50], [70, 50], [70, 70], [50, 70]]]},
  {"id": "B", "outer": [[130, 20], [210, 20], [210, 100], [130, 100]]},
  {"id": "C", "outer": [[240, 20], [320, 20], [320, 100], [240, 100]]}]}
 """
@@ -36,6 +40,7 @@ class Tab:
     client: httpx.Client
     id: str
     version: int
+    nest: Path
 
     def get(self, what: str, **query: Any) -> Any:
         answer = self.client.get(f"/api/{self.id}/{what}", params=query)
@@ -72,25 +77,54 @@ class Tab:
 Open = Callable[..., Tab]
 
 
-@pytest.fixture(scope="module")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    yield Server(Folder(tmp_path_factory.mktemp("nests").resolve()), work=1.0)
+@dataclass(frozen=True)
+class Served:
+    """A server that runs in this process, and where it listens."""
+
+    server: Server
+    port: int
+
+    @property
+    def address(self) -> str:
+        return f"http://127.0.0.1:{self.port}"
+
+
+@contextlib.contextmanager
+def serving(folder: Path) -> Iterator[Served]:
+    """A server of a folder, on loopback, until the end of the context."""
+    listening = socket.create_server(("127.0.0.1", 0))
+    port = listening.getsockname()[1]
+    server = Server(Folder(folder.resolve()), work=1.0)
+    running = uvicorn.Server(config_of(make_app(server, TOKEN, port)))
+    thread = threading.Thread(target=running.run, args=([listening],), daemon=True)
+    thread.start()
+    try:
+        yield Served(server, port)
+    finally:
+        running.should_exit = True
+        thread.join(30)
 
 
 @pytest.fixture(scope="module")
-def client(server: Server) -> Iterator[httpx.Client]:
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    with serving(tmp_path_factory.mktemp("nests")) as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def client(served: Served) -> Iterator[httpx.Client]:
     """A browser that has the token, on the server's own pages."""
-    headers = {"origin": HOST, "x-kerfwise-token": TOKEN}
-    with TestClient(make_app(server, TOKEN, PORT), base_url=HOST, headers=headers) as made:
+    headers = {"origin": served.address, "x-kerfwise-token": TOKEN}
+    with httpx.Client(base_url=served.address, headers=headers, timeout=WAIT_S) as made:
         yield made
 
 
 @pytest.fixture
-def opened(server: Server, client: httpx.Client, tmp_path: Path) -> Open:
+def opened(served: Served, client: httpx.Client, tmp_path: Path) -> Open:
     """Puts a nest into a folder of the test's own, and opens it."""
 
     def opens(nest: str | Path = SMALL, name: str = "small.json", job: str | None = None) -> Tab:
-        folder = server.folder.path / tmp_path.name
+        folder = served.server.folder.path / tmp_path.name
         folder.mkdir(exist_ok=True)
         if isinstance(nest, Path):
             name = nest.name
@@ -101,6 +135,6 @@ def opened(server: Server, client: httpx.Client, tmp_path: Path) -> Open:
             (folder / f"{Path(name).stem}.job.yaml").write_text(job, encoding="utf-8")
         answer = client.post("/api/open", json={"nest": f"{tmp_path.name}/{name}"})
         assert answer.status_code == 200, answer.text
-        return Tab(client, answer.json()["id"], answer.json()["version"])
+        return Tab(client, answer.json()["id"], answer.json()["version"], folder / name)
 
     return opens

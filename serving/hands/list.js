@@ -1,0 +1,69 @@
+// The nests of the folder: one is opened by a click, a drawing by dropping it.
+import { ask, send } from "./server.js";
+
+const main = document.getElementById("main");
+
+function element(name, text = "") {
+  const made = document.createElement(name);
+  made.textContent = text;
+  return made;
+}
+
+function go(state) {
+  location.href = `/nest/${state.id}`;
+}
+
+function problems(told, again) {
+  const box = element("section");
+  box.append(element("h2", "This drawing cannot be cut as it is drawn"));
+  const list = element("ul");
+  for (const one of told.problems?.lines ?? [{ text: told.message }]) list.append(element("li", one.text));
+  const mend = element("button", "Mend what can be mended, and open it");
+  mend.addEventListener("click", again);
+  box.append(list, mend);
+  if (told.problems) {
+    const picture = element("img");
+    picture.alt = "the wrong contours in red";
+    picture.src = `data:image/svg+xml;base64,${btoa(unescape(encodeURIComponent(told.problems.picture)))}`;
+    box.append(picture);
+  }
+  main.querySelector("section")?.remove();
+  main.append(box);
+}
+
+async function open(nest, repair = false) {
+  try {
+    go(await send("/api/open", { nest, repair }));
+  } catch (error) {
+    problems(error.told, () => open(nest, true));
+  }
+}
+
+async function drop(file, repair = false) {
+  const query = new URLSearchParams({ name: file.name, repair: repair ? "1" : "0" });
+  try {
+    go(await send(`/api/drop?${query}`, file));
+  } catch (error) {
+    problems(error.told, () => drop(file, true));
+  }
+}
+
+addEventListener("dragover", (event) => event.preventDefault());
+addEventListener("drop", (event) => {
+  event.preventDefault();
+  const file = event.dataTransfer?.files[0];
+  if (file) drop(file);
+});
+
+const told = await ask("/api/nests");
+if (told.first && !document.referrer.includes("/nest/")) await open(told.first);
+main.append(element("h1", "Nests"), element("p", "Click a nest to open it, or drop a drawing here."));
+const list = element("ul");
+for (const nest of told.nests) {
+  const button = element("button", nest);
+  button.addEventListener("click", () => open(nest));
+  const item = element("li");
+  item.append(button);
+  list.append(item);
+}
+main.append(list);

@@ -1,0 +1,147 @@
+"""Nobody but the browser that was given the token is let in, from no other site, and not with everything."""
+
+from __future__ import annotations
+
+import contextlib
+import http.client
+from pathlib import Path
+
+import httpx
+import pytest
+
+from kerfwise.serving.guard import MOST_BODY_BYTES
+from kerfwise.tests.serving.conftest import SMALL, TOKEN, Open, Served
+
+OWN = {"x-kerfwise-token": TOKEN}
+
+
+@pytest.fixture(scope="module")
+def stranger(served: Served) -> httpx.Client:
+    return httpx.Client(base_url=served.address)
+
+
+def test_without_the_token_nothing_is_told(served: Served, stranger: httpx.Client) -> None:
+    for path in ("/", "/api/nests", "/files/worked.js", "/nest/x", "/api/x/events", "/nothing"):
+        answer = stranger.get(path)
+        assert (answer.status_code, answer.json()["kind"]) == (401, "refused"), path
+    for said in (b"wrong", b"", TOKEN[:-1].encode(), "é".encode()):
+        for headers in ({"x-kerfwise-token": said}, {"cookie": b"kerfwise-" + str(served.port).encode() + b"=" + said}):
+            assert stranger.get("/api/nests", headers=headers).status_code == 401
+    assert stranger.get("/?token=wrong").status_code == 401
+    assert stranger.post("/api/open", json={"nest": "a"}, headers={"origin": str(stranger.base_url)}).status_code == 401
+
+
+def test_the_token_in_the_address_becomes_a_cookie(served: Served) -> None:
+    with httpx.Client(base_url=served.address) as browser:
+        answer = browser.get(f"/?token={TOKEN}")
+        assert (answer.status_code, answer.headers["location"]) == (303, "/")
+        assert "HttpOnly" in answer.headers["set-cookie"]
+        assert "SameSite=strict" in answer.headers["set-cookie"]
+        assert browser.get("/api/nests").status_code == 200
+        assert browser.post("/api/open", json={}).status_code == 403  # it does not say where it comes from
+        assert browser.post("/api/open", json={}, headers={"origin": served.address}).status_code == 422
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "https://127.0.0.1:{port}", "http://127.0.0.1:1"])
+def test_another_site_is_refused(served: Served, stranger: httpx.Client, origin: str) -> None:
+    headers = {**OWN, "origin": origin.format(port=served.port)}
+    assert stranger.get("/api/nests", headers=headers).status_code == 403
+    assert stranger.post("/api/open", json={}, headers=headers).status_code == 403
+
+
+def test_a_name_that_was_made_to_lead_here_is_refused(served: Served, stranger: httpx.Client) -> None:
+    for host in ("evil.example", f"evil.example:{served.port}", "127.0.0.1", "127.0.0.1:1", ""):
+        assert stranger.get("/api/nests", headers={**OWN, "host": host}).status_code in (400, 421), host
+    assert stranger.get("/api/nests", headers={**OWN, "host": f"localhost:{served.port}"}).status_code == 200
+
+
+def test_every_answer_has_strict_headers(client: httpx.Client, stranger: httpx.Client) -> None:
+    for answer in (client.get("/"), client.get("/api/nests"), stranger.get("/"), client.get("/nothing")):
+        assert answer.headers["content-security-policy"].startswith("default-src 'none'; script-src 'self'; ")
+        assert answer.headers["x-content-type-options"] == "nosniff"
+        assert answer.headers["cache-control"] == "no-store"
+        assert "access-control-allow-origin" not in answer.headers
+        assert "server" not in answer.headers
+
+
+def test_a_hundred_megabytes_are_refused_before_they_are_sent(served: Served) -> None:
+    browser = http.client.HTTPConnection("127.0.0.1", served.port, timeout=30)
+    browser.putrequest("POST", "/api/drop?name=a.json")
+    for name, value in {**OWN, "Content-Length": str(100_000_000)}.items():
+        browser.putheader(name, value)
+    browser.endheaders()
+    answer = browser.getresponse()
+    assert answer.status == 413
+    assert b"at most 32 MB" in answer.read()
+
+
+def test_a_body_that_does_not_say_its_length_ends_at_the_limit(served: Served) -> None:
+    browser = http.client.HTTPConnection("127.0.0.1", served.port, timeout=30)
+    sent = 0
+
+    def endless() -> object:
+        nonlocal sent
+        for _ in range(100):
+            sent += 1_000_000
+            yield b"x" * 1_000_000
+
+    with contextlib.suppress(OSError):  # the server may hang up
+        browser.request("POST", "/api/drop?name=a.json", endless(), OWN, encode_chunked=True)
+    assert sent < 100_000_000 or browser.getresponse().status == 413
+    assert sent >= MOST_BODY_BYTES
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "../outside.json", "/etc/passwd", "..", "a/../../outside.json", "", ".", "link.json", "linked/outside.json",
+        "nothing.json", "a\x00.json", "..\\outside.json", "small.plan.json/../../outside.json",
+    ],
+)  # fmt: skip
+def test_no_file_outside_the_folder_is_opened(served: Served, client: httpx.Client, tmp_path: Path, name: str) -> None:
+    folder = served.server.folder.path
+    (folder.parent / "outside.json").write_text(SMALL, encoding="utf-8")
+    for link, to in ((folder / "link.json", folder.parent / "outside.json"), (folder / "linked", folder.parent)):
+        if not link.is_symlink():
+            link.symlink_to(to)
+    answer = client.post("/api/open", json={"nest": name})
+    assert answer.status_code == 422
+    assert "no nest of this folder has the name" in answer.json()["message"]
+    assert not any("outside" in nest or "link" in nest for nest in client.get("/api/nests").json()["nests"])
+
+
+@pytest.mark.parametrize(
+    "name", ["../a.json", "a/b.json", ".a.json", "a.exe", "", "a.plan.json", "a\\b.json", "a\n.json"]
+)
+def test_a_dropped_drawing_has_a_plain_name(client: httpx.Client, served: Served, name: str) -> None:
+    before = sorted(served.server.folder.path.rglob("*"))
+    answer = client.post("/api/drop", params={"name": name}, content=SMALL)
+    assert answer.status_code == 422
+    assert sorted(served.server.folder.path.rglob("*")) == before
+
+
+@pytest.mark.parametrize("name", ["../app.py", "..%2fapp.py", "app.py", "%2e%2e/app.py", "frame.html", "/etc/passwd"])
+def test_only_scripts_and_styles_of_the_package_are_given(client: httpx.Client, name: str) -> None:
+    assert client.get(f"/files/{name}").status_code == 404
+
+
+def test_a_name_with_a_script_in_it_is_shown_and_not_run(opened: Open, client: httpx.Client) -> None:
+    name = "<script>alert(1)</script>"
+    tab = opened(SMALL.replace('"B"', f'"{name}"'))
+    tab.solved()
+    assert client.get(f"/nest/{tab.id}").text.count("<script") == 1
+    assert name in tab.get("why", contour=f"{name}.outer")["contour"]
+    drawing = client.get(f"/nest/{tab.id}/drawing")
+    assert name not in drawing.text
+    assert drawing.headers["content-security-policy"].startswith("sandbox")
+    assert client.get(f"/api/{tab.id}/state").headers["content-type"] == "application/json"
+
+
+def test_what_is_not_json_is_said(opened: Open, client: httpx.Client) -> None:
+    tab = opened()
+    for body in (b"{", b"[1]", b"\xff", b'"x"'):
+        assert client.post(f"/api/{tab.id}/edit", content=body).status_code == 422
+    assert client.post("/api/nothing/edit", json={}).status_code == 404
+    for changes in (None, "x", [1], [{}], [{"lock": 3}], [{"format": "c:"}], [{"lock": "P9 first"}], [{"set": "a.b"}]):
+        assert tab.post("edit", 422, changes=changes)["kind"] == "input"
+    assert tab.state()["job_text"] is None

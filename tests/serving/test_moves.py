@@ -1,0 +1,111 @@
+"""What a move is said to do before it is dropped, against the check: every move of small nests."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import pytest
+
+from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.explaining import Explainer
+from kerfwise.jobs.given import Given
+from kerfwise.jobs.main_job import plan_nest
+from kerfwise.jobs.moving import Mover
+from kerfwise.jobs.solve_options import options_for
+from kerfwise.models.engines.solution import Solution
+from kerfwise.models.plan.make import make_plan
+from kerfwise.postproc.clock.timed import with_times
+from kerfwise.postproc.verdict.checking import check_plan
+from kerfwise.rules.lock import Lock
+from kerfwise.rules.profile.profile import load_profile
+
+ROW = nest(
+    400, 140, part("A", rect(20, 20, 80, 80), [rect(50, 50, 20, 20)]), part("B", rect(130, 20, 80, 80)),
+    part("C", rect(240, 20, 80, 80)), part("D", circle(355, 60, 25)),
+)  # fmt: skip
+HOOK = nest(
+    300, 300, part("U", [[40, 40], [240, 40], [240, 90], [90, 90], [90, 190], [240, 190], [240, 240], [40, 240]]),
+    part("I", rect(130, 120, 60, 40)), part("Z", circle(265, 265, 15)), part("M", rect(255, 40, 30, 150)),
+)  # fmt: skip
+
+
+def explainer(plate: Nest, *locks: Lock) -> Explainer:
+    profile = load_profile()
+    given = Given(plate, replace(profile, locks=locks))
+    done = plan_nest(given, options_for(plate, given.profile, work=1.0))
+    return Explainer(done.given, done.made.plan, done.facts)
+
+
+def lawful_by_the_check(of: Explainer, candidates: Sequence[int]) -> bool:
+    """Whether the check, which knows geometry alone, passes a plan with these cuts in this order."""
+    solution = Solution(tuple(candidates), 0.0, None, "feasible", "search", "", 0.0)
+    plan = make_plan(of.facts, of.profile, of.stated, solution, "search", 1)
+    plan = with_times(plan, of.facts.whole_nest, of.profile)
+    verdict = check_plan(of.facts.whole_nest, plan, of.profile)
+    return not [name for name in verdict.broken() if name in of.profile.settings()]
+
+
+@pytest.mark.parametrize("plate", [ROW, HOOK], ids=["row", "hook"])
+def test_every_move_is_judged_as_the_check_judges_it(plate: Nest) -> None:
+    of = explainer(plate)
+    mover, setting = Mover(of), of.setting
+    lawful = unlawful = 0
+    for name in [contour.id for contour in plate.contours]:
+        for place in range(1, len(plate.contours) + 1):
+            moved, route = mover.move([name], place)
+            if moved.lawful:
+                lawful += 1
+                assert lawful_by_the_check(of, [int(setting.problem.site_candidate[s]) for s in route]), moved
+            else:
+                unlawful += 1
+                rest = [c for c in setting.candidates if of.facts.candidates[c].contour != plate.index[name]]
+                (own,) = set(setting.candidates) - set(rest)
+                assert not lawful_by_the_check(of, [*rest[: place - 1], own, *rest[place - 1 :]]), moved
+    assert lawful >= len(plate.contours)  # where it is, it may stay
+    assert unlawful > 0
+
+
+def test_a_part_moves_with_all_its_contours() -> None:
+    moved, _ = Mover(explainer(HOOK)).move(["I.outer"], 1)
+    assert moved.lawful or moved.breaks
+    of = explainer(ROW)
+    moved, _ = Mover(of).move(["A.outer", "A.hole1"], 3)
+    assert moved.contours == ("A.hole1", "A.outer")
+    assert moved.breaks[0].rule == "level-ahead"
+    assert moved.sentence.startswith(
+        "A.hole1 and 1 more cannot be cut as number 3: level-ahead: A.outer is cut before "
+    )
+
+
+def test_where_it_is_it_costs_nothing_and_other_places_more() -> None:
+    of = explainer(HOOK)
+    mover = Mover(of)
+    for place, contour in enumerate(of.setting.order, 1):
+        for look in (False, True):
+            moved, _ = mover.move([of.setting.name(contour)], place, look=look)
+            assert (moved.lawful, moved.more_mm) == (True, pytest.approx(0, abs=1e-3))
+    assert of.plan.solve.status == "optimal"
+    others = [mover.move([c.id], k)[0].more_mm for c in HOOK.contours for k in range(1, 5)]
+    assert all(more is None or more >= -1e-3 for more in others)  # no move betters a plan that is proven
+
+
+def test_a_lock_that_the_move_takes_the_place_of_does_not_count() -> None:
+    lock = Lock(contour="D.outer", position=5)
+    of = explainer(ROW, lock)
+    mover = Mover(of)
+    assert mover.move(["D.outer"], 4)[0].breaks
+    rules = {about.rule for about in mover.move(["D.outer"], 4)[0].breaks}
+    assert "locks" in rules
+    without = {about.rule for about in mover.move(["D.outer"], 4, [lock.because])[0].breaks}
+    assert "locks" not in without
+
+
+@pytest.mark.parametrize(("names", "place", "said"), [
+    (["Q"], 1, "unknown contour 'Q'"), (["A.outer"], 0, "expected one from 1 to 5"), (["A.outer"], 6, "place 6"),
+])  # fmt: skip
+def test_what_there_is_not_is_said(names: list[str], place: int, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        Mover(explainer(ROW)).move(names, place)

@@ -1,0 +1,244 @@
+"""A session: lock, plan, undo, conflict, save; two tabs, a killed process, a closed browser."""
+
+from __future__ import annotations
+
+import json
+import os
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from kerfwise.cli import main
+from kerfwise.serving.server import Server
+from kerfwise.tests.serving.conftest import EXAMPLES, SMALL, Open, Served, Tab
+
+CLASH = ({"lock": "A.outer first"}, {"lock": "B.outer 2nd"})
+ORDER = "A.hole1 A.outer B.outer C.outer"
+BROKEN = SMALL.replace("[[130, 20], [210, 20], [210, 100], [130, 100]]", "[[90, 20], [210, 20], [210, 100], [90, 100]]")
+
+
+def order_of(tab: Tab) -> str:
+    plan = json.loads(saved_files(tab)["plan.json"])
+    return " ".join(cut["contour"] for cut in plan["cuts"])
+
+
+def saved_files(tab: Tab) -> dict[str, bytes]:
+    tab.state()
+    tab.post("save")
+    stem = tab.nest.stem
+    return {p.name.removeprefix(f"{stem}."): p.read_bytes() for p in tab.nest.parent.iterdir() if p != tab.nest}
+
+
+def command_line(folder: Path, command: str) -> None:
+    """Run a command line in a folder, as a person there would."""
+    name, *words = command.split()
+    assert name == "kerfwise"
+    before = Path.cwd()
+    os.chdir(folder)
+    try:
+        with pytest.raises(SystemExit) as ended:
+            main(words)
+    finally:
+        os.chdir(before)
+    assert ended.value.code == 0
+
+
+def test_lock_and_plan_and_back(opened: Open) -> None:
+    tab = opened()
+    assert tab.state()["alternatives"] == []
+    first = tab.solved()
+    assert [first["alternatives"][0]["figures"][key] for key in ("status", "cuts")] == ["optimal", 4]
+    assert order_of(tab) == ORDER
+    told = tab.edit({"lock": "C.outer first"})
+    assert (told["locks"], told["fits"], told["shown"]) == (["C.outer first"], False, 1)
+    assert tab.solved()["shown"] == 2
+    assert order_of(tab).startswith("C.outer ")
+    told = tab.edit({"lock": "C.outer last"})
+    assert (told["undone"], told["locks"]) == (["C.outer first"], ["C.outer last"])
+    back = tab.post("back", to=1)
+    assert (back["shown"], back["locks"], back["fits"], len(back["alternatives"])) == (1, [], True, 2)
+    assert order_of(tab) == ORDER
+    assert tab.post("back", 422, to=9)["message"] == "there is no plan 9 in this session"
+
+
+JOB = "# of the night shift\norder: '4711'  # the order\nlocks:\n  - B.outer before C.outer  # as ever\n"
+
+
+@pytest.mark.parametrize("job", [None, JOB])
+def test_what_is_saved_is_what_the_command_line_writes(opened: Open, job: str | None) -> None:
+    tab = opened(job=job)
+    tab.edit({"lock": "no link C.outer"}, {"lock": "B position 3"}, {"set": "rules.heat-lag.weight", "to": "80 mm"})
+    told = tab.solved()
+    saved = saved_files(tab)
+    assert sorted(saved) == ["job.yaml", "nc", "plan.json", "svg"]
+    assert b"heat-lag.weight: 80 mm" in saved["job.yaml"]
+    if job is not None:
+        assert saved["job.yaml"].decode().startswith(JOB)
+    for name in ("nc", "plan.json", "svg"):
+        tab.nest.with_name(f"{tab.nest.stem}.{name}").unlink()
+    command_line(tab.nest.parent, told["alternatives"][0]["command"])
+    again = {name: tab.nest.with_name(f"{tab.nest.stem}.{name}").read_bytes() for name in saved}
+    assert again == saved
+
+
+def test_cut_up_to_here(opened: Open) -> None:
+    tab = opened()
+    tab.solved()
+    assert tab.post("cut", 200, upto=2)["upto"] == 2
+    told = tab.solved()
+    saved = saved_files(tab)
+    plan = json.loads(saved["plan.json"])
+    assert ([cut["contour"] for cut in plan["cuts"]], plan["resumed_after"]) == (["B.outer", "C.outer"], 2)
+    assert told["alternatives"][1]["command"].endswith("--lock-from small.before.plan.json --upto 2 --work 1")
+    tab.nest.with_name("small.nc").unlink()
+    command_line(tab.nest.parent, told["alternatives"][1]["command"])
+    assert tab.nest.with_name("small.nc").read_bytes() == saved["nc"]
+    assert tab.get("move", contours="C", place=3)["lawful"] is False
+    assert tab.post("cut", 422, upto=99)["kind"] == "input"
+    assert tab.post("cut", 200, upto=0)["upto"] == 0
+
+
+def test_a_conflict_says_what_each_way_out_would_bring(opened: Open, client: httpx.Client) -> None:
+    tab = opened()
+    tab.edit(*CLASH)
+    told = tab.solved()
+    clash = {one["rule"]: one for one in told["conflict"]["clash"]}
+    assert told["conflict"]["minimal"]
+    assert clash["locks"]["undo"] == [{"unlock": "A.outer first"}]
+    assert clash["inner-before-outer"]["soften"] == [{"set": "rules.inner-before-outer.strength", "to": "soft"}]
+    undone = client.post(f"/api/{tab.id}/try", json={"changes": clash["locks"]["undo"]}).json()
+    assert undone["works"]
+    assert undone["text"].startswith("a plan with ")
+    soft = client.post(f"/api/{tab.id}/try", json={"changes": clash["inner-before-outer"]["soften"]}).json()
+    assert (soft["works"], soft["text"][:27]) == (False, "another contradiction is le")
+    relaxed = client.post(f"/api/{tab.id}/try", json={"relax": True}).json()
+    assert relaxed["works"]
+    assert relaxed["text"].endswith("relaxed")
+    assert tab.state()["alternatives"] == []  # nothing of this has changed anything
+    assert tab.solved(relax=True)["alternatives"][0]["command"] == "kerfwise solve small.json --work 1 --relax"
+
+
+def test_two_tabs_see_the_same_and_neither_writes_over_the_other(opened: Open, client: httpx.Client) -> None:
+    one = opened()
+    two = Tab(client, one.id, one.version, one.nest)
+    one.edit({"lock": "C.outer last"})
+    refused = two.edit({"lock": "B.outer first"}, expected=409)
+    assert (refused["kind"], refused["locks"]) == ("stale", ["C.outer last"])
+    assert two.version == one.version
+    assert two.edit({"lock": "B.outer cw"})["locks"] == ["C.outer last", "B.outer cw"]
+    for what, said in (("solve", {}), ("back", {"to": 1}), ("save", {}), ("cut", {"upto": 1})):
+        assert one.client.post(f"/api/{one.id}/{what}", json={"version": one.version, **said}).status_code == 409
+        assert one.client.post(f"/api/{one.id}/{what}", json=said).status_code == 409
+
+
+def events(tab: Tab, until: Any, found: list[tuple[str, dict[str, Any]]]) -> None:
+    """Listen to a session until something is told."""
+    with tab.client.stream("GET", f"/api/{tab.id}/events") as answer:
+        what = ""
+        for line in answer.iter_lines():
+            if line.startswith("event: "):
+                what = line.removeprefix("event: ")
+            elif line.startswith("data: "):
+                found.append((what, json.loads(line.removeprefix("data: "))))
+                if until(found):
+                    return
+
+
+def listeners(served: Served, tab: Tab) -> int:
+    return served.server.sessions[tab.id].listeners
+
+
+def wait_for(what: Any) -> None:
+    ends = time.monotonic() + 30
+    while not what():
+        assert time.monotonic() < ends
+        time.sleep(0.01)
+
+
+def test_incumbents_stream_in_and_can_be_stopped(opened: Open, served: Served) -> None:
+    tab = opened(EXAMPLES / "plate40.json")
+    found: list[tuple[str, dict[str, Any]]] = []
+    done = threading.Thread(target=events, args=(tab, lambda found: bool(found[-1][1].get("alternatives")), found))
+    done.start()
+    wait_for(lambda: found)
+    tab.post("solve", 202, work=200)
+    assert "is being planned" in tab.post("solve", 422)["message"]
+    wait_for(lambda: any((told["solving"] or {}).get("objective_mm") for _, told in list(found)))
+    assert served.server.planner.pid is not None
+    tab.client.post(f"/api/{tab.id}/cancel", json={})
+    state = tab.wait()
+    done.join(30)
+    assert not done.is_alive()
+    wait_for(lambda: listeners(served, tab) == 0)  # the tab is closed
+    plan = state["alternatives"][0]
+    assert plan["ok"]
+    reached = [told["solving"]["objective_mm"] for what, told in found if what == "progress" and told["solving"]]
+    assert sorted((mm for mm in reached if mm), reverse=True) == [mm for mm in reached if mm]
+    if plan["stopped"]:  # else it was proven before
+        assert tab.post("save")["saved"]["same_bytes"] is False
+
+
+def test_a_killed_process_is_started_again_and_nothing_is_lost(opened: Open, served: Served) -> None:
+    tab = opened()
+    tab.solved()
+    tab.edit({"lock": "C.outer last"})
+    plate = opened(EXAMPLES / "plate40.json")
+    plate.post("solve", 202, work=200)
+    wait_for(lambda: served.server.planner.pid is not None and not plate.state()["solving"]["waits"])
+    plate.client.post(f"/api/{plate.id}/cancel", json={"at_once": True})
+    assert "died (signal 9)" in plate.wait()["problem"]
+    for helper in (served.server.desk, served.server.planner):
+        assert helper.pid is not None or helper is served.server.planner
+        if helper.pid is not None:
+            os.kill(helper.pid, 9)
+    assert tab.get("move", contours="B", place=3)["lawful"] is True
+    state = tab.solved()
+    assert (state["problem"], len(state["alternatives"]), state["locks"]) == ("", 2, ["C.outer last"])
+
+
+def test_planning_goes_on_when_the_browser_is_closed(opened: Open, served: Served) -> None:
+    tab = opened()
+    with httpx.Client(base_url=served.address, headers=tab.client.headers) as other:
+        gone = Tab(other, tab.id, tab.version, tab.nest)
+        gone.post("solve", 202)
+    assert len(tab.wait()["alternatives"]) == 1
+
+
+def test_a_dropped_drawing_is_kept_once_it_can_be_cut(client: httpx.Client, served: Served, tmp_path: Path) -> None:
+    name = f"{tmp_path.name}.json"
+    answer = client.post("/api/drop", params={"name": name}, content=BROKEN)
+    told = answer.json()
+    assert (answer.status_code, told["kind"]) == (422, "input")
+    assert any(problem["contours"] for problem in told["problems"]["lines"])
+    assert told["problems"]["picture"].startswith(("<?xml", "<svg"))
+    assert not (served.server.folder.path / name).exists()
+    answer = client.post("/api/drop", params={"name": name}, content=SMALL)
+    assert (answer.status_code, answer.json()["nest"]) == (201, name)
+    assert (served.server.folder.path / name).read_text(encoding="utf-8") == SMALL
+    assert client.post("/api/drop", params={"name": name}, content=SMALL).status_code == 201
+    assert "another file" in client.post("/api/drop", params={"name": name}, content=SMALL + " ").json()["message"]
+
+
+def test_nothing_is_written_over_what_changed_on_disk(opened: Open) -> None:
+    tab = opened(job="quantity: 2\n")
+    tab.edit({"lock": "C.outer last"})
+    tab.solved()
+    job = tab.nest.with_name("small.job.yaml")
+    job.write_text("quantity: 3\n", encoding="utf-8")
+    assert "has changed on disk" in tab.post("save", 422)["message"]
+    assert job.read_text(encoding="utf-8") == "quantity: 3\n"
+    assert not tab.nest.with_name("small.nc").exists()
+    tab.nest.write_text(SMALL + "\n", encoding="utf-8")
+    assert "the nest has changed on disk" in tab.post("save", 422)["message"]
+
+
+def test_the_profile_that_the_server_was_given_goes_into_the_job_file(served: Served, opened: Open) -> None:
+    assert Server(served.server.folder, "laser-wood")._first_text(None, Path("/a/b.dxf")) == "profile: laser-wood\n"
+    assert Server(served.server.folder, "/a/p.yaml")._first_text("quantity: 2\n", Path("/a/b.dxf")) == (
+        "quantity: 2\nprofile: p.yaml\n"
+    )
+    assert Server(served.server.folder, "x")._first_text("profile: y\n", Path("/a/b.dxf")) == "profile: y\n"
