@@ -14,6 +14,7 @@ import statistics
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from kerfwise.encoder.readers import read_nest
@@ -55,7 +56,7 @@ def row(contours: int, moves: int, work: float) -> str:
     told = [f"{len(names):8d}", f"{once_s:8.2f}"]
     for look in (False, True):
         took_s = [
-            seconds(lambda k=k, place=place: mover.move([names[k]], place, look=look))  # type: ignore[misc]
+            seconds(partial(mover.move, [names[k]], place, look=look))
             for k in range(0, len(names), step)
             for place in (min(len(names), k + 2), len(names) - k)
         ]
