@@ -38,7 +38,7 @@ def row(contours: int, moves: int, work: float) -> str:
     """A line of the table."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "plate.json")
-        file.write_text(json.dumps(make_sheet(1, contours)), encoding="utf-8")
+        file.write_text(json.dumps(make_sheet(1, contours)), encoding="utf-8", newline="\n")
         nest = read_nest(file)
     given = Given(nest, load_profile())
     done = plan_nest(given, options_for(nest, given.profile, work=work))

@@ -36,7 +36,7 @@ def command(given: str, profile: str | None, port: int, work: float, open_browse
     def ready(address: str) -> None:
         click.echo(f"serving {given} at {address}\nCtrl-C ends it")
         if open_browser:
-            webbrowser.open(address)
+            webbrowser.open_new_tab(address)
 
     serve(Path(given), port=port, profile=_found(profile), work=work, trust=trust, ready=ready)
 

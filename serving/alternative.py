@@ -47,6 +47,6 @@ class Alternative:
             "stopped": self.stopped,
             "command": self.command,
             "notes": list(self.notes),
-            "locks": list(locks),
+            "locked": list(locks),
             "upto": self.wanted.upto,
         }

@@ -90,7 +90,7 @@ class Addresses:
         """`{"nest": NAME, "repair": false}` gives the session's state."""
         said = await _json(request)
         path = self._server.folder.nest(str(said.get("nest", "")))
-        return JSONResponse((await self._server.open(path, said.get("repair") is True)).as_json())
+        return JSONResponse((await self._server.open_nest(path, said.get("repair") is True)).as_json())
 
     async def drop(self, request: Request) -> Response:
         """A drawing as the body, `?name=plate.dxf&repair=0`: one that can be cut is written into the folder."""

@@ -82,7 +82,7 @@ class Desk:
             "profile": profile.name,
             "notes": list(read.notes),
             "numbered": numbered,
-            "locks": [line for line, _ in text.lines()],
+            "locked": [line for line, _ in text.lines()],
             "settings": dict(settings_of(text.job())),
             "rules": [_rule(read.given, name) for name in {**profile.rules, **profile.settings()}],
         }
@@ -125,7 +125,7 @@ class Desk:
             "looked": moved.looked,
             "text": shown(moved.sentence),
             "breaks": [{"rule": a.rule, "contours": list(a.contours), "text": shown(a.sentence)} for a in moved.breaks],
-            "locks": [line for lock in locks for line in lines_of(lock)],
+            "locked": [line for lock in locks for line in lines_of(lock)],
             "undone": [line for lock in gone for line in lines_of(lock)],
         }
 

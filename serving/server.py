@@ -55,7 +55,7 @@ class Server:
             job.cancel()
         await asyncio.gather(*self._jobs, return_exceptions=True)
 
-    async def open(self, path: Path, repair: bool = False) -> Session:
+    async def open_nest(self, path: Path, repair: bool = False) -> Session:
         """The session of a nest in the folder; the one that is there, if it is open already."""
         name = path.relative_to(self.folder.path).as_posix()
         key = hashlib.sha256(name.encode()).hexdigest()[:12]
@@ -79,7 +79,7 @@ class Server:
             path = Path(aside).resolve() / name
             path.write_bytes(drawing)
             await self._asked("opened", wanted=Wanted(str(path), self._first_text(None, path), repair))
-        return await self.open(self.folder.keep(name, drawing), repair)
+        return await self.open_nest(self.folder.keep(name, drawing), repair)
 
     def _first_text(self, disk: str | None, nest: Path) -> str | None:
         """The job file of a nest that is opened: with the profile that the server was given, where it names none."""

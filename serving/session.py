@@ -127,7 +127,7 @@ class Session:
             "id": self.id,
             "nest": self.name,
             "version": self.version,
-            **{key: self.opened[key] for key in ("profile", "notes", "locks", "settings", "rules")},
+            **{key: self.opened[key] for key in ("profile", "notes", "locked", "settings", "rules")},
             "job_file": beside_name(Path(self.wanted.nest).name),
             "job_text": self.wanted.job_text,
             "repair": self.wanted.repair,

@@ -54,13 +54,13 @@ def test_lock_and_plan_and_back(opened: Open) -> None:
     assert [first["alternatives"][0]["figures"][key] for key in ("status", "cuts")] == ["optimal", 4]
     assert order_of(tab) == ORDER
     told = tab.edit({"lock": "C.outer first"})
-    assert (told["locks"], told["fits"], told["shown"]) == (["C.outer first"], False, 1)
+    assert (told["locked"], told["fits"], told["shown"]) == (["C.outer first"], False, 1)
     assert tab.solved()["shown"] == 2
     assert order_of(tab).startswith("C.outer ")
     told = tab.edit({"lock": "C.outer last"})
-    assert (told["undone"], told["locks"]) == (["C.outer first"], ["C.outer last"])
+    assert (told["undone"], told["locked"]) == (["C.outer first"], ["C.outer last"])
     back = tab.post("back", to=1)
-    assert (back["shown"], back["locks"], back["fits"], len(back["alternatives"])) == (1, [], True, 2)
+    assert (back["shown"], back["locked"], back["fits"], len(back["alternatives"])) == (1, [], True, 2)
     assert order_of(tab) == ORDER
     assert tab.post("back", 422, to=9)["message"] == "there is no plan 9 in this session"
 
@@ -127,9 +127,9 @@ def test_two_tabs_see_the_same_and_neither_writes_over_the_other(opened: Open, c
     two = Tab(client, one.id, one.version, one.nest)
     one.edit({"lock": "C.outer last"})
     refused = two.edit({"lock": "B.outer first"}, expected=409)
-    assert (refused["kind"], refused["locks"]) == ("stale", ["C.outer last"])
+    assert (refused["kind"], refused["locked"]) == ("stale", ["C.outer last"])
     assert two.version == one.version
-    assert two.edit({"lock": "B.outer cw"})["locks"] == ["C.outer last", "B.outer cw"]
+    assert two.edit({"lock": "B.outer cw"})["locked"] == ["C.outer last", "B.outer cw"]
     for what, said in (("solve", {}), ("back", {"to": 1}), ("save", {}), ("cut", {"upto": 1})):
         assert one.client.post(f"/api/{one.id}/{what}", json={"version": one.version, **said}).status_code == 409
         assert one.client.post(f"/api/{one.id}/{what}", json=said).status_code == 409
@@ -197,7 +197,7 @@ def test_a_killed_process_is_started_again_and_nothing_is_lost(opened: Open, ser
             os.kill(helper.pid, 9)
     assert tab.get("move", contours="B", place=3)["lawful"] is True
     state = tab.solved()
-    assert (state["problem"], len(state["alternatives"]), state["locks"]) == ("", 2, ["C.outer last"])
+    assert (state["problem"], len(state["alternatives"]), state["locked"]) == ("", 2, ["C.outer last"])
 
 
 def test_planning_goes_on_when_the_browser_is_closed(opened: Open, served: Served) -> None:
