@@ -13,15 +13,16 @@ from .wanted import Wanted
 class Alternative:
     """A plan that was made, and what it was made of.
 
-    `files` are its files by name, as `kerfwise solve` writes them; `figures` what a list of plans says of it. `stopped`
-    says that the engines were asked to end: then the command line may come further. `options` are those of the command
-    line beside what is wanted.
+    `files` are its files by name, as `kerfwise solve` writes them. `page` is what the page shows of it, as JSON;
+    `figures` what a list of plans says of it. `stopped` says that the engines were asked to end: then the command line
+    may come further. `options` are those of the command line beside what is wanted.
     """
 
     number: int
     wanted: Wanted
     plan: str
     program: str
+    page: str
     files: Mapping[str, str]
     figures: Mapping[str, Any]
     summary: str

@@ -42,7 +42,8 @@ class Addresses:
             "/": self.home,
             "/files/{name:path}": self.file,
             "/nest/{id}": self.nest,
-            "/nest/{id}/drawing": self.drawing,
+            "/api/{id}/page": self.page,
+            "/api/{id}/heat": self.heat,
             "/api/nests": self.nests,
             "/api/{id}/state": self.state,
             "/api/{id}/why": self.why,
@@ -66,21 +67,23 @@ class Addresses:
 
     async def home(self, request: Request) -> Response:
         """The nest that the server was started with, or the list of those in its folder."""
-        return HTMLResponse(list_page(self._first))
+        return HTMLResponse(list_page())
 
     async def file(self, request: Request) -> Response:
         return static_file(request.path_params["name"])
 
     async def nest(self, request: Request) -> Response:
-        return HTMLResponse(worked_page(self._session(request)))
+        return worked_page(self._session(request).name)
 
-    async def drawing(self, request: Request) -> Response:
-        """The plan as a page that plays it; it runs in a sandbox, and may ask for nothing."""
+    async def page(self, request: Request) -> Response:
+        """What the page shows (`kerfwise-page/1`), of `?plan=2` or the shown plan."""
         number = request.query_params.get("plan")
-        text = await self._server.page(self._session(request), int(number) if number else None)
-        sandbox = "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'"
-        headers = {"content-security-policy": f"{sandbox}; img-src data:", "x-frame-options": "SAMEORIGIN"}
-        return HTMLResponse(text, headers=headers)
+        text = await self._server.page(self._session(request), _whole(number) if number else None)
+        return Response(text.encode("utf-8", "surrogatepass"), media_type="application/json")
+
+    async def heat(self, request: Request) -> Response:
+        """How hot the shown plan makes the sheet, or null."""
+        return JSONResponse(await self._about(request, "heat"))
 
     async def nests(self, request: Request) -> Response:
         """Names of the nests in the folder."""
@@ -177,7 +180,7 @@ class Addresses:
         told = session.save()
         return JSONResponse({**session.as_json(), "saved": told})
 
-    async def _about(self, request: Request, question: str, **given: Any) -> dict[str, Any]:
+    async def _about(self, request: Request, question: str, **given: Any) -> Any:
         number = request.query_params.get("plan")
         return await self._server.about(self._session(request), question, _whole(number) if number else None, **given)
 
@@ -256,6 +259,6 @@ def make_app(server: Server, token: str, port: int, first: str | None = None) ->
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; "
-    "connect-src 'self'; frame-src 'self'; font-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    "connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 """What the server's pages may load and do: nothing that is not the server's own."""

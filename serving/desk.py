@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -12,9 +11,11 @@ from kerfwise.encoder.shown import shown
 from kerfwise.jobs.explaining import Explainer
 from kerfwise.jobs.given import Given
 from kerfwise.jobs.moving import Moved, Mover
-from kerfwise.models.plan.explain import as_text, explanation_as_json
+from kerfwise.jobs.page import page_data
+from kerfwise.jobs.page.heat import heat_data
+from kerfwise.jobs.page.why import why_data
+from kerfwise.models.plan.explain import as_text
 from kerfwise.models.plan.reader import plan_in
-from kerfwise.postproc.report import draw
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.lock_text import lines_of
 
@@ -93,17 +94,18 @@ class Desk:
         text, undone = edited(wanted, read.given, changes)
         return {"job_text": text, "undone": undone}
 
-    def drawn(self, wanted: Wanted, plan: str | None) -> str:
-        """The nest, with a plan if there is one, as a page that plays the cuts."""
-        given = self._read(wanted).given
-        made = None if plan is None else plan_in(plan)
-        return draw(given.nest, made, ".html", given.profile.home_on(given.nest)).decode("utf-8")
+    def page(self, wanted: Wanted) -> dict[str, Any]:
+        """What the page shows of a nest that is not planned."""
+        return page_data(self._read(wanted).given, None)
+
+    def heat(self, wanted: Wanted, plan: str) -> dict[str, Any] | None:
+        """How hot a plan makes the sheet, in frames; None where its profile says nothing of heat."""
+        return heat_data(self._read(wanted).given, plan_in(plan), wanted=None)
 
     def why(self, wanted: Wanted, plan: str, contour: str) -> dict[str, Any]:
-        """Why a contour is cut where it is, as `kerfwise explain --json` says it, and as text."""
+        """Why a contour is cut where it is, as the page shows it, and as `text`."""
         told = self._mover(wanted, plan)[0].explain(contour)
-        data: dict[str, Any] = json.loads(explanation_as_json(told))
-        return {**data, "text": as_text(told)}
+        return why_data(told) | {"text": as_text(told)}
 
     def move(
         self, wanted: Wanted, plan: str, contours: Sequence[str], place: int, look: bool = False
@@ -182,4 +184,6 @@ def _rule(given: Given, name: str) -> dict[str, Any]:
 def desk(asking: Asking) -> Answers:
     """The questions that the desk answers."""
     made = Desk()
-    return {name: getattr(made, name) for name in ("ready", "prepared", "opened", "edited", "drawn", "why", "move")}
+    return {
+        name: getattr(made, name) for name in ("ready", "prepared", "opened", "edited", "page", "heat", "why", "move")
+    }

@@ -2,24 +2,45 @@
 
 from __future__ import annotations
 
+import re
+from functools import cache
+from html import unescape
 from importlib.resources import files
 from pathlib import PurePosixPath
 
-from starlette.responses import PlainTextResponse, Response
+from starlette.responses import HTMLResponse, PlainTextResponse, Response
 
-from .session import Session
+from kerfwise.postproc.report.page import page_html
 
+ENTRY = "worked.js"
+"""The module of `hands` that the page of a nest begins with."""
 _KINDS = {".js": "text/javascript", ".css": "text/css"}
+_POLICY = re.compile('<meta http-equiv="Content-Security-Policy" content="([^"]*)">')
 
 
-def list_page(first: str | None) -> str:
+def list_page() -> str:
     """The page that lists the nests of the folder, and takes drawings that are dropped on it."""
-    return _frame("list.js")
+    return files(__package__).joinpath("hands", "frame.html").read_text(encoding="utf-8")
 
 
-def worked_page(session: Session) -> str:
-    """The page of one nest; all that it shows it asks for."""
-    return _frame("worked.js")
+def worked_page(name: str) -> Response:
+    """The page of one nest, with hands: all that it shows it asks for. Its policy names its own script by hash."""
+    text = page_html({"title": name}, ENTRY, connect=True, more=_hands())
+    stated = _POLICY.search(text)
+    policy = f"{unescape(stated[1])}; " if stated else ""
+    headers = {"content-security-policy": f"{policy}frame-ancestors 'none'"}
+    return HTMLResponse(text.encode("utf-8", "surrogatepass"), headers=headers)
+
+
+@cache
+def _hands() -> dict[str, str]:
+    """The modules and the style sheet that the page of a nest has beside those of every page."""
+    folder = files(__package__).joinpath("hands")
+    return {
+        file.name: file.read_text(encoding="utf-8")
+        for file in sorted(folder.iterdir(), key=lambda file: file.name)
+        if file.name.endswith((".js", ".css")) and not file.name.startswith("list.")
+    }
 
 
 def static_file(name: str) -> Response:
@@ -32,7 +53,3 @@ def static_file(name: str) -> Response:
     if not found.is_file():
         return PlainTextResponse("there is no such file", 404)
     return Response(found.read_bytes(), media_type=f"{kind}; charset=utf-8")
-
-
-def _frame(script: str) -> str:
-    return files(__package__).joinpath("hands", "frame.html").read_text(encoding="utf-8").replace("@script", script)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -14,9 +15,9 @@ from kerfwise.jobs.given import Given
 from kerfwise.jobs.listening import Listener, Reached
 from kerfwise.jobs.main_job import Finished, plan_nest
 from kerfwise.jobs.no_plan import NoPlan
+from kerfwise.jobs.page import page_data
 from kerfwise.jobs.solve_options import WORK, options_for
-from kerfwise.jobs.summary import summary
-from kerfwise.postproc.check import report
+from kerfwise.jobs.summary import summary_lines
 from kerfwise.postproc.nc.remnant import remnant_files
 from kerfwise.postproc.report import draw
 
@@ -89,6 +90,7 @@ class Planner:
         program, plan_file, picture = named_after(Path(wanted.nest))
         drawn = draw(given.nest, plan, ".svg", given.profile.home_on(given.nest))
         remnant = {str(path): text for path, text in remnant_files(program, given.nest, given.profile).items()}
+        data = page_data(given, plan, made.verdict, made.program, heat=False, detail="none")
         solve = plan.solve
         return {
             "plan": plan.to_json(),
@@ -97,7 +99,8 @@ class Planner:
             "ok": made.verdict.ok,
             "broken": [*made.verdict.broken()],
             "stopped": stopped,
-            "summary": summary(plan, made.verdict).removesuffix(report(made.verdict)).rstrip(),
+            "page": json.dumps(data, ensure_ascii=False),
+            "summary": "\n".join(summary_lines(plan)),
             "figures": {
                 "objective_mm": float(solve.objective),
                 "bound_mm": None if solve.bound is None else float(solve.bound),

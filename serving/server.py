@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+import json
 import tempfile
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -136,21 +137,20 @@ class Server:
             return told
 
     async def page(self, session: Session, number: int | None = None) -> str:
-        """The shown plan, or another one, as a page."""
+        """What the page shows of the shown plan, or of another one, as JSON; of the nest alone where there is none."""
         plan = session.current if number is None else session.alternative(number)
-        wanted = session.wanted if plan is None else plan.wanted
-        told: str = await self._asked("drawn", wanted=wanted, plan=None if plan is None else plan.plan)
-        return told
+        if plan is not None:
+            return plan.page
+        return json.dumps(await self._asked("page", wanted=session.wanted), ensure_ascii=False)
 
-    async def about(self, session: Session, question: str, number: int | None = None, **given: Any) -> dict[str, Any]:
+    async def about(self, session: Session, question: str, number: int | None = None, **given: Any) -> Any:
         """What the desk answers about the shown plan, or another one."""
         plan = session.current if number is None else session.alternative(number)
         if plan is None:
             raise InputError("there is no plan yet")
         if "contours" in given:
             given["contours"] = contours_of(session.opened, given["contours"])
-        told: dict[str, Any] = await self._asked(question, wanted=plan.wanted, plan=plan.plan, **given)
-        return told
+        return await self._asked(question, wanted=plan.wanted, plan=plan.plan, **given)
 
     async def _solve(self, session: Session, wanted: Wanted, work: float, relax: bool) -> None:
         loop = asyncio.get_running_loop()

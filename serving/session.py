@@ -111,7 +111,7 @@ class Session:
     def add(self, told: dict[str, Any], wanted: Wanted, work: float, relax: bool) -> None:
         """Keep a plan that was made, and show it."""
         options = (f" --work {work:g}" if work != WORK else "") + (" --relax" if relax else "")
-        keys = ("plan", "program", "files", "figures", "summary", "ok", "stopped")
+        keys = ("plan", "program", "page", "files", "figures", "summary", "ok", "stopped")
         parts = {key: told[key] for key in keys}
         broken, notes = tuple(told["broken"]), tuple(told["notes"])
         made = Alternative(self.made + 1, wanted, **parts, broken=broken, options=options, notes=notes)

@@ -1,5 +1,5 @@
 // The nests of the folder: one is opened by a click, a drawing by dropping it.
-import { ask, send } from "./server.js";
+import { askServer, sendServer } from "./asking.js";
 
 const main = document.getElementById("main");
 
@@ -33,7 +33,7 @@ function problems(told, again) {
 
 async function open(nest, repair = false) {
   try {
-    go(await send("/api/open", { nest, repair }));
+    go(await sendServer("/api/open", { nest, repair }));
   } catch (error) {
     problems(error.told, () => open(nest, true));
   }
@@ -42,7 +42,7 @@ async function open(nest, repair = false) {
 async function drop(file, repair = false) {
   const query = new URLSearchParams({ name: file.name, repair: repair ? "1" : "0" });
   try {
-    go(await send(`/api/drop?${query}`, file));
+    go(await sendServer(`/api/drop?${query}`, file));
   } catch (error) {
     problems(error.told, () => drop(file, true));
   }
@@ -55,8 +55,8 @@ addEventListener("drop", (event) => {
   if (file) drop(file);
 });
 
-const told = await ask("/api/nests");
-if (told.first && !document.referrer.includes("/nest/")) await open(told.first);
+const told = await askServer("/api/nests");
+if (told.first && location.search !== "?list") await open(told.first);
 main.append(element("h1", "Nests"), element("p", "Click a nest to open it, or drop a drawing here."));
 const list = element("ul");
 for (const nest of told.nests) {

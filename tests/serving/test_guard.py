@@ -129,12 +129,14 @@ def test_a_name_with_a_script_in_it_is_shown_and_not_run(opened: Open, client: h
     name = "<script>alert(1)</script>"
     tab = opened(SMALL.replace('"B"', f'"{name}"'))
     tab.solved()
-    assert client.get(f"/nest/{tab.id}").text.count("<script") == 1
+    page = client.get(f"/nest/{tab.id}")
+    assert name not in page.text
+    assert "'sha256-" in page.headers["content-security-policy"]
+    assert "unsafe" not in page.headers["content-security-policy"]
     assert name in tab.get("why", contour=f"{name}.outer")["contour"]
-    drawing = client.get(f"/nest/{tab.id}/drawing")
-    assert name not in drawing.text
-    assert drawing.headers["content-security-policy"].startswith("sandbox")
-    assert client.get(f"/api/{tab.id}/state").headers["content-type"] == "application/json"
+    for what in ("state", "page"):
+        assert client.get(f"/api/{tab.id}/{what}").headers["content-type"] == "application/json"
+    assert name in tab.get("page")["nest"]["parts"]
 
 
 def test_what_is_not_json_is_said(opened: Open, client: httpx.Client) -> None:

@@ -1,0 +1,34 @@
+/**
+ * The server's answer; one that is none is thrown, with what was told as `told`.
+ *
+ * @param {Response} response
+ */
+async function answered(response) {
+  const told = await response.json();
+  if (response.ok) return told;
+  throw Object.assign(new Error(told.message ?? `answer ${response.status}`), { told, status: response.status });
+}
+
+/**
+ * Asks for something.
+ *
+ * @param {string} path
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<any>}
+ */
+export async function askServer(path, signal) {
+  return answered(await fetch(path, { signal }));
+}
+
+/**
+ * Has something changed: what is said goes as JSON, a file as it is.
+ *
+ * @param {string} path
+ * @param {object | Blob} [said]
+ * @returns {Promise<any>}
+ */
+export async function sendServer(path, said = {}) {
+  const file = said instanceof Blob;
+  const headers = { "content-type": file ? "application/octet-stream" : "application/json" };
+  return answered(await fetch(path, { method: "POST", headers, body: file ? said : JSON.stringify(said) }));
+}

@@ -1,0 +1,76 @@
+/** @import { Work } from "./work.js" */
+import { make } from "./elements.js";
+import { planNow } from "./planning.js";
+
+/**
+ * A panel of what is locked, and under *Why* the buttons that lock the chosen contour.
+ *
+ * @param {any} app
+ * @param {Work} work
+ */
+export function lockPanel(app, work) {
+  const panel = app.panel("locks", "Locks");
+  const list = make("ul", { id: "hands-locks" });
+  const line = /** @type {HTMLInputElement} */ (make("input", { id: "hands-lock-line", placeholder: "P2 before P3", "aria-label": "a lock in words" }));
+  const form = make("form", { onsubmit: (/** @type {Event} */ event) => { event.preventDefault(); addLine(); } }, line, make("button", {}, "Lock"));
+  const values = make("ul", { id: "hands-values" });
+  panel.append(make("p", { class: "hint" }, "Drag a row or a part to lock its place. Click × to unlock."), list, form, values);
+  const addLine = async () => { if (line.value && await work.edit([{ lock: line.value }])) line.value = ""; };
+  const drawLocks = () => {
+    const { locked, settings } = work.state;
+    list.replaceChildren(...locked.map((/** @type {string} */ said) => make("li", {}, said,
+      make("button", { type: "button", "aria-label": `unlock ${said}`, title: "unlock", onclick: () => work.edit([{ unlock: said }]) }, "×"))));
+    values.replaceChildren(...Object.entries(settings).map(([key, value]) => make("li", {}, `${key}: ${value}`,
+      make("button", { type: "button", "aria-label": `as the profile has ${key}`, onclick: () => work.edit([{ unset: key }]) }, "×"))));
+  };
+  work.on((_, what) => { if (what === "state") drawLocks(); });
+  const place = make("div", { id: "hands-chosen", hidden: true });
+  app.slots.why.append(place);
+  const drawChosen = () => chosenButtons(app, work, place);
+  app.on((/** @type {any} */ _, /** @type {any} */ changes) => { if (changes.selected !== undefined) drawChosen(); });
+  work.on((_, what) => { if (what === "state") drawChosen(); });
+}
+
+/** @type {(app: any, work: Work, place: HTMLElement) => void} */
+function chosenButtons(app, work, place) {
+  const contour = app.data.nest.contours[app.state.selected], side = app.data.sides[0];
+  place.hidden = !contour;
+  if (!contour) return;
+  const k = side?.cuts.findIndex((/** @type {any} */ cut) => cut.contour === app.state.selected) ?? -1;
+  const part = app.data.nest.parts[contour.part] ?? contour.id, name = quoted(contour.id);
+  const cut = side?.cuts[k], number = k < 0 ? 0 : side.made + k + 1;
+  const locks = work.state.locked.filter((/** @type {string} */ said) => said.includes(contour.id) || said.includes(part));
+  const both = (/** @type {string} */ said) => lockAndPlan(work, [{ lock: said }]);
+  place.replaceChildren(
+    make("button", { type: "button", onclick: () => both(`${quoted(part)} first`) }, "start here"),
+    make("button", { type: "button", onclick: () => both(`${quoted(part)} last`) }, "end here"),
+    number ? make("button", { type: "button", onclick: () => both(`${name} position ${number}`) }, `pin as ${number}`) : null,
+    cut ? make("button", { type: "button", onclick: () => both(`${name} entry (${cut.entry.join(", ")})`) }, "pin the entry") : null,
+    cut ? make("button", { type: "button", onclick: () => both(`${name} ${cut.direction === "cw" ? "ccw" : "cw"}`) }, "other way round") : null,
+    make("button", { type: "button", onclick: () => both(`no link ${name}`) }, "no link"),
+    contour.kind === "outer" ? make("button", { type: "button", onclick: () => tabNext(app, work, contour) }, "tab: click its place") : null,
+    contour.kind === "outer" ? make("button", { type: "button", onclick: () => both(`no tab ${name}`) }, "no tab") : null,
+    number ? make("button", { type: "button", onclick: () => work.change("cut", { upto: number }) }, `cut up to here (${number})`) : null,
+    work.state.upto ? make("button", { type: "button", onclick: () => work.change("cut", { upto: 0 }) }, "nothing is cut yet") : null,
+    ...locks.map((/** @type {string} */ said) => make("button", { type: "button", onclick: () => lockAndPlan(work, [{ unlock: said }]) }, `unlock: ${said}`)),
+  );
+}
+
+/** The next click on the drawing is where a tab holds the part. */
+/** @type {(app: any, work: Work, contour: any) => void} */
+function tabNext(app, work, contour) {
+  app.tell("click where the tab is to be");
+  work.tabFor = contour.id;
+}
+
+/** A name with blanks or signs stands in double quotes. */
+/** @param {string} id */
+export function quoted(id) {
+  return /^[\w.-]+$/.test(id) ? id : `"${id}"`;
+}
+
+/** @type {(work: Work, changes: object[]) => Promise<void>} */
+export async function lockAndPlan(work, changes) {
+  const told = await work.edit(changes);
+  if (told && !work.state.solving) await planNow(work);
+}

@@ -1,0 +1,84 @@
+/** @import { Work } from "./work.js" */
+import { make } from "./elements.js";
+
+const METRE_MM = 1000;
+
+/**
+ * In the bar on top: plan, cancel, undo and save, with what the engines have reached.
+ *
+ * @param {any} app
+ * @param {Work} work
+ */
+export function planBar(app, work) {
+  const plan = make("button", { type: "button", id: "hands-plan", title: "plan what is wanted (Enter)", onclick: () => planNow(work) }, "Plan");
+  const cancel = make("button", { type: "button", id: "hands-cancel", hidden: true, onclick: () => cancelNow(work) }, "Cancel");
+  const undo = make("button", { type: "button", id: "hands-undo", title: "back to the plan before (u)", onclick: () => undoLast(work) }, "Undo");
+  const save = make("button", { type: "button", id: "hands-save", title: "write the program, the plan and the job file", onclick: () => saveAll(work) }, "Save");
+  const said = make("span", { id: "hands-said", role: "status" });
+  const reached = make("span", { id: "hands-reached" });
+  app.slots.tools.append(make("a", { href: "/?list", title: "the nests of the folder" }, "Nests"), plan, cancel, undo, save, reached, said);
+  app.key("Enter", () => planNow(work), "plan what is wanted");
+  app.key("u", () => undoLast(work), "back to the plan before");
+  let wasSolving = false;
+  work.on(() => {
+    const { solving, fits, problem, upto } = work.state;
+    plan.hidden = Boolean(solving);
+    plan.classList.toggle("wanted", !fits);
+    cancel.hidden = !solving;
+    undo.toggleAttribute("disabled", !beforeShown(work) || Boolean(solving));
+    save.toggleAttribute("disabled", !work.plan?.ok || Boolean(solving));
+    reached.textContent = solving ? reachedText(solving) : fits ? "" : upto ? `cuts 1 to ${upto} are made; not planned yet` : "not planned yet";
+    if (wasSolving && !solving) work.say(problem || (work.state.conflict ? "the rules contradict each other" : plannedText(work)));
+    wasSolving = Boolean(solving);
+  });
+}
+
+/** @type {(work: Work) => Promise<any>} */
+export function planNow(work) {
+  return work.state.solving ? Promise.resolve(null) : work.change("solve", {});
+}
+
+/** @type {(work: Work) => void} */
+function cancelNow(work) {
+  const again = work.state.solving?.asked;
+  if (work.state.solving) work.state.solving.asked = true;
+  work.change("cancel", { at_once: Boolean(again) });
+  work.say(again ? "ended without a plan" : "ending with the best plan so far; once more ends it at once");
+}
+
+/** What the list of plans has before the shown one. */
+/** @type {(work: Work) => number} */
+function beforeShown(work) {
+  const { alternatives, shown, fits } = work.state;
+  const at = alternatives.findIndex((/** @type {any} */ one) => one.number === shown);
+  return fits ? alternatives[at - 1]?.number ?? 0 : shown;
+}
+
+/** @type {(work: Work) => void} */
+function undoLast(work) {
+  const to = beforeShown(work);
+  if (to) work.change("back", { to });
+}
+
+/** @type {(work: Work) => Promise<void>} */
+async function saveAll(work) {
+  const told = await work.change("save", {});
+  if (!told) return;
+  const { files, command, same_bytes } = told.saved;
+  const same = same_bytes ? `the same by: ${command}` : `it was cancelled: ${command} may find a better one`;
+  work.say(`saved ${files.join(", ")}; ${same}`);
+}
+
+/** @type {(solving: any) => string} */
+function reachedText({ waits, engine, objective_mm, bound_mm, seconds }) {
+  if (waits) return "waits for another nest";
+  if (objective_mm === null) return `planning … ${engine}`;
+  const gap = bound_mm === null ? "no bound yet" : `gap ${(100 * (1 - bound_mm / objective_mm)).toFixed(1)} %`;
+  return `${(objective_mm / METRE_MM).toFixed(3)} m, ${gap}, ${seconds.toFixed(0)} s (${engine})`;
+}
+
+/** @type {(work: Work) => string} */
+function plannedText(work) {
+  const { figures } = work.plan ?? { figures: null };
+  return figures ? `plan ${work.state.shown}: idle ${(figures.idle_mm / METRE_MM).toFixed(3)} m, ${figures.status === "optimal" ? "proven" : "not proven"}` : "";
+}

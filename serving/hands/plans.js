@@ -1,0 +1,31 @@
+/** @import { Work } from "./work.js" */
+import { make } from "./elements.js";
+
+/**
+ * A panel of the plans that were made: a click goes back to one, and to what it was made of.
+ *
+ * @param {any} app
+ * @param {Work} work
+ */
+export function plansPanel(app, work) {
+  const panel = app.panel("plans", "Plans");
+  const list = make("ol", { id: "hands-plans" });
+  panel.append(make("p", { class: "hint" }, "Click a plan to go back to it, with its locks."), list);
+  work.on((_, what) => {
+    if (what !== "state") return;
+    const best = Math.min(...work.state.alternatives.map((/** @type {any} */ one) => one.figures.objective_mm));
+    list.replaceChildren(...work.state.alternatives.map((/** @type {any} */ one) => planRow(work, one, best)));
+  });
+}
+
+/** @type {(work: Work, one: any, best: number) => HTMLElement} */
+function planRow(work, one, best) {
+  const { objective_mm, idle_mm, status, gap, time_s, excuses } = one.figures;
+  const proof = status === "optimal" ? "proven" : gap === null ? "no bound" : `gap ${(gap * 100).toFixed(1)} %`;
+  const more = objective_mm > best ? `, ${((objective_mm - best) / 1000).toFixed(3)} m more than the best` : ", the best";
+  const flags = [one.stopped && "cancelled", !one.ok && `refused: ${one.broken.join(", ")}`, excuses && `${excuses} excused`, one.upto && `after cut ${one.upto}`];
+  const text = `idle ${(idle_mm / 1000).toFixed(3)} m, ${proof}, ${Math.round(time_s)} s${more}`;
+  return make("li", { value: one.number, class: one.number === work.state.shown ? "shown" : "" },
+    make("button", { type: "button", title: one.summary, onclick: () => work.change("back", { to: one.number }) }, text),
+    make("small", {}, [...flags.filter(Boolean), ...one.locks].join(" · ")));
+}
