@@ -156,7 +156,7 @@ async function drop(work, names, to) {
   const told = await askServer(`${work.path("move")}?${query}`).catch(error => { work.say(error.message); return null; });
   if (!told) return;
   work.say(told.text);
-  await lockAndPlan(work, [...told.undone.map((/** @type {string} */ line) => ({ unlock: line })), ...told.locks.map((/** @type {string} */ line) => ({ lock: line }))]);
+  await lockAndPlan(work, [...told.undone.map((/** @type {string} */ line) => ({ unlock: line })), ...told.locked.map((/** @type {string} */ line) => ({ lock: line }))]);
 }
 
 /** A part that is dragged onto another one goes before it; held with Shift, so that dragging alone moves the view. */

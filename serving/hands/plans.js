@@ -27,5 +27,5 @@ function planRow(work, one, best) {
   const text = `idle ${(idle_mm / 1000).toFixed(3)} m, ${proof}, ${Math.round(time_s)} s${more}`;
   return make("li", { value: one.number, class: one.number === work.state.shown ? "shown" : "" },
     make("button", { type: "button", title: one.summary, onclick: () => work.change("back", { to: one.number }) }, text),
-    make("small", {}, [...flags.filter(Boolean), ...one.locks].join(" · ")));
+    make("small", {}, [...flags.filter(Boolean), ...one.locked].join(" · ")));
 }

@@ -133,7 +133,7 @@ def test_a_name_with_a_script_in_it_is_shown_and_not_run(opened: Open, client: h
     assert name not in page.text
     assert "'sha256-" in page.headers["content-security-policy"]
     assert "unsafe" not in page.headers["content-security-policy"]
-    assert name in tab.get("why", contour=f"{name}.outer")["contour"]
+    assert name in tab.get("why", contour=f"{name}.outer")["text"]
     for what in ("state", "page"):
         assert client.get(f"/api/{tab.id}/{what}").headers["content-type"] == "application/json"
     assert name in tab.get("page")["nest"]["parts"]
