@@ -28,7 +28,9 @@ export function giveHands(app, work) {
     shown = work.state.shown;
     const data = await askServer(work.path("page"));
     work.shownData = data;
-    if (shown === work.state.shown) app.replace(data);
+    if (shown !== work.state.shown) return;
+    document.body.classList.toggle("planless", !data.sides.length);
+    app.replace(data);
   });
   work.hear("state");
 }
