@@ -8,7 +8,7 @@ from pathlib import Path
 
 from kerfwise.encoder.contents import MOST_BYTES_OF_YAML, contents, is_there
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.options.suggest import unknown
+from kerfwise.rules.options.suggest import nearest, unknown
 
 
 def shipped_profiles() -> dict[str, Traversable]:
@@ -38,6 +38,16 @@ def decoded(content: bytes, file: str) -> str:
         raise InputError(f"not a profile: the file is not UTF-8 text ({error.reason})", file=file) from None
 
 
+def _meant(path: Path) -> str:
+    """A hint at the file beside it that is called nearly so; "" where there is none."""
+    try:
+        beside = [file.name for file in path.parent.iterdir() if file.suffix in (".yaml", ".yml")]
+    except OSError:
+        return ""
+    guess = None if path.name in beside else nearest(path.name, sorted(beside))
+    return f"; did you mean {guess!r}?" if guess else ""
+
+
 def content_of(name: str, folder: Path) -> tuple[str, str, bytes]:
     """File name, place and bytes of a profile given by shipped name or path."""
     shipped = shipped_profiles()
@@ -50,7 +60,7 @@ def content_of(name: str, folder: Path) -> tuple[str, str, bytes]:
         raise InputError(f"cannot read the profile: no file can have this name ({error})", file=path) from None
     except OSError as error:
         if path.suffix or len(Path(name).parts) > 1:
-            raise InputError(f"cannot read the profile: {error.strerror}", file=path) from None
+            raise InputError(f"cannot read the profile: {error.strerror}{_meant(path)}", file=path) from None
         beside = Path(f"{path}.yaml")
         hint = f"; there is a file {beside.name}: give its ending too" if is_there(beside) else ""
         raise InputError(unknown("profile", name, shipped) + hint) from None

@@ -22,10 +22,11 @@ from kerfwise.jobs.batch.run import Watcher, plan_task, run_batch
 from kerfwise.jobs.batch.sources import sources_in
 from kerfwise.jobs.batch.store import Store
 from kerfwise.jobs.processes import in_turn
-from kerfwise.tests.jobs.batch.nests import NESTS, write_nests
+from kerfwise.tests.jobs.batch.nests import write_nests
 
 pytestmark = [pytest.mark.dask, pytest.mark.slow]
 ANSWER_S = 120
+NAMES = ("one", "two", "two with holes", "three", "more/four", "off the sheet")
 
 
 @contextmanager
@@ -56,7 +57,7 @@ class Killing(Watcher):
 
 
 def test_every_nest_is_done_once_though_a_worker_is_killed(tmp_path: Path) -> None:
-    given, options = write_nests(tmp_path / "in"), Options(work=0.2)
+    given, options = write_nests(tmp_path / "in", NAMES), Options(work=0.2)
     machines, told = Machines((machine_of("plasma", "plasma-carbon-steel", False),)), []
     with scheduler_and_workers(tmp_path, 2) as (address, workers):
         watcher = Killing(workers[0])
@@ -66,8 +67,8 @@ def test_every_nest_is_done_once_though_a_worker_is_killed(tmp_path: Path) -> No
         assert workers[0].wait() != 0
         assert workers[1].poll() is None
     assert batch.exit_code == 1
-    assert watcher.ends == Counter(dict.fromkeys(NESTS, 1))
-    assert sorted(watcher.begun) == sorted(NESTS)
+    assert watcher.ends == Counter(dict.fromkeys(NAMES, 1))
+    assert sorted(watcher.begun) == sorted(NAMES)
     assert told == []
     alone = Store(tmp_path / "alone")
     run_batch(sources_in([given], alone.out), machines, alone, options, "1", in_turn(plan_task))

@@ -207,3 +207,11 @@ def test_a_chain_without_end(tmp_path: Path) -> None:
     (line, *_) = error_of(tmp_path, "based_on: p0.yaml")
     assert "more than 20 profiles are based on each other in a row" in line
     assert line.startswith("p18.yaml:1:11: ")
+
+
+def test_a_file_that_is_nearly_called_so_is_named(tmp_path: Path) -> None:
+    (tmp_path / "laser.yaml").write_text("name: laser\n")
+    with pytest.raises(InputError, match=r"No such file or directory; did you mean 'laser\.yaml'\?"):
+        load_profile(tmp_path / "lser.yaml")
+    with pytest.raises(InputError, match=r"No such file or directory$"):
+        load_profile(tmp_path / "gone" / "lser.yaml")
