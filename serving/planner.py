@@ -15,7 +15,7 @@ from kerfwise.jobs.given import Given
 from kerfwise.jobs.listening import Listener, Reached
 from kerfwise.jobs.main_job import Finished, plan_nest
 from kerfwise.jobs.no_plan import NoPlan
-from kerfwise.jobs.page import page_data
+from kerfwise.jobs.page.page import page_data
 from kerfwise.jobs.solve_options import WORK, options_for
 from kerfwise.jobs.summary import summary_lines
 from kerfwise.postproc.nc.remnant import remnant_files
