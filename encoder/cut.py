@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, overload
 
 from kerfwise.encoder.geometry.curve import Curve
@@ -52,6 +52,9 @@ class Cut:
 
     `tabs` are left uncut. Where one of them is the last stretch of the round, the torch goes off before it: the
     lead-out is then that place alone. Over all others the torch moves on, unlit.
+
+    Another `torch` than the first makes the cut at the very time of the first torch's cut of the contour `together`, by
+    the same motion.
     """
 
     contour: str
@@ -67,6 +70,8 @@ class Cut:
     linked: bool = False
     span: Span | None = None
     tabs: tuple[Tab, ...] = ()
+    torch: int = 1
+    together: str = ""
 
     @property
     def end(self) -> Point:
@@ -114,6 +119,8 @@ class CutSequence(Sequence[Cut]):
 
     `begun` are burns that cut a stretch of a contour and finish none, each with the position of the next cut.
     `pierces` are holes that were pierced in a pass before, in order.
+
+    Cuts that several torches make together stand beside each other, and nothing is to be read from their order.
     """
 
     cuts: tuple[Cut, ...]
@@ -141,6 +148,39 @@ class CutSequence(Sequence[Cut]):
     def new(self) -> tuple[Cut, ...]:
         """The cuts that are still to be made."""
         return self.cuts[self.made :]
+
+    @property
+    def way(self) -> tuple[Cut, ...]:
+        """The new cuts of the first torch, which all others go along with: the way of the machine."""
+        return tuple(cut for cut in self.new if cut.torch == 1)
+
+    @property
+    def shifts(self) -> dict[int, Point]:
+        """How far each further torch that cuts is from the first, mm."""
+        first = {cut.contour: cut for cut in self.cuts if cut.torch == 1}
+        found: dict[int, Point] = {}
+        for cut in self.cuts:
+            if cut.torch > 1 and (leader := first.get(cut.together)) is not None:
+                shift = cut.pierce[0] - leader.pierce[0], cut.pierce[1] - leader.pierce[1]
+                found.setdefault(cut.torch, shift)
+        return found
+
+    def moments(self) -> dict[str, int]:
+        """Contour id → when it is cut, counted from 1: what several torches cut together has one number."""
+        of_first: dict[str, int] = {}
+        for cut in self.cuts:
+            if cut.torch == 1:
+                of_first.setdefault(cut.contour, len(of_first) + 1)
+        return {c.contour: of_first.get(c.together if c.torch > 1 else c.contour, 0) for c in self.cuts}
+
+    def turned(self, by: int) -> CutSequence:
+        """The same, where of what several torches cut together each is named `by` places sooner, the first last."""
+        groups: dict[int, list[Cut]] = {}
+        at = self.moments()
+        for cut in self.cuts:
+            groups.setdefault(at[cut.contour], []).append(cut)
+        turned = (group[by % len(group) :] + group[: by % len(group)] for group in groups.values())
+        return replace(self, cuts=tuple(cut for group in turned for cut in group))
 
     @property
     def burns(self) -> Iterator[tuple[int, Cut]]:

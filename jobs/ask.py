@@ -6,6 +6,9 @@ from dataclasses import dataclass, replace
 
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
 from kerfwise.encoder.candidates import build_with_older_kerfs
+from kerfwise.encoder.candidates.candidate import Candidate
+from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
+from kerfwise.encoder.copies import Group, alike, drawn_alike
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import MOST_DETAILS, InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
@@ -13,6 +16,7 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.facts.links import with_links
 from kerfwise.encoder.facts.remaining import loose_in, remaining
 from kerfwise.encoder.few_collections import few_collections
+from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.still_going import long_job, so_much
 from kerfwise.models.engines.solution import SolveOptions
@@ -28,6 +32,8 @@ from kerfwise.rules.stating.state_rules import (
     loose_orders,
     state_rules,
 )
+
+from .torches import expect_torches, facts_of_torches, first_groups, of_parts
 
 RELAX = 0.5
 """Share of a limit in seconds in which what gives way is to be found; a plan is to be made in the rest."""
@@ -70,12 +76,15 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) ->
     nest = profile.as_cut(nest)
     check_locks(profile.locks, nest)
     expect_common_cuts(profile, nest, bool(already))
+    expect_torches(profile, nest, bool(already))
     if unknown := sorted(already.contours - nest.index.keys()):
         had = f"the plan says of contours that {nest.file or 'the nest'} does not have that they are cut already"
         raise InputError(f"{had}: it was made from another nest", details=tuple(unknown))
     loose = loose_in(nest, already.contours)
+    groups, step = first_groups(nest, profile), profile.machine.torches.step
     try:
-        candidates, met = build_with_older_kerfs(nest, profile.lead_options(nest), already, loose)
+        drawn = drawn_alike(nest, groups, step) if groups else nest
+        candidates, met = build_with_older_kerfs(drawn, profile.lead_options(nest), already, loose)
     except InputError as error:
         unheated = replace(profile.fact_options(nest), zone_heat_kj=None)  # without candidates no heat is known
         if alone := hopeless_anyway(_left(compute_facts(nest, unheated, ()), already), profile):
@@ -85,10 +94,25 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) ->
             )
             raise RulesConflict(HOPELESS, (*(f"{about.rule}: {about.sentence}" for about in alone), *besides)) from None
         raise
+    if groups:
+        candidates, met, groups = _cut_alike(candidates, met, groups, step)
     heat_kj = contour_heat_kj(nest, candidates, profile)
     facts = compute_facts(nest, profile.fact_options(nest), candidates, heat_kj, met)
+    if profile.machine.torches.several and nest.contours:
+        return facts_of_torches(facts, groups, profile)
     links = None if profile.no_links(nest) else profile.link_options()
     return _left(with_links(facts, links, _burnt(already)), already)
+
+
+def _cut_alike(
+    candidates: tuple[Candidate, ...], met: OlderKerfs | None, groups: list[Group], step: Point
+) -> tuple[tuple[Candidate, ...], OlderKerfs | None, list[Group]]:
+    """Candidates of groups that all torches can make alike; a group that has none is none."""
+    kept, bare = alike(candidates, groups, step)
+    while bare:
+        groups = of_parts(groups, bare)
+        kept, bare = alike(candidates, groups, step)
+    return tuple(candidates[k] for k in kept), None if met is None else met.of_kept(kept, len(candidates)), groups
 
 
 def _burnt(already: AlreadyCut) -> tuple[Cut, ...]:

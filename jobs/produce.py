@@ -28,6 +28,7 @@ from kerfwise.rules.stating.state_rules import Stated
 from .ask import Asked
 from .costs import cost_of_plan
 from .pierce_pass import with_pierces
+from .torches import with_further_torches
 from .zones_cost import SHARE, along, look_for, once_more, without_zones, zoned_by, zones_cost
 
 if TYPE_CHECKING:
@@ -83,7 +84,7 @@ def produce(
     facts, started_s = asked.facts, running_s()
     engine_named = engine if strategy == "ours" else "portfolio"
     whole = limits
-    and_zones = and_zones and engine == "portfolio" and strategy == "ours" and bool(zoned_by(asked, profile))
+    and_zones = and_zones and facts.copies is None and engine == "portfolio" and strategy == "ours" and bool(zoned_by(asked, profile))
     if and_zones and limits.time_s is not None:
         limits = replace(limits, time_s=limits.time_s * (1 - 2 * SHARE))
 
@@ -105,6 +106,7 @@ def produce(
     def planned(solution: Solution) -> Plan:
         stated = replace(asked.stated, statements=(*asked.stated.statements, *seen_in(solution.route)))
         plan = make_plan(facts, profile, stated, solution, engine_named, limits.seed)
+        plan = with_further_torches(plan, facts, stated, solution)
         plan = with_pierces(plan, facts.whole_nest, profile, limits)
         return with_times(plan, facts.whole_nest, profile)
 

@@ -92,6 +92,10 @@ class Rule(ABC, Generic[OptionsT]):
     judges a cut by what was cut before it, where the last of them is. A rule `of_whole_nest` states over the facts of
     the whole; what the cuts made have decided is left out.
 
+    Where several torches cut at once, the orders of a rule `of_each_torch` are asked of what each of them cuts, not
+    between two of them. All other rules judge the cuts of all torches, and what is cut at one time counts as cut in
+    whichever order is worse.
+
     The pairs of a rule whose `pairs_are` is the name of a fact about two contours are what the check knows of that
     fact, by geometry of its own. A hard rule that `must_be_judged` fails the check where it cannot be judged; of others
     that is said, and no more. `takes_no_file` says why no file of a plant may take the rule's place, where that is so.
@@ -116,6 +120,7 @@ class Rule(ABC, Generic[OptionsT]):
     hard_with_head_down: ClassVar[bool] = False
     guards_metal: ClassVar[bool] = False
     makes_zones: ClassVar[bool] = False
+    of_each_torch: ClassVar[bool] = False
     shares: ClassVar[tuple[str, ...]] = ()
     must_be_judged: ClassVar[bool] = False
     takes_no_file: ClassVar[str] = ""

@@ -13,6 +13,7 @@ from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
+from kerfwise.encoder.copies import Group
 from kerfwise.encoder.cut import Cut, Side
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
@@ -110,6 +111,23 @@ class Past:
     loose: tuple[tuple[str, str], ...] = ()
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class Copies:
+    """What further torches cut together with the first: the facts of the whole nest, and what is cut with what.
+
+    `number` (n of the whole,) is the number of each contour, or of that which the first torch cuts with it, among those
+    that the first torch cuts; `candidate` the same of candidates, `torch` (n of the whole,) which torch it is. Torches
+    are a `step` apart, mm.
+    """
+
+    whole: Facts
+    groups: tuple[Group, ...]
+    number: Ints
+    candidate: Ints
+    torch: Ints
+    step: Point
+
+
 @dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
 class Facts:
     """The facts of one nest. n contours, m candidates.
@@ -124,6 +142,7 @@ class Facts:
     `links` are ways from one contour to another with the torch on, where the profile wants any.
     `scrap_framed` (n,) and the pairs `scrap_beside` are those of `skeleton.Skeleton`.
 
+    Where several torches cut together, all this is of what the first one cuts (`nest` too), and `copies` say the rest.
     Where some of the sheet is already cut, all this is of what is left (`nest` too); `past` is the rest of the story.
     """
 
@@ -155,6 +174,7 @@ class Facts:
     scrap_beside: Ints
     past: Past | None = None
     links: tuple[LinkPath, ...] = ()
+    copies: Copies | None = None
 
     @property
     def n(self) -> int:
@@ -176,7 +196,9 @@ class Facts:
 
     @property
     def whole_nest(self) -> Nest:
-        """The nest as it was drawn, with what is already cut."""
+        """The nest as it was drawn, with what is already cut, and with what further torches cut."""
+        if self.copies is not None:
+            return self.copies.whole.nest
         return self.nest if self.past is None else self.past.whole.nest
 
     @property

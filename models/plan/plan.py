@@ -301,6 +301,8 @@ def _cut_row(order: int, planned: PlannedCut) -> dict[str, Any]:
         "end_s": round(cut.end_s, 3),
         "because": list(planned.because),
     }
+    if cut.torch > 1:
+        row["torch"], row["together"] = cut.torch, cut.together
     if cut.linked:
         row["linked"] = True
     if cut.span is not None:

@@ -155,7 +155,7 @@ def _plain_row(row: list[object]) -> bool:
 
 
 _PATHS = ("lead_in", "lead_out")
-_SELDOM = {"dwell_s", "linked", "span", "tabs"}
+_SELDOM = {"dwell_s", "linked", "span", "tabs", "torch", "together"}
 _NUMBER, _TEXT, _WHOLE, _LIST = (int, float), (str,), (int,), (list,)
 _CUT_KINDS: dict[str, tuple[type, ...]] = {
     "order": _WHOLE, "contour": _TEXT, "part": _TEXT, "kind": _TEXT, "zone": _WHOLE, "entry": _LIST, "pierce": _LIST,
@@ -223,6 +223,8 @@ def _cut(c: dict[str, Any]) -> PlannedCut:
             c.get("linked", False),
             _span(c["span"]) if "span" in c else None,
             tuple(Tab((float(t["at"][0]), float(t["at"][1])), float(t["width"])) for t in c.get("tabs", ())),
+            c.get("torch", 1),
+            c.get("together", ""),
         ),
         c["part"],
         c["kind"],

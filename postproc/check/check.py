@@ -10,7 +10,7 @@ from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check.reader.old import Trusted
 from kerfwise.postproc.check.reader.on_machine import on_its_origin, other_origin, read_on_machine
-from kerfwise.postproc.check.reader.program import NcProgram
+from kerfwise.postproc.check.reader.program import NcProgram, of_all_torches
 from kerfwise.rules.judging.kerf_starts import in_older_kerfs
 from kerfwise.rules.profile.cuts_section import Scrap
 from kerfwise.rules.profile.profile import Profile
@@ -39,6 +39,7 @@ from .skeleton_pieces import wrong_pieces
 from .slits import Slots, misplaced, passes_of_cuts, passes_of_program, slits_of_made, told_of_slots, with_passes
 from .small_holes import Judged, judged_nest, small_holes, told_of_small_holes
 from .torch_run import TorchRun
+from .torches import most_at_once, not_together, stricter, wrong_spacing
 from .totals import Claims, claims_kept, idle_mm, totals
 from .travel import beyond_travel, rapids_beyond_travel
 from .uncut import features_lost
@@ -61,14 +62,19 @@ def check_cuts(
     """
     judged_by = judged_nest(nest, profile)
     nest, slots = with_passes(judged_by.nest, passes_of_cuts(cuts), profile)
+    judged_by = replace(judged_by, nest=nest)
     runs, faults = runs_from_cuts(nest, cuts, profile.material.kerf_mm)
-    judged, warnings = _judge_paths(
-        replace(judged_by, nest=nest), slots, cuts, runs, faults, profile, relaxed, tabs=tabs
-    )
+    judged, warnings = _judge_paths(judged_by, slots, cuts, runs, faults, profile, relaxed, tabs=tabs)
     in_kerfs = _begun_in_kerfs(nest, cuts, profile)
     heatings = heatings_of_cuts(nest, cuts, runs, profile, in_kerfs)
     felt = measured(once_each(nest, cuts), heatings, thermometer)
     rules = judge(nest, felt, profile, relaxed)
+    for other in (cuts.turned(by) for by in range(1, most_at_once(cuts))):
+        paths, wrong = runs_from_cuts(nest, other, profile.material.kerf_mm)
+        more, _ = _judge_paths(judged_by, slots, other, paths, wrong, profile, relaxed, tabs=tabs)
+        judged, rules = stricter(judged, more), stricter(rules, judge(nest, once_each(nest, other), profile, relaxed))
+    if profile.machine.torches.several or most_at_once(cuts) > 1:
+        judged.append(judgement("torches", not_together(cuts, profile)))
     by_rules = JudgedCuts(nest, felt, profile, tuple(relaxed), tuple(rules))
     warnings += relaxed_warnings(relaxed)
     if claims is not None:
@@ -108,7 +114,11 @@ def check_program(
     profile = profile if planned is None else profile.at_origin(planned.origin)
     program = read_on_machine(nc_text, nest, profile, file, trusted)
     with in_steps_of(program.step_mm):
-        return _judge_program(judged_by, program, profile, thermometer, tabs, planned, known, side)
+        result = _judge_program(judged_by, program, profile, thermometer, tabs, planned, known, side)
+        for by in range(1, 1 + max((len(burn.torches) for burn in program.burns), default=0)):
+            other = _judge_program(judged_by, program, profile, thermometer, tabs, planned, None, side, by)
+            result = replace(result, rules=tuple(stricter(result.rules, other.rules)))
+        return result
 
 
 def _begun_in_kerfs(nest: Nest, cuts: CutSequence, profile: Profile) -> frozenset[int]:
@@ -125,14 +135,18 @@ def _judge_program(
     planned: Planned | None,
     known: JudgedCuts | None,
     side: Side | None,
+    turned: int = 0,
 ) -> CheckResult:
+    """The judgement where, of what several torches burn together, each comes so many places sooner (`turned`)."""
     nest = judged_by.nest
     told = [*other_origin(program, profile), *_coarse(program, profile)]
     profile = on_its_origin(program, profile)
-    nest, slots = with_passes(nest, passes_of_program(nest, program, profile), profile)
+    torches = profile.machine.torches
+    burnt = of_all_torches(program, torches.shift, turned)
+    nest, slots = with_passes(nest, passes_of_program(nest, burnt, profile), profile)
     judged_by = replace(judged_by, nest=nest)
     kerf_mm, in_passes = profile.material.kerf_mm, profile.cuts.pierce_pass is not None
-    built = rebuild(nest, program, kerf_mm, profile.home_on(nest), tabs, planned, profile.tabs(), in_passes)
+    built = rebuild(nest, burnt, kerf_mm, profile.home_on(nest), tabs, planned, profile.tabs(), in_passes)
     if built.cuts.start_side is None and side is not None:
         built = replace(built, cuts=replace(built.cuts, start_side=side))
     astray = rapids_beyond_travel(nest, program, profile)
@@ -142,7 +156,9 @@ def _judge_program(
     judged, warnings = _judge_paths(
         judged_by, slots, built.cuts, built.runs, built.violations, profile, relaxed, astray, tabs
     )
-    if planned is not None:
+    if torches.several:
+        judged.append(judgement("torches", wrong_spacing(program, profile)))
+    if planned is not None and not turned:
         judged.append(judgement("follows-plan", strays_from(planned, nest, built.cuts, profile.material.kerf_mm)))
     begun = _begun_in_kerfs(nest, built.cuts, profile)
     in_kerfs = {run.where for run in built.runs if run.position in begun}

@@ -21,6 +21,7 @@ from kerfwise.rules.rule import Ids, Rule, Violation
 from kerfwise.rules.stating.cycles import components, contracted, path
 from kerfwise.rules.stating.feedback import EXACT_LINKS
 
+from .each_torch import asked_of
 from .forcing import Forcing
 from .places import Room
 from .result import Excused, Judgement
@@ -81,7 +82,7 @@ def _contradictions(nest: Nest, cuts: CutSequence, profile: Profile, holding: se
     asked: dict[Ids, str] = {}
     for name in sorted(hard, key=lambda name: book[name].gives_way):
         for a, b in book[name].pairs(nest, cuts, hard[name]):
-            if a in at and b in at:
+            if a in at and b in at and asked_of(book[name], (a, b), cuts):
                 asked.setdefault((a, b), name)
     runs = [run for name in sorted(hard.keys() & holding) for run in book[name].together(nest, hard[name])]
     number = {name: k for k, name in enumerate(at)}

@@ -12,6 +12,8 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
 
+from .each_torch import asked_of
+
 
 class Forcing:
     """Called with a contour id: the contours that must be cut before it.
@@ -87,7 +89,7 @@ class Forcing:
         found: dict[str, set[str]] = defaultdict(set)
         for rule, setting in self._hard.items():
             for before, after in book[rule].pairs(self.nest, self.cuts, setting.options):
-                if at.get(before, 0) < at.get(after, 0):
+                if at.get(before, 0) < at.get(after, 0) and asked_of(book[rule], (before, after), self.cuts):
                     found[after].add(before)
         return found
 

@@ -8,6 +8,7 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.profile import Profile
 
+from .each_torch import asked_of
 from .excuses import excuse
 from .relaxed import Relaxed, excuse_relaxed
 from .result import Judgement
@@ -26,7 +27,9 @@ def judge(nest: Nest, cuts: CutSequence, profile: Profile, relaxed: Sequence[Rel
             setting.strength,
             book[name].sentence,
             tuple(
-                v for v in book[name].violations(nest, cuts, setting.options) if book[name].still_counts(v, cuts.made)
+                v
+                for v in book[name].violations(nest, cuts, setting.options)
+                if book[name].still_counts(v, cuts.made) and asked_of(book[name], v.contours, cuts)
             ),
             unjudged=book[name].unjudged(nest, cuts, setting.options),
             must_be_judged=book[name].must_be_judged and setting.strength == "hard",

@@ -77,7 +77,7 @@ def _same_cut(one: Cut, other: Cut) -> bool:
 
 
 def _words(cut: Cut) -> tuple[object, ...]:
-    return cut.contour, cut.direction, cut.zone, cut.excused, cut.linked, cut.span, cut.tabs
+    return cut.contour, cut.direction, cut.zone, cut.excused, cut.linked, cut.span, cut.tabs, cut.torch, cut.together
 
 
 def _numbers(cut: Cut) -> list[float]:

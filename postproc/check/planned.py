@@ -77,6 +77,8 @@ def _differences(cut: Cut, asked: Cut, closed: bool, kerf_mm: float) -> Iterator
     allowed_mm = 2 * tolerance_mm(kerf_mm)
     if cut.direction != asked.direction:
         yield f"goes {cut.direction if closed else 'the other way'}, the plan says {asked.direction}"
+    if cut.torch != asked.torch:
+        yield f"is made by torch {cut.torch}, the plan says torch {asked.torch}"
     if cut.linked != asked.linked:
         yield (
             "is linked with the cut before, the plan has it pierced" if cut.linked else "is pierced, the plan links it"

@@ -47,6 +47,7 @@ SENTENCES = {
     "tabs": "Every contour is left uncut at its tabs.",
     "bridges": "Parts that bridges join stay one piece: the outline is theirs, and no kerf enters a strip.",
     "pierce-pass": "Each cut begins at a hole of its pierce pass, within 0.05 mm, and no hole is left over.",
+    "torches": "What torches cut together is the same cut, shifted by what the profile has them apart.",
     "burnt-twice": "No stretch of a contour is burnt again, but for overcuts, leads and whole rounds a kerf apart.",
     "links": "The torch stays on from one contour to the next only where the profile allows it, off older kerfs.",
     "loose-metal": "Nothing is cut in a piece that several burns, or scrap lines, have cut off.",

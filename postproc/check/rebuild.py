@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 
@@ -71,7 +71,7 @@ def rebuild(
     program = replace(program, burns=tuple(burn for burn in program.burns if burn.line not in holes))
     burns = program.burns if tabs_asked is None or not tabs_asked.at_end else up_to_tabs(program.burns, nest, matcher)
     paths = [line_of(burn.path) or _dot(burn) for burn in burns]
-    told = [_CUT.search(burn.comment) for burn in burns]
+    told = [_CUT.search(burn.comment) if burn.torch == 1 else None for burn in burns]
     ids = ids_by_name(nest, program.comments)
     names = [ids.get(folded(words["contour"])) if words else None for words in told]
     if planned is not None:
@@ -79,13 +79,14 @@ def rebuild(
     named = [None if name is None else nest.index.get(name) for name in names]
     matches = matcher.match(paths, [burn.tool != 0 for burn in burns], named)
     several = shared_cuts(nest, burns, paths, matches, matcher.rings, kerf_mm, tabs)
-    zones = _zones(program.comments, ids) if several else {}
+    zones = _zones(program.comments, ids) if several or any(burn.torch > 1 for burn in burns) else {}
     excused = _excused(program, ids)
     before = read_resumed(nest, program.comments)
     cuts: list[Cut] = list(before.cuts)
     if planned is not None and not cuts:
         cuts += planned.cuts[: planned.cuts.made]
     made = len(cuts)
+    lines = [0] * made
     begun: list[tuple[int, Cut]] = []
     runs: list[TorchRun] = []
     violations: list[Violation] = list(before.violations)
@@ -100,7 +101,9 @@ def rebuild(
                 position = 0
                 if piece.out:
                     name_of = piece.contour.id
-                    cuts.append(replace(piece.cut, excused=excused[name_of], zone=zones.get(name_of, 0)))
+                    zone = zones.get(name_of, 0)
+                    cuts.append(replace(piece.cut, excused=excused[name_of], zone=zone, torch=burn.torch))
+                    lines.append(burn.line)
                     position = len(cuts)
                 runs.append(replace(piece.run, position=position))
             continue
@@ -111,20 +114,33 @@ def rebuild(
         contour = nest.contours[match.contour]
         if words and name is not None and name != match.contour:
             warnings.append(f"line {burn.line}: the comment names {nest.contours[name].id}, but {contour.id} is cut")
-        zone = int(words["zone"]) if words else 0
+        zone = int(words["zone"]) if words else zones.get(contour.id, 0) if burn.torch > 1 else 0
         cut, run, wrong = cut_from_burn(burn, path, contour, match, kerf_mm, zone, len(cuts) + 1)
         if burn.unlit:
             cut, run, more = with_tabs(cut, run, burn, kerf_mm)
             wrong = [*wrong, *more]
-        cuts.append(replace(cut, excused=excused[contour.id]))
+        cuts.append(replace(cut, excused=excused[contour.id], torch=burn.torch))
+        lines.append(burn.line)
         runs.append(run)
         violations += wrong
     pierces += _pierced(holes, len(cuts) + 1)
     side = next((_SIDES[found[1].upper()] for found in map(_SIDE.search, program.comments) if found), None)
-    sequence = CutSequence(tuple(cuts), side, home, made=made, begun=tuple(begun))
+    sequence = CutSequence(_together(cuts, lines), side, home, made=made, begun=tuple(begun))
     sequence = replace(sequence, pierces=told_of_holes(pierces, sequence.cuts)) if pierces else sequence
     sequence = sequence if planned is None else planned.completed(sequence)
     return Rebuilt(sequence, tuple(runs), tuple(violations), tuple(warnings), before.broken_off)
+
+
+def _together(cuts: Sequence[Cut], lines: Sequence[int]) -> tuple[Cut, ...]:
+    """The cuts of further torches, each with the one that the first torch makes meanwhile: it begins in its line."""
+    first: dict[int, str] = {}
+    for cut, line in zip(cuts, lines, strict=True):
+        if cut.torch == 1:
+            first.setdefault(line, cut.contour)
+    return tuple(
+        cut if cut.torch == 1 else replace(cut, together=first.get(line, ""))
+        for cut, line in zip(cuts, lines, strict=True)
+    )
 
 
 def _pierced(holes: dict[int, Burn], before: int, line: int | None = None) -> list[Pierce]:
@@ -157,4 +173,5 @@ def _dot(burn: Burn) -> shapely.LineString:
 def _stray(burn: Burn, path: shapely.LineString) -> Violation:
     x0, y0, x1, y1 = path.bounds
     place = f"X {x0:.1f} to {x1:.1f}, Y {y0:.1f} to {y1:.1f}"
-    return Violation("every-contour-once", (), f"line {burn.line}: burns along no contour of the nest, at {place}")
+    torch = "" if burn.torch == 1 else f"torch {burn.torch} "
+    return Violation("every-contour-once", (), f"line {burn.line}: {torch}burns along no contour of the nest, at {place}")

@@ -39,8 +39,8 @@ class Claims:
 
 def idle_mm(nest: Nest, cuts: CutSequence) -> float:
     """Idle travel: home, every pierce and end in order, those of pierce passes among them, and home again, mm."""
-    ends = [cuts.home, *(end_of(nest, cut) for cut in cuts.new)]
-    starts = [*(cut.pierce for cut in cuts.new), cuts.home]
+    ends = [cuts.home, *(end_of(nest, cut) for cut in cuts.way)]
+    starts = [*(cut.pierce for cut in cuts.way), cuts.home]
     pierced = cuts.pierced
     ways = (
         (a, *(hole.at for hole in pierced.get(k, ())), b) for k, (a, b) in enumerate(zip(ends, starts, strict=True), 1)
@@ -87,7 +87,7 @@ def _times(cuts: CutSequence, claims: Claims, wrong: Callable[..., None]) -> Non
             if hole.start_s < before - _TIME_S or hole.end_s < hole.start_s:
                 wrong(f"the hole of {hole.contour} is pierced before what comes before it has ended", position)
             before = max(before, hole.end_s)
-        if one.start_s < before - _TIME_S or one.end_s < one.start_s:
+        if one.torch == 1 and (one.start_s < before - _TIME_S or one.end_s < one.start_s):
             wrong(f"cut {position} of {one.contour} begins before the one before it has ended, or ends first", position)
         before = max(before, one.end_s)
     if claims.time_s < before - _TIME_S:

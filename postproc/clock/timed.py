@@ -126,11 +126,12 @@ def with_times(plan: Plan, nest: Nest, profile: Profile) -> Plan:
     timed = time_job(job_of_plan(plan, nest, profile), profile)
     spans, pierced = iter(timed.times.spans), plan.sequence().pierced
     cuts, pierces = [], []
+    begin = end = 0.0
     for order, planned in enumerate(plan.cuts, plan.resumed_after + 1):
         for pierce in pierced.get(order, ()):
             begin, end = next(spans)
             pierces.append(replace(pierce, start_s=begin, end_s=end))
-        begin, end = next(spans)
+        begin, end = next(spans) if planned.cut.torch == 1 else (begin, end)
         cuts.append(replace(planned, cut=replace(planned.cut, start_s=begin, end_s=end)))
     totals = replace(plan.totals, time_s=timed.times.total_s)
     return replace(plan, cuts=tuple(cuts), totals=totals, time=timed.report, pierces=tuple(pierces))

@@ -140,6 +140,16 @@ class Dialect:
     mark_station: tuple[str, ...] = field(
         default=(), metadata=option(Blocks(none=True), "selects what marks, before a mark where a cut came before")
     )
+    torch_select: tuple[str, ...] = field(
+        default=(),
+        metadata=option(
+            Blocks(Block(holes=("torch", "output")), none=True),
+            "has a further torch of the gantry burn with the first: {torch} counts from 2, {output} from 1; null for none",
+        ),
+    )
+    torch_deselect: tuple[str, ...] = field(
+        default=(), metadata=option(Blocks(Block(holes=("torch", "output")), none=True), "has it burn no more")
+    )
     scale: float = field(
         default=1.0, metadata=option(Number(0.001, 1000), "what 1 mm is in a program: 10 where it counts in 0.1 mm")
     )

@@ -44,6 +44,13 @@ def fitting_dialect(profile: Profile) -> Dialect:
             "cuts.pierce_pass: where the torch waits for metal to cool (dwells) holes are pierced one by one: say "
             "pierce_pass: off, or dwells: false",
         )
+    if machine.torches.several and not (dialect.torch_select and dialect.torch_deselect):
+        others = [name for name in dialect_names() if load_dialect(name).torch_select]
+        raise wrong_at(
+            _said_at(profile, ("machine", "torches"), ("machine", "dialect")),
+            f"machine.torches: the dialect '{dialect.name}' has no words for a second torch (torch_select, "
+            f"torch_deselect): take {' or '.join(others)}, give a copy of it these words, or say count: 1",
+        )
     if profile.leads.edge_start and pierce_dwell_of(profile, dialect) == "machine":
         raise wrong_at(_said_at(profile, ("leads", "edge_start")), f"leads.edge_start: {MACHINE_WAITS}")
     if profile.kerf_starts and pierce_dwell_of(profile, dialect) == "machine":

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 
 from kerfwise.encoder.corner_feed import CornerFeed, Paced, paced
@@ -47,6 +47,8 @@ class Pen:
         self._zero = at if dialect.positions == "incremental" else (0.0, 0.0)
         self.at = self._rounded(at)
         self._marks: bool | None = None
+        self.torches = 1
+        self._lit: set[int] | None = None
 
     def select(self, marks: bool) -> tuple[str, ...]:
         """Select the torch, or what marks, where the other was in use."""
@@ -54,6 +56,23 @@ class Pen:
             return ()
         self._marks = marks
         return self.dialect.mark_station if marks else self.dialect.torch_station
+
+    def leave(self, torches: Collection[int]) -> list[str]:
+        """Deselect all further torches but these: before the first cut all others."""
+        lit = set(range(2, self.torches + 1)) if self._lit is None else self._lit
+        blocks = [text for torch in sorted(lit - set(torches)) for text in self._torch(self.dialect.torch_deselect, torch)]
+        self._lit = set() if self._lit is None else lit & set(torches)
+        return blocks
+
+    def add(self, torches: Collection[int]) -> list[str]:
+        """Select these further torches, where they are not."""
+        new = set(torches) - (self._lit or set())
+        self._lit = {*(self._lit or ()), *new}
+        return [text for torch in sorted(new) for text in self._torch(self.dialect.torch_select, torch)]
+
+    @staticmethod
+    def _torch(blocks: Sequence[str], torch: int) -> list[str]:
+        return [block.format(torch=torch, output=torch - 1) for block in blocks]
 
     def rapid(self, point: Point) -> str:
         """Travel to a point with the torch off."""

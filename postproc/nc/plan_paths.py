@@ -36,6 +36,7 @@ class Toolpath:
     feed_share: float = 1.0
     unlit: tuple[tuple[float, float], ...] = ()
     pierced: bool = False
+    together: tuple[PlannedCut, ...] = ()
 
     @property
     def pieces(self) -> tuple[Curve, ...]:
@@ -52,7 +53,7 @@ class Toolpath:
 
 
 def toolpaths(plan: Plan, nest: Nest, profile: Profile) -> tuple[Toolpath, ...]:
-    """The paths of all cuts.
+    """The paths of all cuts of the first torch, each with the cuts that further torches make `together` with it.
 
     Raises
     ------
@@ -61,16 +62,22 @@ def toolpaths(plan: Plan, nest: Nest, profile: Profile) -> tuple[Toolpath, ...]:
     """
     nest = profile.as_cut(nest)
     _same_nest(plan, nest)
-    edge_starts = outside(nest, [p.cut.pierce for p in plan.cuts])
+    first = [planned for planned in plan.cuts if planned.cut.torch == 1]
+    others: dict[str, list[PlannedCut]] = {}
+    for planned in plan.cuts:
+        if planned.cut.torch > 1:
+            others.setdefault(planned.cut.together, []).append(planned)
+    edge_starts = outside(nest, [p.cut.pierce for p in first])
     made, pierced = [], {pierce.contour for pierce in plan.pierces}
-    for planned, edge_start in zip(plan.cuts, edge_starts, strict=True):
+    for planned, edge_start in zip(first, edge_starts, strict=True):
         contour = nest.contour(planned.cut.contour)
         cut, kerf_mm = _as_filed(planned.cut), profile.material.kerf_mm
         path, unlit = torch_path(contour, cut, kerf_mm), unlit_on(contour, cut, kerf_mm)
         unpierced = edge_start or (planned.cut.span is not None and profile.kerf_starts)
         edge_start = unpierced and not planned.cut.linked
         mark, hole = contour.kind == "mark", planned.cut.contour in pierced
-        made.append(Toolpath(planned, path, mark, edge_start, contour.feed_share, unlit, hole))
+        together = tuple(others.get(planned.cut.contour, ()))
+        made.append(Toolpath(planned, path, mark, edge_start, contour.feed_share, unlit, hole, together))
     return tuple(made)
 
 

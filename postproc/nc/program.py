@@ -55,7 +55,9 @@ def head_comments(plan: Plan, nest: Nest, profile: Profile) -> list[str]:
 
 def cut_comment(order: int, name: str, cut: Cut, marks: bool, dialect: Dialect) -> str:
     """What stands before a cut: its number, name, zone and direction."""
-    return comment(dialect, f"{'MARK' if marks else 'CUT'} {order}", name, f"ZONE {cut.zone} {cut.direction.upper()}")
+    with_torch = f" TORCH {cut.torch}" if cut.torch > 1 else ""
+    told = f"ZONE {cut.zone} {cut.direction.upper()}{with_torch}"
+    return comment(dialect, f"{'MARK' if marks else 'CUT'} {order}", name, told)
 
 
 def count_blocks(paths: Iterable[Toolpath], nest: Nest, profile: Profile, pierces: Sequence[Pierce] = ()) -> int:
@@ -88,6 +90,9 @@ def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, 
     yield comment(dialect, f"ESTIMATED TIME {seconds_text(totals.time_s)}")
     if plan.time is not None:
         yield comment(dialect, "TIME MODEL", plan.time.model.upper())
+    if (torches := profile.machine.torches).several:
+        spacing = number(torches.spacing_mm, 3)
+        yield comment(dialect, f"TORCHES {torches.count}, {spacing} MM APART ALONG {torches.axis.upper()}")
     if plan.cuts:
         yield from _assumed(plan, profile, dialect)
     if plan.pierces:
@@ -162,12 +167,17 @@ def _body(
     due: dict[int, list[tuple[int, Pierce]]] = {}
     for count, pierce in enumerate(pierces, 1):
         due.setdefault(pierce.before, []).append((count, pierce))
-    for order, (made, after) in enumerate(_with_next(paths), first):
+    pen.torches = profile.machine.torches.count
+    order = first
+    for made, after in _with_next(paths):
         for count, pierce in due.get(order, ()):
             at = round(pierce.at[0], 6) - x, round(pierce.at[1], 6) - y
             yield from _pierce(count, names.get(pierce.contour, ""), at, profile, pen)
         name, lit = names.get(made.planned.cut.contour, ""), after is not None and after.linked
+        for more, planned in enumerate(made.together, order + 1):
+            yield cut_comment(more, names.get(planned.cut.contour, ""), planned.cut, made.marks, dialect)
         yield from _cut(order, name, replace(made, path=made.path.moved(-x, -y)), profile, pen, stays_on=lit)
+        order += 1 + len(made.together)
     yield comment(dialect, "HOME")
     yield pen.rapid(profile.machine.home)
     yield from dialect.footer
@@ -202,7 +212,10 @@ def _cut(order: int, name: str, made: Toolpath, profile: Profile, pen: Pen, stay
     feed_mm_s = machine.mark_feed_mm_s if mark else machine.cut_feed_mm_s * made.feed_share
     if not made.linked:
         yield from pen.select(mark)
+        lit = {planned.cut.torch for planned in made.together}
+        yield from pen.leave(lit)
         yield pen.rapid(made.path.point_at(0.0))
+        yield from pen.add(lit)
         if made.planned.dwell_s > 0:  # metal cools, the torch being off
             yield from pen.wait(made.planned.dwell_s)
         waits = pierce_dwell_of(profile, dialect) == "program"

@@ -89,13 +89,14 @@ class HeatLag(Rule[HeatLagOptions]):
 
     def violations(self, nest: Nest, cuts: CutSequence, options: HeatLagOptions) -> list[Violation]:
         timed = self.unjudged(nest, cuts, options) is None
-        at = cuts.positions()
+        at, when = cuts.positions(), cuts.moments()
         cut = [c for c in nest.contours if c.shapes_part and c.id in at]
         found = []
         for a, b in _near(cut, options.heat_radius_mm):
             k, later = sorted((at[cut[a].id], at[cut[b].id]))
             before, after = cuts[k - 1], cuts[later - 1]
-            between, pause_s = later - k - 1, after.start_s - before.end_s
+            between = max(abs(when[before.contour] - when[after.contour]) - 1, 0)
+            pause_s = after.start_s - before.end_s
             missing = []
             if between < options.lag_cuts:
                 missing.append(f"{between} cuts, not {options.lag_cuts}")

@@ -61,6 +61,7 @@ class LevelAhead(OrderRule[NoOptions]):
     source = "Pristupov 2016, fig. 3"
     Options = NoOptions
     gives_way = 1
+    of_each_torch = True
 
     def statements(self, facts: Facts, options: NoOptions) -> Iterator[Precede]:
         for before, after in facts.level_ahead.tolist():

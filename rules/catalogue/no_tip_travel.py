@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -72,10 +72,10 @@ class NoTipTravel(Rule[NoOptions]):
     def violations(self, nest: Nest, cuts: CutSequence, options: NoOptions) -> list[Violation]:
         if not cuts.new:
             return []
-        at = cuts.positions()
+        at, when, way = cuts.positions(), cuts.moments(), cuts.way
         held = {cut.contour for cut in cuts if cut.tabs}
         parts = [part for part in nest.parts if part.outer.id in at and part.outer.id not in held]
-        ends = [cuts.home, *(cut.end for cut in cuts.new)], [*(cut.pierce for cut in cuts.new), cuts.home]
+        ends = [cuts.home, *(cut.end for cut in way)], [*(cut.pierce for cut in way), cuts.home]
         holes = cuts.pierced
         lines = (
             [
@@ -86,14 +86,24 @@ class NoTipTravel(Rule[NoOptions]):
             else shapely.linestrings(np.array(ends).transpose(1, 0, 2))
         )
         areas = shapely.buffer([part.outer.polygon for part in parts], -GRAZE_MM)
-        leg, over = shapely.STRtree(areas).query(lines, predicate="intersects")
+        leg, over = _met(areas, lines, cuts)
         found = []
-        for k, number in sorted(zip((leg + cuts.made).tolist(), over.tolist(), strict=True)):
+        for k, number in sorted(zip(leg, over, strict=True)):
             name, cut_at = parts[number].outer.id, at[parts[number].outer.id]
-            if cut_at <= k:
-                start = f"{cuts[k - 1].contour} (cut {k})" if k > cuts.made else "home"
-                end = f"to {cuts[k].contour} (cut {k + 1})" if k < len(cuts) else "home"
+            if when[name] <= k + cuts.made:
+                around = [at[cut.contour] for cut in way[max(k - 1, 0) : k + 1]]
+                start = f"{way[k - 1].contour} (cut {around[0]})" if k else "home"
+                end = f"to {way[k].contour} (cut {around[-1]})" if k < len(way) else "home"
                 text = f"travel from {start} {end} leads over {parts[number].id}, cut out as cut {cut_at}"
-                positions = {cut_at, k, min(k + 1, len(cuts))}
-                found.append(Violation(self.id, (name,), text, tuple(sorted(positions))))
+                found.append(Violation(self.id, (name,), text, tuple(sorted({cut_at, *around}))))
         return found
+
+
+def _met(
+    areas: Sequence[shapely.Polygon], lines: Sequence[shapely.LineString], cuts: CutSequence
+) -> tuple[list[int], list[int]]:
+    """Which of the ways, from 0 on, lead over which areas: those of all torches that cut, lit or not."""
+    tree = shapely.STRtree(areas)
+    shifts = [(0.0, 0.0), *cuts.shifts.values()]
+    found = [tree.query(shapely.transform(lines, lambda xy, by=by: xy + by), predicate="intersects") for by in shifts]
+    return [k for legs, _ in found for k in legs.tolist()], [k for _, over in found for k in over.tolist()]

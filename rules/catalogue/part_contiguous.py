@@ -104,22 +104,25 @@ class PartContiguous(Rule[PartContiguousOptions]):
         return [tuple(c.id for c in _run(part, options)) for part in nest.parts]
 
     def violations(self, nest: Nest, cuts: CutSequence, options: PartContiguousOptions) -> list[Violation]:
-        at = cuts.positions()
+        at, when = cuts.positions(), cuts.moments()
         found = []
         for part in nest.parts:
             own = sorted(at[c.id] for c in _run(part, options) if at.get(c.id, 0) > cuts.made)
             if len(own) < 2:
                 continue
-            broken = next(((a, b) for a, b in pairwise(own) if b != a + 1), None)
+            moment = {k: when[cuts[k - 1].contour] for k in own}
+            broken = next(((a, b) for a, b in pairwise(own) if moment[b] > moment[a] + 1), None)
             if broken is not None:
                 a, b = broken
-                stranger = cuts[a].contour
+                between = (k for k in range(a + 1, b) if moment[a] < when[cuts[k - 1].contour] < moment[b])
+                k = next(between, a + 1)
+                stranger = cuts[k - 1].contour
                 text = (
-                    f"{part.id} is not cut in one go: {stranger} (cut {a + 1}) comes between "
+                    f"{part.id} is not cut in one go: {stranger} (cut {k}) comes between "
                     f"{cuts[a - 1].contour} (cut {a}) and {cuts[b - 1].contour} (cut {b})"
                 )
                 found.append(
-                    Violation(self.id, (cuts[a - 1].contour, stranger, cuts[b - 1].contour), text, (a, a + 1, b))
+                    Violation(self.id, (cuts[a - 1].contour, stranger, cuts[b - 1].contour), text, (a, k, b))
                 )
             last = cuts[own[-1] - 1].contour
             if at.get(part.outer.id, 0) > cuts.made and last != part.outer.id:

@@ -52,6 +52,11 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
             deepest(root, "leads", "edge_start"),
             f"leads.edge_start: {MACHINE_WAITS}",
         )
+    if machine.torches.several and machine.torches.spacing_mm <= 0:
+        problems.add(
+            deepest(root, "machine", "torches"),
+            f"machine.torches.spacing: {machine.torches.count} torches stand apart: say how far, such as 500 mm",
+        )
     for key, span, at_mm in zip("xy", (machine.travel_x_mm, machine.travel_y_mm), machine.home, strict=True):
         if span is not None and not span[0] <= at_mm <= span[1]:
             problems.add(

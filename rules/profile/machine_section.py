@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.rules.options.members import Members
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Choice, Flag
-from kerfwise.rules.options.quantities import DURATION, SPEED, LengthSpan, PointXY
+from kerfwise.rules.options.plain_values import Choice, Flag, Number
+from kerfwise.rules.options.quantities import DURATION, LENGTH, SPEED, LengthSpan, PointXY
 
 from .dialect_kind import DialectName
 
@@ -24,6 +25,37 @@ MACHINE_WAITS = (
 )
 """Why edge starts, and starts in kerfs, do not go with a pierce delay in the machine."""
 _SPAN = LengthSpan(none="unknown")
+Axis = Literal["x", "y"]
+
+
+@dataclass(frozen=True, slots=True)
+class Torches:
+    """Torches on one gantry, which follow the same path side by side."""
+
+    count: int = field(default=1, metadata=option(Number(1, 8, whole=True), "torches on the gantry"))
+    spacing_mm: float = field(default=0.0, metadata=option(LENGTH, "from each torch to the next"))
+    axis: Axis = field(default="y", metadata=option(Choice(("x", "y")), "the axis along which they stand, upwards"))
+
+    @property
+    def several(self) -> bool:
+        """Whether there are more than one."""
+        return self.count > 1
+
+    @property
+    def step(self) -> Point:
+        """From each torch to the next, mm."""
+        return (self.spacing_mm, 0.0) if self.axis == "x" else (0.0, self.spacing_mm)
+
+    def shift(self, torch: int) -> Point:
+        """From torch 1 to another, mm.
+
+        Examples
+        --------
+        >>> Torches(3, 200.0, "x").shift(3)
+        (400.0, 0.0)
+        """
+        x, y = self.step
+        return x * (torch - 1), y * (torch - 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +95,9 @@ class Machine:
     kerf_start: bool = field(
         default=True,
         metadata=option(Flag(), "begin in an old kerf as at the sheet's edge; false: wait as long as for a pierce"),
+    )
+    torches: Torches = field(
+        default=Torches(), metadata=option(Members(Torches), "torches side by side, for nests of copies")
     )
     mark_time_s: float = field(default=0.2, metadata=option(DURATION, "time to start marking"))
     head: str = field(

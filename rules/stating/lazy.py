@@ -7,16 +7,17 @@ with it must not occur again (Petunin 2009, fig. 3).
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from kerfwise.rules.statements import EXEMPTION_MM, NoGood
+from kerfwise.rules.statements import EXEMPTION_MM, NoGood, Statement
 
+from .at_once import AtOnce
 from .remainder import no_good_left
 from .state_rules import rest_of
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.facts.facts import Facts
+    from kerfwise.encoder.facts.facts import Copies, Facts
     from kerfwise.rules.profile.profile import Profile
 
 SAMPLE, SAMPLE_S = 16, 0.05
@@ -25,7 +26,7 @@ LATER = 1.5
 """How much longer the same number of cuts takes to look at later on, when more is out."""
 
 
-def afterthoughts(facts: Facts, profile: Profile) -> Callable[[Sequence[int]], tuple[NoGood, ...]]:
+def afterthoughts(facts: Facts, profile: Profile) -> Callable[[Sequence[int]], tuple[Statement, ...]]:
     """A function that says what is wrong with an order (contour numbers), each thing once.
 
     It answers with nothing when an order shows nothing new: a soft rule, or one that is excusable, may well be broken
@@ -35,9 +36,13 @@ def afterthoughts(facts: Facts, profile: Profile) -> Callable[[Sequence[int]], t
     index, rest, made = whole.index, rest_of(facts), [cut.contour for cut in facts.already_cut]
     told: set[tuple[str, frozenset[int], frozenset[int]]] = set()
 
-    def look(order: Sequence[int]) -> tuple[NoGood, ...]:
-        names = [*made, *(nest.contours[k].id for k in order)]
-        found: list[NoGood] = []
+    def look(order: Sequence[int]) -> tuple[Statement, ...]:
+        found: list[Statement] = []
+        for names in _in_turn(facts, [*made, *(nest.contours[k].id for k in order)]):
+            found += looked(names)
+        return tuple(found)
+
+    def looked(names: Sequence[str]) -> Iterator[Statement]:
         for name, setting in profile.settings().items():
             for wrong in book[name].no_goods(whole, names, setting.options):
                 out, left = frozenset(index[k] for k in wrong.out), frozenset(index[k] for k in wrong.left)
@@ -46,10 +51,27 @@ def afterthoughts(facts: Facts, profile: Profile) -> Callable[[Sequence[int]], t
                     about = book[name].about((*wrong.out, *wrong.left), wrong.sentence)
                     hard = EXEMPTION_MM if book[name].excusable else None
                     seen = NoGood(out, left, about, hard if setting.weight is None else setting.weight)
-                    found += no_good_left(seen, rest)
-        return tuple(found)
+                    yield from no_good_left(seen, rest) if facts.copies is None else _of_first(facts.copies, seen)
 
     return look
+
+
+def _of_first(copies: Copies, seen: NoGood) -> Iterator[Statement]:
+    """A no-good about the whole nest in terms of the first torch; one that no order avoids is the check's to tell."""
+    yield from AtOnce(copies).of_first([seen])
+
+
+def _in_turn(facts: Facts, names: list[str]) -> Iterator[list[str]]:
+    """The order of all contours, given that of the first torch: of what is cut together each comes first once."""
+    copies = facts.copies
+    if copies is None:
+        yield names
+        return
+    ids = [contour.id for contour in copies.whole.nest.contours]
+    together = {ids[group.contours[0]]: [ids[k] for k in group.contours] for group in copies.groups}
+    for turn in range(max((len(row) for row in together.values()), default=1)):
+        rows = (together.get(name, [name]) for name in names)
+        yield [name for row in rows for name in (*row[turn % len(row) :], *row[: turn % len(row)])]
 
 
 def look_takes_s(facts: Facts, profile: Profile, clock: Callable[[], float] = time.monotonic) -> float:

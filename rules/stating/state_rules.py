@@ -13,6 +13,7 @@ from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import EXEMPTION_MM, About, AtLeast, Contiguous, IdleTravel, Precede, Statement
 
+from .at_once import AtOnce
 from .common_cuts import open_ways
 from .cycles import Link, components, contracted, path
 from .feedback import Unbreakable, lightest_cut, some_cycles
@@ -107,7 +108,7 @@ def every_statement(facts: Facts, profile: Profile) -> tuple[list[Statement], tu
         stated = stated_by(book[name], facts, setting.options)
         if setting.weight is None:
             statements += (_excused(s) for s in stated) if book[name].excusable else stated
-            exempt += book[name].exempt(facts, setting.options)
+            exempt += book[name].exempt(facts if facts.copies is None else facts.copies.whole, setting.options)
         else:
             statements += (_softened(s, setting.weight) for s in stated)
     statements += _objective(facts, profile)
@@ -146,10 +147,41 @@ def _loose_text(inner: str, outer: str) -> str:
 
 
 def stated_by(rule: Rule[Any], facts: Facts, options: Any) -> Iterable[Statement]:
-    """What a rule states of the facts; one that looks at the whole nest states of that, without what is decided."""
+    """What a rule states of the facts; one that looks at the whole nest states of that, without what is decided.
+
+    Where several torches cut at once, every rule states of the whole, and that is put in terms of the first torch.
+    """
+    if facts.copies is not None:
+        whole = rule.statements(facts.copies.whole, options)
+        return AtOnce(facts.copies).of_first(whole, rule.of_each_torch)
     if facts.past is None or not rule.of_whole_nest:
         return rule.statements(facts, options)
     return of_what_is_left(rule.statements(facts.past.whole, options), rest_of(facts))
+
+
+def too_much_at_once(facts: Facts, profile: Profile) -> dict[int, About]:
+    """Contours of the first torch that cannot be cut together with others by the hard rules, and one reason of each.
+
+    What is asked of them asks for an order of what is cut at one time, or leaves them no way to be cut.
+    """
+    if facts.copies is None:
+        return {}
+    book, found = profile.rulebook(), dict[int, About]()
+    shut: dict[int, About] = {}
+    for name, setting in profile.settings().items():
+        if setting.weight is None:
+            at_once = AtOnce(facts.copies)
+            stated = at_once.of_first(
+                book[name].statements(facts.copies.whole, setting.options), book[name].of_each_torch
+            )
+            shut |= {s.candidate: s.about for s in by_kind(stated).forbid}
+            found |= dict(at_once.impossible)
+    for group in facts.copies.groups:
+        first = int(facts.copies.number[group.contours[0]])
+        ways = facts.candidates_of(first)
+        if ways and all(c in shut for c in ways):
+            found.setdefault(first, shut[ways[0]])
+    return found
 
 
 def rest_of(facts: Facts) -> Remainder:

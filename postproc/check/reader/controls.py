@@ -31,6 +31,9 @@ class Control:
     number of bytes of a line, `longest_code` that without blanks and comments. `obeyed` are characters that it obeys
     wherever they stand, and with which none beyond ASCII may stand either.
 
+    `selects` and `deselects` are the M words, with the letter of the torch's number and what that is less, by which
+    further torches burn with the first one, where there are any.
+
     `process` is the M word that selects by T what `starts` and `stops` switch; the processes `marking` mark.
 
     `arcs` says that programs are ESSI (ISO 6582), blocks of signed numbers without letters, and how arcs are told
@@ -59,6 +62,10 @@ class Control:
     longest: int = LONGEST
     longest_code: int = LONGEST
     obeyed: str = ""
+    selects: float | None = None
+    deselects: float | None = None
+    torch_letter: str = "T"
+    torch_less: int = 0
     process: float | None = None
     marking: frozenset[float] = frozenset()
     arcs: Literal["", "centre", "radius"] = ""
@@ -90,6 +97,10 @@ CONTROLS: Mapping[str, Control] = {
     "linuxcnc": Control(
         "LinuxCNC",
         marks_by=0,
+        selects=64.0,
+        deselects=65.0,
+        torch_letter="P",
+        torch_less=1,
         known_m=_COMMON_M | {64.0, 65.0},
         refused_m={66.0: _WAITS} | dict.fromkeys((62.0, 63.0), _MID_CUT),
     ),
@@ -109,6 +120,8 @@ CONTROLS: Mapping[str, Control] = {
         "Hypertherm EDGE with Phoenix",
         known_g=frozenset({0.0, 1.0, 2.0, 3.0, 4.0, 20.0, 21.0, 40.0, 90.0, 91.0}),
         known_m=frozenset({0.0, 1.0, 2.0, 7.0, 8.0, 9.0, 10.0, 15.0, 16.0, 30.0, 36.0, 37.0, 38.0, 50.0, 51.0}),
+        selects=37.0,
+        deselects=38.0,
         process=36.0,
         marking=frozenset({3.0, 4.0}),
         refused_m={65.0: _LOADS},

@@ -42,7 +42,8 @@ def read_on_machine(
     machine = profile.machine
     if trusted is None:
         control, held_s = control_of(profile)
-        program = read_nc(text, machine.travel_mm_s, file, machine.home, control, held_s, _unlit_mm(profile))
+        unlit_mm, torches = _unlit_mm(profile), machine.torches.count
+        program = read_nc(text, machine.travel_mm_s, file, machine.home, control, held_s, unlit_mm, torches)
     else:
         program = old_on_machine(text, profile, trusted, file).program
     origin, zero = stated_origin(program)

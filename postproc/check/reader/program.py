@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import shapely
 
@@ -21,7 +22,8 @@ class Burn:
     stands for `pierce_s` before it moves, by the program's own words, after the control has held it for `held_s` by
     itself, and for `paused_s` later on; `step_feeds_mm_s` are the speeds of the lines and arcs of its
     path, one each. `powers` are the S words of a laser that it moves with, `pierce_powers` those that it stands with.
-    Along the stretches `unlit` of its path, mm from its start, the torch is off, as over tabs.
+    Along the stretches `unlit` of its path, mm from its start, the torch is off, as over tabs. The further `torches`
+    burn with the first one. What such a one burns is a burn of its own, once `of_all_torches` has made it: of `torch`.
     """
 
     tool: int
@@ -39,6 +41,8 @@ class Burn:
     powers: tuple[float, ...] = ()
     pierce_powers: tuple[float, ...] = ()
     unlit: tuple[tuple[float, float], ...] = ()
+    torches: tuple[int, ...] = ()
+    torch: int = 1
 
     @property
     def feeds_mm_s(self) -> tuple[float, ...]:
@@ -129,3 +133,17 @@ def at_holes(program: NcProgram) -> list[bool]:
     for k, hole in zip(*(row.tolist() for row in tree.query(begins, "dwithin", distance=within_mm)), strict=True):
         found[k] = found[k] or (holes[hole][0] < k and burns[k].tool == 0 and not burns[k].pierces_only)
     return found
+
+
+def of_all_torches(program: NcProgram, shift: Callable[[int], Point], turned: int = 0) -> NcProgram:
+    """The program with what each further torch burns as a burn of its own, right behind that of the first torch.
+
+    `shift` says how far each torch is from the first, mm. They burn at one time: `turned` by so many places, others
+    come first.
+    """
+    burns: list[Burn] = []
+    for burn in program.burns:
+        together = [burn, *(replace(burn, path=burn.path.moved(*shift(k)), torch=k) for k in burn.torches)]
+        place = turned % len(together)
+        burns += [*together[place:], *together[:place]]
+    return replace(program, burns=tuple(burns))

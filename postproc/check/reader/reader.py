@@ -36,11 +36,13 @@ def read_nc(
     control: Control = QTPLASMAC,
     held_s: tuple[float, float] = (0.0, 0.0),
     tab_mm: float = 0.0,
+    torches: int = 1,
 ) -> NcProgram:
     """Read a program; `travel_mm_s` is the speed of its rapids, for the times, `home` where it finds the torch.
 
     The control holds the torch for `held_s` by itself where it starts to cut, and where it starts to mark. A torch that
-    goes off, moves on at a feed for no more than `tab_mm`, and is lit again, burns on.
+    goes off, moves on at a feed for no more than `tab_mm`, and is lit again, burns on. Of `torches` side by side words
+    say which burn.
 
     Raises
     ------
@@ -56,6 +58,8 @@ def read_nc(
     if control.arcs:
         return read_essi(text, travel_mm_s, file, home, control, held_s)
     machine = Machine(travel_mm_s, control, held_s, home, tab_mm)
+    if isinstance(machine.tools, Tools):
+        machine.tools.count = torches
     with in_file(file):
         for block in blocks(text, machine):
             machine.run(block)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from .tools_on import ALL, ToolsOn
 from .words import Block, Word
@@ -13,9 +13,25 @@ _OUTPUTS = frozenset({67.0, 68.0})
 
 @dataclass(slots=True)
 class Tools(ToolsOn):
-    """The tools of a control that starts and stops each by M words; `marking` says that a process that marks is on."""
+    """The tools of a control that starts and stops each by M words; `marking` says that a process that marks is on.
+
+    Of `count` torches those beside the first are selected and deselected by words; `said` are those that were.
+    """
 
     marking: bool = False
+    count: int = 1
+    said: set[int] = field(default_factory=set)
+
+    def start(self, tool: int, line: int) -> None:
+        """Start a tool; with several torches each must have been selected or deselected before."""
+        if unsaid := sorted(set(range(2, self.count + 1)) - self.said):
+            text = f"a tool starts before it is said whether torch {unsaid[0]} burns too"
+            self.track.fault(line, "program-state", text)
+            self.said.update(unsaid)
+        if tool and self.track.torches:
+            text = f"tool ${tool} marks with torch {self.track.torches[0]} selected: marks are made by one"
+            self.track.fault(line, "program-state", text)
+        ToolsOn.start(self, tool, line)
 
     def switch(self, block: Block, motion: float | None, modal: float | None) -> None:
         """Do what comes before a block's wait and motion, outputs first, as the control does.
@@ -26,6 +42,9 @@ class Tools(ToolsOn):
             With line and column, for outputs and tools that this control does not have or that are not checked.
         """
         for word in sorted(block.m, key=lambda word: -word.value if word.value >= _SET_BIT else 0.0):
+            stations = self.count > 1 and word.value in (self.control.selects, self.control.deselects)
+            if stations and self._stations(word, block):
+                continue
             if word.value in (_SET_BIT, _CLEAR_BIT):
                 self._bit(word, block)
             elif word.value in _OUTPUTS:
@@ -38,6 +57,30 @@ class Tools(ToolsOn):
                 self.stop(1 if self.marking else self.control.stops[word.value])
             elif word.value in (_START, _STOP):
                 self._torch(word, block)
+
+    def _stations(self, word: Word, block: Block) -> bool:
+        """Select or deselect a torch; whether the word does that."""
+        letter, less = self.control.torch_letter, self.control.torch_less
+        if letter not in block.words:
+            raise block.refused(f"{word.text} without {letter} is not supported here: expected the torch", word)
+        named = block.words[letter]
+        torch, selects = int(named.value) + less, word.value == self.control.selects
+        if named.value != int(named.value) or torch > self.count or torch < 1:
+            most = f"{letter}{self.count - less}"
+            text = f"{named.text} is none of the {self.count} torches of the profile: expected {letter} up to {most}"
+            raise block.refused(f"{text}; it is not supported here", named)
+        if torch == 1:
+            if less:  # the first output is for something else
+                return False
+            if not selects:
+                self.track.fault(block.line, "program-state", f"{word.text} {named.text} deselects the first torch")
+            return True
+        if self.on:
+            self.track.fault(block.line, "program-state", f"{word.text} {named.text} selects torches while one is on")
+        self.said.add(torch)
+        torches = set(self.track.torches) - {torch} | ({torch} if selects else set())
+        self.track.torches = tuple(sorted(torches))
+        return True
 
     def _process(self, word: Word, block: Block) -> None:
         """Select what the words that start and stop tools switch from here on."""

@@ -34,6 +34,7 @@ class _Open:
     powers: set[float] = field(default_factory=set)
     pierce_powers: set[float] = field(default_factory=set)
     unlit: list[tuple[float, float]] = field(default_factory=list)
+    torches: tuple[int, ...] = ()
 
 
 @dataclass(slots=True)
@@ -41,7 +42,7 @@ class Track:
     """Where the torch is and has been; `travel_mm_s` is the speed of rapids.
 
     A torch that goes off, moves on at a feed for no more than `tab_mm`, and is lit again at once, burns on: it has gone
-    over a tab. `_closed` is the burn that may go on so, `_over` what it has gone since, unlit.
+    over a tab. `torches` are the further ones that are selected. `_closed` is the burn that may go on so, `_over` what it has gone since, unlit.
     """
 
     travel_mm_s: float
@@ -59,6 +60,7 @@ class Track:
     travels_mm: list[float] = field(default_factory=list)
     rapids: list[tuple[int, Point]] = field(default_factory=list)
     tab_mm: float = 0.0
+    torches: tuple[int, ...] = ()
     _closed: _Open | None = None
     _over: list[tuple[Segment, float]] = field(default_factory=list)
 
@@ -71,7 +73,8 @@ class Track:
         if self._goes_on(tool):
             return
         self.open = _Open(
-            tool, line, self.clock_s, [], self.comment, tuple(self.travels_mm), self.wait_s, held_s=held_s
+            tool, line, self.clock_s, [], self.comment, tuple(self.travels_mm), self.wait_s, held_s=held_s,
+            torches=self.torches,
         )
         self.clock_s += held_s
         self.travels_mm.clear()
@@ -92,7 +95,7 @@ class Track:
             Burn(
                 o.tool, o.line, path, o.start_s, self.clock_s, o.comment, o.travels_mm, o.pierce_s, o.paused_s,
                 tuple(o.step_feeds_mm_s), o.wait_s, o.held_s,
-                tuple(sorted(o.powers)), tuple(sorted(o.pierce_powers)), tuple(o.unlit),
+                tuple(sorted(o.powers)), tuple(sorted(o.pierce_powers)), tuple(o.unlit), o.torches,
             )
         )  # fmt: skip
         self._closed, self._over = (o, []) if self.tab_mm > 0 and o.tool == 0 and o.rows else (None, [])

@@ -1,0 +1,166 @@
+"""Several torches on one gantry: which contours they cut together, and the cuts of all of them in a plan."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from kerfwise.encoder.copies import Group, copies_of, groups_of
+from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.facts.facts import Copies, Facts
+from kerfwise.encoder.facts.first_torch import of_first_torch, with_zones_of_first
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Nest
+from kerfwise.models.engines.solution import Solution
+from kerfwise.models.plan.excused import excused
+from kerfwise.models.plan.plan import Plan, PlannedCut
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.stating.state_rules import Stated, too_much_at_once
+
+
+def expect_torches(profile: Profile, nest: Nest, resumes: bool) -> None:
+    """Refuse what does not go together with several torches; `resumes` says that some of the nest is cut already.
+
+    Raises
+    ------
+    InputError
+        With what to change.
+    """
+    if profile.machine.torches.several and (why := next(_why_not(profile, nest, resumes), None)):
+        raise InputError(f"machine.torches: {why}, or say machine: {{torches: {{count: 1}}}}", file=profile.file or None)
+
+
+def _why_not(profile: Profile, nest: Nest, resumes: bool) -> Iterator[str]:
+    cuts, tabs, limit = profile.cuts, profile.tabs(), profile.temperature_limit()
+    if resumes:
+        yield "a program that goes on after a stop is planned for one torch: cut the rest with one"
+    if profile.locks:
+        yield "locks are not planned together with several torches: take them out"
+    if profile.link_options() is not None:
+        yield "links are not planned together with several torches: say cuts.links.longest: 0 mm"
+    if profile.common_options() is not None:
+        yield "common cuts are not planned together with several torches: say cuts.common.shortest: off"
+    if cuts.pierce_pass is not None:
+        yield "a pierce pass is not planned together with several torches: say cuts.pierce_pass: off"
+    if nest.scrap:
+        yield "scrap lines are not planned together with several torches: take them out"
+    if tabs is not None and any(tabs.reason(part) is not None for part in nest.parts):
+        yield "tabs are not planned together with several torches: turn them off"
+    if limit is not None:
+        yield f"{limit.rule} simulates the heat of one torch: turn it off"
+    if profile.objective.heat and profile.heat.absorbed_power_w:
+        yield "the price of heat is simulated for one torch: say objective: {heat: 0}"
+    if any(getattr(setting.options, "zone_heat_kj", None) is not None for setting in profile.settings().values()):
+        yield "the heat of zones is counted for one torch: say zone_heat: unlimited"
+
+
+def first_groups(nest: Nest, profile: Profile) -> list[Group]:
+    """The contours that torches would cut together by their outlines alone.
+
+    Raises
+    ------
+    InputError
+        If no part has a copy as far away as the torches are apart.
+    """
+    torches = profile.machine.torches
+    if not torches.several:
+        return []
+    found = groups_of(nest, copies_of(nest, torches.step, torches.count), torches.step)
+    if not found and nest.contours:
+        where = f"{torches.spacing_mm:g} mm along {torches.axis}"
+        raise InputError(
+            f"machine.torches.spacing: no part of {nest.file or 'the nest'} has a copy {where} from it, so that no two "
+            "torches could cut together (parts with marks count for none): say another spacing, or count: 1",
+            file=profile.file or None,
+        )
+    return found
+
+
+def of_parts(groups: Sequence[Group], without: Sequence[Group]) -> list[Group]:
+    """The groups without those of some parts: a part is cut with its copy as a whole, or by itself."""
+    gone = {group.parts for group in without}
+    return [group for group in groups if group.parts not in gone]
+
+
+def facts_of_torches(whole: Facts, groups: Sequence[Group], profile: Profile) -> Facts:
+    """The facts of what the first torch cuts; groups of which a hard rule asks an order are cut one by one.
+
+    Raises
+    ------
+    InputError
+        If none is left.
+    """
+    step = profile.machine.torches.step
+    why = ""
+    while groups:
+        facts = of_first_torch(with_zones_of_first(whole, groups), groups, step)
+        apart = too_much_at_once(facts, profile)
+        if not apart:
+            return facts
+        assert facts.copies is not None
+        own = facts.copies.number
+        why = next(iter(apart.values())).sentence
+        groups = of_parts(groups, [group for group in groups if int(own[group.contours[0]]) in apart])
+    raise InputError(
+        "machine.torches: no two parts of the nest can be cut together"
+        + (f" by the hard rules ({why})" if why else ": no pierce and lead is lawful for both")
+        + ": say another spacing, or count: 1",
+        file=profile.file or None,
+    )
+
+
+def with_further_torches(plan: Plan, facts: Facts, stated: Stated, solution: Solution) -> Plan:
+    """The plan with the cuts of all torches: those of a further one follow the cut that they are made with."""
+    copies = facts.copies
+    if copies is None:
+        return plan
+    nest, excuses = copies.whole.nest, excused(facts, stated, solution.route)
+    together = {nest.contours[group.contours[0]].id: group for group in copies.groups}
+    cuts: list[PlannedCut] = []
+    for planned in plan.cuts:
+        group = together.get(planned.cut.contour)
+        others = () if group is None else group.contours[1:]
+        told = [nest.contours[k].id for k in others]
+        because = planned.because
+        if told:
+            because = (*because, f"cut together with {' and '.join(told)}: by {len(told) + 1} torches")
+        cuts.append(replace(planned, because=because))
+        cuts += [_of_torch(planned, copies, k, torch, excuses) for torch, k in enumerate(others, 2)]
+    ways = (facts.candidates[c] for c in solution.route)
+    edge_starts = {facts.nest.contours[way.contour].id for way in ways if way.unpierced}
+    further = [planned for planned in cuts if planned.cut.torch > 1]
+    totals = replace(
+        plan.totals,
+        cut_mm=plan.totals.cut_mm + sum(planned.length_mm for planned in further),
+        pierces=plan.totals.pierces + sum(planned.cut.together not in edge_starts for planned in further),
+    )
+    return replace(plan, cuts=tuple(cuts), totals=totals)
+
+
+def _of_torch(
+    planned: PlannedCut, copies: Copies, contour: int, torch: int, excuses: dict[str, tuple[str, ...]]
+) -> PlannedCut:
+    """The cut of a further torch."""
+    of, first = copies.whole.nest.contours[contour], planned.cut
+    x, y = copies.step[0] * (torch - 1), copies.step[1] * (torch - 1)
+
+    def moved(lead: Curve | None) -> Curve | None:
+        return None if lead is None else lead.moved(x, y)
+
+    cut = Cut(
+        of.id,
+        (first.entry[0] + x, first.entry[1] + y),
+        first.direction,
+        (first.pierce[0] + x, first.pierce[1] + y),
+        moved(first.lead_in),
+        moved(first.lead_out),
+        first.zone,
+        first.start_s,
+        first.end_s,
+        excuses.get(of.id, ()),
+        torch=torch,
+        together=first.contour,
+    )
+    told = f"cut by torch {torch}, ({x:g}, {y:g}) mm from the first, together with {first.contour}"
+    return replace(planned, cut=cut, part=of.part, kind=of.kind, because=(told,))

@@ -1,0 +1,99 @@
+"""Cuts that several torches make together: what they are to be, and judgements in which none of them is the first."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from itertools import zip_longest
+
+import numpy as np
+
+from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.postproc.check.reader.program import NcProgram
+from kerfwise.rules.profile.machine_section import Torches
+from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.rule import Violation
+
+from .program_rules import tolerance_mm
+from .result import Judgement
+
+_RULE = "torches"
+_TIME_S = 0.01
+_TOLD = re.compile(r"TORCHES (?P<count>\d+), (?P<spacing>\d+(?:\.\d+)?) MM APART ALONG (?P<axis>[XY])", re.IGNORECASE)
+
+
+def stricter(one: Sequence[Judgement], *others: Sequence[Judgement]) -> list[Judgement]:
+    """Of each judgement the strictest: what is cut at one time counts as cut in whichever order is worse."""
+    found = []
+    for judgement in one:
+        same = (j for more in others for j in more if j.id == judgement.id)
+        found.append(max((judgement, *same), key=_weight))
+    return found
+
+
+def _weight(judgement: Judgement) -> tuple[bool, bool, int]:
+    return not judgement.holds, judgement.unjudged is not None, len(judgement.excused)
+
+
+def most_at_once(cuts: Sequence[Cut]) -> int:
+    """How many torches make cuts together, at the most."""
+    return max((cut.torch for cut in cuts), default=1)
+
+
+def not_together(cuts: CutSequence, profile: Profile) -> Iterator[Violation]:
+    """Cuts of further torches that are not those of the first one, shifted by what the torches are apart."""
+    torches, kerf_mm = profile.machine.torches, profile.material.kerf_mm
+    first = {cut.contour: (k, cut) for k, cut in enumerate(cuts, 1) if cut.torch == 1}
+    for position, cut in enumerate(cuts, 1):
+        if cut.torch == 1:
+            continue
+        text = None
+        leader_at, leader = first.get(cut.together, (0, cut))
+        between = cuts[leader_at : position - 1]
+        if cut.torch > torches.count:
+            have = "one torch" if torches.count == 1 else f"{torches.count} torches"
+            text = f"is made by torch {cut.torch}, the profile has {have}"
+        elif not leader_at:
+            text = f"is to be made together with {cut.together or 'nothing'}, which torch 1 does not cut"
+        elif any(one.together != cut.together or one.torch >= cut.torch for one in between) or leader_at > position:
+            text = f"does not follow {leader.contour}, with which it is made"
+        elif (off_mm := _apart_mm(cut, leader, torches)) > tolerance_mm(kerf_mm) or cut.direction != leader.direction:
+            x, y = torches.shift(cut.torch)
+            text = f"is not the cut of {leader.contour} shifted by ({x:g}, {y:g}): it is {off_mm:.2f} mm off"
+        elif max(abs(cut.start_s - leader.start_s), abs(cut.end_s - leader.end_s)) > _TIME_S:
+            text = f"has other times than {leader.contour}, with which it is made"
+        if text is not None:
+            yield Violation(_RULE, (cut.contour,), f"cut {position} of {cut.contour} {text}", (position,))
+
+
+def _apart_mm(cut: Cut, leader: Cut, torches: Torches) -> float:
+    """How far the leads and the entry are from those of the first torch, shifted."""
+    rows = zip_longest(_points(cut), _points(leader))
+    shift = np.array(torches.shift(cut.torch))
+    apart = [
+        math.inf if a is None or b is None else float(np.hypot(*(np.array(a) - np.array(b) - shift))) for a, b in rows
+    ]
+    return max(apart)
+
+
+def _points(cut: Cut) -> list[tuple[float, float]]:
+    def of(lead: Curve | None) -> list[tuple[float, float]]:
+        return [] if lead is None else [(x, y) for x, y in lead.vertices[:, :2].tolist()]
+
+    return [cut.entry, cut.pierce, *of(cut.lead_in), *of(cut.lead_out)]
+
+
+def wrong_spacing(program: NcProgram, profile: Profile) -> Iterator[Violation]:
+    """Where a program says that it is for other torches than the profile's; it has to say so where it uses several."""
+    torches = profile.machine.torches
+    told = next(filter(None, map(_TOLD.fullmatch, program.comments)), None)
+    if told is None:
+        return
+    spacing_mm, axis = float(told["spacing"]), told["axis"].lower()
+    same = abs(spacing_mm - torches.spacing_mm) <= 1e-3 and axis == torches.axis and int(told["count"]) == torches.count
+    if not same:
+        says = f"{told['count']} torches {spacing_mm:g} mm apart along {axis.upper()}"
+        has = f"{torches.count} {torches.spacing_mm:g} mm apart along {torches.axis.upper()}"
+        yield Violation(_RULE, (), f"the program is for {says}, the profile has {has}")
