@@ -36,6 +36,7 @@ def command(output: str | None, **given: Any) -> None:
     asked = read_given(**given)
     protect(asked, given["nest"], [output])
     facts = facts_of(asked.nest, asked.profile)
+    facts = facts if facts.copies is None else facts.copies.whole
     if output is None:
         click.echo(facts_json(facts), nl=False)
         expect_printed()

@@ -136,7 +136,10 @@ def alike(candidates: Sequence[Candidate], groups: Iterable[Group], step: Point)
         of.setdefault(candidate.contour, []).append(k)
     kept, bare = {contour: list(numbers) for contour, numbers in of.items()}, []
     for group in groups:
-        ways = [{(round(candidates[k].entry_mm, 3), candidates[k].direction): k for k in of.get(c, ())} for c in group.contours]
+        ways = [
+            {(round(candidates[k].entry_mm, 3), candidates[k].direction): k for k in of.get(c, ())}
+            for c in group.contours
+        ]
         rows = [
             [way[key] for way in ways]
             for key in ways[0]

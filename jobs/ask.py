@@ -33,7 +33,8 @@ from kerfwise.rules.stating.state_rules import (
     state_rules,
 )
 
-from .torches import expect_torches, facts_of_torches, first_groups, of_parts
+from .one_torch import expect_torches
+from .torches import facts_of_torches, first_groups, of_parts
 
 RELAX = 0.5
 """Share of a limit in seconds in which what gives way is to be found; a plan is to be made in the rest."""

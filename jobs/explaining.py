@@ -15,6 +15,7 @@ from kerfwise.rules.stating.state_rules import state_rules
 
 from .ask import facts_of
 from .given import Given
+from .one_torch import expect_of_first, of_first_torch
 from .priced_heat import with_heat_prices
 from .stopped import again_first
 
@@ -44,7 +45,8 @@ class Explainer:
         stated = state(facts, profile)
         if profile.objective.heat:
             stated = with_heat_prices(facts, profile, stated)
-        self.facts, self.profile, self.stated, self.plan = facts, profile, stated, plan
+        self.facts, self.profile, self.stated, self.plan = facts, profile, stated, of_first_torch(plan)
+        self.whole_plan = plan
 
     @cached_property
     def setting(self) -> Setting:
@@ -65,6 +67,7 @@ class Explainer:
         InputError
             If the plan does not cut such a contour; the nearest id is named.
         """
+        expect_of_first(self.whole_plan, contour)
         expect_planned(self.facts, self.plan, contour)
         return explained(self.setting, self.plan, contour)
 

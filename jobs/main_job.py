@@ -18,6 +18,7 @@ from .ask import ask, facts_of
 from .given import Given, Tell, silent
 from .listening import Listener
 from .no_plan import NoPlan
+from .one_torch import expect_one_torch
 from .produce import Produced, produce
 from .stopped import again_first
 
@@ -84,6 +85,7 @@ def plan_nest(
     dialect = trusted_dialect(profile)  # a file of the plant's own may be wrong: better said now than at the end
     expect_words(nest, profile, dialect, resumes=bool(already))
     if engine == "minizinc":
+        expect_one_torch(profile, "the engine minizinc")
         from kerfwise.models.engines.minizinc.installation import solver_named
 
         solver_named(solver)  # the same goes for a MiniZinc that is missing or broken

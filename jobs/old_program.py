@@ -21,6 +21,7 @@ from kerfwise.rules.profile.profile import Profile
 
 from .given import Given, Tell, program_text, silent
 from .old_settings import at_its_feeds, kerf_of, tab_mm
+from .one_torch import expect_one_torch
 
 _OF_SHEET = re.compile(r"\(\s*(?:ORIGIN|START SIDE)\b", re.IGNORECASE)
 
@@ -120,6 +121,7 @@ def read_old_job(
     InputError
         With file and line, for what cannot be read or be sure of.
     """
+    expect_one_torch(profile, "a program of which there is no nest")
     asked, file = asked or Asked(), str(path)
     text = program_text(path)
     trusted = Trusted(asked.feed_mm_min or profile.machine.cut_feed_mm_s * 60)

@@ -84,7 +84,13 @@ def produce(
     facts, started_s = asked.facts, running_s()
     engine_named = engine if strategy == "ours" else "portfolio"
     whole = limits
-    and_zones = and_zones and facts.copies is None and engine == "portfolio" and strategy == "ours" and bool(zoned_by(asked, profile))
+    and_zones = (
+        and_zones
+        and facts.copies is None
+        and engine == "portfolio"
+        and strategy == "ours"
+        and bool(zoned_by(asked, profile))
+    )
     if and_zones and limits.time_s is not None:
         limits = replace(limits, time_s=limits.time_s * (1 - 2 * SHARE))
 

@@ -23,6 +23,7 @@ from kerfwise.rules.profile.heat_section import Heat, HeatModel
 
 from .given import Given, Tell, differences, is_plan_file, read_program_of, silent
 from .old_program import OldJob
+from .one_torch import expect_one_torch
 from .picture import Picture
 from .table import data_frame
 
@@ -151,6 +152,7 @@ def simulate_made(
         grid is too fine for the sheet or too coarse for its parts.
     """
     _expect_model(model)
+    expect_one_torch(given.profile, "the simulation of heat", made if isinstance(made, Plan) else None)
     path = _path(made, given, tell, trusted)
     return _simulated(given, path, model, tell, frames)
 

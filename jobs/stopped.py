@@ -19,6 +19,7 @@ from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile
 
 from .given import Given, Tell, is_plan_file, program_text, silent
+from .one_torch import expect_one_torch
 
 _OFF_MM = 1.0
 """How far from its contour the entry of an old cut may be: more, and the plan is one of another nest."""
@@ -47,9 +48,11 @@ def already_cut(
             "stopped, and how many of its cuts are cut (--redo-last, in Python redo_last=True: the last broke off); "
             "OLD alone is for locks that call a cut by its number there, such as '#7 first'"
         )
+    expect_one_torch(given.profile, "a program that goes on after a stop", old if isinstance(old, Plan) else None)
     file = "" if isinstance(old, Plan) else str(old)
     if isinstance(old, Plan) or is_plan_file(old):
         plan = old if isinstance(old, Plan) else read_plan(old)
+        expect_one_torch(given.profile, "a program that goes on after a stop", plan)
         if plan.nest.get("sha256") != given.nest.sha256:
             tell(f"the nest is not the one {file or 'the old plan'} was made with (its sha256 differs)")
         already = stopped_plan(plan, given.nest, upto, redo_last, file)

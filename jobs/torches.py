@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from kerfwise.encoder.copies import Group, copies_of, groups_of
@@ -17,42 +17,6 @@ from kerfwise.models.plan.excused import excused
 from kerfwise.models.plan.plan import Plan, PlannedCut
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import Stated, too_much_at_once
-
-
-def expect_torches(profile: Profile, nest: Nest, resumes: bool) -> None:
-    """Refuse what does not go together with several torches; `resumes` says that some of the nest is cut already.
-
-    Raises
-    ------
-    InputError
-        With what to change.
-    """
-    if profile.machine.torches.several and (why := next(_why_not(profile, nest, resumes), None)):
-        raise InputError(f"machine.torches: {why}, or say machine: {{torches: {{count: 1}}}}", file=profile.file or None)
-
-
-def _why_not(profile: Profile, nest: Nest, resumes: bool) -> Iterator[str]:
-    cuts, tabs, limit = profile.cuts, profile.tabs(), profile.temperature_limit()
-    if resumes:
-        yield "a program that goes on after a stop is planned for one torch: cut the rest with one"
-    if profile.locks:
-        yield "locks are not planned together with several torches: take them out"
-    if profile.link_options() is not None:
-        yield "links are not planned together with several torches: say cuts.links.longest: 0 mm"
-    if profile.common_options() is not None:
-        yield "common cuts are not planned together with several torches: say cuts.common.shortest: off"
-    if cuts.pierce_pass is not None:
-        yield "a pierce pass is not planned together with several torches: say cuts.pierce_pass: off"
-    if nest.scrap:
-        yield "scrap lines are not planned together with several torches: take them out"
-    if tabs is not None and any(tabs.reason(part) is not None for part in nest.parts):
-        yield "tabs are not planned together with several torches: turn them off"
-    if limit is not None:
-        yield f"{limit.rule} simulates the heat of one torch: turn it off"
-    if profile.objective.heat and profile.heat.absorbed_power_w:
-        yield "the price of heat is simulated for one torch: say objective: {heat: 0}"
-    if any(getattr(setting.options, "zone_heat_kj", None) is not None for setting in profile.settings().values()):
-        yield "the heat of zones is counted for one torch: say zone_heat: unlimited"
 
 
 def first_groups(nest: Nest, profile: Profile) -> list[Group]:

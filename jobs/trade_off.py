@@ -19,6 +19,7 @@ from kerfwise.rules.profile.profile import Profile
 from .ask import ask, facts_of
 from .given import Given
 from .listening import Listener
+from .one_torch import expect_one_torch
 from .picture import Picture
 from .priced_heat import cooler_orders
 from .produce import Produced, produce
@@ -244,6 +245,7 @@ def trade_off(
     KeyboardInterrupt
         If Ctrl-C was pressed before there was any.
     """
+    expect_one_torch(given.profile, "the price of heat")
     profile = again_first(given.profile, already)
     limit_c = profile.heat.limit_c
     offered = TradeOff(facts_of(given.nest, profile, already), profile, limits, relax)

@@ -174,4 +174,6 @@ def _stray(burn: Burn, path: shapely.LineString) -> Violation:
     x0, y0, x1, y1 = path.bounds
     place = f"X {x0:.1f} to {x1:.1f}, Y {y0:.1f} to {y1:.1f}"
     torch = "" if burn.torch == 1 else f"torch {burn.torch} "
-    return Violation("every-contour-once", (), f"line {burn.line}: {torch}burns along no contour of the nest, at {place}")
+    return Violation(
+        "every-contour-once", (), f"line {burn.line}: {torch}burns along no contour of the nest, at {place}"
+    )

@@ -144,7 +144,7 @@ class Dialect:
         default=(),
         metadata=option(
             Blocks(Block(holes=("torch", "output")), none=True),
-            "has a further torch of the gantry burn with the first: {torch} counts from 2, {output} from 1; null for none",
+            "has a further torch burn with the first: {torch} counts from 2, {output} from 1; null for none",
         ),
     )
     torch_deselect: tuple[str, ...] = field(

@@ -60,7 +60,9 @@ class Pen:
     def leave(self, torches: Collection[int]) -> list[str]:
         """Deselect all further torches but these: before the first cut all others."""
         lit = set(range(2, self.torches + 1)) if self._lit is None else self._lit
-        blocks = [text for torch in sorted(lit - set(torches)) for text in self._torch(self.dialect.torch_deselect, torch)]
+        blocks = [
+            text for torch in sorted(lit - set(torches)) for text in self._torch(self.dialect.torch_deselect, torch)
+        ]
         self._lit = set() if self._lit is None else lit & set(torches)
         return blocks
 

@@ -97,13 +97,16 @@ def _head(middle: Point, tangent: Point, size: float) -> np.ndarray[tuple[int, .
 
 
 def lead_layer(view: View, cuts: Sequence[Cut]) -> SceneLayer:
-    """Lead-ins, and lead-outs drawn thinner; links as the contours that they lead to."""
+    """Lead-ins, and lead-outs drawn thinner; links as the contours that they lead to.
+
+    Further torches have a colour of their own.
+    """
     items = []
     for k, cut in enumerate(cuts, 1):
         for lead, width in ((cut.lead_in, 1.1), (cut.lead_out, 0.7)):
             if lead is not None and len(lead.segments) > 0:
                 link = cut.linked and lead is cut.lead_in
-                style = Style(stroke=colours.OUTER if link else colours.PIERCE, width=width * view.line_width)
+                style = Style(stroke=colours.OUTER if link else _torch_ink(cut), width=width * view.line_width)
                 items.append(Shape((view.path(lead),), style, closed=False, cut=k))
     return SceneLayer("leads", tuple(items))
 
@@ -123,11 +126,15 @@ def pierce_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> SceneLayer:
         if nest.contour(cut.contour).kind == "mark":
             items.append(Dot(x, y, 0.7 * view.dot_radius, Style(fill=colours.MARK), k))
         elif shapely.intersects_xy(nest.sheet.polygon, *cut.pierce) and cut.span is None:
-            items.append(Dot(x, y, view.dot_radius, Style(fill=colours.PIERCE), k))
+            items.append(Dot(x, y, view.dot_radius, Style(fill=_torch_ink(cut)), k))
         else:
-            ring = Style(fill=colours.PAGE, stroke=colours.PIERCE, width=0.5 * view.dot_radius)
+            ring = Style(fill=colours.PAGE, stroke=_torch_ink(cut), width=0.5 * view.dot_radius)
             items.append(Dot(x, y, view.dot_radius, ring, k))
     return SceneLayer("pierces", tuple(items))
+
+
+def _torch_ink(cut: Cut) -> str:
+    return colours.PIERCE if cut.torch == 1 else colours.FURTHER
 
 
 def tab_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> SceneLayer:
@@ -153,18 +160,21 @@ def travel_layer(
 ) -> SceneLayer:
     """Idle travel as dashed arrows, coloured by `shares`: when each begins, 0 … 1; the last leads home.
 
-    The way through the holes that are `pierced` in a pass before a cut, counted from 1, is dotted.
+    The way through the holes that are `pierced` in a pass before a cut, counted from 1, is dotted. Further torches go
+    along with the first, whose way this is.
     """
-    stops = [(home, cuts[0].pierce), *((a.end, b.pierce) for a, b in pairwise(cuts))]
-    stops.append((cuts[-1].end, home))
+    way = [(k, cut) for k, cut in enumerate(cuts, 1) if cut.torch == 1]
+    stops = [(way[0][0], home, way[0][1].pierce), *((k, a.end, b.pierce) for (_, a), (k, b) in pairwise(way))]
+    stops.append((len(cuts) + 1, way[-1][1].end, home))
     width = max(view.line_width, 0.7)
     items: list[Item] = []
     heads: list[Item] = []
-    for k, ((start, end), share) in enumerate(zip(stops, shares, strict=True), 1):
+    for k, start, end in stops:
+        share = shares[k - 1]
         if holes := (pierced or {}).get(k):
-            way = np.array([view.point(at) for at in (start, *(hole.at for hole in holes))])
+            through = np.array([view.point(at) for at in (start, *(hole.at for hole in holes))])
             dots = Style(stroke=colours.PIERCE, width=0.8 * width, dash=(width, 2 * width))
-            items.append(Shape((way,), dots, closed=False, cut=k))
+            items.append(Shape((through,), dots, closed=False, cut=k))
             start = holes[-1].at
         a, b = view.point(start), view.point(end)
         length = math.dist(a, b)

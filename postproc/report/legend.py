@@ -194,6 +194,7 @@ def _key(items: list[Item], x: float, end: float, y: float, kinds: frozenset[str
     """Samples with their names, as many as there is room for."""
     for kind, label in (
         ("pierce", "pierce and lead"),
+        ("further", "of a further torch, at once"),
         ("pass", "pierce pass"),
         ("edge", "begins off the sheet"),
         ("kerf", "begins in an older kerf"),
@@ -240,6 +241,6 @@ def _sample(kind: str, x: float, y: float) -> list[Item]:
         return [Shape((line,), Style(stroke=colours.FAINT, width=1.4, dash=(4, 3)), closed=False)]
     if kind == "out":
         return [Shape((line,), Style(stroke=colours.FAINT, width=1.0, dash=(2.0, 2.0)), closed=False)]
-    ink = {"pierce": colours.PIERCE, **INKS}[kind]
+    ink = {"pierce": colours.PIERCE, "further": colours.FURTHER, **INKS}[kind]
     sample: list[Item] = [Shape((line,), Style(stroke=ink, width=1.4), closed=False)]
-    return [*sample, Dot(x + 2, y, 3, Style(fill=ink))] if kind == "pierce" else sample
+    return [*sample, Dot(x + 2, y, 3, Style(fill=ink))] if kind in ("pierce", "further") else sample

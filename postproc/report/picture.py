@@ -140,6 +140,8 @@ def _drawn(
     if any(cut.tabs for cut in cuts):
         kinds.add("tab")
         layers.append(tab_layer(nest, view, cuts))
+    if any(cut.torch > 1 for cut in cuts):
+        kinds.add("further")
     if plan is not None and plan.pierces:
         kinds.add("pass")
     if nest.not_cut:

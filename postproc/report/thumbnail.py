@@ -80,7 +80,7 @@ class _Frame:
 
 def _travel(frame: _Frame, plan: Plan) -> Iterator[str]:
     """Idle travel from each cut to the next, in as many colours as it goes through."""
-    cuts = [planned.cut for planned in plan.cuts]
+    cuts = [planned.cut for planned in plan.cuts if planned.cut.torch == 1]
     for k, (cut, after) in enumerate(pairwise(cuts)):
         if not after.linked:
             line = frame.xy(np.array([cut.end, after.pierce]))

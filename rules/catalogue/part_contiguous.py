@@ -121,9 +121,7 @@ class PartContiguous(Rule[PartContiguousOptions]):
                     f"{part.id} is not cut in one go: {stranger} (cut {k}) comes between "
                     f"{cuts[a - 1].contour} (cut {a}) and {cuts[b - 1].contour} (cut {b})"
                 )
-                found.append(
-                    Violation(self.id, (cuts[a - 1].contour, stranger, cuts[b - 1].contour), text, (a, k, b))
-                )
+                found.append(Violation(self.id, (cuts[a - 1].contour, stranger, cuts[b - 1].contour), text, (a, k, b)))
             last = cuts[own[-1] - 1].contour
             if at.get(part.outer.id, 0) > cuts.made and last != part.outer.id:
                 outer_at = at[part.outer.id]

@@ -74,7 +74,9 @@ class AtOnce:
                 yield candidates[s.candidate].contour
             case AtLeast():
                 for literal in plain(s.literals):
-                    yield from (literal.i, literal.j) if isinstance(literal, Before) else (candidates[literal.c].contour,)
+                    yield from (
+                        (literal.i, literal.j) if isinstance(literal, Before) else (candidates[literal.c].contour,)
+                    )
                 yield from () if s.when is None else (candidates[s.when].contour,)
             case Contiguous():
                 yield from s.contours

@@ -22,6 +22,7 @@ def plant(profile: Profile) -> dict[str, Any]:
         "touching": shared is not None and shared.strength == "off",
         "slits": profile.cuts.narrow == "slit",
         "pierce_pass": profile.cuts.pierce_pass is not None,
+        "torches": [profile.machine.torches.shift(k) for k in range(1, profile.machine.torches.count + 1)],
         "common": profile.cuts.common.shortest_mm is not None,
     }
 

@@ -37,7 +37,7 @@ class Path:
     `order` and `label` are those of the comment before it (CUT n contour), else its place in the program and nothing.
     One that `goes_on` is lit again after the path before, to which only a move at a feed leads, as over a tab.
     `later` are the comments within it, as where the torch stays on from one cut to the next: the number of the cut, and
-    the number of the point from which on it is.
+    the number of the point from which on it is. Further `torches` of the gantry burn the same, elsewhere.
     """
 
     order: int
@@ -47,6 +47,7 @@ class Path:
     line: int
     goes_on: bool = False
     later: tuple[tuple[int, int], ...] = ()
+    torches: frozenset[int] = frozenset()
 
     @property
     def burns(self) -> bool:
@@ -106,6 +107,7 @@ class _Reader:
     ended: bool = False
     centres_absolute: bool = False
     unlit: bool = False
+    torches: frozenset[int] = frozenset()
 
     def block(self, number: int, line: str) -> None:
         for said in _COMMENT.findall(line):
@@ -141,6 +143,9 @@ class _Reader:
                 self._start(number, 1)
             elif letter == "M" and value == "65" and values.get("P") == 0:
                 self._stop(1)
+            elif letter == "M" and value in ("64", "65") and self.on is None:  # an output each for the second torch on
+                torch = {int(values["P"]) + 1}
+                self.torches = self.torches | torch if value == "64" else self.torches - torch
             elif letter == "M" and value == "5":
                 self._stop(int(values.get("$", 0)))
             elif letter == "G" and value in ("90.1", "91.1"):
@@ -183,7 +188,9 @@ class _Reader:
         order = self.order or len(self.paths) + 1
         kept = np.cumsum(moves) - 1
         later = tuple((number, int(kept[at])) for number, at in self.later)
-        self.paths.append(Path(order, self.label, self.on, points[moves], self.started, self.unlit, later))
+        self.paths.append(
+            Path(order, self.label, self.on, points[moves], self.started, self.unlit, later, self.torches)
+        )
         self.on, self.order, self.label, self.later, self.unlit = None, 0, "", [], True
 
 

@@ -20,6 +20,7 @@ from kerfwise.tests.metal.pieces import Pieces
 from kerfwise.tests.metal.program import Path, Program, read_program
 from kerfwise.tests.metal.slots import Slots
 from kerfwise.tests.metal.stock import along_older, cut_apart, not_free, off_sheet, on_loose, twice
+from kerfwise.tests.metal.torches import every_order
 from kerfwise.tests.metal.void import OlderKerfs
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
 def simulate(
     nest: Nest,
-    program: str,
+    program: str | Program,
     kerf_mm: float,
     *,
     before: str | None = None,
@@ -40,6 +41,7 @@ def simulate(
     tabs: Tabs | None = None,
     pierce_pass: bool = False,
     common: bool = False,
+    torches: Sequence[tuple[float, float]] = ((0.0, 0.0),),
 ) -> list[Finding]:
     """Burn a program and say what is wrong with it.
 
@@ -48,7 +50,7 @@ def simulate(
     nest
         The sheet and its parts, mm.
     program
-        The text of the program.
+        The text of the program, or what it does.
     kerf_mm
         Width of the kerf, over 0.
     before
@@ -69,6 +71,9 @@ def simulate(
         Whether all holes of a zone, or of the sheet, are pierced before the cuts that begin there.
     common
         Whether edges of two parts are to be cut once: then a cut may begin in an older kerf, and runs along none.
+    torches
+        Where the torches of the gantry stand, as the first one sees it, itself among them. What several of them burn at
+        one time is burnt in every order.
 
     Returns
     -------
@@ -81,7 +86,17 @@ def simulate(
     """
     if kerf_mm <= 0:
         raise ValueError("a burn without width burns nothing: kerf_mm must be over 0")
-    drawing, now = drawing_of(nest), read_program(program)
+    drawing, now = drawing_of(nest), read_program(program) if isinstance(program, str) else program
+    if any(path.torches for path in now.paths):
+        asked = {
+            "before": before, "splash_mm": splash_mm, "edge_starts": edge_starts, "touching": touching, "slits": slits,
+            "excused": excused, "tabs": tabs, "pierce_pass": pierce_pass, "common": common,
+        }  # fmt: skip
+        found: dict[tuple[str, tuple[str, ...]], Finding] = {}
+        for one in every_order(now, torches):
+            for finding in simulate(nest, one, kerf_mm, **asked):
+                found.setdefault((finding.kind, finding.contours), finding)
+        return list(found.values())
     history: Sequence[Path] = ()
     findings: list[Finding] = []
     if before is not None:

@@ -42,7 +42,8 @@ class Track:
     """Where the torch is and has been; `travel_mm_s` is the speed of rapids.
 
     A torch that goes off, moves on at a feed for no more than `tab_mm`, and is lit again at once, burns on: it has gone
-    over a tab. `torches` are the further ones that are selected. `_closed` is the burn that may go on so, `_over` what it has gone since, unlit.
+    over a tab. `torches` are the further ones that are
+    selected. `_closed` is the burn that may go on so, `_over` what it has gone since, unlit.
     """
 
     travel_mm_s: float
@@ -73,7 +74,14 @@ class Track:
         if self._goes_on(tool):
             return
         self.open = _Open(
-            tool, line, self.clock_s, [], self.comment, tuple(self.travels_mm), self.wait_s, held_s=held_s,
+            tool,
+            line,
+            self.clock_s,
+            [],
+            self.comment,
+            tuple(self.travels_mm),
+            self.wait_s,
+            held_s=held_s,
             torches=self.torches,
         )
         self.clock_s += held_s

@@ -43,7 +43,13 @@ def _of_grbl(rows: list[str]) -> list[str]:
 
 def _of_eia(rows: list[str]) -> list[str]:
     made = [_EIA.get(row, row) for row in rows]
+    made = [re.sub(r"^M3([78]) T(\d+)$", _output, row) for row in made]
     return [re.sub(r"^G04 X", "G4 P", row) for row in made]
+
+
+def _output(found: re.Match[str]) -> str:
+    """The output that selects or deselects a torch beside the first."""
+    return f"M6{4 if found[1] == '7' else 5} P{int(found[2]) - 1}"
 
 
 def _of_burny(rows: list[str]) -> list[str]:
