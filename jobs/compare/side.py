@@ -20,7 +20,7 @@ from kerfwise.jobs.times import Times, time_made
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.reader import read_plan
 from kerfwise.postproc.check import CheckResult
-from kerfwise.postproc.check.reader.program import Burn
+from kerfwise.postproc.check.reader.program import Burn, of_all_torches
 from kerfwise.postproc.check.rebuild import rebuild
 from kerfwise.postproc.nc.plan_paths import toolpaths
 from kerfwise.rules.profile.profile import Profile
@@ -138,11 +138,15 @@ def _of_plan(
 ) -> Side:
     profile = given.profile.at_origin(plan.origin)
     paths = toolpaths(plan, given.nest, profile)  # refuses the plan of another nest
+    shift = profile.machine.torches.shift
     burns = tuple(
-        Burn(1 if path.marks else 0, 0, path.path, cut.start_s, cut.end_s, cut.contour)
+        Burn(
+            1 if path.marks else 0, 0, path.path.moved(*shift(cut.torch)), cut.start_s, cut.end_s, cut.contour,
+            torch=cut.torch,
+        )
         for path in paths
-        for cut in [path.planned.cut]
-    )
+        for cut in (path.planned.cut, *(planned.cut for planned in path.together))
+    )  # fmt: skip
     home = profile.home_on(given.nest)
     found = simulate_made(given, plan, tell=tell) if heat else None
     return Side(
@@ -153,7 +157,7 @@ def _of_plan(
 
 def _of_program(asked: SideAsked, file: str, heat: bool, tell: Tell) -> Side:
     given = asked.given
-    program = read_program_of(file, given, tell)
+    program = of_all_torches(read_program_of(file, given, tell), given.profile.machine.torches.shift)
     profile = given.profile.at_origin(program.origin or given.profile.machine.origin)
     home = profile.home_on(given.nest)
     built = rebuild(given.nest, program, profile.material.kerf_mm, home, tabs_asked=profile.tabs())

@@ -95,7 +95,7 @@ class AtOnce:
             case Precede():
                 before, after = number[s.before], number[s.after]
                 if before == after:
-                    self.impossible.append((before, s.about))
+                    self._cannot(s, before)
                 else:
                     yield replace(s, before=before, after=after)
             case Forbid():
@@ -107,7 +107,7 @@ class AtOnce:
             case Lag():
                 first, second = number[s.first], number[s.second]
                 if first == second:
-                    self.impossible.append((first, s.about))
+                    self._cannot(s, first)
                 else:
                     yield replace(s, first=first, second=second)
             case NoGood():
@@ -125,6 +125,11 @@ class AtOnce:
             case _:
                 assert_never(s)
 
+    def _cannot(self, s: Precede | AtLeast | Lag | NoGood, *contours: int) -> None:
+        """Note contours that a statement asks what cannot be; a wish with a weight of its own is let go."""
+        if s.weight is None:
+            self.impossible += [(k, s.about) for k in contours]
+
     def _at_least(self, s: AtLeast) -> Iterator[Statement]:
         sum_of, at_once = self._sum(s, 1)
         when = None if s.when is None else self.candidate[s.when]
@@ -135,7 +140,7 @@ class AtOnce:
         elif when is not None:
             yield Forbid(when, s.about, s.weight)
         elif at_once:
-            self.impossible += [(k, s.about) for k in sorted(at_once)]
+            self._cannot(s, *sorted(at_once))
         else:
             yield replace(s, literals=sum_of.literals, weights=sum_of.weights, bound=sum_of.bound)
 
@@ -177,4 +182,4 @@ class AtOnce:
                 about = replace(s.about, contours=(*some_left, *some_out))
                 yield AtLeast(literals, (1,) * len(literals), 1, about, weight=s.weight)
             else:
-                self.impossible.append((at, s.about))
+                self._cannot(s, at)

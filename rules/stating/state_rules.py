@@ -11,7 +11,7 @@ from kerfwise.encoder.errors import RulesConflict
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
-from kerfwise.rules.statements import EXEMPTION_MM, About, AtLeast, Contiguous, IdleTravel, Precede, Statement
+from kerfwise.rules.statements import EXEMPTION_MM, About, AtLeast, Contiguous, Forbid, IdleTravel, Precede, Statement
 
 from .at_once import AtOnce
 from .common_cuts import open_ways
@@ -174,7 +174,7 @@ def too_much_at_once(facts: Facts, profile: Profile) -> dict[int, About]:
             stated = at_once.of_first(
                 book[name].statements(facts.copies.whole, setting.options), book[name].of_each_torch
             )
-            shut |= {s.candidate: s.about for s in by_kind(stated).forbid}
+            shut |= {s.candidate: s.about for s in by_kind(stated).forbid if s.weight is None}
             found |= dict(at_once.impossible)
     for group in facts.copies.groups:
         first = int(facts.copies.number[group.contours[0]])
@@ -199,7 +199,12 @@ def _softened(statement: Statement, weight: float) -> Statement:
 
 
 def _excused(statement: Statement) -> Statement:
-    """A statement of a hard rule that is broken where nothing else is left, at a price above all travel."""
+    """A statement of a hard rule that is broken where nothing else is left, at a price above all travel.
+
+    A way to cut that is forbidden is then one of which something is asked that never holds: so it can be excused.
+    """
+    if isinstance(statement, Forbid):
+        statement = AtLeast((), (), 1, statement.about, statement.candidate, statement.weight)
     return _softened(statement, EXEMPTION_MM)
 
 
