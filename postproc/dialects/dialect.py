@@ -41,7 +41,9 @@ class Dialect:
         metadata=option(Words(PROCESSES), "the processes that it is for; others are refused")
     )
     assumes: Mapping[str, tuple[str, ...]] = field(
-        metadata=option(Assumptions((*PROCESSES, "marks")), "what each program assumes of the machine, a comment each")
+        metadata=option(
+            Assumptions((*PROCESSES, "marks", "torches")), "what each program assumes of the machine, a comment each"
+        )
     )
     header: tuple[str, ...] = field(
         metadata=option(

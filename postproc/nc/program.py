@@ -130,6 +130,7 @@ def _assumed(plan: Plan, profile: Profile, dialect: Dialect) -> Iterator[str]:
     waits = pierce_dwell_of(profile, dialect)
     yield comment(dialect, f"PIERCE DELAY {number(machine.pierce_time_s, 3)} S, HELD BY THE {waits.upper()}")
     of = [machine.process, *(["marks"] if any(planned.kind == "mark" for planned in plan.cuts) else [])]
+    of += ["torches"] if machine.torches.several else []
     for told in (text for key in of for text in dialect.assumes.get(key, ())):
         yield comment(dialect, "ASSUMES", told.format(**powers_of(dialect, profile)))
 

@@ -13,6 +13,7 @@ from typing import assert_never
 import shapely
 
 from kerfwise.encoder.facts.facts import Copies
+from kerfwise.rules.named import candidates_named, contours_named
 from kerfwise.rules.statements import (
     About,
     AtLeast,
@@ -29,7 +30,6 @@ from kerfwise.rules.statements import (
     Pick,
     Precede,
     Statement,
-    plain,
 )
 
 
@@ -38,11 +38,14 @@ class AtOnce:
     """Puts statements about the whole nest in terms of what the first torch cuts.
 
     `impossible` are contours of the first torch (their own numbers) of which something is asked that cannot be, for it
-    is cut together with others, and where that comes from.
+    is cut together with others, and where that comes from. What an `excusable` rule asks is told so that a plan can
+    list where it does not hold.
     """
 
     copies: Copies
     impossible: list[tuple[int, About]] = field(default_factory=list)
+    excusable: bool = False
+    runs: set[frozenset[int]] = field(default_factory=set)
     number: Sequence[int] = ()
     candidate: Sequence[int] = ()
     torch: Sequence[int] = ()
@@ -53,41 +56,13 @@ class AtOnce:
 
     def of_first(self, statements: Iterable[Statement], of_each_torch: bool = False) -> Iterator[Statement]:
         """The statements; those of a rule of each torch only where they are about the contours of one."""
-        seen: set[tuple[int, ...]] = set()
         for statement in statements:
-            if of_each_torch and len({self.torch[k] for k in self._contours(statement)}) > 1:
-                continue
-            for made in self._told(statement):
-                if isinstance(made, Contiguous):
-                    run = tuple(sorted(made.contours))
-                    if made.weight is None and run in seen:
-                        continue
-                    seen.add(run)
-                yield made
+            if not of_each_torch or len({self.torch[k] for k in self._contours(statement)}) < 2:
+                yield from self._told(statement)
 
     def _contours(self, s: Statement) -> Iterator[int]:
-        candidates = self.copies.whole.candidates
-        match s:
-            case Precede():
-                yield from (s.before, s.after)
-            case Forbid():
-                yield candidates[s.candidate].contour
-            case AtLeast():
-                for literal in plain(s.literals):
-                    yield from (
-                        (literal.i, literal.j) if isinstance(literal, Before) else (candidates[literal.c].contour,)
-                    )
-                yield from () if s.when is None else (candidates[s.when].contour,)
-            case Contiguous():
-                yield from s.contours
-            case Lag():
-                yield from (s.first, s.second)
-            case NoGood():
-                yield from (*s.out, *s.left)
-            case Crossing() | IdleTravel() | Link():
-                return
-            case _:
-                assert_never(s)
+        yield from contours_named(s)
+        yield from (self.copies.whole.candidates[c].contour for c in candidates_named(s))
 
     def _told(self, s: Statement) -> Iterator[Statement]:
         number = self.number
@@ -103,7 +78,10 @@ class AtOnce:
             case AtLeast():
                 yield from self._at_least(s)
             case Contiguous():
-                yield replace(s, contours=tuple(dict.fromkeys(number[k] for k in s.contours)))
+                run = tuple(dict.fromkeys(number[k] for k in s.contours))
+                if s.weight is not None or frozenset(run) not in self.runs:  # a run of copies is that of the first
+                    self.runs.add(frozenset(run))
+                    yield replace(s, contours=run)
             case Lag():
                 first, second = number[s.first], number[s.second]
                 if first == second:
@@ -138,7 +116,8 @@ class AtOnce:
         if sum(w for w in sum_of.weights if w > 0) >= sum_of.bound:
             yield replace(s, literals=sum_of.literals, weights=sum_of.weights, bound=sum_of.bound, when=when)
         elif when is not None:
-            yield Forbid(when, s.about, s.weight)
+            never = AtLeast((), (), 1, s.about, when, s.weight)  # unlike a Forbid it can be excused
+            yield never if self.excusable else Forbid(when, s.about, s.weight)
         elif at_once:
             self._cannot(s, *sorted(at_once))
         else:

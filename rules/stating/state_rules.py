@@ -11,7 +11,7 @@ from kerfwise.encoder.errors import RulesConflict
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule
-from kerfwise.rules.statements import EXEMPTION_MM, About, AtLeast, Contiguous, Forbid, IdleTravel, Precede, Statement
+from kerfwise.rules.statements import EXEMPTION_MM, About, AtLeast, Contiguous, IdleTravel, Precede, Statement
 
 from .at_once import AtOnce
 from .common_cuts import open_ways
@@ -153,7 +153,7 @@ def stated_by(rule: Rule[Any], facts: Facts, options: Any) -> Iterable[Statement
     """
     if facts.copies is not None:
         whole = rule.statements(facts.copies.whole, options)
-        return AtOnce(facts.copies).of_first(whole, rule.of_each_torch)
+        return AtOnce(facts.copies, excusable=rule.excusable).of_first(whole, rule.of_each_torch)
     if facts.past is None or not rule.of_whole_nest:
         return rule.statements(facts, options)
     return of_what_is_left(rule.statements(facts.past.whole, options), rest_of(facts))
@@ -199,12 +199,7 @@ def _softened(statement: Statement, weight: float) -> Statement:
 
 
 def _excused(statement: Statement) -> Statement:
-    """A statement of a hard rule that is broken where nothing else is left, at a price above all travel.
-
-    A way to cut that is forbidden is then one of which something is asked that never holds: so it can be excused.
-    """
-    if isinstance(statement, Forbid):
-        statement = AtLeast((), (), 1, statement.about, statement.candidate, statement.weight)
+    """A statement of a hard rule that is broken where nothing else is left, at a price above all travel."""
     return _softened(statement, EXEMPTION_MM)
 
 
