@@ -21,9 +21,7 @@ from kerfwise.rules.profile.machine_section import Torches
 from kerfwise.rules.profile.profile import load_profile
 
 WIDE_MM, HIGH_MM, WEB_MM, EDGE_MM = 100.0, 80.0, 20.0, 40.0
-HEAD = (
-    f"{'parts':>7}  {'torches':>7}  {'idle, m':>7}  {'program, s':>10}  {'share':>5}  {'gap':>6}  {'processor, s':>12}"
-)
+HEAD = "  parts  torches  idle, m  program, s  share     gap  processor, s"
 
 
 def rows_of_plates(rows: int, columns: int) -> Nest:
@@ -55,10 +53,8 @@ def plan_s(rows: int, columns: int, count: int, work: float) -> tuple[float, str
     totals, gap = made.plan.totals, made.plan.solve.gap
     told = "–" if gap is None else "0" if gap == 0 else f"{gap:.1%}"
     spent_s = time.process_time() - began_s
-    return (
-        totals.time_s,
-        f"{totals.idle_mm / 1000:7.2f}  {totals.time_s:10.0f}  {{share:5.0%}}  {told:>6}  {spent_s:12.1f}",
-    )
+    idle_m = totals.idle_mm / 1000
+    return totals.time_s, f"{idle_m:7.2f}  {totals.time_s:10.0f}  {{share:5.0%}}  {told:>6}  {spent_s:12.1f}"
 
 
 def main() -> None:

@@ -8,6 +8,7 @@ from kerfwise.encoder.shown import shown
 from kerfwise.jobs.checking import check_made
 from kerfwise.jobs.compare import Comparison
 from kerfwise.jobs.given import Given
+from kerfwise.jobs.one_torch import expect_one_torch
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.nc.program import write_program
@@ -49,9 +50,10 @@ def page_data(
     Raises
     ------
     InputError
-        If the plan is one of another nest.
+        If the plan is one of another nest, or of several torches.
     """
     home = given.profile.home_on(given.nest)
+    expect_one_torch(given.profile, "the page for the browser", plan)
     if plan is None:
         return plain_page(given.nest, None, home)
     profile = given.profile.at_origin(plan.origin)
@@ -66,6 +68,7 @@ def compared_data(made: Comparison) -> Data:
     """The page of two plans or programs, with what differs."""
     sides = []
     for letter, side in (("A", made.a), ("B", made.b)):
+        expect_one_torch(side.given.profile, "the page for the browser", side.plan)
         data = program_side(side) if side.plan is None else plan_side(side.given, side.plan, side.verdict)
         sides.append(data | {"name": f"{letter}: {shown(side.name)}"})
     nest = made.a.given.nest

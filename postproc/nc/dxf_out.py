@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.plan.plan import Plan
@@ -34,8 +35,10 @@ def write_dxf(plan: Plan, nest: Nest, profile: Profile) -> str:
     Raises
     ------
     InputError
-        If the plan was made from another nest.
+        If the plan was made from another nest, or for several torches, which no drawing can tell.
     """
+    if any(planned.cut.torch > 1 for planned in plan.cuts):
+        raise InputError("a drawing of the torch's paths knows one torch, and the plan uses several (machine.torches)")
     from ezdxf.addons.r12writer import r12writer  # loaded by those who ask for a drawing only
 
     profile = profile.at_origin(plan.origin)

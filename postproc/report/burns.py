@@ -122,8 +122,8 @@ def _items(panel: Panel, place: _Place) -> Iterator[Item]:
     for k, burn in enumerate(burns, 1):
         path = np.array([place.at(p) for p in burn.path.flatten(_CHORD_MM).tolist()])
         yield Shape((path,), _pen(burn, k - 1 in panel.loud), closed=False, cut=k)
-    way = [burn for burn in burns if burn.torch == 1]
-    stops = [panel.home, *(p for burn in way for p in burn.path.vertices[[0, -1], :2].tolist()), panel.end]
+    first = [burn for burn in burns if burn.torch == 1]
+    stops = [panel.home, *(p for burn in first for p in burn.path.vertices[[0, -1], :2].tolist()), panel.end]
     for k, (begin, end) in enumerate(zip(stops[::2], stops[1::2], strict=True)):
         if math.dist(begin, end) > 0:
             way = np.array([place.at(begin), place.at(end)])

@@ -30,7 +30,7 @@ default below. `kerfwise profile show PROFILE --sources` prints all of them with
 profile check PROFILE` finds what is wrong. The shipped profiles give many keys another value than the default here.
 """
 PAGES = {
-    "machine": "[the machine](machine.md)",
+    "machine": "[the machine](machine.md), [several torches](torches.md)",
     "material": "[material charts](materials.md)",
     "leads": "[leads by thickness](machine.md#leads-and-clearance-by-thickness)",
     "small_holes": "[small holes](small-holes.md)",
