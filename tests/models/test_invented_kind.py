@@ -10,10 +10,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any, get_args
 
+import numpy as np
 import pytest
 
 import kerfwise
 from kerfwise.benchmarks.flattened import said
+from kerfwise.encoder.facts.facts import Copies
 from kerfwise.jobs.kept_rows import _with_chains
 from kerfwise.jobs.strategies import solve_by
 from kerfwise.jobs.zones_cost import without_moves
@@ -40,6 +42,7 @@ from kerfwise.models.problem.links import links_on
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.named import candidates_named, contours_named
 from kerfwise.rules.statements import EXEMPTION_MM, About, Statement
+from kerfwise.rules.stating.at_once import AtOnce
 from kerfwise.rules.stating.places import positions
 from kerfwise.rules.stating.remainder import Remainder, of_what_is_left
 from kerfwise.rules.stating.state_rules import Stated, hopeless, resolve
@@ -104,12 +107,19 @@ def ask_order_model(patch: pytest.MonkeyPatch) -> None:
     order_model._ask(built, INVENTED, built.model.new_bool_var(""))
 
 
+def alone() -> Copies:
+    """A gantry with one torch."""
+    ones = np.ones(FACTS.n, dtype=np.int64)
+    return Copies(FACTS, (), np.arange(FACTS.n), np.arange(len(FACTS.candidates)), ones, (0.0, 0.0))
+
+
 Refuses = Callable[[pytest.MonkeyPatch], object]
 REFUSES: dict[str, list[Refuses]] = {
     "rules/by_kind.py": [lambda _: by_kind([INVENTED])],
     "rules/named.py": [lambda _: list(contours_named(INVENTED)), lambda _: list(candidates_named(INVENTED))],
     "rules/stating/places.py": [lambda _: positions([INVENTED], PARTS)],
     "rules/stating/remainder.py": [lambda _: list(of_what_is_left([INVENTED], Remainder(range(PARTS), {})))],
+    "rules/stating/at_once.py": [lambda _: list(AtOnce(alone()).of_first([INVENTED]))],
     "rules/stating/state_rules.py": [lambda _: hopeless([INVENTED]), lambda _: resolve([INVENTED], PARTS, {})],
     "models/plan/excused.py": [lambda _: excused(FACTS, at_weight(EXEMPTION_MM), planned()[0])],
     "models/problem/compile.py": [lambda _: make_problem(FACTS, (INVENTED,), HOME)],
