@@ -11,7 +11,7 @@ from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.plan.explain import Setting, make_setting, try_order
 from kerfwise.models.plan.explain.words import difference
 from kerfwise.rules.options.suggest import unknown
-from kerfwise.rules.statements import About, NoGood
+from kerfwise.rules.statements import About, Statement
 from kerfwise.rules.stating.lazy import afterthoughts
 
 from .explaining import Explainer
@@ -126,7 +126,7 @@ class Mover:
 
     def _seen_mm(self, order: Sequence[int]) -> float:
         """What an order costs for what only geometry finds in it."""
-        thoughts: Iterable[NoGood] = afterthoughts(self._explainer.facts, self._explainer.profile)(order)
+        thoughts: Iterable[Statement] = afterthoughts(self._explainer.facts, self._explainer.profile)(order)
         return sum(thought.weight or 0.0 for thought in thoughts)
 
 

@@ -67,7 +67,11 @@ def test_a_plant_brings_its_own(tmp_path: Path) -> None:
             "control: cnc",
             "control: expected one of linuxcnc-qtplasmac, linuxcnc, grbl, eia, burny, essi, essi-radius, got 'cnc'",
         ),
-        ("  marks:", "  mark:", "assumes: expected lists of comments under plasma, oxyfuel, laser, water-jet, marks or torches"),
+        (
+            "  marks:",
+            "  mark:",
+            "assumes: expected lists of comments under plasma, oxyfuel, laser, water-jet, marks or torches",
+        ),
         ("feed: F{mm_min}", "feed: F{inch_min}", r"feed: expected one \{mm_min\}"),
         ("feed: F{mm_min}", "feed: F{mm_min:.0f}", r"feed: expected one \{mm_min\}, and no other brace"),
         (
