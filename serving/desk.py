@@ -11,8 +11,8 @@ from kerfwise.encoder.shown import shown
 from kerfwise.jobs.explaining import Explainer
 from kerfwise.jobs.given import Given
 from kerfwise.jobs.moving import Moved, Mover
-from kerfwise.jobs.page.page import page_data
 from kerfwise.jobs.page.heat import heat_data
+from kerfwise.jobs.page.page import page_data
 from kerfwise.jobs.page.why import why_data
 from kerfwise.models.plan.explain import as_text
 from kerfwise.models.plan.reader import plan_in
