@@ -32,7 +32,10 @@ ROUNDED_MM = 0.01
 PATIENT = 60
 """The limit of an engine that has proven nothing within the usual one."""
 FEW = 6
-"""Contours of the nests on which the sets of admissible orders are compared: 720 orders at most."""
+"""Contours of the nests on which the sets of admissible orders are compared: 720 orders at most.
+
+Not where parts have common edges: there the check lets them hold together by corners alone, as rows of a grid do.
+"""
 _ORDERS = frozenset({"inner-before-outer", "nested-before-host-holes", "pierce"})
 KEPT_OUT_BY: Mapping[Kind, Set[str]] = {
     "loose-part-burnt": _ORDERS,
@@ -74,6 +77,8 @@ def _techniques(case: Case) -> Iterator[str]:
         yield "tabs"
     if case.facts.links:
         yield "links"
+    if any(c.span is not None for c in case.facts.candidates):
+        yield "common cuts"
     if nest.scrap:
         yield "scrap lines"
     if any(c.kind == "slit" for c in nest.contours):
@@ -81,7 +86,7 @@ def _techniques(case: Case) -> Iterator[str]:
 
 
 def _agreement(case: Case) -> Agreement:
-    few = case.facts.n <= FEW
+    few = case.facts.n <= FEW and not any(c.out or c.still_in for c in case.facts.candidates)
     differ = order_disagreements(case.facts.nest, case.profile) if few else []
     sets = len(ORDER_RULES) if few else 0
     try:

@@ -230,6 +230,10 @@ class Judge:
         """For each contour, what each of its ways costs in this order by its time and by the rules of single cuts."""
         trial = self.trial
         extra = [list(own) for own in trial.way_prices]
+        if trial.stretches is not None:
+            for at, i in enumerate(order):
+                suits = (trial.stretches.open(i, w, order[:at]) for w in range(len(extra[i])))
+                extra[i] = [cost if one else inf for cost, one in zip(extra[i], suits, strict=True)]
         for turn in range(self.most):
             picks = [min(turn, len(own) - 1) for own in trial.ways]
             fresh = {self.name[i] for i in range(trial.n) if picks[i] == turn}

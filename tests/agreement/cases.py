@@ -15,18 +15,19 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.links import with_links
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.encoder.nest import KINDS, Contour, Nest
 from kerfwise.encoder.slits import with_slits
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.postproc.clock.contour_heat import contour_heat_kj
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStripsOptions
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
-from kerfwise.rules.profile.cuts_section import Cuts, Links
+from kerfwise.rules.profile.cuts_section import Common, Cuts, Links
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.tests.agreement.scrap_lines import with_lines
 from kerfwise.tests.drawn_options import with_drawn_options
+from kerfwise.tests.metal.common_nests import block
 from kerfwise.tests.models.engines.minizinc.cases import Case, lead_options, near_parts, random_nest, random_profile
 
 ROUTES = {5: 256, 6: 128, 7: 64, 8: 16, 9: 4}
@@ -37,7 +38,7 @@ FIRM = ("inner-before-outer", "level-ahead", "zone-order")
 """Rules that are always hard on the larger nests, so that few enough orders are left to judge one by one."""
 SCRAP_LAST = "scrap-last"
 """The rule that is always hard where there are scrap lines: without it the check fails for loose metal."""
-Kind = Literal["plain", "slits", "options", "links", "scrap"]
+Kind = Literal["plain", "slits", "options", "links", "scrap", "common"]
 """What the nests of a run have besides tabs, and what is drawn for them."""
 
 
@@ -46,7 +47,8 @@ def judged_case(seed: int, kind: Kind = "plain") -> Case:
 
     With slits one or two of 5 to 8 contours are slits. With options each option of each rule is drawn from what it
     declares, for 5 or 6 contours. With links 5 or 6 contours stand near each other, and 2 s a pierce make links worth
-    it. With scrap lines there are one to three, and 4 or 5 other contours.
+    it. With scrap lines there are one to three, and 4 or 5 other contours. With common edges 3 to 6 contours stand a
+    kerf apart, and are cut one way round.
     """
     match kind:
         case "options":
@@ -55,16 +57,19 @@ def judged_case(seed: int, kind: Kind = "plain") -> Case:
             return _with_links(seed)
         case "scrap":
             return _with_scrap(seed)
+        case "common":
+            return _with_common(seed)
         case "plain" | "slits":
             return _with_slits_or_none(seed, kind == "slits")
 
 
 def kind_of(seed: int) -> Kind:
-    """What is tried with a seed where everything is to be in the mixture: of four nests one with links, one with scrap.
+    """What is tried with a seed where everything is to be in the mixture: of eight nests two each with links and scrap.
 
-    Four has no divisor in common with 3 and 5, by which seeds decide other things.
+    One has common edges. Eight has no divisor in common with 3 and 5, by which seeds decide other things.
     """
-    return ("plain", "links", "plain", "scrap")[seed % 4]  # type: ignore[return-value]
+    kinds: Sequence[Kind] = ("plain", "links", "plain", "scrap", "common", "links", "plain", "scrap")
+    return kinds[seed % 8]
 
 
 def _with_links(seed: int) -> Case:
@@ -78,6 +83,26 @@ def _with_links(seed: int) -> Case:
     profile = replace(profile, rules=rules, machine=machine, cuts=Cuts(links=Links(longest_mm=90.0)))
     made = _as_case(rng, drawn, profile, seed)
     return replace(made, facts=with_links(made.facts, profile.link_options()))
+
+
+def _with_common(seed: int) -> Case:
+    rng = np.random.default_rng([seed, 8])
+    kerf_mm = load_profile().material.kerf_mm
+    drawn = block(rng, 3, kerf_mm, holes=True) if seed % 5 == 0 else block(rng, 4, kerf_mm)
+    profile = _visible(rng, random_profile(rng, drawn))
+    rules, machine = dict(profile.rules), profile.machine
+    heat, held = rules["heat-lag"], rules["hold-small-parts"]
+    rules["heat-lag"] = replace(heat, options=replace(heat.options, lag_s=0.0))  # type: ignore[type-var]
+    rules["hold-small-parts"] = replace(held, strength="off", weight=None)
+    # The check lets parts hold together that face each other by corners alone, as in grids; the planner is stricter.
+    rules["no-islands"] = replace(rules["no-islands"], strength="off", weight=None)
+    machine = replace(machine, pierce_time_s=2.0, pierce_dwell="program", kerf_start=bool(rng.random() < 0.7))
+    cuts = Cuts(common=Common(shortest_mm=20.0, good_side="any"))
+    profile = replace(profile, rules=rules, machine=machine, cuts=cuts, leads=replace(profile.leads, entries=2))
+    options = replace(profile.lead_options(drawn), directions=dict.fromkeys(KINDS, ("cw",)))
+    candidates = build_candidates(drawn, options)
+    facts = compute_facts(drawn, profile.fact_options(drawn), candidates, contour_heat_kj(drawn, candidates, profile))
+    return Case(facts, profile, options_for(drawn, profile, work=WORK))
 
 
 def _with_scrap(seed: int) -> Case:

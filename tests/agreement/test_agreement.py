@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
 from math import inf
 from typing import Any
 
@@ -83,8 +84,27 @@ def test_they_agree_on_nests_with_scrap_lines(seed: int) -> None:
     assert found.differ == ()
 
 
-def test_of_four_nests_one_has_links_and_one_scrap_lines() -> None:
-    assert [kind_of(seed) for seed in range(5)] == ["plain", "links", "plain", "scrap", "plain"]
+@pytest.mark.minizinc
+@pytest.mark.parametrize("seed", [5, 8, 11])
+def test_they_agree_on_nests_with_common_edges(seed: int) -> None:
+    assert any(cut.span is not None for own in Trial.of(judged_case(seed, "common")).ways for cut in own)
+    found = agreement(seed, "common")
+    assert found.outcome == "solved"
+    assert found.differ == ()
+
+
+def test_a_way_along_a_stretch_suits_what_is_out_and_nothing_else() -> None:
+    stretches = Trial.of(judged_case(11, "common")).stretches
+    assert stretches is not None
+    for contour, ways in enumerate(stretches.ways):
+        states = [frozenset(out) for k in range(4) for out in combinations(sorted(stretches.beside[contour]), k)]
+        for way, cut in enumerate(ways):
+            suited = [out for out in states if stretches.open(contour, way, sorted(out))]
+            assert suited == [frozenset()] if cut.span is None else len(suited) == 1 and suited[0]
+
+
+def test_of_eight_nests_two_have_links_two_scrap_lines_and_one_common_edges() -> None:
+    assert [kind_of(seed) for seed in range(5)] == ["plain", "links", "plain", "scrap", "common"]
 
 
 @pytest.mark.minizinc

@@ -20,6 +20,7 @@ from kerfwise.postproc.check.runs_from_cuts import runs_from_cuts
 from kerfwise.rules.catalogue.pierce import PierceOptions
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
+from kerfwise.tests.agreement.stretches import Stretches, along_mm
 from kerfwise.tests.models.engines.minizinc.cases import Case
 
 LEAST_S = 1e-3
@@ -65,8 +66,17 @@ class Trial:
 
     @property
     def counts_pierces(self) -> bool:
-        """Whether plans are compared by all their time: links save pierces and leads."""
+        """Whether plans are compared by all their time: links and common cuts save pierces, leads and cuts."""
+        if self.profile.cuts.common.shortest_mm is not None:
+            return True
         return self.profile.cuts.links.longest_mm > 0 and self.profile.no_links(self.nest) is None
+
+    @cached_property
+    def stretches(self) -> Stretches | None:
+        """Where contours may be cut along a stretch: which ways suit what is out."""
+        if not any(cut.span is not None for own in self.ways for cut in own):
+            return None
+        return Stretches(self.nest, self.ways, self.profile.material.kerf_mm)
 
     @cached_property
     def second(self) -> float:
@@ -76,10 +86,18 @@ class Trial:
 
     @cached_property
     def way_prices(self) -> list[list[float]]:
-        """What each way to cut a contour costs for its seconds: with links all, else those over the quickest way's."""
+        """What each way to cut a contour costs for its seconds.
+
+        With links or common cuts these are all but those of the shortest stretch, else those over the quickest way's.
+        """
+        kerf_mm = self.profile.material.kerf_mm
         found = []
         for contour, own in zip(self.nest.contours, self.ways, strict=True):
             seconds = [self._start_s(contour, cut) + self._lead_s(contour, cut.lead_out) for cut in own]
+            if any(cut.span is not None for cut in own):
+                feed = self.profile.machine.cut_feed_mm_s
+                along = [along_mm(cut, contour, kerf_mm) for cut in own]
+                seconds = [s + (mm - min(along)) / feed for s, mm in zip(seconds, along, strict=True)]
             least = 0.0 if self.counts_pierces else min(seconds)
             found.append([self.second * (s - least) if s - least >= LEAST_S else 0.0 for s in seconds])
         return found
@@ -89,6 +107,8 @@ class Trial:
         machine = self.profile.machine
         if contour.kind == "mark":
             pierce_s = machine.mark_time_s if self.counts_pierces else 0.0
+        elif cut.span is not None and machine.kerf_start:
+            pierce_s = machine.edge_preheat_s
         else:
             pierce_s = machine.pierce_time_s if self._sheet.intersects(shapely.Point(cut.pierce)) else 0.0
         return pierce_s + self._lead_s(contour, cut.lead_in)
