@@ -102,6 +102,8 @@ def _objective(plan: Plan) -> str:
     excuses, heavy_mm = plan.solve.excuses, plan.heavy_mm
     rest_mm, relaxed = plan.solve.objective - heavy_mm, (heavy_mm - excuses * EXEMPTION_MM) / RELAXED_MM
     text = f"objective {rest_mm / 1000:.3f} m"
+    if plan.pierces:
+        text += " without the way of the pierce pass"
     if excuses:
         fewest = ", the fewest within these zones and entries" if plan.solve.status == "optimal" else ""
         text += f" and {excuses} excuse{'s' if excuses > 1 else ''}{fewest}"

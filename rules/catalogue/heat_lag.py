@@ -49,6 +49,8 @@ class HeatLag(Rule[HeatLagOptions]):
     - **Links**: Linked parts follow each other at once. Where the rule is hard it rules out the link, and so does a lag
       in seconds; where it is soft the link is priced as any other near pair.
     - **Tabs**: They change nothing: the metal beside a tab is as hot.
+    - **Common cuts**: Parts with common edges are the nearest of neighbours. Where the rule is hard, something else
+      is cut between two of them.
     - **Scrap lines**: Nothing is asked of them: they bend no part. As other cuts between two contours they count.
 
     ## Why

@@ -90,6 +90,8 @@ class HoldSmallParts(Rule[HoldSmallPartsOptions]):
 
     - **Links**: No link leads to a part with tabs or from one, and links keep off the metal that tabs hang on.
     - **Tabs**: The rule makes them, and the check looks for them in the program.
+    - **Common cuts**: A nest with a part that tabs hold is refused with them: the neighbour's cut along a shared
+      edge would cut the tab.
     - **Scrap lines**: A part stays on its tabs, and leaves with its piece of the skeleton. Tabs keep off the lines,
       which would take the metal that holds.
 

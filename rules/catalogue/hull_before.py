@@ -38,6 +38,7 @@ class HullBefore(OrderRule[NoOptions]):
 
     - **Links**: They change no order: the two parts that a link joins are cut as they would be with a pierce.
     - **Tabs**: They change nothing: a part on its tabs is out once it is cut.
+    - **Common cuts**: They change no order: a part is out when what its neighbours left of it is cut.
     - **Scrap lines**: Nothing is asked of them: they are cut when all parts are out.
 
     ## Why

@@ -31,6 +31,8 @@ class InnerBeforeOuter(OrderRule[NoOptions]):
     - **Links**: They change no order: a hole is never linked, and a link leads to an outer contour when its holes are
       out.
     - **Tabs**: The order is kept as ever: a part on its tabs may move a little.
+    - **Common cuts**: A hole comes before the cut that takes its part out. A neighbour's cut may have followed a
+      shared edge before.
     - **Scrap lines**: They lie in no part, and no part lies in them.
 
     ## Why

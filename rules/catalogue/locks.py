@@ -50,6 +50,8 @@ class Locks(Rule[LocksOptions]):
 
     - **Links**: `linked: false` rules out each link to a contour. A locked entry or direction holds with a link, too.
     - **Tabs**: `tab: [x, y]` and `tab: off` decide them. A locked entry keeps its place, and tabs give way to it.
+    - **Common cuts**: A locked direction, place or order holds for cuts along stretches, too. A locked entry is
+      mostly one of the whole round: the part is then cut before its neighbours.
     - **Scrap lines**: They have names, `scrap1` and so on, by which positions and orders of them are locked, among each
       other.
 

@@ -43,6 +43,7 @@ class MarksFirst(Rule[MarksFirstOptions]):
 
     - **Links**: A mark is never linked: the torch goes off before it.
     - **Tabs**: Only outer contours have tabs.
+    - **Common cuts**: Marks come before them, as before everything that is cut.
     - **Scrap lines**: Marks come before them, as before everything that is cut.
 
     ## Why

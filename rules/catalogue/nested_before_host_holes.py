@@ -28,6 +28,7 @@ class NestedBeforeHostHoles(OrderRule[NoOptions]):
 
     - **Links**: They change no order. Parts in one hole may be linked with each other, never with the host.
     - **Tabs**: The order is kept as ever: a part in a hole is out once it is cut, on its tabs or not.
+    - **Common cuts**: They change no order. Parts in one hole may have edges in common with each other.
     - **Scrap lines**: Nothing is asked of them: none lies in a hole of a part.
 
     ## Why

@@ -58,6 +58,8 @@ class NoIslands(Rule[NoIslandsOptions]):
 
     - **Links**: What a link burns of the skeleton is not looked at.
     - **Tabs**: They change nothing: they hold a part once it is cut, and the rule is about metal that is not cut yet.
+    - **Common cuts**: A kerf of metal lies between two parts with a common edge: while both are in they hold each
+      other.
     - **Scrap lines**: Nothing is asked of them: no part is left when they are cut.
 
     ## Why

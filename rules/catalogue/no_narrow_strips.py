@@ -57,6 +57,7 @@ class NoNarrowStrips(Rule[NoNarrowStripsOptions]):
 
     - **Links**: What a link burns of the metal is not looked at.
     - **Tabs**: They change nothing: they hold a part once it is cut, and the rule is about metal that is not cut yet.
+    - **Common cuts**: They change nothing: a part is out when its own cut is made.
     - **Scrap lines**: Nothing is asked of them: no part is left when they are cut.
 
     ## Why

@@ -35,6 +35,8 @@ class NoTipTravel(Rule[NoOptions]):
 
     - **Links**: A link is no idle travel: it runs through waste.
     - **Tabs**: A part that tabs hold does not tip: travel over it is free.
+    - **Common cuts**: A part is out when its own cut is made, and travel keeps off it from then on, also to where
+      the next cut begins in its kerf.
     - **Scrap lines**: Travel to them and between them keeps off the parts that are out. Loose pieces of the skeleton
       are not looked at.
 

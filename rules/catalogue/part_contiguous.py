@@ -44,6 +44,8 @@ class PartContiguous(Rule[PartContiguousOptions]):
 
     - **Links**: No link leads to a part with holes while the rule is hard: its holes come first.
     - **Tabs**: They change nothing.
+    - **Common cuts**: The run of a part ends with its own cut, whatever its neighbours have cut of its outline
+      before.
     - **Scrap lines**: They belong to no part, so that each is alone. They are a run of their own by scrap-last.
 
     ## Why

@@ -41,6 +41,7 @@ class ScrapLast(Rule[ScrapLastOptions]):
     - **Links**: Where there are scrap lines there are no links: a link may cut metal off the skeleton, in which a line
       is cut afterwards.
     - **Tabs**: A part with tabs is out once it is cut, and leaves with its piece of the skeleton.
+    - **Common cuts**: They change nothing: lines come when all parts are out.
     - **Scrap lines**: The rule orders them.
 
     ## Why

@@ -65,6 +65,7 @@ class StartSide(Rule[StartSideOptions]):
 
     - **Links**: They change nothing.
     - **Tabs**: They change nothing.
+    - **Common cuts**: They change nothing.
     - **Scrap lines**: What they cut does not count when the side is chosen.
 
     ## Why

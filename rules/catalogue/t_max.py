@@ -58,6 +58,7 @@ class TMax(Rule[TMaxOptions]):
     - **Links**: With `dwells: true` no part is linked with the next: the torch waits while it is off. Without, the
       simulation burns the links of the program.
     - **Tabs**: The check has the torch burn through the tab, so that it errs on the safe side.
+    - **Common cuts**: Each shared edge is heated once, by the cut that burns it.
     - **Scrap lines**: They are simulated as all cuts are.
 
     ## Why

@@ -79,6 +79,8 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
 
     - **Links**: A link may lead from the last part of a zone to the first of the next.
     - **Tabs**: They change nothing.
+    - **Common cuts**: Parts of two zones may have an edge in common: the later one begins in the kerf of the
+      earlier one.
     - **Scrap lines**: They are a zone of their own, the last, and no budget of heat is asked of it.
 
     ## Why

@@ -80,7 +80,7 @@ def test_docstring_has_its_headings(rule: str) -> None:
     assert all(len(section.splitlines()) > 2 for section in sections), "a heading without text"
 
 
-@pytest.mark.parametrize("kind", ["Links", "Tabs", "Scrap lines"])
+@pytest.mark.parametrize("kind", ["Links", "Tabs", "Common cuts", "Scrap lines"])
 @pytest.mark.parametrize("rule", RULES)
 def test_page_says_what_the_rule_means_for_other_cuts(rule: str, kind: str) -> None:
     page = inspect.getdoc(type(RULES[rule])) or ""

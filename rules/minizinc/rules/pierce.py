@@ -19,6 +19,7 @@ class PierceTwin(Twin[PierceOptions]):
     def data(self, case: TwinCase, options: PierceOptions) -> Fields:
         waste = pierced_waste(case.facts)
         kerfs, leads = met_kerfs(case.facts, options.kerf_mm, options.splash_mm)
+        holes = met_holes(case.facts, options.kerf_mm, options.splash_mm)
         return [
             ("n_pierce_waste", str(len(waste))),
             ("pierce_waste_cand", numbers(c + 1 for c, _ in waste)),
@@ -29,6 +30,9 @@ class PierceTwin(Twin[PierceOptions]):
             ("n_pierce_leads", str(len(leads))),
             ("pierce_lead_later", numbers(c + 1 for c, _ in leads)),
             ("pierce_lead_earlier", numbers(d + 1 for _, d in leads)),
+            ("n_pierce_holes", str(len(holes))),
+            ("pierce_hole_cand", numbers(c + 1 for c, _ in holes)),
+            ("pierce_hole_other", numbers(d + 1 for _, d in holes)),
         ]
 
 
@@ -59,6 +63,29 @@ def met_kerfs(facts: Facts, kerf_mm: float, splash_mm: float) -> tuple[list[tupl
         [(c, k) for c, k in met.with_kerfs(lines) if _beside(contours[owner[c]], contours[k])],
         [(c, d) for c, d in met.with_kerfs(leads) if _beside(contours[owner[c]], contours[owner[d]])],
     )
+
+
+def met_holes(facts: Facts, kerf_mm: float, splash_mm: float) -> list[tuple[int, int]]:
+    """Candidates that would meet the hole of another of the same pass, by their own hole or a lead, with that one."""
+    in_pass, contours = facts.options.pierce_pass, facts.nest.contours
+    if in_pass is None:
+        return []
+    pierced = [
+        c for c, one in enumerate(facts.candidates) if contours[one.contour].shapes_part and not one.unpierced
+    ]
+    holes = np.array([shapely.Point(facts.candidates[c].pierce) for c in pierced], dtype=object)
+    found: set[tuple[int, int]] = set()
+    for c, one in enumerate(facts.candidates):
+        lines = [lead.line() for lead in (one.lead_in, one.lead_out) if lead is not None and lead.length_mm > 0]
+        own = shapely.Point(one.pierce)
+        for k, d in enumerate(pierced):
+            other = facts.candidates[d]
+            apart = contours[one.contour].part != contours[other.contour].part
+            together = in_pass == "sheet" or facts.zone[one.contour] == facts.zone[other.contour]
+            near = any(shapely.distance(line, holes[k]) <= kerf_mm / 2 for line in lines)
+            if apart and together and (near or shapely.distance(own, holes[k]) < kerf_mm + splash_mm):
+                found.add((c, d))
+    return sorted(found)
 
 
 class _Met:
