@@ -70,9 +70,7 @@ def met_holes(facts: Facts, kerf_mm: float, splash_mm: float) -> list[tuple[int,
     in_pass, contours = facts.options.pierce_pass, facts.nest.contours
     if in_pass is None:
         return []
-    pierced = [
-        c for c, one in enumerate(facts.candidates) if contours[one.contour].shapes_part and not one.unpierced
-    ]
+    pierced = [c for c, one in enumerate(facts.candidates) if contours[one.contour].shapes_part and not one.unpierced]
     holes = np.array([shapely.Point(facts.candidates[c].pierce) for c in pierced], dtype=object)
     found: set[tuple[int, int]] = set()
     for c, one in enumerate(facts.candidates):
