@@ -44,6 +44,7 @@ class Tried:
 
 LINKS = "machine: {pierce_time: 2 s}\ncuts: {links: {longest: 90 mm}}\n"
 TABS = "rules: {hold-small-parts: {strength: hard, tabs: tipping, width: 0.5 mm, corner: 1 mm}}\n"
+PASS = "machine: {pierce_dwell: program}\ncuts: {pierce_pass: zone}\n"
 BEYOND: Mapping[str, str] = {
     "": "",
     "links": LINKS,
@@ -52,6 +53,8 @@ BEYOND: Mapping[str, str] = {
     "scrap lines": "cuts: {scrap: {grid: 150 mm}}\n",
     "remnant, tabs": "cuts: {scrap: {remnant: right}}\n" + TABS,
     "scrap lines, tabs": "cuts: {scrap: {grid: 100 mm}}\n" + TABS,
+    "pierce pass": PASS,
+    "pierce pass, tabs": PASS + TABS,
 }
 """What a profile is given besides, by name: cuts beyond one contour and one pierce."""
 
