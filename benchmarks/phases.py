@@ -1,12 +1,14 @@
 """Where the time of a `solve` goes, phase by phase and size by size, and how long a first and a later start take.
 
 Usage: python benchmarks/phases.py [OTHER] [--contours 100 300 1000 3000 10000] [--work W] [--minutes M]
-           [--starts NAME…] > docs/phases.md
+           [--starts NAME…] [--kept FOLDER] > docs/phases.md
 
 OTHER is an earlier checkout; with one, each figure stands twice, before and after, from the same run. Plates are made
 by examples/gen_sheet.py, seed 1. Each plate and each start has a process of its own. Seconds are those of the
 processor, all threads together: other programs on the machine hardly change them. What takes more than M minutes of
-those is ended: the phases that were over by then have their seconds, the others a stroke.
+those is ended: the phases that were over by then have their seconds, the others a stroke. With --kept the seconds of
+each plate are kept in FOLDER, in a file for each checkout, and plates that stand there are not run again: the largest
+take long.
 """
 
 from __future__ import annotations
@@ -243,10 +245,16 @@ class Tree:
             raise SystemExit(f"{self.checkout}: {done.stderr[-2000:]}")
         return done
 
-    def phases(self, contours: int, work: float, minutes: float) -> Spent:
-        """See `spent`."""
+    def phases(self, contours: int, work: float, minutes: float, kept: Path | None = None) -> Spent:
+        """See `spent`; from a file, or kept in one, where one is named."""
+        if kept is not None and kept.exists():
+            known: Spent = json.loads(kept.read_text(encoding="utf-8"))
+            return known
         words = [__file__, "--one", str(contours), "--work", f"{work:g}", "--minutes", f"{minutes:g}"]
-        answer: Spent = json.loads(self.run(words, "warm").stdout.splitlines()[-1])
+        line = self.run(words, "warm").stdout.splitlines()[-1]
+        if kept is not None:
+            kept.write_text(f"{line}\n", encoding="utf-8", newline="\n")
+        answer: Spent = json.loads(line)
         return answer
 
     def start(self, words: Sequence[str], kept: str) -> Start:
@@ -340,6 +348,7 @@ def main() -> None:
     parser.add_argument("--work", type=float, default=2.0)
     parser.add_argument("--starts", nargs="*", choices=list(STARTS), default=list(STARTS))
     parser.add_argument("--minutes", type=float, default=MINUTES)
+    parser.add_argument("--kept", type=Path, metavar="FOLDER")
     parser.add_argument("--one", type=int, help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.one is not None:
@@ -359,9 +368,16 @@ def main() -> None:
             starts.append((name, pairs))
         runs: list[list[Spent]] = []
         for contours in given.contours:
-            for tree in trees if not runs else ():
-                tree.phases(contours, given.work, given.minutes)  # compiles
-            runs.append([tree.phases(contours, given.work, given.minutes) for tree in trees])
+            files = [kept_in(given.kept, k + 2 - len(trees), contours) for k in range(len(trees))]
+            for tree, file in zip(trees, files, strict=True):
+                if not runs and (file is None or not file.exists()):
+                    tree.phases(contours, given.work, given.minutes)  # compiles
+            runs.append(
+                [
+                    tree.phases(contours, given.work, given.minutes, file)
+                    for tree, file in zip(trees, files, strict=True)
+                ]
+            )
             print(runs[-1], file=sys.stderr, flush=True)
     words = [*(["OTHER"] if given.other else []), *_sizes(given, parser)]
     system = f"Python {platform.python_version()}, {platform.system()} {platform.machine()}, {os.cpu_count()} cores"
@@ -378,6 +394,11 @@ def main() -> None:
         ),
         end="",
     )
+
+
+def kept_in(folder: Path | None, which: int, contours: int) -> Path | None:
+    """Where the seconds of a plate are kept."""
+    return None if folder is None else folder / f"{('before', 'after')[which]}.{contours}.json"
 
 
 def _sizes(given: argparse.Namespace, parser: argparse.ArgumentParser) -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -82,3 +83,20 @@ def test_the_page_has_every_phase_and_start() -> None:
     for name in (*PHASES, REST, ALL, BUT_PLANNING, MEMORY):
         assert f"| {name} | " in PAGE
     assert "kernels, after" in PAGE
+
+
+def test_a_plate_that_is_kept_is_not_run_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    ran: list[str] = []
+
+    def run(tree: phases.Tree, words: list[str], kept: str) -> object:
+        ran.append(words[2])
+        return SimpleNamespace(stdout=f'a warning\n{{"contours": {words[2]}}}\n')
+
+    monkeypatch.setattr(phases.Tree, "run", run)
+    tree = object.__new__(phases.Tree)
+    for _ in range(2):
+        assert tree.phases(300, 0.1, 6.0, phases.kept_in(tmp_path, 1, 300)) == {"contours": 300}
+    assert ran == ["300"]
+    assert phases.kept_in(None, 1, 300) is None
+    assert tree.phases(300, 0.1, 6.0) == {"contours": 300}
+    assert ran == ["300", "300"]
