@@ -21,7 +21,9 @@ def shape(name: str, chance: random.Random, size_mm: float) -> Part:
             return part(name, rect(0, 0, w, h), [circle(r / 4, r / 4, bore), circle(w - r / 4, h - r / 4, bore)])
         case 1:
             a, b = w * chance.uniform(0.25, 0.5), h * chance.uniform(0.25, 0.5)
-            return part(name, [(0, 0), (w, 0), (w, b), (a, b), (a, h), (0, h)], [circle(a / 2, b / 2, min(a, b) / 5)])
+            return part(
+                name, [(0, 0), (w, 0), (w, b), (a, b), (a, h), (0, h)], [circle(a / 2, b / 2, max(min(a, b) / 5, 4))]
+            )
         case 2:
             return part(name, [(0, 0), (w, 0), (w, h / 4), (w / 4, h), (0, h)])
         case 3:
@@ -33,7 +35,7 @@ def shape(name: str, chance: random.Random, size_mm: float) -> Part:
             t = max(r * 0.25, 8)
             return part(name, [(0, 0), (w, 0), (w, h), (w - t, h), (w - t, t), (t, t), (t, h), (0, h)])
         case _:
-            return part(name, [(0, 0), (w, 0, 1.0), (w, h / 2), (0, h / 2, 1.0)], [circle(0, h / 4, h / 12)])
+            return part(name, [(0, 0), (w, 0, 1.0), (w, h / 2), (0, h / 2, 1.0)], [circle(0, h / 4, max(h / 12, 4))])
 
 
 def day_list(seed: int = 1, types: int = 60, parts: int = 600) -> Wanted:

@@ -15,6 +15,9 @@ import shapely
 
 from kerfwise.arrays import Floats
 
+SLIVER_MM2 = 1e-8
+"""What is smaller than this comes of rounding; what fits exactly has 1e-7 mm² to lie in."""
+
 
 def forbidden(a: shapely.Polygon, b: shapely.Polygon) -> shapely.Geometry:
     """Every shift of `b` by which it overlaps `a`.
@@ -53,7 +56,20 @@ def _sum(a: shapely.Polygon, b: shapely.Polygon) -> shapely.Geometry:
     else:
         one, other = _edges(a), _edges(b)
         swept = _hulls(np.repeat(one, len(other), axis=0), np.tile(other, (len(one), 1, 1)))
-    return shapely.union_all([*swept, *inside])
+    return _whole(shapely.union_all([*swept, *inside]))
+
+
+def _whole(area: shapely.Geometry) -> shapely.Geometry:
+    """The area without the slivers that rounding leaves between pieces of it."""
+    return shapely.union_all(
+        [
+            shapely.Polygon(
+                piece.exterior, [ring for ring in piece.interiors if shapely.Polygon(ring).area > SLIVER_MM2]
+            )
+            for piece in shapely.get_parts(area)
+            if piece.geom_type == "Polygon"
+        ]
+    )
 
 
 def allowed(room: shapely.Geometry, b: shapely.Polygon) -> shapely.Geometry:

@@ -10,13 +10,14 @@ import shapely
 from kerfwise.arrays import Floats
 from kerfwise.encoder.nest import Sheet
 
-from .nofit import allowed
+from .nofit import SLIVER_MM2, allowed
 from .outline import LOOSE_MM
 from .pose import Placed
 from .shapes import Key, Shapes
 from .wanted import Spacing
 
-_NEAR_MM = 1e-3
+_NEAR_MM = 3e-3
+"""Distances may be less by this: outlines are a little smaller, and places are rounded to a thousandth."""
 
 
 def usable(sheet: Sheet, spacing: Spacing) -> shapely.Geometry:
@@ -32,7 +33,7 @@ class Room:
     """
 
     def __init__(self, shapes: Shapes, sheet: Sheet, spacing: Spacing) -> None:
-        self.shapes, self.spacing = shapes, spacing
+        self.shapes, self.sheet, self.spacing = shapes, sheet, spacing
         self.ground = usable(sheet, spacing)
         self._whole = sheet.polygon.buffer(_NEAR_MM - spacing.edge_mm, join_style="mitre")
         shapely.prepare(self._whole)
@@ -86,7 +87,8 @@ class Room:
         if seen < len(self.placed):
             self._seen[key] = len(self.placed)
             if not free.is_empty:
-                self._free[key] = free = free.difference(self._barred(key, self.placed[seen:], free))
+                left = shapely.get_parts(free.difference(self._barred(key, self.placed[seen:], free)))
+                self._free[key] = free = shapely.multipolygons(left[shapely.area(left) > SLIVER_MM2])
         return free
 
     def _barred(self, key: Key, news: list[Placed], free: shapely.Geometry) -> shapely.Geometry:

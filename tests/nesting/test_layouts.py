@@ -7,7 +7,10 @@ import pytest
 from kerfwise.encoder.by_hand import circle, part, rect
 from kerfwise.encoder.nest import Part, Sheet
 from kerfwise.jobs.nesting.run import lay_out, nests_from
+from kerfwise.nesting.fill import LEFT, put_best
+from kerfwise.nesting.room import Room
 from kerfwise.nesting.rounds import Effort, best_layout
+from kerfwise.nesting.shapes import Shapes
 from kerfwise.nesting.wanted import PartType, Spacing, Stock, Wanted
 from kerfwise.tests.nesting.random_lists import random_order
 
@@ -100,3 +103,27 @@ def test_the_best_so_far_is_kept_when_told_to_stop() -> None:
 def test_the_check_finds_nothing_in_random_orders(seed: int) -> None:
     asked, spacing = random_order(seed)
     assert nests_from(best_layout(asked, spacing, Effort(1, seed=seed))).faults == ()
+
+
+def test_no_place_comes_of_rounding() -> None:
+    """What the edges of two hollow shapes sweep leaves slivers, in which the one would lie in the other."""
+    hollow = part(
+        "H", [(0, 0), (276.75, 11.3), (270.1, 215.2), (180.3, 170.7), (140.9, 60.1), (88.8, 181.3), (7.7, 199.9)]
+    )
+    slim = part("S", [(0, 0), (123.3, 3.1), (117.7, 30.75), (61.1, 21.9), (5.3, 33.3)])
+    shapes = Shapes((of(hollow, 4), of(slim, 20)), 5.99)
+    room = Room(shapes, Sheet.rectangle(700, 500), Spacing(5.99, 0.0))
+    for kind in (0, 1):
+        for _ in range(6):
+            places = [
+                (key, shift) for pose in shapes.poses(kind) for key in [(kind, pose)] for shift in room.places(key)
+            ]
+            assert all(Room.put(copy(room), key, shift) for key, shift in places)
+            put_best(room, kind, LEFT)
+
+
+def copy(room: Room) -> Room:
+    """The room, so that a part can be laid on trial."""
+    made = Room(room.shapes, room.sheet, room.spacing)
+    made.lay(room.placed)
+    return made

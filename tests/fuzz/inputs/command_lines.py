@@ -86,6 +86,8 @@ _LIMITS: dict[tuple[str, ...], tuple[str, ...]] = {
     ("bench",): ("--work", "0.01"),
     ("pareto",): ("--work", "0.01", "--price", "1"),
     ("compare",): ("--work", "0.01"),
+    ("nest",): ("--rounds", "1", "--weigh-work", "0.01"),
+    ("make",): ("--rounds", "1", "--weigh-work", "0.01", "--work", "0.01"),
     ("profile", "new"): ("--output", "out.yaml"),
     ("rules", "new"): ("--into", "folder"),
     ("dialects", "new"): ("--output", "out.yaml"),  # else NAME.yaml, wherever NAME leads
