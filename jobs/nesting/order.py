@@ -85,8 +85,7 @@ def _counted(text: str, what: str) -> tuple[str, int | None]:
 
 
 def _sheet_row(text: str, remnant: bool) -> SheetRow:
-    name, count = _counted(text, "number of sheets")
-    stock = 1 if remnant and count is None else count
+    name, stock = _counted(text, "number of sheets")
     if Path(name).suffix.lower() in (".json", ".dxf", ".svg"):
         return SheetRow(file=name, stock=stock, remnant=remnant)
     return SheetRow(size=name, stock=stock, remnant=remnant)
@@ -140,7 +139,8 @@ def _stock(row: SheetRow, folder: Path, reading: ReadOptions) -> Stock:
     else:
         width, height = _size(row)
         sheet, name = Sheet.rectangle(width, height), f"{width:g}x{height:g}"
-    return Stock(name, sheet, row.stock, row.price, row.remnant)
+    count = 1 if row.remnant and row.stock is None else row.stock
+    return Stock(name, sheet, count, row.price, row.remnant)
 
 
 def _size(row: SheetRow) -> tuple[float, float]:

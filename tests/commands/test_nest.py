@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+import kerfwise as package
 from kerfwise.commands.nest_progress import NestProgress
 from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.readers import read_nest
@@ -71,6 +72,15 @@ def test_a_remnant_that_solve_saves_is_cut_from_first(parts: Path) -> None:
     )
     assert ended.code == 0, ended.err
     assert [row["stock"] for row in json.loads((out / "nests.json").read_text())["sheets"]] == ["rest.json", "200x200"]
+
+
+def test_the_list_among_the_examples_is_laid_its_remnant_first_and_once(tmp_path: Path) -> None:
+    day = Path(package.__file__).parent / "examples" / "parts" / "day.yaml"
+    ended = kerfwise("nest", day, "--rounds", "1", "-o", tmp_path / "out")
+    assert ended.code == 0, ended.err
+    assert "137 of 137 parts on 3 sheets" in ended.out
+    stock = [row["stock"] for row in json.loads((tmp_path / "out" / "nests.json").read_text())["sheets"]]
+    assert stock == ["rest.json", "1500x1000", "1500x1000"]
 
 
 def test_a_second_run_leaves_nothing_of_the_first(parts: Path) -> None:
