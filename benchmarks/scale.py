@@ -42,8 +42,9 @@ All order rules are hard; no-tip-travel is off.
 
 Zone after zone a plan is proven in the time that its sets take, which grows with the number of zones. Without zones the
 sets are too many, and what is not proven is bounded by flows. Their linear programs take the longer the more sites
-there are; beyond 3000 sites a contour stands for all of its own, what rules ask of the metal that holds a part is left
-out, and the bound stays far below. [Where the gap comes from](gap.md) shows what is left as statements go.
+there are; beyond 9000 sites, or 3000 with less than 30 s for them, a contour stands for all of its own, what rules ask
+of the metal that holds a part is left out, and the bound stays far below. [Where the gap comes from](gap.md) shows what
+is left as statements go.
 
 | plate | facts to problem, s | first plan, s | {heads} | bound after {last:g} s | gap | proven, s | memory, MB |
 |---|---:|---:|{rules}---:|---:|---:|---:|

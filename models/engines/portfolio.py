@@ -284,7 +284,8 @@ class _Run:
     def _flow(self, share: float) -> None:
         if self.known.incumbent is None or share <= 0.0:
             return
-        found = bounds.flow_bound(self.problem, self.known.incumbent, share, self._within(share))
+        within = self._within(share)
+        found = bounds.flow_bound(self.problem, self.known.incumbent, share, within, self.most_bytes)
         self.known.work += found.work
         if found.bound > 0:
             self.known.notes.append("flow: a bound by linear programming")

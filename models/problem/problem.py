@@ -110,8 +110,9 @@ class Problem:
         if self.matrix is not None:
             table = np.asarray(self.matrix[np.ix_(np.asarray(leave), np.asarray(reach))], dtype=np.int64)
         else:
-            gap = self._at(self.end_um, leave)[:, None, :] - self._at(self.pierce_um, reach)[None, :, :]
-            table = np.asarray(np.rint(self.travel_weight * np.sqrt((gap**2).sum(axis=2))), dtype=np.int64)
+            ends, pierces = self._at(self.end_um, leave), self._at(self.pierce_um, reach)
+            over, up = (ends[:, None, axis] - pierces[None, :, axis] for axis in (0, 1))
+            table = np.rint(self.travel_weight * np.sqrt(over**2 + up**2)).astype(np.int64)
         if len(self.links):
             self.links.laid_over(table, np.asarray(leave), np.asarray(reach))
         return table

@@ -9,6 +9,7 @@ over all moves, so that it holds however good they are.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,8 +37,12 @@ CROWD = 3
 """Inequalities per contour, beyond which those are dropped that nothing is paid for."""
 RISEN = 1e-5
 """Share by which the bound has risen before inequalities are dropped again: else the same ones come back in turn."""
-MOST_SITES, MOST_CONTOURS = 3000, 1500
+MOST_SITES, MOST_CONTOURS = 9000, 1500
 """With more sites contours stand for all of theirs; with more contours there is no bound (it takes too long)."""
+BYTES_A_MOVE = 14.0
+"""What is kept of every move, and needed while they are gone through."""
+FEW_SITES, WORK_MANY = 3000, 30.0
+"""Where there is less work than that, contours stand for their sites from so many on: a round takes some seconds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +53,13 @@ class FlowBound:
     work: float
 
 
-def flow_bound(problem: Problem, plan: Incumbent, work: float, progress: Progress | None = None) -> FlowBound:
+def flow_bound(
+    problem: Problem,
+    plan: Incumbent,
+    work: float,
+    progress: Progress | None = None,
+    most_bytes: float = math.inf,
+) -> FlowBound:
     """Bound every plan from below, cutting off what no plan does until it is worth no more rounds.
 
     Parameters
@@ -59,13 +70,17 @@ def flow_bound(problem: Problem, plan: Incumbent, work: float, progress: Progres
         Limit in deterministic seconds; the round in which it is reached is finished.
     progress
         Told the bound after every round, asked whether to go on.
+    most_bytes
+        What tables of all moves may take where there are many sites.
     """
     if not 0 < problem.n <= MOST_CONTOURS:
         return FlowBound(0, 0.0)
-    if problem.m > MOST_SITES:
+    many = max(FEW_SITES, min(MOST_SITES, math.sqrt(most_bytes / BYTES_A_MOVE))) if work >= WORK_MANY else FEW_SITES
+    most_sites = int(min(MOST_SITES, many))
+    if problem.m > most_sites:
         plan = Incumbent(tuple(int(problem.site_contour[s]) for s in plan.route), plan.cost)
         problem = merged(problem)
-    network = network_of(problem, plan.route, plan.cost, MOST_SITES)
+    network = network_of(problem, plan.route, plan.cost, most_sites)
     loop = CutLoop(network, plan, work, progress)
     loop.run(PATIENCE, LEAST_GAIN)
     if loop.stalled and network.problem.m <= MOST_BRANCHED:

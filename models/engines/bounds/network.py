@@ -25,7 +25,7 @@ MOST_SPLIT = 2
 """Conditions of a site that are paid for by a site of their own, at the most."""
 WIDE = 2000
 """With more sites what moves cost is kept in half the bytes, rounded down."""
-ROWS = 500
+ROWS = 100
 """Sites from which all moves are worked out at once."""
 
 
@@ -106,8 +106,7 @@ def _costs(problem: Problem, sites: Ints, split: Problem, sooner: Bools, later: 
         part = moves.between(ends[rows], ends) + charged
         part[~_lawful(rows, split.site_contour, sooner, later, wants_in[rows] @ wants_out)] = np.inf
         cost[rows] = part
-        if cost.dtype == np.float32:
-            above = cost[rows] > part
+        if (above := cost[rows] > part).any():
             cost[rows] = np.where(above, np.nextafter(cost[rows], np.float32(-np.inf)), cost[rows])
     return cost
 

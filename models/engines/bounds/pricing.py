@@ -24,7 +24,7 @@ MARGIN_UM = 0.5
 """Plans cost whole numbers: one that is cheaper than the known one costs 1 less."""
 ENOUGH, ENOUGH_OF_PLAN = 1.0, 1e-6
 """A move that would make the program cheaper by no more than this, or this share of the plan, is not missing."""
-ROWS = 256
+ROWS = 128
 """Sites whose moves are gone through at once."""
 
 
