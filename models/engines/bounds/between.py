@@ -13,7 +13,8 @@ import numpy as np
 from kerfwise.arrays import Floats
 
 from .inequalities import Inequalities
-from .separation import Flow, Separation
+from .least_cuts import Flow
+from .separation import Separation
 
 STEP = 0.4
 """How far it goes from where it was towards the cheapest flow each time."""

@@ -8,10 +8,10 @@ from scipy.sparse import csr_matrix, hstack, vstack
 from kerfwise.arrays import Bools, Floats, Ints
 
 from .inequalities import Inequalities
+from .least_cuts import Flow
 from .network import Network
 from .pricing import AllMoves, Multipliers, whole
 from .restricted_master import restricted_master
-from .separation import Flow
 
 ADDITIONS_PER_S = 3.6e7
 """Moves times rounds of the simplex method that a second is counted for."""

@@ -9,23 +9,20 @@ can come to a contour at one of its sites and go on in another cycle from the ne
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.arrays import Floats
 from kerfwise.models.problem.closure import immediate
 
 from .demands import DemandColumns, Order
-from .flow_kernels import flow_up_to
-from .inequalities import Inequalities, OrderCut, of_covers, of_cuts
+from .inequalities import Inequalities, of_covers, of_cuts
+from .least_cuts import LITTLE, Flow, Graph, Missing, Way
 from .network import Network
 
-UNIT = 1_000_000
-"""Flows are whole millionths."""
-MUCH, LITTLE = 0.2, 0.05
-"""What may be missing of a flow without a cut: less only where there is no cut by more."""
+MUCH = 0.2
+"""What may be missing of a flow where there are cuts by more."""
 MOST, PLENTY = 250, 2
 """Inequalities in a round at the most, unless there are more contours; and how many times as many are looked for."""
 REST = 3
@@ -36,15 +33,6 @@ MOVES_PER_S = 1.2e7
 """Moves of a flow that a second is counted for, every time that it is looked through."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Flow:
-    """How much goes along moves `leave[k]` → `reach[k]` between sites, home last; all (moves,)."""
-
-    leave: Ints
-    reach: Ints
-    amount: Floats
-
-
 class _Sites(NamedTuple):
     """Some sites of a contour."""
 
@@ -53,38 +41,6 @@ class _Sites(NamedTuple):
 
 
 _Task = tuple[int] | tuple[int, int] | _Sites | Order
-
-
-class _Way(NamedTuple):
-    """From contour to contour, or home, meeting no site that is `barred` (m + 1,); by some sites of either where those
-    are given, or as far as an order holds."""
-
-    start: int
-    end: int
-    barred: Bools
-    start_sites: Bools | None = None
-    end_sites: Bools | None = None
-    order: Order | None = None
-
-    @property
-    def through(self) -> Bools | None:
-        """The sites that count, None for all of the contour."""
-        return self.end_sites if self.start_sites is None else self.start_sites
-
-
-class _Missing(NamedTuple):
-    """How much is missing of what should go a way, and which of the nodes of a graph are on its start's side."""
-
-    amount: float
-    way: _Way
-    side: Bools
-
-    @property
-    def name(self) -> bytes:
-        """Equal for ways that are cut alike."""
-        way, sites = self.way, self.way.through
-        order = b"" if way.order is None else bytes(f"{way.order.column} {way.order.turned}", "ascii")
-        return self.side.tobytes() + way.barred.tobytes() + (b"" if sites is None else sites.tobytes()) + order
 
 
 class Separation:
@@ -107,8 +63,8 @@ class Separation:
 
         No more are looked for if `go` says no.
         """
-        graph = _Graph(self._network, flow)
-        found: dict[bytes, _Missing] = {}
+        graph = Graph(self._network, flow)
+        found: dict[bytes, Missing] = {}
         self._round += 1
         tasks = self._tasks(graph.used, beside)
         tasks = [tasks[k] for k in np.random.default_rng(self._round).permutation(len(tasks)).tolist()]
@@ -123,7 +79,7 @@ class Separation:
         return of_cuts([graph.lifted(missing) for missing in chosen], m, columns).joined(of_covers(covers, m, columns))
 
     def _look(
-        self, tasks: list[_Task], graph: _Graph, beside: Floats, found: dict[bytes, _Missing], go: Callable[[], bool]
+        self, tasks: list[_Task], graph: Graph, beside: Floats, found: dict[bytes, Missing], go: Callable[[], bool]
     ) -> None:
         """Look at some until more is missing than a round takes; those that nothing is missing of then rest."""
         much = 0
@@ -151,7 +107,7 @@ class Separation:
         orders = (order for pair in self._demands.pairs for order in (pair, pair.other_way_round))
         return [*tasks, *(order for order in orders if order.value(beside) > LITTLE)]
 
-    def _ways(self, task: _Task) -> Iterator[_Way]:
+    def _ways(self, task: _Task) -> Iterator[Way]:
         n, wants_out, wants_in = self._problem.n, self._wants_out, self._wants_in
         if isinstance(task, _Sites):
             yield from self._by_sites(task.contour, list(task.sites))
@@ -159,17 +115,17 @@ class Separation:
             block = self._blocks
             i, j = task.first, task.then
             sooner, later = block == self._problem.block[i], block == self._problem.block[j]
-            yield _Way(n, i, wants_out[i] | wants_out[j] | later, order=task)
-            yield _Way(i, j, wants_in[i] | wants_out[j], order=task)
-            yield _Way(j, n, wants_in[j] | wants_in[i] | sooner, order=task)
+            yield Way(n, i, wants_out[i] | wants_out[j] | later, order=task)
+            yield Way(i, j, wants_in[i] | wants_out[j], order=task)
+            yield Way(j, n, wants_in[j] | wants_in[i] | sooner, order=task)
         elif len(task) == 1:
-            yield _Way(n, task[0], wants_out[task[0]])
-            yield _Way(task[0], n, wants_in[task[0]])
+            yield Way(n, task[0], wants_out[task[0]])
+            yield Way(task[0], n, wants_in[task[0]])
         else:
             i, j = task
-            yield _Way(i, j, wants_in[i] | wants_out[j])
+            yield Way(i, j, wants_in[i] | wants_out[j])
 
-    def _by_sites(self, j: int, sites: list[int]) -> Iterator[_Way]:
+    def _by_sites(self, j: int, sites: list[int]) -> Iterator[Way]:
         """Ways to and from some sites of contour j, with what holds where one of them is used."""
         n, network, owner = self._problem.n, self._network, self._owner
         through = np.zeros(len(owner), dtype=np.bool_)
@@ -179,12 +135,12 @@ class Separation:
         after |= network.sooner[:, later].any(axis=1) | self._wants_out[j]
         before |= network.later[:, sooner].any(axis=1) | self._wants_in[j]
         others = (owner == j) & ~through
-        yield _Way(n, j, after | others, end_sites=through)
-        yield _Way(j, n, before | others, start_sites=through)
+        yield Way(n, j, after | others, end_sites=through)
+        yield Way(j, n, before | others, start_sites=through)
         for k in np.flatnonzero(later & ~self._problem.before[j]).tolist():
-            yield _Way(j, k, before | others | self._wants_out[k], start_sites=through)
+            yield Way(j, k, before | others | self._wants_out[k], start_sites=through)
         for k in np.flatnonzero(sooner & ~self._problem.before[:, j]).tolist():
-            yield _Way(k, j, after | others | self._wants_in[k], end_sites=through)
+            yield Way(k, j, after | others | self._wants_in[k], end_sites=through)
 
     def _sites_by_order(self) -> list[_Sites]:
         """Contours with those of their sites that want one other contour out, or in, where those are several."""
@@ -198,89 +154,3 @@ class Separation:
                     if len(chosen) > 1:
                         found[_Sites(j, chosen)] = None
         return list(found)
-
-
-class _Graph:
-    """The moves of a flow, between the sites that it uses."""
-
-    def __init__(self, network: Network, flow: Flow) -> None:
-        problem = network.problem
-        room = np.rint(flow.amount * UNIT).astype(np.int64)
-        taken = room > 0
-        self._owner = np.append(problem.site_contour, problem.n)
-        self._sites, ends = np.unique(np.append(flow.leave[taken], flow.reach[taken]), return_inverse=True)
-        self._leave, self._reach = ends.reshape(2, -1)
-        self._room = room[taken]
-        ends = np.concatenate([self._leave, self._reach])
-        arcs = np.arange(len(self._leave))
-        self._first = np.searchsorted(np.sort(ends), np.arange(len(self._sites) + 1))
-        self._arcs = np.concatenate([arcs, ~arcs])[np.argsort(ends, kind="stable")]
-        self._contour = self._owner[self._sites]
-        self._n, self._before, self._first_site = problem.n, problem.before, problem.first[:-1]
-        self._wants_out, self._wants_in = network.sooner, network.later
-        self.size = int(taken.sum())
-        self.used: Floats = np.bincount(flow.reach, flow.amount, problem.m + 1).astype(np.float64)
-
-    def least_cut(self, way: _Way, beside: Floats) -> _Missing | None:
-        """The least cut on a way, if more than a little is missing of what should go across."""
-        through = way.through
-        need = 1.0 if through is None else float(self.used[through].sum())
-        if way.order is not None:
-            need = way.order.value(beside)
-        kept = self._kept(way)
-        start = (way.start_sites if way.start_sites is not None else self._owner == way.start)[self._sites]
-        end = (way.end_sites if way.end_sites is not None else self._owner == way.end)[self._sites]
-        side = np.empty(len(self._sites), dtype=np.bool_)
-        enough = round((need - LITTLE) * UNIT)
-        over = flow_up_to(
-            enough, start, end, kept[self._sites], self._leave, self._reach, self._room, self._first, self._arcs, side
-        )
-        amount = need - over / UNIT
-        return _Missing(amount, way, side) if amount > LITTLE else None
-
-    def lifted(self, missing: _Missing) -> OrderCut:
-        """What goes from one side to the other, meeting as little as can be."""
-        way = missing.way
-        tail, head = self._sides(missing.side, way)
-        kept = self._kept(way) & ~self._lifted(tail, head, way)
-        return OrderCut(tail & kept, head & kept, way.through, way.order)
-
-    def _kept(self, way: _Way) -> Bools:
-        kept = ~way.barred
-        kept[-1] = self._n in (way.start, way.end)
-        return kept
-
-    def _lifted(self, tail: Bools, head: Bools, way: _Way) -> Bools:
-        """Sites (m + 1,) that the move across meets as little as what the way bars, given all that is on its sides.
-
-        Of the contours that lie whole on the side of the tail, the last is no earlier than any of them; the move out of
-        it meets nothing that comes before one of them. On the way to home that is all of them, on the way to a contour
-        those that come before it. The same from the other end (Balas, Fischetti and Pulleyblank 1995).
-        """
-        before, i, j, n = self._before, way.start, way.end, self._n
-        first = self._first_site
-        left = np.logical_and.reduceat(tail[:-1], first)
-        right = np.logical_and.reduceat(head[:-1], first)
-        if j == n:
-            left[i] = True
-            return np.asarray(self._wants_in[:, left].any(axis=1))
-        if i == n:
-            right[j] = True
-            return np.asarray(self._wants_out[:, right].any(axis=1))
-        left &= before[:, j]
-        left[i] = True
-        right &= before[left].all(axis=0)
-        right[j] = True
-        return np.asarray(self._wants_in[:, left].any(axis=1) | self._wants_out[:, right].any(axis=1))
-
-    def _sides(self, side: Bools, way: _Way) -> tuple[Bools, Bools]:
-        """All sites on either side; those not in use go with the contour's own, or to the end."""
-        before, after = (np.bincount(self._contour[which], minlength=self._n + 1) for which in (side, ~side))
-        tail = ((before > 0) & (after == 0))[self._owner]
-        tail[self._sites] = side
-        if way.start_sites is not None:
-            tail |= way.start_sites
-        elif way.start < self._n:
-            tail |= self._owner == way.start
-        tail &= ~way.end_sites if way.end_sites is not None else self._owner != way.end
-        return tail, ~tail

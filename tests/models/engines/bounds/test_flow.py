@@ -13,8 +13,9 @@ from kerfwise.arrays import Floats
 from kerfwise.models.engines.bounds import flow, flow_bound
 from kerfwise.models.engines.bounds.demands import DemandColumns
 from kerfwise.models.engines.bounds.inequalities import block_inequalities
+from kerfwise.models.engines.bounds.least_cuts import Flow
 from kerfwise.models.engines.bounds.network import network_of
-from kerfwise.models.engines.bounds.separation import Flow, Separation
+from kerfwise.models.engines.bounds.separation import Separation
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import route_cost

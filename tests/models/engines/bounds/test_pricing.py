@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 
-from kerfwise.models.engines.bounds import flow_bound, network
+from kerfwise.models.engines.bounds import costs, flow_bound
 from kerfwise.models.engines.bounds.inequalities import Inequalities
 from kerfwise.models.engines.bounds.network import network_of
 from kerfwise.models.engines.bounds.pricing import Multipliers, whole
@@ -20,7 +20,7 @@ def test_a_bound_by_narrow_numbers_holds(seed: int, monkeypatch: pytest.MonkeyPa
     best = cheapest(tiny)
     assert best is not None
     wide = flow_bound(tiny, best, 5.0).bound
-    monkeypatch.setattr(network, "WIDE", 0)
+    monkeypatch.setattr(costs, "WIDE", 0)
     assert 0.99 * wide < flow_bound(tiny, best, 5.0).bound <= best.cost
 
 
@@ -29,7 +29,7 @@ def test_narrow_numbers_are_rounded_down(monkeypatch: pytest.MonkeyPatch) -> Non
     best = cheapest(tiny)
     assert best is not None
     wide = network_of(tiny, best.route, 10**15, 3000).cost
-    monkeypatch.setattr(network, "WIDE", 0)
+    monkeypatch.setattr(costs, "WIDE", 0)
     narrow = network_of(tiny, best.route, 10**15, 3000).cost
     assert narrow.dtype == np.float32
     assert (narrow.astype(np.float64) <= wide).all()

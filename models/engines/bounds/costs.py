@@ -1,0 +1,55 @@
+"""What every move of a network costs: a table that is worked out some rows at a time, narrow where it is large."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kerfwise.arrays import Bools, Float32s, Floats, Ints
+from kerfwise.models.problem.problem import Problem
+
+from .moves import Moves
+
+WIDE = 2000
+"""With more sites what moves cost is kept in half the bytes, rounded down."""
+ROWS = 100
+"""Sites from which all moves are worked out at once."""
+
+
+def costs_of(problem: Problem, sites: Ints, split: Problem, sooner: Bools, later: Bools) -> Floats | Float32s:
+    """What every move costs, as `Network` says.
+
+    `sites` are those of the problem that the sites of the `split` one stand for.
+    """
+    m, moves = split.m, Moves(problem)
+    cost = empty_costs(m)
+    ends, charged = np.append(sites, problem.m), np.append(split.site_cost, 0)
+    wants_out, wants_in = sooner.astype(np.float32).T, later.astype(np.float32)
+    for start in range(0, m + 1, ROWS):
+        rows = np.arange(start, min(start + ROWS, m + 1))
+        part = moves.between(ends[rows], ends) + charged
+        part[~_lawful(rows, split.site_contour, sooner, later, wants_in[rows] @ wants_out)] = np.inf
+        cost[rows] = part
+        if (above := cost[rows] > part).any():
+            cost[rows] = np.where(above, np.nextafter(cost[rows], np.float32(-np.inf)), cost[rows])
+    return cost
+
+
+def empty_costs(m: int) -> Floats | Float32s:
+    """A table (m + 1, m + 1) to fill."""
+    if m > WIDE:
+        return np.empty((m + 1, m + 1), dtype=np.float32)
+    return np.empty((m + 1, m + 1), dtype=np.float64)
+
+
+def _lawful(rows: Ints, contours: Ints, sooner: Bools, later: Bools, between: Float32s) -> Bools:
+    """Which site may follow some: none that is to be out before, or after something that is to be between them.
+
+    `between` (rows, m + 1) counts the contours that are.
+    """
+    never = between > 0.5
+    home = len(contours)
+    never[rows == home] = sooner.any(axis=1)
+    never[:, home] = later[rows].any(axis=1)
+    never[:, :home] |= sooner[rows][:, contours]
+    never |= np.where((rows < home)[:, None], later[:, contours[np.minimum(rows, home - 1)]].T, False)
+    return np.asarray(~never)
