@@ -104,6 +104,9 @@ def parse_dialect(text: str, file: str) -> Dialect:
     if dialect.marks and bool(dialect.torch_station) != bool(dialect.mark_station):
         at = problems.place(deepest(root, "torch_station" if dialect.torch_station else "mark_station"))
         raise wrong_at(at, "torch_station and mark_station: expected blocks for both, or for neither")
+    if bool(dialect.torch_select) != bool(dialect.torch_deselect):
+        at = problems.place(deepest(root, "torch_select" if dialect.torch_select else "torch_deselect"))
+        raise wrong_at(at, "torch_select and torch_deselect: expected blocks for both, or for neither")
     if dialect.step_mm > _COARSEST_MM * (1 + 1e-9):
         at = problems.place(deepest(root, "decimals"))
         raise wrong_at(

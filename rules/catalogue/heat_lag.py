@@ -52,6 +52,7 @@ class HeatLag(Rule[HeatLagOptions]):
     - **Common cuts**: Parts with common edges are the nearest of neighbours. Where the rule is hard, something else
       is cut between two of them.
     - **Scrap lines**: Nothing is asked of them: they bend no part. As other cuts between two contours they count.
+    - **Several torches**: What they cut at one time is near in time as can be: no cut lies between.
 
     ## Why
 

@@ -41,6 +41,7 @@ class LevelAhead(OrderRule[NoOptions]):
     - **Tabs**: They change nothing: tabs do not stiffen what is cut later.
     - **Common cuts**: They change no order: a part is out when what its neighbours left of it is cut.
     - **Scrap lines**: Nothing is asked of them: they are cut when all parts are out.
+    - **Several torches**: It is asked of what each of them cuts, not between two of them.
 
     ## Why
 

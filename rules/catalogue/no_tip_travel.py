@@ -39,6 +39,7 @@ class NoTipTravel(Rule[NoOptions]):
       the next cut begins in its kerf.
     - **Scrap lines**: Travel to them and between them keeps off the parts that are out. Loose pieces of the skeleton
       are not looked at.
+    - **Several torches**: Their heads go along with the first, lit or not, and keep off what is out, too.
 
     ## Why
 

@@ -47,6 +47,7 @@ class PartContiguous(Rule[PartContiguousOptions]):
     - **Common cuts**: The run of a part ends with its own cut, whatever its neighbours have cut of its outline
       before.
     - **Scrap lines**: They belong to no part, so that each is alone. They are a run of their own by scrap-last.
+    - **Several torches**: What they cut at one time comes between nothing.
 
     ## Why
 

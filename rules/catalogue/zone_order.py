@@ -82,6 +82,7 @@ class ZoneOrder(Rule[ZoneOrderOptions]):
     - **Common cuts**: Parts of two zones may have an edge in common: the later one begins in the kerf of the
       earlier one.
     - **Scrap lines**: They are a zone of their own, the last, and no budget of heat is asked of it.
+    - **Several torches**: Zones are those of the first; a copy is in the zone of what it is cut with.
 
     ## Why
 

@@ -72,6 +72,11 @@ def test_a_plant_brings_its_own(tmp_path: Path) -> None:
             "  mark:",
             "assumes: expected lists of comments under plasma, oxyfuel, laser, water-jet, marks or torches",
         ),
+        (
+            "mark_off: M5 $1",
+            "mark_off: M5 $1\ntorch_select: M64 P{output}",
+            "torch_select and torch_deselect: expected",
+        ),
         ("feed: F{mm_min}", "feed: F{inch_min}", r"feed: expected one \{mm_min\}"),
         ("feed: F{mm_min}", "feed: F{mm_min:.0f}", r"feed: expected one \{mm_min\}, and no other brace"),
         (
