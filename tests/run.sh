@@ -41,11 +41,15 @@ if [ ! -x .tools/rs274/bin/rs274 ]; then
   rm -f .rs274.log
 fi
 
-say "gcode-toolpath, another reader of programs, from npm"
-if [ ! -d .tools/node/node_modules/gcode-toolpath ]; then
+say "gcode-toolpath, another reader of programs, and TypeScript, from npm"
+if [ ! -d .tools/node/node_modules/gcode-toolpath ] || [ ! -d .tools/node/node_modules/typescript ]; then
   command -v npm >/dev/null 2>&1 || from_debian npm
-  sh tests/tools/get_node_readers.sh .tools/node || fail "gcode-toolpath could not be fetched from npm"
+  sh tests/tools/get_node_readers.sh .tools/node || fail "gcode-toolpath and TypeScript could not be fetched from npm"
 fi
+
+say "Chromium, for the page"
+command -v chromium >/dev/null 2>&1 || from_debian chromium
+chromium --version
 
 say "lint, types, layers"
 .venv/bin/ruff check .

@@ -27,10 +27,11 @@ def expect_kinds(names: Iterable[str | Path]) -> None:
 
 def content_of(made: Comparison, suffix: str) -> str | bytes:
     """The content of a file whose name ends so; one of `KINDS`."""
-    from .page import page
+    from kerfwise.jobs.page import compared_data, page_bytes
+
     from .paper import paper
     from .picture import picture
 
     if suffix == ".pdf":
         return paper(made)
-    return page(made) if suffix == ".html" else picture(made, suffix)
+    return page_bytes(compared_data(made)) if suffix == ".html" else picture(made, suffix)

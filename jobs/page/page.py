@@ -6,7 +6,7 @@ from pathlib import Path
 
 from kerfwise.encoder.shown import shown
 from kerfwise.jobs.checking import check_made
-from kerfwise.jobs.compare import Comparison
+from kerfwise.jobs.compare import Comparison, Side
 from kerfwise.jobs.given import Given
 from kerfwise.jobs.one_torch import expect_one_torch
 from kerfwise.models.plan.plan import Plan
@@ -66,14 +66,23 @@ def page_data(
 
 def compared_data(made: Comparison) -> Data:
     """The page of two plans or programs, with what differs."""
-    sides = []
-    for letter, side in (("A", made.a), ("B", made.b)):
-        expect_one_torch(side.given.profile, "the page for the browser", side.plan)
-        data = program_side(side) if side.plan is None else plan_side(side.given, side.plan, side.verdict)
-        sides.append(data | {"name": f"{letter}: {shown(side.name)}"})
+    sides = [
+        _compared(side) | {"name": f"{letter}: {shown(side.name)}"} for letter, side in (("A", made.a), ("B", made.b))
+    ]
     nest = made.a.given.nest
     title = f"{shown(Path(nest.file or 'nest').name)} compared"
     return page_of(nest, sides, title) | {"comparison": comparison_data(made)}
+
+
+def _compared(side: Side) -> Data:
+    expect_one_torch(side.given.profile, "the page for the browser", side.plan)
+    if side.plan is None:
+        return program_side(side)
+    nest, profile = side.given.nest, side.profile.at_origin(side.plan.origin)
+    data = plan_side(side.given, side.plan, side.verdict)
+    data["nc"] = program_data(write_program(side.plan, nest, profile), nest, profile)
+    data["heat"] = heat_data(side.given, side.plan, side.heat is not None)
+    return data
 
 
 def page_bytes(data: Data) -> bytes:

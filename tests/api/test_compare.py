@@ -34,7 +34,7 @@ def test_without_a_rule_b_is_planned_anew(planned: kerfwise.Result, tmp_path: Pa
     assert paid == ("hard", "off")
     assert made.b.name == "without level-ahead"
     files = made.save(tmp_path / "both.svg", tmp_path / "both.html", tmp_path / "both.pdf")
-    assert [file.read_bytes()[:4] for file in files] == [b"<svg", b"<!do", b"%PDF"]
+    assert [file.read_bytes()[:4] for file in files] == [b"<svg", b"<!DO", b"%PDF"]
     assert made.picture().content == files[0].read_bytes()
     assert json.loads(json.dumps(made.as_json()))["format"] == "kerfwise-comparison/1"
     with pytest.raises(kerfwise.InputError, match="a comparison is written as"):

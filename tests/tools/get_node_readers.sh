@@ -1,5 +1,6 @@
 #!/bin/sh
-# Fetches gcode-toolpath, an outside reader of programs, from npm into the folder that is named. Needs Node.js and npm.
+# Fetches from npm into the folder that is named: gcode-toolpath, an outside reader of programs, and TypeScript, which
+# checks the types of the page's modules. Needs Node.js and npm.
 set -eu
 mkdir -p "$1"
-npm install --silent --no-audit --no-fund --prefix "$1" gcode-toolpath@3.0.0
+npm install --silent --no-audit --no-fund --prefix "$1" gcode-toolpath@3.0.0 typescript@5.9.3

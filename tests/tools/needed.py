@@ -9,7 +9,7 @@ import pytest
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.batch import cluster
-from kerfwise.tests.tools import canon
+from kerfwise.tests.tools import browser, canon, typescript
 from kerfwise.tests.tools.outside import gcode_toolpath
 
 LEFT_OUT = "leaves these tests out"
@@ -44,6 +44,24 @@ def without_node() -> str | None:
     return None
 
 
+def without_typescript() -> str | None:
+    """How to get TypeScript, where it is missing."""
+    try:
+        typescript.compiler()
+    except typescript.MissingTypeScript as missing:
+        return f"{missing}; -m 'not typescript' {LEFT_OUT}"
+    return None
+
+
+def without_browser() -> str | None:
+    """How to get Chromium, where it is missing."""
+    try:
+        browser.chromium()
+    except browser.MissingBrowser as missing:
+        return f"{missing}; -m 'not browser' {LEFT_OUT}"
+    return None
+
+
 def without_dask() -> str | None:
     """How to get Dask, where it is missing."""
     try:
@@ -54,10 +72,12 @@ def without_dask() -> str | None:
 
 
 WITHOUT: dict[str, Callable[[], str | None]] = {
+    "browser": without_browser,
     "dask": without_dask,
     "linuxcnc": without_linuxcnc,
     "minizinc": without_minizinc,
     "node": without_node,
+    "typescript": without_typescript,
 }
 """Marker → how to get the program, or None where it is there."""
 
@@ -78,6 +98,10 @@ def keep_from(marker: str, monkeypatch: pytest.MonkeyPatch) -> None:
 
     if marker == "node":
         monkeypatch.setattr(gcode_toolpath, "modules", lambda: Unmarked(marker).path)
+    elif marker == "browser":
+        monkeypatch.setattr(browser, "chromium", lambda: Unmarked(marker).path)
+    elif marker == "typescript":
+        monkeypatch.setattr(typescript, "compiler", lambda: Unmarked(marker).path)
     elif marker == "linuxcnc":
         monkeypatch.setattr(canon, "find_rs274", lambda: Unmarked(marker).path)
     elif marker == "dask":

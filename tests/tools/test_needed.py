@@ -9,12 +9,12 @@ import minizinc
 import pytest
 
 from kerfwise.jobs.batch import cluster
-from kerfwise.tests.tools import canon
+from kerfwise.tests.tools import browser, canon, typescript
 from kerfwise.tests.tools.needed import WITHOUT, keep_from, without_linuxcnc, without_minizinc
 from kerfwise.tests.tools.outside import gcode_toolpath
 
 FIND, DRIVER, MODULES = canon.find_rs274, minizinc.default_driver, gcode_toolpath.modules
-DASK = cluster.dask
+DASK, CHROMIUM, COMPILER = cluster.dask, browser.chromium, typescript.compiler
 
 
 @pytest.fixture
@@ -25,6 +25,9 @@ def bare(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(minizinc, "default_driver", None)
     monkeypatch.setattr(gcode_toolpath, "modules", MODULES)
     monkeypatch.setattr(gcode_toolpath, "ROOT", Path("nowhere"))
+    monkeypatch.setattr(typescript, "compiler", COMPILER)
+    monkeypatch.setattr(typescript, "ROOT", Path("nowhere"))
+    monkeypatch.setattr(browser, "chromium", CHROMIUM)
     monkeypatch.setattr(cluster, "dask", DASK)
     monkeypatch.setitem(sys.modules, "distributed", None)
     monkeypatch.delenv("NODE_READERS", raising=False)
@@ -39,6 +42,8 @@ def test_what_is_missing_is_said_in_one_line() -> None:
     assert "apt-get install minizinc" in said["minizinc"]
     assert "pip install 'kerfwise[cluster]'" in said["dask"]
     assert "sh tests/tools/get_node_readers.sh .tools/node" in said["node"]
+    assert "sh tests/tools/get_node_readers.sh .tools/node" in said["typescript"]
+    assert "apt-get install chromium" in said["browser"]
     for marker, text in said.items():
         assert "\n" not in text
         assert f"-m 'not {marker}'" in text

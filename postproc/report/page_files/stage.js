@@ -26,6 +26,7 @@ export class Stage {
     this.canvas = document.createElement("canvas");
     this.context = /** @type {CanvasRenderingContext2D} */ (this.canvas.getContext("2d", { alpha: false }));
     this.camera = new Camera();
+    this.whole = new Camera();
     this.plan = data.sides[side] ?? null;
     this.timeline = this.plan ? timelineOf(this.plan) : { moments: [], begins_s: [], ends_s: [], end_s: 0, timed: false };
     this.scenery = new Scenery(data, this.plan, outlines);
@@ -56,12 +57,18 @@ export class Stage {
     return true;
   }
 
+  /** Whether the whole sheet is seen, as when the page was opened. */
+  get fits() {
+    return !this.camera.least || this.camera.same(this.whole);
+  }
+
   /** The whole sheet in the window. */
   fit() {
     const [x0, y0, x1, y1] = this.data.nest.bounds, home = this.plan ? this.plan.home : [x0, y0];
     const bounds = [Math.min(x0, home[0]), Math.min(y0, home[1]), Math.max(x1, home[0]), Math.max(y1, home[1])];
     this.camera.fit(bounds, this.size.wide, this.size.high);
     this.camera.least = this.camera.scale * LEAST_ZOOM;
+    this.whole.like(this.camera);
   }
 
   /** Brings a contour into view, nearer if it is tiny. */

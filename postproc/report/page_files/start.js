@@ -16,6 +16,9 @@ import { tabsOf } from "./tabs.js";
 import { toggles } from "./toggles.js";
 import { whyPanel } from "./why.js";
 
+/** Drawings of sheets that are so many times wider than high stand under each other. */
+const FLAT = 1.6;
+
 /**
  * Puts the page together; `hands`, where there are any, are called last.
  *
@@ -25,6 +28,7 @@ import { whyPanel } from "./why.js";
  */
 export async function start(source, hands) {
   const app = new App(source, await source.page());
+  document.body.classList.toggle("planless", !app.side);
   hang(app);
   app.renewed(() => hang(app));
   app.stages.forEach(stage => stage.now());
@@ -42,8 +46,9 @@ export async function start(source, hands) {
   const tabs = tabsOf(app);
   keyboard(app, { tab: tabs.step, look: toggles(app).look });
   app.on((_, changes) => { if (changes.playing === undefined || Object.keys(changes).length > 1) app.draw(); });
-  document.body.classList.toggle("planless", !app.side);
+  app.renewed(() => document.body.classList.toggle("planless", !app.side));
   if (hands) hands(handle(app, tabs));
+  Object.assign(window, { kerfwise: app }); // for the console, and for tests
   document.documentElement.dataset.ready = "yes";
   return app;
 }
@@ -52,14 +57,20 @@ export async function start(source, hands) {
 /** @param {App} app */
 function hang(app) {
   const place = byId("stages");
-  place.className = app.stages.length > 1 ? "two" : "";
+  const [x0, y0, x1, y1] = app.data.nest.bounds;
+  place.className = app.stages.length < 2 ? "" : x1 - x0 > FLAT * (y1 - y0) ? "two flat" : "two";
   place.replaceChildren(...app.stages.map(stage => {
     const name = app.data.sides.length > 1 ? make("figcaption", {}, app.data.sides[stage.side].name) : null;
     stage.canvas.setAttribute("role", "img");
     stage.canvas.setAttribute("tabindex", "0");
     stage.canvas.setAttribute("aria-label", `Drawing of ${app.data.title}. The order list names every cut; press ? for the keys.`);
     const figure = make("figure", { "data-side": stage.side }, stage.canvas, name);
-    new ResizeObserver(() => { if (stage.resize()) { if (!stage.camera.least) stage.fit(); app.moved(app.stages[0]); stage.now(); } }).observe(figure);
+    new ResizeObserver(() => {
+      if (!stage.resize()) return;
+      if (stage.fits) stage.fit();
+      app.moved(app.stages[0]);
+      stage.now();
+    }).observe(figure);
     listen(stage, {
       moved: by => app.moved(by),
       picked: (contour, by) => { app.set({ side: by.plan ? by.side : app.state.side }); app.choose(contour, false); },
@@ -68,7 +79,7 @@ function hang(app) {
     });
     return figure;
   }));
-  for (const stage of app.stages) { stage.resize(); if (!stage.camera.least) stage.fit(); }
+  for (const stage of app.stages) { stage.resize(); if (stage.fits) stage.fit(); }
 }
 
 /** @type {(app: App, contour: number, at: [number, number] | null) => void} */

@@ -1,0 +1,165 @@
+/** Unit tests of the page's modules that know no screen. The test in Python copies the modules to ../page_files. */
+import assert from "node:assert/strict";
+import test from "node:test";
+
+import { Camera } from "../page_files/camera.js";
+import { boundsOf, distanceTo, flattened, inside, simplified } from "../page_files/geometry.js";
+import { Outlines } from "../page_files/outlines.js";
+import { found } from "../page_files/search.js";
+import { countUpTo, momentAt, timelineOf, zonesOf } from "../page_files/timeline.js";
+import { clock, millimetres } from "../page_files/words.js";
+import { placeOn, wayOf } from "../page_files/way.js";
+
+const near = (a, b, within = 1e-9) => assert.ok(Math.abs(a - b) <= within, `${a} is not ${b}`);
+
+const CUT = {
+  contour: 0, zone: 1, direction: "ccw", entry: [0, 0], from_s: 3, to_s: 9, stand_s: 1, wait_s: 1, length_mm: 20,
+  because: [], linked: false, excused: [], tabs: [], path: [10, 0, 0, 20, 0, 0, 20, 10, 0], unlit: [], slow: [],
+};
+const SIDE = {
+  made: 0, home: [0, 0], end_s: 20, pierces: [],
+  cuts: [CUT, { ...CUT, contour: 1, zone: 2, from_s: 12, to_s: 18, wait_s: 0, path: [30, 10, 0, 40, 10, 0] }],
+};
+
+test("an arc keeps within the tolerance of its circle, whichever way it turns", () => {
+  for (const bulge of [1, -1, 0.3, -0.3, 2, -2]) {
+    const points = flattened([0, 0, bulge, 10, 0, 0], false, 0.01);
+    const sweep = 4 * Math.atan(bulge), radius = 5 / Math.sin(sweep / 2);
+    const centre = [5, radius * Math.cos(sweep / 2)];
+    for (let k = 0; k < points.length; k += 2) near(Math.hypot(points[k] - centre[0], points[k + 1] - centre[1]), Math.abs(radius), 1e-9);
+    const middle = points.length / 4 | 0;
+    assert.equal(Math.sign(points[2 * middle + 1]), -Math.sign(bulge));
+  }
+});
+
+test("two half circles make a circle, and its last chord is closed", () => {
+  const points = flattened([-5, 0, 1, 5, 0, 1], true, 0.01);
+  assert.deepEqual(boundsOf(points).map(v => Math.round(10 * v) / 10), [-5, -5, 5, 5]);
+  assert.ok(points.length > 40);
+});
+
+test("a simplified line strays no farther than the tolerance, and keeps its ends", () => {
+  const fine = flattened([0, 0, 0.5, 100, 0, -0.5, 200, 0, 0], false, 0.01);
+  for (const tolerance of [0.1, 1, 10]) {
+    const coarse = simplified(fine, tolerance);
+    for (let k = 0; k < fine.length; k += 2) assert.ok(distanceTo(coarse, false, fine[k], fine[k + 1]) <= tolerance + 1e-9);
+    assert.deepEqual([...coarse.slice(0, 2), ...coarse.slice(-2)], [0, 0, 200, 0]);
+  }
+  assert.ok(simplified(fine, 10).length < simplified(fine, 0.1).length);
+});
+
+test("inside and beside a ring", () => {
+  const ring = [0, 0, 10, 0, 10, 10, 0, 10];
+  assert.equal(inside(ring, 5, 5), true);
+  assert.equal(inside(ring, 15, 5), false);
+  near(distanceTo(ring, true, 5, -2), 2);
+  near(distanceTo(ring, false, -3, 5), Math.hypot(3, 5));
+});
+
+test("what lies under the pointer stays there when it zooms, and goes along when it drags", () => {
+  const camera = new Camera();
+  camera.fit([0, 0, 200, 100], 800, 600);
+  const before = camera.toSheet(300, 250);
+  camera.zoom(3, 300, 250);
+  camera.toSheet(300, 250).forEach((v, k) => near(v, before[k], 1e-9));
+  camera.pan(10, -20);
+  camera.toSheet(310, 230).forEach((v, k) => near(v, before[k], 1e-9));
+  camera.toScreen(...camera.toSheet(17, 23)).forEach((v, k) => near(v, [17, 23][k], 1e-9));
+});
+
+test("a sheet that fits is seen whole", () => {
+  const camera = new Camera();
+  camera.fit([-50, 10, 6000, 1500], 390, 300, 16);
+  for (const [x, y] of [[-50, 10], [6000, 1500]]) {
+    const [px, py] = camera.toScreen(x, y);
+    assert.ok(px >= 15.9 && px <= 374.1 && py >= 15.9 && py <= 284.1);
+  }
+});
+
+const square = (id, x, y, size, kind = "outer", part = 0) => ({
+  id, part, kind, closed: true, rows: [x, y, 0, x + size, y, 0, x + size, y + size, 0, x, y + size, 0],
+});
+
+test("the contour at a place is a near line, else the smallest that is around it", () => {
+  const nest = { contours: [square("A", 0, 0, 100), square("A.hole", 40, 40, 20, "hole"), square("B", 200, 0, 50, "outer", 1)],
+    bounds: [0, 0, 300, 100], sheet: [], left_out: [], parts: ["A", "B"] };
+  const outlines = new Outlines(nest);
+  assert.equal(outlines.at(50, 50, 1), 1);
+  assert.equal(outlines.at(20, 20, 1), 0);
+  assert.equal(outlines.at(39.5, 50, 1), 1);
+  assert.equal(outlines.at(150, 50, 1), -1);
+  assert.equal(outlines.at(225, 25, 1), 2);
+});
+
+test("farther away fewer points are drawn, and none is missed by a pixel", () => {
+  const circle = { id: "C", part: 0, kind: "outer", closed: true, rows: [-50, 0, 1, 50, 0, 1] };
+  const outlines = new Outlines({ contours: [circle], bounds: [-50, -50, 50, 50], sheet: [], left_out: [], parts: ["C"] });
+  let before = Infinity;
+  for (const scale of [20, 1, 0.1, 0.01]) {
+    const points = outlines.points(0, Outlines.level(scale));
+    assert.ok(points.length <= before);
+    before = points.length;
+    const fine = outlines.points(0, 0);
+    for (let k = 0; k < fine.length; k += 2) assert.ok(scale * distanceTo(points, true, fine[k], fine[k + 1]) < 1);
+  }
+});
+
+test("the program has no gap: travel, wait, pierce, cut, and the way home", () => {
+  const timeline = timelineOf(SIDE);
+  assert.deepEqual(timeline.moments.map(m => [m.does, m.from_s, m.to_s]), [
+    ["travel", 0, 2], ["wait", 2, 3], ["pierce", 3, 4], ["cut", 4, 9], ["travel", 9, 12], ["pierce", 12, 13],
+    ["cut", 13, 18], ["home", 18, 20]]);
+  assert.deepEqual(timeline.begins_s, [3, 12]);
+  assert.deepEqual(timeline.ends_s, [9, 18]);
+  for (const [time_s, does, share, done] of [[1, "travel", 0.5, 0], [6.5, "cut", 0.5, 0], [9, "travel", 0, 1], [19, "home", 0.5, 2]]) {
+    const now = momentAt(timeline, time_s);
+    assert.deepEqual([now.moment.does, now.share, now.done], [does, share, done]);
+  }
+  assert.equal(momentAt(timeline, 20).moment, null);
+  assert.equal(momentAt(timeline, 20).done, 2);
+});
+
+test("a plan without times is played at guessed ones", () => {
+  const cuts = SIDE.cuts.map(cut => ({ ...cut, from_s: 0, to_s: 0, wait_s: 0, stand_s: 0 }));
+  const timeline = timelineOf({ ...SIDE, cuts, end_s: 0 });
+  assert.equal(timeline.timed, false);
+  assert.ok(timeline.ends_s[0] > 0 && timeline.ends_s[1] > timeline.ends_s[0] && timeline.end_s > timeline.ends_s[1]);
+});
+
+test("holes of a pierce pass are made before the cut that they stand before", () => {
+  const pierces = [{ contour: 0, at: [5, 5], before: 1, from_s: 1, to_s: 1.5 }];
+  const [travel, pierce] = timelineOf({ ...SIDE, pierces }).moments;
+  assert.deepEqual([travel.does, travel.to, pierce.does, pierce.from_s, pierce.to_s], ["travel", [5, 5], "pierce", 1, 1.5]);
+});
+
+test("zones follow each other on the ruler", () => {
+  assert.deepEqual(zonesOf(SIDE, timelineOf(SIDE)), [{ zone: 1, from_s: 0, to_s: 9 }, { zone: 2, from_s: 9, to_s: 18 }]);
+});
+
+test("the torch goes evenly, and slower where it is told", () => {
+  const even = wayOf(CUT), half = placeOn(even, 0.5);
+  assert.deepEqual([half.x, half.y, half.along], [20, 0, 10]);
+  const slow = placeOn(wayOf({ ...CUT, slow: [1, 3] }), 0.25);
+  assert.deepEqual([slow.x, slow.y], [20, 0]);
+  const end = placeOn(even, 1);
+  assert.deepEqual([end.x, end.y], [20, 10]);
+});
+
+test("counting up to a limit", () => {
+  assert.deepEqual([0, 1, 2.5, 3, 9].map(limit => countUpTo([1, 2, 3], limit)), [0, 1, 2, 3, 3]);
+});
+
+test("a number of the order comes first, then an id, then a part, then what holds the text", () => {
+  const known = [{ id: "P12.outer", part: "P12", number: 3 }, { id: "P3.hole1", part: "P3", number: 1 },
+    { id: "P3.outer", part: "P3", number: 2 }, { id: "X3", part: "", number: 0 }];
+  assert.deepEqual(found("3", known), [0, 1, 2, 3]);
+  assert.deepEqual(found("p3", known), [1, 2]);
+  assert.deepEqual(found("P3.outer", known), [2]);
+  assert.deepEqual(found("  ", known), []);
+  assert.deepEqual(found("none", known), []);
+});
+
+test("times and lengths for people", () => {
+  assert.deepEqual([0, 59.9, 61, 3725].map(clock), ["0:00", "0:59", "1:01", "1:02:05"]);
+  assert.deepEqual([12.34, 567.8, 12345].map(millimetres), ["12.3 mm", "568 mm", "12.345 m"]);
+});
