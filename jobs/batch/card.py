@@ -54,7 +54,7 @@ def _machine(row: Row, rows: Sequence[Row]) -> Iterator[str]:
     time_s = _best(clock(figures.time_s), row.machine == quickest(rows))
     cost = _best(money(figures.cost, figures.currency), row.machine == cheapest(rows))
     yield f"<tr><th>{name}<td>{time_s}<td>{cost}<td>{metres(figures.idle_mm)}<td>{percent(figures.gap)}"
-    words = {".nc": "program", ".plan.json": "plan", ".svg": "picture"}
+    words = {".nc": "program", ".plan.json": "plan", ".svg": "picture", ".html": "page"}
     links = [f'<a href="{quote(_path(row, ending))}">{word}</a>' for ending, word in words.items()]
     yield f"<tr class=files><td colspan=5>{' '.join(links)}"
 

@@ -16,6 +16,7 @@ from kerfwise.jobs.given import Given
 from kerfwise.jobs.listening import Listener
 from kerfwise.jobs.main_job import Finished, plan_nest
 from kerfwise.jobs.no_plan import NoPlan
+from kerfwise.jobs.page import page_bytes, page_data
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.jobs.times import time_made
 from kerfwise.models.plan.plan import Plan
@@ -90,12 +91,13 @@ def _planned(piece: Piece) -> Made:
 
 
 def _contents(piece: Piece, given: Given, done: Finished) -> Mapping[str, str | bytes]:
-    """Program, plan and picture, and what of the sheet can be used again, by the names that they have."""
+    """Program, plan, picture and page, and what of the sheet can be used again, by the names that they have."""
     stem, plan = Path(piece.name).name, done.made.plan
     files: dict[str, str | bytes] = {
         f"{stem}.nc": done.made.program,
         f"{stem}{PLAN}": plan.to_json(),
         f"{stem}.svg": draw(given.nest, plan, ".svg", given.profile.home_on(given.nest)),
+        f"{stem}.html": page_bytes(page_data(done.given, plan, done.made.verdict, done.made.program, False, "none")),
     }
     saved = remnant_files(f"{stem}.nc", given.nest, given.profile)
     return files | {path.name: text for path, text in saved.items()}

@@ -1,6 +1,7 @@
 /** @import { Scenery } from "./scenery.js" */
 /** @import { Palette } from "./palette.js" */
 import { Camera } from "./camera.js";
+import { paintRemoved } from "./removed.js";
 
 const BUDGET_MS = 7, MARGIN = 0.15;
 
@@ -44,7 +45,9 @@ export class Ground {
       if (!this.job) this.#begin(camera, palette, look, size);
       const until = performance.now() + BUDGET_MS;
       while (this.job && performance.now() < until) {
-        if (!this.job.next().done) continue;
+        const { done } = this.job.next();
+        this.back.context.getImageData(0, 0, 1, 1); // what was asked for is painted now, not all of it in one frame later
+        if (!done) continue;
         [this.front, this.back] = [this.back, this.front];
         this.front.valid = true;
         this.job = null;
@@ -60,9 +63,8 @@ export class Ground {
   #catchUp(camera, palette, look, size) {
     const more = look.done - this.front.look.done;
     if (more <= 0 || more > 40 || look.travel || !this.front.shows(camera, { ...look, done: this.front.look.done }, size)) return;
-    for (let k = this.front.look.done; k < look.done; k++) {
-      this.scenery.cutOut(this.front.context, this.front.camera, palette, k);
-    }
+    const cuts = Array.from({ length: more }, (_, k) => this.front.look.done + k);
+    paintRemoved(this.front.context, this.front.camera, palette, this.scenery, cuts);
     this.front.look = { ...look };
   }
 
@@ -89,7 +91,7 @@ export class Ground {
 class Sheet {
   constructor() {
     this.canvas = document.createElement("canvas");
-    this.context = /** @type {CanvasRenderingContext2D} */ (this.canvas.getContext("2d", { alpha: false }));
+    this.context = /** @type {CanvasRenderingContext2D} */ (this.canvas.getContext("2d", { alpha: false, willReadFrequently: true }));
     this.camera = new Camera();
     /** @type {Look} */
     this.look = { done: 0, travel: false, numbers: false };

@@ -6,7 +6,7 @@ import { pen, write } from "./brush.js";
 import { endOf, startOf } from "./timeline.js";
 
 export const NUMBER_FONT_PX = 11;
-const ROOM_FOR_NUMBER = 2, MOST_NUMBERS = 1500;
+const ROOM_FOR_NUMBER = 2, MOST_NUMBERS = 1500, MOST_DASHED = 500;
 
 /**
  * All travel: pale where it is to come, dark where it has been made.
@@ -29,7 +29,7 @@ export function* paintRoute(context, camera, palette, side, done) {
       context.moveTo(...camera.toScreen(...(k ? endOf(cuts[k - 1]) : home)));
       context.lineTo(...camera.toScreen(...(k < cuts.length ? startOf(cuts[k]) : home)));
     }
-    pen(context, colour, width, [5, 4]);
+    pen(context, colour, width, cuts.length < MOST_DASHED ? [5, 4] : []);
     context.stroke();
     yield;
   }

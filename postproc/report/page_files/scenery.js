@@ -3,10 +3,11 @@
 /** @import { Palette } from "./palette.js" */
 import { pen, trace } from "./brush.js";
 import { Outlines } from "./outlines.js";
+import { paintRemoved } from "./removed.js";
 import { NUMBER_FONT_PX, paintNumbers, paintRoute } from "./route.js";
 import { wayOf } from "./way.js";
 
-const AT_ONCE = 200;
+const AT_ONCE = 80;
 
 /** What stands still: the sheet after so many cuts. It is painted in small steps: a large nest never holds the page up. */
 export class Scenery {
@@ -35,6 +36,7 @@ export class Scenery {
     });
     this.ways = /** @type {import("./way.js").Way[]} */ ([]);
     this.alert = new Set(data.alert);
+    this.size = outlines.bounds.map(([x0, y0, x1, y1]) => (x1 - x0) * (y1 - y0));
   }
 
   /** @type {(cut: number) => import("./way.js").Way} */
@@ -58,12 +60,8 @@ export class Scenery {
     this.#shapes(context, camera, this.outlines.sheet, ink.sheet, ink.edge);
     const [x0, y1] = camera.toSheet(0, 0), [x1, y0] = camera.toSheet(look.wide, look.high);
     const seen = this.outlines.grid.within(x0, y0, x1, y1), level = Outlines.level(camera.scale);
-    const outers = seen.filter(k => nest.contours[k].kind === "outer");
-    const size = (/** @type {number} */ k) => {
-      const [a, b, c, d] = this.outlines.bounds[k];
-      return (c - a) * (d - b);
-    };
-    outers.sort((a, b) => size(b) - size(a));
+    const outers = seen.filter(k => nest.contours[k].kind === "outer").sort((a, b) => this.size[b] - this.size[a]);
+    yield;
     for (let k = 0; k < outers.length; k += AT_ONCE) {
       this.#parts(context, camera, palette, outers.slice(k, k + AT_ONCE), level);
       yield;
@@ -73,11 +71,13 @@ export class Scenery {
       yield;
     }
     this.#shapes(context, camera, this.outlines.leftOut, "", ink.edge);
-    for (const cut of this.#inOrder(seen, look.done)) {
-      this.cutOut(context, camera, palette, cut);
-      if (cut % AT_ONCE === 0) yield;
+    const cuts = this.#inOrder(seen, look.done);
+    for (let k = 0; k < cuts.length; k += AT_ONCE) {
+      paintRemoved(context, camera, palette, this, cuts.slice(k, k + AT_ONCE));
+      yield;
     }
     if (look.travel && this.side) yield* paintRoute(context, camera, palette, this.side, look.done);
+    yield;
     if (look.numbers) paintNumbers(context, camera, palette, this, seen, look.font ?? NUMBER_FONT_PX);
   }
 
@@ -112,14 +112,14 @@ export class Scenery {
     }
     for (const [colour, of] of byColour) {
       context.beginPath();
-      for (const k of of) this.#metal(context, camera, k, level);
+      for (const k of of) this.metal(context, camera, k, level);
       context.fillStyle = colour;
       context.fill("evenodd");
     }
   }
 
   /** @type {(context: CanvasRenderingContext2D, camera: Camera, outer: number, level: number) => void} */
-  #metal(context, camera, outer, level) {
+  metal(context, camera, outer, level) {
     trace(context, camera, this.outlines.points(outer, level), true);
     for (const hole of this.holesOf[this.data.nest.contours[outer].part] ?? []) {
       trace(context, camera, this.outlines.points(hole, level), true);
@@ -145,56 +145,5 @@ export class Scenery {
     for (const k of loud) trace(context, camera, this.outlines.points(k, level), contours[k].closed);
     pen(context, palette.ink.alert, 3);
     context.stroke();
-  }
-
-  /**
-   * What one cut has done: the kerf, the slug that falls out of a hole, the part that comes loose.
-   *
-   * @param {CanvasRenderingContext2D} context
-   * @param {Camera} camera
-   * @param {Palette} palette
-   * @param {number} cut
-   */
-  cutOut(context, camera, palette, cut) {
-    const { ink } = palette, { contour } = this.cuts[cut];
-    const { kind } = this.data.nest.contours[contour], level = Outlines.level(camera.scale);
-    if (kind === "hole") {
-      context.beginPath();
-      trace(context, camera, this.outlines.points(contour, level), true);
-      context.fillStyle = ink.gap;
-      context.fill();
-      this.#within(contour).forEach(k => this.#loose(context, camera, palette, k, level));
-    } else if (kind === "outer") this.#loose(context, camera, palette, contour, level);
-    const way = this.way(cut), kerf = (this.side?.kerf_mm ?? 0) * camera.scale;
-    const width = kind === "mark" ? 1 : Math.max(1, kerf);
-    context.beginPath();
-    trace(context, camera, way.points, false);
-    pen(context, kind === "mark" ? ink.mark : ink.gap, Math.max(width, kind === "mark" ? 1 : 1.6));
-    context.stroke();
-    if (kind === "mark" || kerf > 3) return;
-    context.beginPath();
-    trace(context, camera, this.outlines.points(contour, level), this.data.nest.contours[contour].closed);
-    pen(context, ink.done, 1);
-    context.stroke();
-  }
-
-  /** @type {(context: CanvasRenderingContext2D, camera: Camera, palette: Palette, outer: number, level: number) => void} */
-  #loose(context, camera, palette, outer, level) {
-    context.beginPath();
-    this.#metal(context, camera, outer, level);
-    context.fillStyle = palette.ink.loose;
-    context.fill("evenodd");
-    pen(context, palette.ink.done, 1);
-    context.stroke();
-  }
-
-  /** @type {(hole: number) => number[]} outer contours in a hole that are cut before it: they are seen in its gap */
-  #within(hole) {
-    const [x0, y0, x1, y1] = this.outlines.bounds[hole], now = this.cutOf.get(hole) ?? 0;
-    return this.outlines.grid.within(x0, y0, x1, y1).filter(k => {
-      const [a, b, c, d] = this.outlines.bounds[k];
-      const inIt = a > x0 && b > y0 && c < x1 && d < y1 && this.data.nest.contours[k].kind === "outer";
-      return inIt && (this.cutOf.get(k) ?? Infinity) < now;
-    });
   }
 }

@@ -299,7 +299,7 @@ def test_nobody_cuts_on_a_machine_that_the_job_file_means_no_more(batches: Batch
     batches.machines = [plasma, laser]
     batches.run()
     gone = {name for name in before if name not in batches.bytes()}
-    assert gone == {"plasma/one.nc", "plasma/one.svg"}
+    assert gone == {"plasma/one.nc", "plasma/one.svg", "plasma/one.html"}
     job.unlink()
     batches.run()
     assert batches.bytes() == before
