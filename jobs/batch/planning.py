@@ -16,7 +16,7 @@ from kerfwise.jobs.given import Given
 from kerfwise.jobs.listening import Listener
 from kerfwise.jobs.main_job import Finished, plan_nest
 from kerfwise.jobs.no_plan import NoPlan
-from kerfwise.jobs.page import page_bytes, page_data
+from kerfwise.jobs.page.page import page_bytes, page_data
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.jobs.times import time_made
 from kerfwise.models.plan.plan import Plan

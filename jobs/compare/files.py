@@ -27,7 +27,7 @@ def expect_kinds(names: Iterable[str | Path]) -> None:
 
 def content_of(made: Comparison, suffix: str) -> str | bytes:
     """The content of a file whose name ends so; one of `KINDS`."""
-    from kerfwise.jobs.page import compared_data, page_bytes
+    from kerfwise.jobs.page.page import compared_data, page_bytes
 
     from .paper import paper
     from .picture import picture

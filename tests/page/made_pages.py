@@ -12,7 +12,7 @@ from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.compare import SideAsked, compare, side_of
 from kerfwise.jobs.given import Given, drawn_nest, plant_of
 from kerfwise.jobs.main_job import plan_nest
-from kerfwise.jobs.page import compared_data, page_bytes, page_data
+from kerfwise.jobs.page.page import compared_data, page_bytes, page_data
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.postproc.report import draw
 from kerfwise.rules.profile.one_rule import without_rule
