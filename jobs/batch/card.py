@@ -55,7 +55,9 @@ def _machine(row: Row, rows: Sequence[Row]) -> Iterator[str]:
     cost = _best(money(figures.cost, figures.currency), row.machine == cheapest(rows))
     yield f"<tr><th>{name}<td>{time_s}<td>{cost}<td>{metres(figures.idle_mm)}<td>{percent(figures.gap)}"
     words = {".nc": "program", ".plan.json": "plan", ".svg": "picture", ".html": "page"}
-    links = [f'<a href="{quote(_path(row, ending))}">{word}</a>' for ending, word in words.items()]
+    links = [
+        f'<a href="{quote(_path(row, ending))}">{word}</a>' for ending, word in words.items() if _path(row, ending)
+    ]
     yield f"<tr class=files><td colspan=5>{' '.join(links)}"
 
 

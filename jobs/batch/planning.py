@@ -97,8 +97,10 @@ def _contents(piece: Piece, given: Given, done: Finished) -> Mapping[str, str | 
         f"{stem}.nc": done.made.program,
         f"{stem}{PLAN}": plan.to_json(),
         f"{stem}.svg": draw(given.nest, plan, ".svg", given.profile.home_on(given.nest)),
-        f"{stem}.html": page_bytes(page_data(done.given, plan, done.made.verdict, done.made.program, False, "none")),
     }
+    if not done.given.profile.machine.torches.several:  # the page knows one
+        page = page_data(done.given, plan, done.made.verdict, done.made.program, False, "none")
+        files[f"{stem}.html"] = page_bytes(page)
     saved = remnant_files(f"{stem}.nc", given.nest, given.profile)
     return files | {path.name: text for path, text in saved.items()}
 
