@@ -103,6 +103,7 @@ class Planner:
             "summary": "\n".join(summary_lines(plan)),
             "figures": {
                 "objective_mm": float(solve.objective),
+                "light_mm": float(solve.objective - plan.heavy_mm),
                 "bound_mm": None if solve.bound is None else float(solve.bound),
                 "gap": None if solve.gap is None else float(solve.gap),
                 "status": solve.status,

@@ -98,7 +98,7 @@ function rowDrags(app, work, judge) {
     if (!row || event.button || !side() || !work.state.fits) return;
     if (event.pointerType === "touch" && !/** @type {HTMLElement} */ (event.target).closest(".no, .kind")) return;
     const k = Number(row.id.slice(4)), contour = app.data.nest.contours[side().cuts[k].contour];
-    const names = event.shiftKey ? partOf(app, contour) : [contour.id];
+    const names = event.shiftKey ? [contour.id] : runOf(app, contour);
     drag = { names, from: k, x: event.clientX, y: event.clientY, far: false, to: k };
   });
   addEventListener("pointermove", event => {
@@ -108,17 +108,18 @@ function rowDrags(app, work, judge) {
     const k = under(event);
     if (k >= 0) drag.to = k;
     document.body.classList.add("dragging");
-    judge.show(drag.names, side().made + drag.to + 1, event.clientX, event.clientY);
+    judge.show(drag.names, side().made + placeOf(drag), event.clientX, event.clientY);
   });
   const end = (/** @type {PointerEvent} */ event) => {
-    const { far = false, to = 0, from = 0, names = [] } = drag ?? {};
+    if (!drag) return;
+    const { far, to, from, names } = drag, place = placeOf(drag);
     drag = null;
     document.body.classList.remove("dragging");
     if (far) {
       judge.hide();
       addEventListener("click", stopOnce, { capture: true, once: true });
       setTimeout(() => removeEventListener("click", stopOnce, { capture: true }), 50);
-      if (event.type === "pointerup" && to !== from) drop(work, names, side().made + to + 1);
+      if (event.type === "pointerup" && to !== from) drop(work, names, side().made + place);
     }
   };
   addEventListener("pointerup", end);
@@ -126,6 +127,22 @@ function rowDrags(app, work, judge) {
   addEventListener("keydown", event => { if (event.key === "Escape" && drag) { drag = null; judge.hide(); document.body.classList.remove("dragging"); } });
   app.key("<", () => byKey(app, work, -1), "move the chosen cut one place earlier");
   app.key(">", () => byKey(app, work, 1), "move the chosen cut one place later");
+}
+
+/** Where the first of a run is cut, from 1, that is dropped on a row: the row's place, or the run ends there. */
+/** @type {(drag: {names: string[], from: number, to: number}) => number} */
+function placeOf({ names, from, to }) {
+  return Math.max(1, to > from ? to + 2 - names.length : to + 1);
+}
+
+/** An outer contour moves with what is cut in one go with it, its part's holes; any other moves alone. */
+/** @type {(app: any, contour: any) => string[]} */
+function runOf(app, contour) {
+  const { contours } = app.data.nest, order = app.data.sides[0].cuts.map((/** @type {any} */ cut) => contours[cut.contour]);
+  const end = order.indexOf(contour);
+  let begin = end;
+  while (contour.kind === "outer" && begin > 0 && contour.part >= 0 && order[begin - 1].part === contour.part) begin -= 1;
+  return order.slice(begin, end + 1).map((/** @type {any} */ one) => one.id);
 }
 
 /** @param {Event} event */

@@ -13,16 +13,16 @@ export function plansPanel(app, work) {
   panel.append(make("p", { class: "hint" }, "Click a plan to go back to it, with its locks."), list);
   work.on((_, what) => {
     if (what !== "state") return;
-    const best = Math.min(...work.state.alternatives.map((/** @type {any} */ one) => one.figures.objective_mm));
+    const best = Math.min(...work.state.alternatives.map((/** @type {any} */ one) => one.figures.light_mm));
     list.replaceChildren(...work.state.alternatives.map((/** @type {any} */ one) => planRow(work, one, best)));
   });
 }
 
 /** @type {(work: Work, one: any, best: number) => HTMLElement} */
 function planRow(work, one, best) {
-  const { objective_mm, idle_mm, status, gap, time_s, excuses } = one.figures;
+  const { light_mm, idle_mm, status, gap, time_s, excuses } = one.figures;
   const proof = status === "optimal" ? "proven" : gap === null ? "no bound" : `gap ${(gap * 100).toFixed(1)} %`;
-  const more = objective_mm > best ? `, ${((objective_mm - best) / 1000).toFixed(3)} m more than the best` : ", the best";
+  const more = light_mm > best + 0.5 ? `, costs ${((light_mm - best) / 1000).toFixed(3)} m more than the least` : ", costs the least";
   const flags = [one.stopped && "cancelled", !one.ok && `refused: ${one.broken.join(", ")}`, excuses && `${excuses} excused`, one.upto && `after cut ${one.upto}`];
   const text = `idle ${(idle_mm / 1000).toFixed(3)} m, ${proof}, ${Math.round(time_s)} s${more}`;
   return make("li", { value: one.number, class: one.number === work.state.shown ? "shown" : "" },

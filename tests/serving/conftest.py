@@ -105,13 +105,13 @@ def serving(folder: Path) -> Iterator[Served]:
         thread.join(30)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     with serving(tmp_path_factory.mktemp("nests")) as made:
         yield made
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def client(served: Served) -> Iterator[httpx.Client]:
     """A browser that has the token, on the server's own pages."""
     headers = {"origin": served.address, "x-kerfwise-token": TOKEN}
