@@ -12,6 +12,8 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from kerfwise.tests.serving.conftest import SMALL, TOKEN, Open, Served, Tab
 
+pytestmark = pytest.mark.slow
+
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 WAIT_MS = 120_000
 BAD = ("error", "warning")

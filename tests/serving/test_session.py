@@ -16,6 +16,8 @@ from kerfwise.cli import main
 from kerfwise.serving.server import Server
 from kerfwise.tests.serving.conftest import EXAMPLES, SMALL, Open, Served, Tab
 
+pytestmark = pytest.mark.slow
+
 CLASH = ({"lock": "A.outer first"}, {"lock": "B.outer 2nd"})
 ORDER = "A.hole1 A.outer B.outer C.outer"
 BROKEN = SMALL.replace("[[130, 20], [210, 20], [210, 100], [130, 100]]", "[[90, 20], [210, 20], [210, 100], [90, 100]]")
