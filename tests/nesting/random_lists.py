@@ -19,7 +19,7 @@ def random_order(seed: int) -> tuple[Wanted, Spacing]:
     types = tuple(
         PartType(
             f"P{k}",
-            _part(f"P{k}", chance),
+            _sound_part(f"P{k}", chance),
             chance.randint(1, 5),
             priority=chance.choice([1, 1, 2]),
             turns_deg=chance.choice([QUARTERS, (0.0,), (0.0, 180.0), EIGHTHS]),
@@ -33,6 +33,12 @@ def random_order(seed: int) -> tuple[Wanted, Spacing]:
     if chance.random() < 0.5:
         stocks.append(Stock("rest", _remnant(chance), 1, remnant=True))
     return Wanted(types, tuple(stocks)), Spacing(chance.choice([0.0, 1.5, 6.0]), chance.choice([0.0, 5.0, 12.0]))
+
+
+def _sound_part(name: str, chance: random.Random) -> Part:
+    """One whose outline does not cross itself."""
+    made = _part(name, chance)
+    return made if made.polygon.is_valid else _sound_part(name, chance)
 
 
 def _part(name: str, chance: random.Random) -> Part:
