@@ -36,7 +36,7 @@ TEXTS = (
 )  # fmt: skip
 
 TRIED = tuple(verb for verb in VERBS if verb not in ("batch", "serve"))
-"""A batch starts processes of its own, which the fuzzer's workers may not; one that watches, and a server, never end."""
+"""A batch starts processes of its own, which the fuzzer's workers may not; what watches, or serves, never ends."""
 
 
 @cache
