@@ -104,7 +104,7 @@ class AtOnce:
                 assert_never(s)
 
     def _cannot(self, s: Precede | AtLeast | Lag | NoGood, *contours: int) -> None:
-        """Note contours that a statement asks what cannot be; a wish with a weight of its own is let go."""
+        """Note contours that a statement asks what cannot be; a wish with a weight of its own is left out."""
         if s.weight is None:
             self.impossible += [(k, s.about) for k in contours]
 
