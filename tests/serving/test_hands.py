@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,10 +10,10 @@ import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from kerfwise.tests.serving.conftest import SMALL, TOKEN, Open, Served, Tab
+from kerfwise.tests.tools.browser import chromium
 
 pytestmark = pytest.mark.slow
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 WAIT_MS = 120_000
 BAD = ("error", "warning")
 """Kinds of what a console says; that the server has refused something, 422, is told by the browser itself."""
@@ -23,9 +22,8 @@ SIZES = pytest.mark.parametrize("size", [(1400, 900), (390, 844)], ids=["desk", 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    assert CHROMIUM, "chromium is missing: apt-get install chromium"
     with sync_playwright() as play:
-        made = play.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        made = play.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
         yield made
         made.close()
 
