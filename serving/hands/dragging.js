@@ -155,6 +155,7 @@ function stopOnce(event) {
 /** @type {(app: any, contour: any) => string[]} */
 function partOf(app, contour) {
   if (contour.part < 0) return [contour.id];
+  const { contours } = app.data.nest;
   return app.data.sides[0].cuts.map((/** @type {any} */ cut) => contours[cut.contour]).filter((/** @type {any} */ one) => one.part === contour.part).map((/** @type {any} */ one) => one.id);
 }
 

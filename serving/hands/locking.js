@@ -41,7 +41,7 @@ function chosenButtons(app, work, place) {
   const cut = side?.cuts[k], number = k < 0 ? 0 : side.made + k + 1;
   const locks = work.state.locked.filter((/** @type {string} */ said) => said.includes(contour.id) || said.includes(part));
   const both = (/** @type {string} */ said) => lockAndPlan(work, [{ lock: said }]);
-  place.replaceChildren(
+  const buttons = [
     make("button", { type: "button", onclick: () => both(`${quoted(part)} first`) }, "start here"),
     make("button", { type: "button", onclick: () => both(`${quoted(part)} last`) }, "end here"),
     number ? make("button", { type: "button", onclick: () => both(`${name} position ${number}`) }, `pin as ${number}`) : null,
@@ -53,7 +53,8 @@ function chosenButtons(app, work, place) {
     number ? make("button", { type: "button", onclick: () => work.change("cut", { upto: number }) }, `cut up to here (${number})`) : null,
     work.state.upto ? make("button", { type: "button", onclick: () => work.change("cut", { upto: 0 }) }, "nothing is cut yet") : null,
     ...locks.map((/** @type {string} */ said) => make("button", { type: "button", onclick: () => lockAndPlan(work, [{ unlock: said }]) }, `unlock: ${said}`)),
-  );
+  ];
+  place.replaceChildren(...buttons.filter(one => one !== null));
 }
 
 /** The next click on the drawing is where a tab holds the part. */

@@ -96,6 +96,39 @@ def test_a_row_is_dragged_and_the_nest_planned_again(
     assert overflow <= 0
 
 
+def screen(page: Page, *points: tuple[float, float]) -> list[tuple[float, float]]:
+    """Where points of the sheet are on the screen, as the drawing says of two of its own points."""
+    box = page.locator("#stages canvas").bounding_box()
+    assert box is not None
+    probes = [(box["x"] + 60, box["y"] + 90), (box["x"] + 260, box["y"] + 290)]
+    seen = []
+    for x, y in probes:
+        page.mouse.move(x, y)
+        told = page.locator("#under").inner_text().split()
+        seen.append((float(told[1]), float(told[3])))
+    (ax, ay), (bx, by) = probes
+    (sx, sy), (tx, ty) = seen
+    return [(ax + (x - sx) * (bx - ax) / (tx - sx), ay + (y - sy) * (by - ay) / (ty - sy)) for x, y in points]
+
+
+def test_a_part_is_dragged_onto_another_on_the_drawing(page: Page, served: Served, opened: Open) -> None:
+    tab = opened()
+    tab.solved()
+    shown(page, served, tab)
+    page.wait_for_selector("#row-3")
+    start, to = screen(page, (280, 60), (170, 60))
+    page.keyboard.down("Shift")
+    page.mouse.move(*start)
+    page.mouse.down()
+    page.mouse.move(*to, steps=5)
+    page.wait_for_selector("#hands-verdict.gives")
+    assert page.locator("#hands-verdict").inner_text().startswith("C.outer cannot be cut as number 3: level-ahead")
+    page.mouse.up()
+    page.keyboard.up("Shift")
+    page.wait_for_selector("#row-2[data-contour='C.outer']")
+    assert tab.state()["locked"] == ["C.outer position 3"]
+
+
 def test_locks_weights_and_a_conflict(page: Page, served: Served, opened: Open) -> None:
     tab = opened()
     tab.solved()
