@@ -76,7 +76,7 @@ def drawings(mended: bool = False) -> dict[str, Drawing]:
     """The ten nests by their names."""
     cover = Drawing(400, 200).row(rectangle(20, 30, 160, 140), 2, 190, ((60, 100), 15), ((140, 100), 15))
     cover.open = not mended
-    gusset = Drawing(360, 160).row(triangle(20 if mended else 40, 20, 110), 3, 115)
+    gusset = Drawing(360, 160).row(triangle(10 if mended else 40, 20, 110), 3, 115)
     return {
         "angle": Drawing(420, 180).row(bracket(20, 25, 120), 3, 135),
         "base": Drawing(300, 300).row(rectangle(30, 30, 240, 240), 1, 0, *_corners(60, 60, 180, 12), ((150, 150), 40)),

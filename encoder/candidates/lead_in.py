@@ -127,10 +127,9 @@ def edge_starts(ways: Ways, around: Surroundings, options: LeadOptions) -> Appro
     joints = ways.joints
     to_edge = around.nearest_on_edge(joints.join) - joints.join
     distance_mm = np.hypot(to_edge[:, 0], to_edge[:, 1])
-    inside = around.in_sheet(joints.join) & (distance_mm > 1e-6)
-    ray = np.where(inside[:, None], to_edge / np.maximum(distance_mm, 1e-6)[:, None], joints.out)
+    ray = to_edge / np.maximum(distance_mm, 1e-6)[:, None]
     beyond_mm = max(options.kerf_mm, min(1.0, options.lead_in_mm))
-    length_mm = np.where(inside, distance_mm, 0.0) + beyond_mm
+    length_mm = distance_mm + beyond_mm
     leads = Leads(joints.join + length_mm[:, None] * ray, joints.join, np.zeros(len(ways)), length_mm)
     good = (
         (distance_mm <= 2 * options.lead_in_mm)

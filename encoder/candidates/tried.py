@@ -18,6 +18,7 @@ from kerfwise.encoder.small_holes import HoleLimits, diameter_under, kept_becaus
 from .approaches import Approaches
 from .candidate import Candidate, LeadOptions
 from .joints import Joints, Outline
+from .on_sheet import off_the_sheet
 from .search import approaches_to
 from .slits import no_room, slit_candidates
 from .surroundings import Surroundings
@@ -43,9 +44,9 @@ class TriedLeads:
     """The outlines of the contours that may be cut, the approaches found, and the joints that locks ask for.
 
     By contour number, `small` says what is wrong with holes that are too small, `uncut` with contours that the kerf
-    cannot follow, `beyond` with those that the machine does not reach, marks included; `narrow` has the features that
-    it would lose of contours. `slits` are the candidates of slits, `shut` says why others have none. `bare` are
-    contours without any approach, `unmet` the rows of `locked` without one.
+    cannot follow, `beyond` with those whose paths, marks included, leave the sheet or what the machine reaches;
+    `narrow` has the features that the kerf would lose of contours. `slits` are the candidates of slits, `shut` says why
+    others have none. `bare` are contours without any approach, `unmet` the rows of `locked` without one.
     """
 
     outlines: Mapping[int, Outline]
@@ -87,7 +88,11 @@ def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, optio
         if far := out_of_reach(contour, path, options.reach):
             beyond[k] = far
     narrow = _narrow(nest, [k for k in chosen if k not in small], outlines, options)
-    for k in narrow:
+    rings = {k: outline.path for k, outline in outlines.items()}
+    drawn = {k: nest.contours[k].curve for k in chosen if nest.contours[k].kind in ("mark", "slit")}
+    off = off_the_sheet(nest.contours, drawn | rings, around)
+    beyond |= off
+    for k in (*narrow, *off):
         outlines.pop(k, None)
         uncut.pop(k, None)
     locked = _locked(outlines, nest, options)

@@ -19,7 +19,7 @@ from kerfwise.rules.rule import Violation
 from .bridges import broken_bridges
 from .burnt_rings import Tabs, burnt_rings, burnt_twice, cut_tabs, left_open
 from .coverage import coverage, once_each
-from .edge_starts import edge_starts, forbidden
+from .edge_starts import edge_starts, run_up_mm
 from .heating import Thermometer, heatings_of_cuts, heatings_of_program, measured
 from .judge import judge
 from .judged_cuts import JudgedCuts
@@ -195,8 +195,6 @@ def _judge_paths(
     whole, runs = runs, [piece for run in runs for piece in run.lit]
     losses_mm = {name: slot.loss_mm(kerf_mm) for name, slot in slots.items()}
     found = gouges(nest, runs, kerf_mm, _sharing(nest, profile, relaxed), losses_mm)
-    runs_up = forbidden(nest, profile) is None
-    margin_mm = profile.material.kerf_mm + (profile.length_mm(profile.leads.lead_in_mm) if runs_up else 0.0)
     made = [nest.contour(cut.contour) for cut in cuts[: cuts.made] if cut.contour in nest.index]
     several = burnt_rings(nest.contours, runs, made, kerf_mm, tabs)
     opened = list(left_open(several, cuts.positions()))
@@ -230,7 +228,7 @@ def _judge_paths(
             ],
         ),
         judgement("kerf-side", _of("kerf-side", faults)),
-        judgement("on-sheet", off_sheet(nest, runs, margin_mm)),
+        judgement("on-sheet", off_sheet(nest, runs, kerf_mm, run_up_mm(nest, profile))),
         judgement("edge-start", edge_starts(nest, whole, profile)),
         judgement("no-gouging", found.violations),
     ]

@@ -42,3 +42,10 @@ def forbidden(nest: Nest, profile: Profile) -> str | None:
     if None in (profile.machine.travel_x_mm, profile.machine.travel_y_mm):
         return "the profile does not say how far the torch can go (machine.travel_x, machine.travel_y)"
     return None
+
+
+def run_up_mm(nest: Nest, profile: Profile) -> float:
+    """How far off this sheet a cut may begin: as far as the longest lead goes from its kerf; 0 where it may not."""
+    if forbidden(nest, profile) is not None:
+        return 0.0
+    return profile.material.kerf_mm + profile.length_mm(profile.leads.lead_in_mm)

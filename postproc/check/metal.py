@@ -132,16 +132,26 @@ def _gouge(burn: _Burn, part: str, depth_mm: float, burnt_mm2: float, place: Poi
     )
 
 
-def off_sheet(nest: Nest, runs: Sequence[TorchRun], margin_mm: float) -> list[Violation]:
-    """Torch-on paths that leave the sheet by more than `margin_mm`."""
-    allowed = shapely.buffer(shapely.make_valid(nest.sheet.polygon), margin_mm)
+def off_sheet(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float, run_up_mm: float = 0.0) -> list[Violation]:
+    """Torch-on paths that leave the sheet, by more than paths may be off anyhow.
+
+    What a lead-in that begins off the sheet has there is lawful where edge starts are, so where `run_up_mm` is over 0;
+    no further from the sheet than that.
+    """
+    sheet = shapely.make_valid(nest.sheet.polygon)
+    allowed = shapely.buffer(sheet, tolerance_mm(kerf_mm))
     shapely.prepare(allowed)
     found: list[Violation] = []
     for run in runs:
-        for line in (run.loop, *run.leads):
-            if not shapely.covers(allowed, line):
-                out_mm = float(shapely.difference(line, allowed).length)
+        for line in (line for line in (run.loop, *run.leads) if not shapely.covers(allowed, line)):
+            off = shapely.get_parts(shapely.difference(line, sheet))
+            if line is run.lead_in and run_up_mm and not run.linked:
+                begin = shapely.get_point(line, 0)
+                if shapely.distance(begin, sheet) <= run_up_mm:
+                    off = off[shapely.distance(off, begin) > SLACK_MM]
+            if not shapely.covers(allowed, off).all():
                 contours = () if run.contour is None else (run.contour.id,)
+                out_mm = float(shapely.length(off).sum())
                 text = f"{run.where}: {out_mm:.1f} mm of the path of {run.name} lie off the sheet"
                 found.append(Violation("on-sheet", contours, text, (run.position,) if run.position else ()))
                 break

@@ -14,7 +14,7 @@ PLATE = nest(
     400, 300, part("A", rect(50, 50, 100, 100), [circle(100, 100, 20)]), part("B", rect(160, 50, 100, 100))
 )  # fmt: skip
 HOST = nest(400, 300, part("H", rect(50, 50, 200, 200), [rect(70, 70, 160, 160)]), part("G", rect(100, 100, 40, 40)))
-EDGE = nest(400, 300, part("A", rect(50, 0.5, 100, 100)))
+EDGE = nest(400, 300, part("A", rect(50, 1, 100, 100)))
 MARKED = nest(400, 300, part("A", rect(50, 50, 100, 100), marks=[[(60, 60), (90, 60)]]))
 
 # Joining points lie half a kerf of 1.5 mm off the contour, in the waste.
@@ -241,7 +241,7 @@ CASES = (
         "off the edge of the sheet nothing is pierced",
         "boundary",
         EDGE,
-        sequence(("A.outer", (100, 0.5), (100, -0.5), (100, -0.25))),
+        sequence(("A.outer", (100, 1), (100, -0.3), (100, 0.25))),
     ),
     case(
         "overcut along the own contour, without kerf",

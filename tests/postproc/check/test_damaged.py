@@ -126,7 +126,7 @@ def moved_by(dx: float, what: str) -> Callable[[Cut], Cut]:
             "contour-geometry",
             "marking does not start where the line",
         ),
-        ("A.outer", pierced_at(64, -30), "on-sheet", "cut 3: 28.5 mm of the path of A.outer lie off the sheet"),
+        ("A.outer", pierced_at(64, -30), "on-sheet", "cut 3: 30.0 mm of the path of A.outer lie off the sheet"),
     ],
 )
 def test_damaged_geometry_in_a_plan(name: str, change: Callable[[Cut], Cut], rule: str, text: str) -> None:
