@@ -141,7 +141,7 @@ def new(name: str, like: str | None, output: str | None, trust: bool) -> None:
         like, answers = _asked(trust)
     else:
         answers = {}
-    text = begun(name, like, answers)
+    text = begun(name, like, answers, path.parent)
     expect_usable(text, path, trust)
     write_files({path: text})
     click.echo(f"{path} written, and fine; next: kerfwise solve NEST -p {path}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import tempfile
@@ -9,11 +10,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import yaml
+
 from kerfwise.encoder.errors import InputError
 from kerfwise.postproc.dialects import load_dialect
 from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 from kerfwise.rules.options.kind import OptionKind, Unfit
 from kerfwise.rules.options.option import options_of
+from kerfwise.rules.options.plain_values import Text
 from kerfwise.rules.options.yaml_edit import with_value
 from kerfwise.rules.options.yaml_positions import compose
 from kerfwise.rules.profile.files import profile_text, shipped_profiles
@@ -79,8 +83,10 @@ def questions(like: Profile) -> Iterator[Question]:
         yield Question((section, key), option.help, option.kind.write(value), option.kind, like.machine.process)
 
 
-def begun(name: str, like: str, answers: Mapping[Key, str] | None = None) -> str:
+def begun(name: str, like: str, answers: Mapping[Key, str] | None = None, folder: Path | None = None) -> str:
     """The text of the profile `like` under another name, with other values where there are answers.
+
+    What it is based on is named as seen from `folder`, where the text will stand; without one it stands beside `like`.
 
     Raises
     ------
@@ -98,9 +104,26 @@ def begun(name: str, like: str, answers: Mapping[Key, str] | None = None) -> str
     if name in shipped_profiles():
         raise InputError(f"{name} is the name of a profile that comes with kerfwise: choose another")
     text = with_value(_EDITOR.sub("", profile_text(like)), ["name"], name)
+    if folder is not None and like not in shipped_profiles():
+        text = _based_as_before(text, Path(like), folder)
     for key, value in (answers or {}).items():
         text = with_value(text, key, value)
     return f"# Begun as a copy of {Path(like).name}. Change what differs; `kerfwise profile check` reads it.\n{text}"
+
+
+def _based_as_before(text: str, like: Path, folder: Path) -> str:
+    """The text of a profile from another folder, based on the same file; who reads it finds what is wrong with that."""
+    root = compose(text, "")
+    given = root.value if isinstance(root, yaml.MappingNode) else ()
+    base = next((value.value for key, value in given if key.value == "based_on"), None)
+    if not isinstance(base, str) or not base or base in shipped_profiles() or Path(base).is_absolute():
+        return text
+    there, here = os.path.realpath((like.parent / base).parent), os.path.realpath(folder)
+    if here == os.path.realpath(like.parent):
+        return text
+    with contextlib.suppress(ValueError):  # no way from one drive to another
+        there = os.path.relpath(there, here)
+    return with_value(text, ["based_on"], Text().write((Path(there) / Path(base).name).as_posix()))
 
 
 def expect_usable(text: str, path: Path, trust: bool = False) -> Profile:
