@@ -34,13 +34,21 @@ def refit_said(made: Plan | str | Path | None) -> float | None:
 
 
 def refit_as_made(given_mm: float | None, made: Plan | str | Path | None, profile: Profile, tell: Tell) -> float | None:
-    """How near to flattened outlines arcs are made: as is given, or as what was made of the nest says, which is told.
+    """How near to flattened outlines arcs are made: as is given, or as what was made of the nest says.
 
-    None where neither says it: the profile's section `drawing` does then.
+    That is told where it goes before the profile, and so is what is given where the other does not say the same. None
+    where neither says it: the profile's section `drawing` does then.
     """
-    said_mm = None if given_mm is not None else refit_said(made)
-    if said_mm is None or said_mm == profile.drawing.refit_arcs_mm:
+    if made is None:
         return given_mm
-    name = "the plan" if isinstance(made, Plan) else Path(str(made)).name
+    said_mm, name = refit_said(made), "the plan" if isinstance(made, Plan) else Path(str(made)).name
+    if given_mm is not None:
+        if said_mm is None:
+            tell(f"arcs are refitted within {given_mm:g} mm (--refit-arcs); {name} does not say that they were for it")
+        elif f"{given_mm:.9g}" != f"{said_mm:.9g}":
+            tell(f"arcs are refitted within {given_mm:g} mm (--refit-arcs); for {name} they were within {said_mm:g} mm")
+        return given_mm
+    if said_mm is None or said_mm == profile.drawing.refit_arcs_mm:
+        return None
     tell(f"arcs are refitted within {said_mm:g} mm (--refit-arcs), as they were for {name}")
     return said_mm

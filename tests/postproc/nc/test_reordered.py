@@ -309,7 +309,13 @@ def test_refit_arcs_on_the_command_line() -> None:
         assert f"note: arcs are refitted within 0.05 mm (--refit-arcs), as they were for {made}" in ended.err
         assert "2 arcs" in ended.err
         assert given_for("a.json", Asked(last=made)).nest.refit_arcs_mm == 0.05
+        told = "note: arcs are refitted within 0.04 mm (--refit-arcs); for"
+        ended = kerfwise("check", "a.json", made, "--refit-arcs", "0.04 mm")
+        assert f"{told} {made} they were within 0.05 mm" in ended.err
+        assert "note: arcs" not in kerfwise("check", "a.json", made, "--refit-arcs", "0.05 mm").err
     assert "arcs" not in kerfwise("check", "a.json", "b.nc").err
+    ended = kerfwise("check", "a.json", "b.nc", "--refit-arcs", "0.05 mm")
+    assert "note: arcs are refitted within 0.05 mm (--refit-arcs); b.nc does not say that they were for it" in ended.err
     for given_length in ("0", "-1 mm", "much", "nan"):
         ended = kerfwise("solve", "a.json", "-o", "c.nc", "--refit-arcs", given_length)
         assert (ended.code, "--refit-arcs" in ended.err) == (2, True), ended.err
