@@ -88,7 +88,7 @@ def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, optio
         if far := out_of_reach(contour, path, options.reach):
             beyond[k] = far
     narrow = _narrow(nest, [k for k in chosen if k not in small], outlines, options)
-    rings = {k: outline.path for k, outline in outlines.items()}
+    rings = {k: outline.path for k, outline in outlines.items() if k not in narrow}
     drawn = {k: nest.contours[k].curve for k in chosen if nest.contours[k].kind in ("mark", "slit")}
     off = off_the_sheet(nest.contours, drawn | rings, around)
     beyond |= off

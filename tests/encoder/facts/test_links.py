@@ -74,7 +74,7 @@ def test_every_link_keeps_off_metal_and_off_third_parts() -> None:
 
 
 def test_a_part_in_between_shuts_the_way() -> None:
-    wall = part("W", rect(54, 0, 4, 70))
+    wall = part("W", rect(54, 1, 4, 69))
     assert ("A.outer", "B.outer") not in pairs(facts(nest(400, 200, A, B, wall)))
 
 
