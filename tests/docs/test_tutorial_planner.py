@@ -18,12 +18,23 @@ import pytest
 
 import kerfwise as package
 from kerfwise.encoder.contents import contents
+from kerfwise.encoder.readers import read_nest
 from kerfwise.examples import gen_morning
+from kerfwise.rules.profile.profile import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.metal.plant import plant
+from kerfwise.tests.metal.simulate import simulate
 
 ROOT = Path(package.__file__).resolve().parent
 PAGE = (ROOT / "docs" / "tutorial-planner.md").read_text(encoding="utf-8")
 PICTURE = ROOT / "docs" / "tutorial-planner.svg"
+PROGRAMS = {
+    f"out/{machine}/{nest}.nc"
+    for machine in ("plasma", "laser")
+    for nest in gen_morning.drawings()
+    if (machine, nest) != ("plasma", "rib")
+}
+"""The ribs are for the laser alone."""
 _BLOCK = re.compile(r"^```(yaml|console)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 _NAMED = re.compile(r"`([\w./]+\.yaml)`")
 
@@ -75,6 +86,14 @@ def of_batch() -> dict[str, bytes]:
     return {str(path): contents(path) for path in Path("out").rglob("*") if path.is_file()}
 
 
+def burnt(name: str) -> list[str]:
+    """What the simulation finds in a program of the batch, which other processes made."""
+    machine, program = Path(name).parts[-2:]
+    profile = load_profile(f"plants/{machine}.yaml")
+    drawn = read_nest(Path("nests", program).with_suffix(".dxf"), profile.read_options())
+    return [str(found) for found in simulate(drawn, Path(name).read_text(encoding="utf-8"), **plant(profile))]
+
+
 @pytest.mark.slow
 def test_the_whole_page_in_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
@@ -88,6 +107,7 @@ def test_the_whole_page_in_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert before == last, "the second run changes nothing"
     assert {Path(name).name for name in before if name.endswith(".pdf")} == {"plasma.pdf", "laser.pdf"}
     assert Path("both.svg").read_text(encoding="utf-8") == PICTURE.read_text(encoding="utf-8")
+    assert {name: burnt(name) for name in before if name.endswith(".nc")} == {name: [] for name in PROGRAMS}
 
 
 def test_the_script_is_run_as_a_reader_does(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
