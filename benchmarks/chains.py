@@ -1,9 +1,10 @@
 """What links save: the best plan with them against the plain one, by what a pierce takes.
 
-Usage: python -m kerfwise.benchmarks.chains [--contours 115 308] [--pierce 0.5 1 2] [--work 20] > chains.md
+Usage: python -m kerfwise.benchmarks.chains [--contours 115 308] [--pierce 0.5 1 2] [--work 20] [--kept FOLDER]
 
 Made plates (examples/gen_sheet.py, seed 1) under the default profile, plasma, once as it is and once with
 `cuts: {links: {longest: 100 mm}}`. Each program is checked; one that fails ends the run.
+With --kept rows are kept in a folder, and one that stands there is not run again.
 """
 
 from __future__ import annotations
@@ -13,7 +14,10 @@ import json
 import platform
 import sys
 import time
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from pathlib import Path
 
 import kerfwise
 from kerfwise.encoder.nest import Nest
@@ -113,19 +117,34 @@ def row(nest: Nest, name: str, pierce_s: float, linked: bool, work: float) -> Ro
     )
 
 
+def kept(file: Path | None, made: Callable[[], Row]) -> Row:
+    """The row that a file keeps; where it keeps none the row is made, and kept."""
+    if file is not None and file.exists():
+        return Row(**json.loads(file.read_text(encoding="utf-8")))
+    fresh = made()
+    if file is not None:
+        file.write_text(json.dumps(asdict(fresh)) + "\n", encoding="utf-8", newline="\n")
+    return fresh
+
+
 def main() -> None:
     """Print the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--contours", type=int, nargs="+", default=[115, 308])
     parser.add_argument("--pierce", type=float, nargs="+", default=[0.5, 1.0, 2.0])
     parser.add_argument("--work", type=float, default=20.0)
+    parser.add_argument("--kept", type=Path, metavar="FOLDER")
     given = parser.parse_args()
+    if given.kept is not None:
+        given.kept.mkdir(parents=True, exist_ok=True)
     rows = []
     for contours in given.contours:
         nest = read_json(json.dumps(make_sheet(1, contours)).encode(), ReadOptions())
         for pierce_s in given.pierce:
             for linked in (False, True):
-                rows.append(str(row(nest, f"{len(nest.contours)} contours", pierce_s, linked, given.work)))
+                name = f"{len(nest.contours)} contours"
+                file = given.kept and given.kept / f"{contours}.{pierce_s:g}.{'links' if linked else 'plain'}.json"
+                rows.append(str(kept(file, partial(row, nest, name, pierce_s, linked, given.work))))
                 print(rows[-1], file=sys.stderr, flush=True)
     page = PAGE.format(
         contours=" ".join(map(str, given.contours)),

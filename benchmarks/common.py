@@ -1,22 +1,29 @@
 """What common cuts save: grids a kerf apart with every edge cut once, against the same parts with a web between them.
 
-Usage: python -m kerfwise.benchmarks.common [--grids 3x4 5x8 10x20] [--work 20] > common-cuts.md
+Usage: python -m kerfwise.benchmarks.common [--grids 3x4 5x8 10x20] [--mixed 115] [--work 20] > common-cuts.md
 
-Rows x columns of rectangles 100 x 60 mm, and parts of three sizes in staggered rows, under the shipped profile of a
-laser. Each program is checked; one that fails ends the run.
+Rows x columns of rectangles 100 x 60 mm, parts of four widths in staggered rows, and a made plate of all kinds of parts
+(examples/gen_sheet.py, seed 1), under the shipped profile of a laser. Each program is checked; one that fails ends the
+run.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import platform
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import kerfwise
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.nest import Nest, Part
+from kerfwise.encoder.readers import ReadOptions
+from kerfwise.encoder.readers.json_nest import read_json
+from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import produce
 from kerfwise.jobs.solve_options import options_for
@@ -31,10 +38,12 @@ STAGGERED = ((100.0, 60.0, 140.0, 80.0), (60.0, 140.0, 80.0, 100.0), (140.0, 80.
 PAGE = """\
 # What common cuts save
 
-Made by `python -m kerfwise.benchmarks.common --grids {grids} --work {work:g} > docs/common-cuts.md` with kerfwise
-{kerfwise}, Python {python}: rows × columns of rectangles {wide:g} × {high:g} mm, and parts of four widths in staggered
-rows, under the shipped profile `{profile}`. With common cuts ([how](common.md)) they stand one kerf apart
-({kerf:g} mm), without them {web:g} mm: nearer there is no room for a pierce between them.
+Made by `python -m kerfwise.benchmarks.common --grids {grids} --mixed {mixed} --work {work:g} > docs/common-cuts.md`
+with kerfwise {kerfwise}, Python {python}: rows × columns of rectangles {wide:g} × {high:g} mm, parts of four widths in
+staggered rows, and a plate of `examples/gen_sheet.py`, seed 1, under the shipped profile `{profile}`. With common
+cuts ([how](common.md)) parts stand one kerf apart ({kerf:g} mm), without them {web:g} mm: nearer there is no room for a
+pierce between them. On the mixed plate only straight edges within a column are one kerf apart (`--web`): columns,
+discs, and parts that lie in others keep their {web:g} mm.
 
 A plan with common cuts has the least time, a plain one the least idle travel. The gap is what is not proven, of a
 plan's own cost. The processor's seconds are those of the whole run: facts, plan, program and check.
@@ -85,6 +94,11 @@ def in_rows(widths_mm: list[tuple[float, ...]], web_mm: float) -> Nest:
     return nest(longest + 2 * EDGE_MM, len(widths_mm) * (HIGH_MM + web_mm) + 2 * EDGE_MM, *parts)
 
 
+def mixed(contours: int, web_mm: float) -> Nest:
+    """A plate of all kinds of parts, straight edges in a column so far apart."""
+    return read_json(json.dumps(make_sheet(1, contours, gap_mm=WEB_MM, web_mm=web_mm)).encode(), ReadOptions())
+
+
 def plant(common: bool) -> Profile:
     """The laser's profile."""
     return replace(load_profile(PROFILE), cuts=Cuts(common=Common(shortest_mm=20.0)) if common else Cuts())
@@ -119,21 +133,24 @@ def main() -> None:
     """Print the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--grids", nargs="+", default=["3x4", "5x8", "10x20"])
+    parser.add_argument("--mixed", type=int, default=115, metavar="CONTOURS")
     parser.add_argument("--work", type=float, default=20.0)
     given = parser.parse_args()
     kerf_mm = plant(common=True).material.kerf_mm
-    sizes: list[tuple[str, list[tuple[float, ...]]]] = [
-        (size.replace("x", " × "), widths_of(size)) for size in given.grids
+    sheets: list[tuple[str, Callable[[float], Nest]]] = [
+        (size.replace("x", " × "), partial(in_rows, widths_of(size))) for size in given.grids
     ]
+    sheets.append(("staggered", partial(in_rows, [STAGGERED[k % len(STAGGERED)] for k in range(6)])))
+    sheets.append((f"mixed, {len(mixed(given.mixed, WEB_MM).contours)} contours", partial(mixed, given.mixed)))
     rows = []
-    sizes.append(("staggered", [STAGGERED[k % len(STAGGERED)] for k in range(6)]))
-    for name, widths_mm in sizes:
+    for name, sheet_with in sheets:
         for common in (False, True):
-            sheet = in_rows(widths_mm, kerf_mm if common else WEB_MM)
+            sheet = sheet_with(kerf_mm if common else WEB_MM)
             rows.append(str(row(name, sheet, common, given.work)))
             print(rows[-1], file=sys.stderr, flush=True)
     page = PAGE.format(
         grids=" ".join(given.grids),
+        mixed=given.mixed,
         work=given.work,
         kerfwise=kerfwise.__version__,
         python=platform.python_version(),

@@ -1,9 +1,10 @@
 """Make a nest (kerfwise-nest/1) of about as many contours as asked: the same for the same seed and size.
 
 Columns of shelves from the left hold strips, plates with holes, frames that host parts in their opening, channels
-with a part in their mouth, discs, brackets and slotted plates; at the right an offcut stays.
+with a part in their mouth, discs, brackets and slotted plates; at the right an offcut stays. With a web, parts of a
+column that look at each other with straight edges are moved together: as far apart as that, a kerf for common cuts.
 
-Usage: python examples/gen_sheet.py SEED CONTOURS OUT.json [--width W] [--height H] [--gap G]
+Usage: python examples/gen_sheet.py SEED CONTOURS OUT.json [--width W] [--height H] [--gap G] [--web W]
 """
 
 from __future__ import annotations
@@ -39,9 +40,16 @@ def sheet_size_mm(contours: int) -> tuple[float, float]:
 
 
 def make_sheet(
-    seed: int, contours: int, size_mm: tuple[float, float] | None = None, gap_mm: float = GAP_MM
+    seed: int,
+    contours: int,
+    size_mm: tuple[float, float] | None = None,
+    gap_mm: float = GAP_MM,
+    web_mm: float | None = None,
 ) -> dict[str, Any]:
     """The nest file as a dictionary; it has fewer contours than asked when the sheet is full before.
+
+    `web_mm` is what lies between parts of a column that look at each other with straight edges, `gap_mm` between all
+    others; the parts are the same with and without it.
 
     Examples
     --------
@@ -50,7 +58,7 @@ def make_sheet(
     ({'width': 6000.0, 'height': 1500.0}, [0, 0, 2])
     """
     width, height = size_mm or sheet_size_mm(contours)
-    shapes = _columns(random.Random(seed), contours, width, height, gap_mm)
+    shapes = _columns(random.Random(seed), contours, width, height, gap_mm, gap_mm if web_mm is None else web_mm)
     return {
         "format": "kerfwise-nest/1",
         "units": "mm",
@@ -67,7 +75,7 @@ def contour_count(sheet: dict[str, Any]) -> int:
     return sum(1 + len(p["holes"]) for p in sheet["parts"])
 
 
-def _columns(rnd: random.Random, contours: int, width: float, height: float, gap: float) -> list[Shape]:
+def _columns(rnd: random.Random, contours: int, width: float, height: float, gap: float, web: float) -> list[Shape]:
     """Fill the sheet from the left: full-height strips, and columns of cells from the bottom up."""
     shapes: list[Shape] = []
     made, x = 0, gap
@@ -79,14 +87,17 @@ def _columns(rnd: random.Random, contours: int, width: float, height: float, gap
         if strip:
             shapes.append((_rect(x, gap, column, height - 2 * gap), []))
             made += 1
-        y = gap
+        y, down, under_straight = gap, 0.0, False
         while not strip and made < contours:
             h = rnd.choice([90, 110, 150, 200, 260, 300])
             if y + h > height - gap:
                 break
             w = column - rnd.choice([0, 0, 8, 20])
             filled = _fill(rnd, (x, y, w, h), gap)
-            shapes += filled
+            straight = not _is_round(filled[0])
+            down += gap - web if straight and under_straight else 0.0
+            under_straight = straight
+            shapes += [_moved_down(shape, down) for shape in filled]
             made += sum(1 + len(holes) for _, holes in filled)
             y += h + gap
         x += column + gap
@@ -109,6 +120,15 @@ def _fill(rnd: random.Random, cell: Cell, gap: float, nested: bool = False) -> l
     if kind < 0.86:
         return [_bracket(cell, rnd.uniform(0.3, 0.6))]
     return [_slotted(cell)]
+
+
+def _is_round(shape: Shape) -> bool:
+    return all(len(row) > 2 for row in shape[0])
+
+
+def _moved_down(shape: Shape, by: float) -> Shape:
+    outer, *holes = ([[x, y - by, *bulge] for x, y, *bulge in rows] for rows in (shape[0], *shape[1]))
+    return outer, holes
 
 
 def _rect(x: float, y: float, w: float, h: float) -> Rows:
@@ -189,9 +209,11 @@ def main() -> None:
     arguments.add_argument("--width", type=float, help="mm; grows with the number of contours if left out")
     arguments.add_argument("--height", type=float, help="mm; grows with the number of contours if left out")
     arguments.add_argument("--gap", type=float, default=GAP_MM, help="mm between parts")
+    arguments.add_argument("--web", type=float, help="mm between straight edges in a column; as the gap if left out")
     given = arguments.parse_args()
     width, height = sheet_size_mm(given.contours)
-    sheet = make_sheet(given.seed, given.contours, (given.width or width, given.height or height), given.gap)
+    size_mm = given.width or width, given.height or height
+    sheet = make_sheet(given.seed, given.contours, size_mm, given.gap, given.web)
     given.out.write_text(json.dumps(sheet), encoding="utf-8", newline="\n")
     print(f"{contour_count(sheet)} contours, {len(sheet['parts'])} parts")
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 
-from kerfwise.benchmarks.chains import Row, row
+from kerfwise.benchmarks.chains import Row, kept, row
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
@@ -17,6 +18,16 @@ def test_a_row_tells_plain_plans_and_gaps_apart() -> None:
     assert str(plain) == "| plate | 2 | – | 12 | 20.50 | 4.25 | 41.0 | 512 | 0 | 1 |"
     assert " | 3 | " in str(Row("plate", 0.5, 3, 9, 1.0, 1.0, 1.0, 1.0, 0.0123, 1.0))
     assert " | 1.23% | " in str(Row("plate", 0.5, 3, 9, 1.0, 1.0, 1.0, 1.0, 0.0123, 1.0))
+
+
+def test_a_row_that_is_kept_is_not_made_again(tmp_path: Path) -> None:
+    made = [
+        Row("one", 2.0, None, 12, 20_500.0, 4_250.0, 41.04, 512.3, None, 1.4),
+        Row("two", 2.0, 1, 1, 1, 1, 1, 1, 0, 1),
+    ]
+    file, waiting = tmp_path / "115.2.plain.json", iter(made)
+    assert kept(file, lambda: next(waiting)) == kept(file, lambda: next(waiting)) == made[0]
+    assert kept(None, lambda: next(waiting)) == made[1]
 
 
 @pytest.mark.slow

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from kerfwise.benchmarks.common import STAGGERED, WEB_MM, Row, in_rows, plant, row, widths_of
+from kerfwise.benchmarks.common import STAGGERED, WEB_MM, Row, in_rows, mixed, plant, row, widths_of
 
 
 def test_a_row_tells_plans_and_gaps_apart() -> None:
@@ -20,4 +20,13 @@ def test_common_cuts_save_pierces_lengths_and_time(widths_mm: list[tuple[float, 
     assert plain.gap == common.gap == 0
     assert (plain.pierces, common.pierces) == (4, 1)
     assert common.cut_mm < 0.8 * plain.cut_mm
+    assert common.program_s < plain.program_s
+
+
+def test_common_cuts_save_pierces_and_time_among_all_kinds_of_parts() -> None:
+    kerf_mm = plant(common=True).material.kerf_mm
+    plain, common = (row("", mixed(12, kerf_mm if on else WEB_MM), on, 0.5) for on in (False, True))
+    assert plain.gap == common.gap == 0
+    assert common.pierces < plain.pierces
+    assert common.cut_mm < plain.cut_mm
     assert common.program_s < plain.program_s

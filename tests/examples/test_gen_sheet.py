@@ -1,16 +1,19 @@
 from __future__ import annotations
 
 import doctest
+import itertools
 import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 import shapely
 
 from kerfwise.encoder.facts import FactOptions, compute_facts
-from kerfwise.encoder.readers import read_nest
+from kerfwise.encoder.readers import ReadOptions, read_nest
+from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples import gen_sheet
 from kerfwise.examples.gen_sheet import contour_count, make_sheet, sheet_size_mm
 
@@ -42,6 +45,23 @@ def test_parts_lie_on_the_sheet_and_not_on_each_other(tmp_path: Path) -> None:
     facts = compute_facts(made, FactOptions())
     assert len(facts.in_hull) > 0  # channels with a part in their mouth
     assert any(facts.parent[facts.nest.index[p.outer.id]] >= 0 for p in made.parts)  # frames that host parts
+
+
+def test_with_a_web_straight_edges_in_a_column_are_so_far_apart() -> None:
+    apart, close = (polygons(make_sheet(1, 60, web_mm=web)) for web in (None, 0.2))
+    assert [p.area for p in apart] == pytest.approx([p.area for p in close], rel=1e-4)
+    assert pair_gaps(apart) == {12.0}
+    assert pair_gaps(close) == {0.2, 12.0}
+
+
+def polygons(sheet: dict[str, Any]) -> list[shapely.Polygon]:
+    return [part.polygon for part in read_json(json.dumps(sheet).encode(), ReadOptions()).parts]
+
+
+def pair_gaps(parts: list[shapely.Polygon]) -> set[float]:
+    """How far parts are apart, up to 12 mm."""
+    gaps = {round(a.distance(b), 3) for a, b in itertools.combinations(parts, 2)}
+    return {gap for gap in gaps if gap <= 12.0}
 
 
 def test_as_a_program(tmp_path: Path) -> None:
