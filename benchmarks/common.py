@@ -1,6 +1,6 @@
 """What common cuts save: grids a kerf apart with every edge cut once, against the same parts with a web between them.
 
-Usage: python -m kerfwise.benchmarks.common [--grids 3x4 5x8 10x20] [--mixed 115] [--work 20] > common-cuts.md
+Usage: python -m kerfwise.benchmarks.common [--grids 3x4 5x8 10x20] [--mixed 60] [--work 20] > common-cuts.md
 
 Rows x columns of rectangles 100 x 60 mm, parts of four widths in staggered rows, and a made plate of all kinds of parts
 (examples/gen_sheet.py, seed 1), under the shipped profile of a laser. Each program is checked; one that fails ends the
@@ -133,7 +133,7 @@ def main() -> None:
     """Print the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--grids", nargs="+", default=["3x4", "5x8", "10x20"])
-    parser.add_argument("--mixed", type=int, default=115, metavar="CONTOURS")
+    parser.add_argument("--mixed", type=int, default=60, metavar="CONTOURS")
     parser.add_argument("--work", type=float, default=20.0)
     given = parser.parse_args()
     kerf_mm = plant(common=True).material.kerf_mm
