@@ -28,6 +28,7 @@ from kerfwise.jobs.nesting.table import use_of_all
 from kerfwise.jobs.nesting.weigh import alike, cheapest, weigh
 from kerfwise.nesting import sparrow
 from kerfwise.nesting.allot import Layout, allot
+from kerfwise.nesting.bound import least_worth
 from kerfwise.nesting.denser import denser
 from kerfwise.nesting.fill import LEFT, by_size
 from kerfwise.nesting.rounds import Effort, best_layout, layouts
@@ -160,9 +161,6 @@ def _day(rounds: int) -> Iterator[str]:
     count = sum(kind.quantity for kind in wanted.types)
     stock_mm2 = sum(sheet.stock.area_mm2 for sheet in nested.layout.sheets)
     bought = sum(sheet.stock.price or 0.0 for sheet in nested.layout.sheets)
-    per_mm2 = min(stock.price / stock.area_mm2 for stock in wanted.stocks if stock.price)
-    rest_mm2 = sum(stock.area_mm2 for stock in wanted.stocks if stock.remnant)
-    least = max(wanted.area_mm2 - rest_mm2, 0.0) * per_mm2
     yield "\n## A day of a shop\n"
     yield f"{len(wanted.types)} part types, {count} parts, three sizes of sheets, two remnants; 8 mm between parts.\n"
     yield "| sheet | parts | use |"
@@ -171,8 +169,9 @@ def _day(rounds: int) -> Iterator[str]:
         yield f"| {sheet.stock.name} | {len(sheet.placed)} | {sheet.metal_mm2(wanted) / sheet.stock.area_mm2:.3f} |"
     laid = count - sum(nested.layout.missing)
     yield f"\n{laid} of {count} parts are laid, on {stock_mm2 / 1e6:.2f} m² of which they are {use_of_all(nested):.3f}."
-    yield f"The sheets that are bought cost {bought:.2f}; no layout costs less than {least:.2f}, by the area of the"
-    yield f"parts alone. {spent:.0f} s for {rounds} rounds, {peak_mb():.0f} MB."
+    yield f"The sheets that are bought cost {bought:.2f}; no layout costs less than {least_worth(wanted, spacing):.2f}:"
+    yield "so much do whole sheets cost that hold the area of the parts and of half the gap around them."
+    yield f"{spent:.0f} s for {rounds} rounds, {peak_mb():.0f} MB."
 
 
 def _cutting(rounds: int) -> Iterator[str]:

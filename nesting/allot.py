@@ -81,18 +81,21 @@ def allot(
     going: Going = lambda: True,
     left: Mapping[int, int] | None = None,
     gone: Mapping[int, int] | None = None,
+    buy: Sequence[int] = (),
 ) -> Layout:
     """Fill sheet after sheet until every part lies on one, no stock is left, or what is left fits on none.
 
     `order` are the part types as they are laid, one after the other; `left` says how many of them are, all where it is
-    not given, and `gone` how many sheets of each stock are used already.
+    not given, and `gone` how many sheets of each stock are used already. `buy` are numbers of stock that come
+    next after the remnants, in that order; only then sheets are chosen by what they hold.
     """
     left = {kind: wanted.types[kind].quantity if left is None else left[kind] for kind in order}
     used = [(gone or {}).get(number, 0) for number in range(len(wanted.stocks))]
     sheets: list[Sheetful] = []
+    bought = list(buy)
     while any(left.values()) and going():
         best: Sheetful | None = None
-        for number in _next(wanted, used):
+        for number in _next(wanted, used, bought[:1]):
             stock = wanted.stocks[number]
             room = Room(shapes, stock.sheet, spacing)
             placed = fill(room, order, left, taste, going)
@@ -101,8 +104,12 @@ def allot(
                 best = full
             if stock.remnant and placed:
                 break
-        if best is None:
+        if bought and (best is None or not best.stock.remnant):
+            bought.pop(0)
+        elif best is None:
             break
+        if best is None:
+            continue
         sheets.append(best)
         used[best.number] += 1
         for one in best.placed:
@@ -110,9 +117,13 @@ def allot(
     return Layout(wanted, spacing, tuple(sheets))
 
 
-def _next(wanted: Wanted, used: Sequence[int]) -> list[int]:
-    """The stock that may be taken next, by number: remnants first, the smallest first."""
-    there = [k for k, stock in enumerate(wanted.stocks) if stock.count is None or used[k] < stock.count]
+def _next(wanted: Wanted, used: Sequence[int], bought: Sequence[int]) -> list[int]:
+    """The stock that may be taken next, by number: remnants first, the smallest first; of the rest, what is bought."""
+    there = [
+        k
+        for k, stock in enumerate(wanted.stocks)
+        if (stock.count is None or used[k] < stock.count) and (stock.remnant or not bought or k in bought)
+    ]
     return sorted(there, key=lambda k: (not wanted.stocks[k].remnant, wanted.stocks[k].area_mm2, k))
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from .allot import Layout, allot
 from .fill import TASTES, Taste, by_size
+from .purchase import Purchase
 from .shapes import Shapes
 from .wanted import Spacing, Wanted
 
@@ -45,13 +46,14 @@ def layouts(
     found: list[Layout] = []
     ends = None if effort.time_s is None else time.monotonic() + effort.time_s
     best: Layout | None = None
+    purchase = Purchase(wanted, shapes, spacing)
     for number, (order, taste) in enumerate(_ways(shapes, effort), 1):
 
         def going() -> bool:
             over = stopped() or (ends is not None and time.monotonic() >= ends)
             return best is None or not over  # noqa: B023 - called in this round only
 
-        made = allot(wanted, shapes, spacing, order, taste, going)
+        made = allot(wanted, shapes, spacing, order, taste, going, buy=purchase.next(best))
         if all(made.alike != other.alike for other in found):
             found.append(made)
         if best is None or made.score < best.score:

@@ -7,6 +7,7 @@ import pytest
 from kerfwise.encoder.by_hand import circle, part, rect
 from kerfwise.encoder.nest import Part, Sheet
 from kerfwise.jobs.nesting.run import lay_out, nests_from
+from kerfwise.nesting.bound import least_worth
 from kerfwise.nesting.fill import LEFT, put_best
 from kerfwise.nesting.room import Room
 from kerfwise.nesting.rounds import Effort, best_layout
@@ -63,6 +64,24 @@ def test_the_cheaper_sheet_is_taken_where_both_do() -> None:
     assert [full.stock.name for full in nested.layout.sheets] == ["220x200"]
 
 
+def test_sheets_are_bought_as_a_set_where_that_is_cheaper() -> None:
+    """The large sheet is the cheapest for what it holds, and leaves one part; two small ones cost less."""
+    stock = (sheet(300, 100, price=30.0), sheet(200, 100, price=21.0))
+    asked = wanted(of(part("A", rect(0, 0, 100, 100)), 4), stock=stock)
+    first, second = (best_layout(asked, TOUCHING, Effort(rounds)) for rounds in (1, 2))
+    assert [full.stock.name for full in first.sheets] == ["300x100", "200x100"]
+    assert [full.stock.name for full in second.sheets] == ["200x100", "200x100"]
+    assert second.score[1] == least_worth(asked, TOUCHING)
+
+
+def test_no_more_sheets_are_bought_than_there_are() -> None:
+    stock = (sheet(300, 100, price=30.0), sheet(200, 100, 1, price=21.0), sheet(400, 100, 1, remnant=True))
+    asked = wanted(of(part("A", rect(0, 0, 100, 100)), 8), stock=stock)
+    nested = nests_from(best_layout(asked, TOUCHING, Effort(4)))
+    assert [full.stock.name for full in nested.layout.sheets] == ["400x100", "300x100", "200x100"]
+    assert nested.faults == ()
+
+
 def test_what_has_no_room_is_missing_and_counted() -> None:
     nested = lay_out(wanted(of(part("A", rect(0, 0, 90, 90)), 7), stock=(sheet(200, 200, 1),)), Spacing(2.0, 2.0), ONE)
     assert nested.layout.missing == (3,)
@@ -102,7 +121,9 @@ def test_the_best_so_far_is_kept_when_told_to_stop() -> None:
 @pytest.mark.parametrize("seed", range(12))
 def test_the_check_finds_nothing_in_random_orders(seed: int) -> None:
     asked, spacing = random_order(seed)
-    assert nests_from(best_layout(asked, spacing, Effort(1, seed=seed))).faults == ()
+    layout = best_layout(asked, spacing, Effort(1, seed=seed))
+    assert nests_from(layout).faults == ()
+    assert any(layout.missing) or layout.score[1] >= least_worth(asked, spacing)
 
 
 def test_no_place_comes_of_rounding() -> None:
