@@ -37,7 +37,8 @@ PAGE = """\
 
 Made by `python -m kerfwise.benchmarks.chains --contours {contours} --pierce {pierce} --work {work:g} > docs/chains.md`
 with kerfwise {kerfwise}, Python {python}: plates of `examples/gen_sheet.py`, seed 1, under the default profile (plasma,
-feed 2.5 m/min, travel 15 m/min), once as it is and once with links of up to {longest:g} mm ([chains](links.md)).
+feed 2.5 m/min, travel 15 m/min), once as it is and once with links of up to {longest:g} mm ([chains](links.md)),
+straight or round one corner.
 
 A plan without links has the least idle travel; one with links has the least time. Beside the time of the whole
 program stands the part of it that plans differ in by pierces and ways: idle travel, pierces and links, leads left out.
