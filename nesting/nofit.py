@@ -79,9 +79,11 @@ def allowed(room: shapely.Geometry, b: shapely.Polygon) -> shapely.Geometry:
     --------
     >>> allowed(shapely.box(0, 0, 10, 5), shapely.box(0, 0, 4, 4)).bounds
     (0.0, 0.0, 6.0, 1.0)
+    >>> allowed(shapely.Polygon(), shapely.box(0, 0, 4, 4)).is_empty
+    True
     """
     outline = shapely.Polygon(b.exterior)
-    pieces = [_in_piece(piece, outline) for piece in shapely.get_parts(room)]
+    pieces = [_in_piece(piece, outline) for piece in shapely.get_parts(room) if not piece.is_empty]
     return shapely.union_all([piece for piece in pieces if not piece.is_empty])
 
 
