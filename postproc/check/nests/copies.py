@@ -23,6 +23,8 @@ def wrong_copy(part: Part, asked: AskedPart) -> str | None:
     counts = [(len(p.holes), len(p.marks)) for p in (part, asked.part)]
     if counts[0] != counts[1]:
         return f"has {counts[0][0]} holes and {counts[0][1]} marks, and the drawing {counts[1][0]} and {counts[1][1]}"
+    if [tab.width_mm for tab in part.tabs] != [tab.width_mm for tab in asked.part.tabs]:
+        return "has other tabs than the drawing"
     if lost := _arcs_lost(part, asked.part):
         return lost
     if any(_matches(part, laid) for laid in _ways(asked, asked.turns_deg, (False, True) if asked.mirror else (False,))):
@@ -34,25 +36,30 @@ def wrong_copy(part: Part, asked: AskedPart) -> str | None:
     return "has another shape than the drawing"
 
 
-def _ways(asked: AskedPart, turns_deg: Sequence[float], flips: Sequence[bool]) -> Iterator[list[shapely.LineString]]:
-    """The lines of the drawn part in each way that it may lie, where its outline begins at the origin's corner."""
-    drawn = [contour.line for contour in _contours(asked.part)]
+def _ways(asked: AskedPart, turns_deg: Sequence[float], flips: Sequence[bool]) -> Iterator[list[shapely.Geometry]]:
+    """The lines and tabs of the drawn part in each way that it may lie, the outline first."""
+    drawn = _drawn(asked.part)
     for flip in flips:
         for turn in turns_deg:
             flipped = [affinity.scale(line, -1, 1, origin=(0, 0)) if flip else line for line in drawn]
             yield [affinity.rotate(line, turn, origin=(0, 0)) for line in flipped]
 
 
-def _matches(part: Part, drawn: Sequence[shapely.LineString]) -> bool:
-    """Whether all contours coincide once the outlines are laid over each other."""
-    lines = [contour.line for contour in _contours(part)]
-    x, y = _corner(part.outer.line)
+def _matches(part: Part, drawn: Sequence[shapely.Geometry]) -> bool:
+    """Whether all contours and tabs coincide once the outlines are laid over each other."""
+    lines = _drawn(part)
+    x, y = _corner(lines[0])
     a, b = _corner(drawn[0])
     over = [affinity.translate(line, x - a, y - b) for line in drawn]
     return all(
         abs(one.length - other.length) <= SAME_MM * 10 and shapely.hausdorff_distance(one, other) <= SAME_MM
         for one, other in zip(lines, over, strict=True)
     )
+
+
+def _drawn(part: Part) -> list[shapely.Geometry]:
+    """The lines of the contours, the outline first, and the middles of the tabs."""
+    return [*(contour.line for contour in _contours(part)), *(shapely.Point(tab.at) for tab in part.tabs)]
 
 
 def _corner(line: shapely.LineString) -> tuple[float, float]:

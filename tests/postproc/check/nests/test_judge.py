@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, part
+from kerfwise.encoder.by_hand import circle, part, rect
+from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.nest import Sheet
 from kerfwise.postproc.check.nests import AskedPart, AskedSheet, AskedSpacing, nest_faults
 
@@ -68,6 +70,25 @@ def test_a_nest_as_asked_for_passes_at_its_boundary() -> None:
 def test_a_fault_is_found_and_said(rows: list[dict[str, Any]], more: dict[str, Any], said: str) -> None:
     found = faults(*rows, **more)
     assert any(said in fault for fault in found), found
+
+
+@pytest.mark.parametrize(
+    ("tabs", "said"),
+    [
+        ([{"at": [80, 50]}, {"at": [100, 40], "width": 0.8}], None),
+        ([{"at": [80, 50]}], "T-1 has other tabs than the drawing"),
+        ([{"at": [80, 50]}, {"at": [100, 40], "width": 0.5}], "T-1 has other tabs than the drawing"),
+        ([{"at": [80, 50]}, {"at": [100, 38], "width": 0.8}], "T-1 has another shape than the drawing"),
+    ],
+)
+def test_a_part_turned_over_keeps_its_tabs(tabs: list[dict[str, Any]], said: str | None) -> None:
+    drawn = replace(part("T", rect(0, 0, 40, 30)), tabs=(Tab((20.0, 0.0), 0.0), Tab((0.0, 10.0), 0.8)))
+    row = {"id": "T-1", "of": "T", "outer": [[100, 50], [60, 50], [60, 20], [100, 20]], "tabs": tabs}
+    nest = {"format": "kerfwise-nest/1", "sheet": {"width": 200, "height": 100}, "parts": [row]}
+    written = {"s": json.dumps(nest).encode()}
+    assert nest_faults(written, [AskedPart("T", drawn, 1, (180.0,))], SHEETS, AskedSpacing(5, 5)) == (
+        [] if said is None else [f"s: {said}"]
+    )
 
 
 def test_a_part_in_the_hole_of_another_keeps_the_gap_to_its_rim() -> None:
