@@ -50,6 +50,7 @@ _OPTIONS = (
     click.option("--weigh-work", type=AMOUNT_OVER_ZERO, default=2.0, show_default=True, metavar="W",
                  help="Limit of each such plan."),
     click.option("--units", metavar="UNIT", help="Unit of the drawings: mm, cm, m, in or ft."),
+    click.option("--repair", is_flag=True, help="Mend what can be mended in the drawings, and say what was done."),
     click.argument("parts", metavar="PARTS…", nargs=-1, required=True),
 )  # fmt: skip
 
@@ -86,6 +87,7 @@ def read_asked(
     time_limit: float | None,
     seed: int,
     units: str | None,
+    repair: bool,
     engine: str,
 ) -> Asked:
     """Read parts, sheets and profile; what the readers have to say goes to standard error."""
@@ -101,7 +103,7 @@ def read_asked(
     expect_folder(out)
     gap_mm = None if gap is None else length_or_zero("--gap", gap)
     spacing = spacing_of(plant, gap_mm, None if edge is None else length_or_zero("--edge", edge))
-    wanted = order_of(parts, sheets, remnants, reading(plant, units=units), tell_note)
+    wanted = order_of(parts, sheets, remnants, reading(plant, units=units, repair=repair), tell_note)
     return Asked(plant, out, wanted, spacing, Effort(rounds, time_limit, seed), engine)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -68,7 +69,7 @@ def _lists(text: str) -> Iterator[tuple[PartList, Path]]:
     file = Path(path)
     if is_file(file) and is_list(file, contents(file)[:4000]):
         if quantity is not None:
-            raise InputError(f"{text}: a list of parts has quantities of its own", file=file)
+            raise InputError(f"a list of parts has quantities of its own: leave ={quantity} out", file=file)
         yield read_list(file), file.parent
     else:
         yield PartList((PartRow(part=path, quantity=1 if quantity is None else quantity),)), Path()
@@ -106,8 +107,15 @@ def _types(row: PartRow, folder: Path, reading: ReadOptions, tell: Tell) -> Iter
 
 
 def _read(file: Path, row: PartRow, reading: ReadOptions) -> Nest:
-    try:
+    with _placed(file, row):
         return read_nest(file, replace(reading, frame="part", sheet_size_mm=None))
+
+
+@contextmanager
+def _placed(file: Path, row: PartRow | SheetRow) -> Iterator[None]:
+    """Say of a file that is not there where the list names it."""
+    try:
+        yield
     except InputError as error:
         if row.place is None or error.line is not None or is_file(file):
             raise
@@ -135,7 +143,10 @@ def _named(types: Iterable[PartType]) -> tuple[PartType, ...]:
 
 def _stock(row: SheetRow, folder: Path, reading: ReadOptions) -> Stock:
     if row.file:
-        sheet, name = read_sheet(folder / row.file, reading), Path(row.file).name
+        file = folder / row.file
+        with _placed(file, row):
+            sheet = read_sheet(file, reading)
+        name = file.name
     else:
         width, height = _size(row)
         sheet, name = Sheet.rectangle(width, height), f"{width:g}x{height:g}"

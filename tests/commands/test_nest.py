@@ -110,6 +110,8 @@ def test_parts_that_did_not_fit_are_named(parts: Path) -> None:
         (["plate.json", "--remnant", "plate.json", "--sheet", "9x9"], "holds 1 parts: expected a sheet alone"),
         (["missing.dxf", "--sheet", "400x200"], "there is no such file"),
         (["open.dxf", "--sheet", "400x200"], "do not close to contours"),
+        (["rest.yaml"], "rest.yaml:2:11: there is no such file: rest.json"),
+        (["rest.yaml=2"], "rest.yaml: a list of parts has quantities of its own: leave =2 out"),
         (["wrong.yaml"], "wrong.yaml:2:14: parts[1].quantity: expected a whole number from 1 to 100000, got '0'"),
     ],
 )  # fmt: skip
@@ -121,11 +123,22 @@ def test_what_is_wrong_is_said_and_nothing_is_written(
     (parts / "open.dxf").write_text(
         "POLYLINE".join([*polylines[:2], *(p.replace("\n1\n0", "\n0\n0", 1) for p in polylines[2:])])
     )
+    (parts / "rest.yaml").write_text("parts: [{part: plate.json}]\nsheets: [ {file: rest.json}]\n")
     (parts / "wrong.yaml").write_text("parts:\n- {quantity: 0, part: plate.json}\nsheets: [{size: 400x200}]\n")
     ended = kerfwise("nest", *words, "-o", "out")
     assert ended.code == 2, ended.out
     assert said in ended.err
     assert not (parts / "out").exists()
+
+
+def test_a_part_that_crosses_itself_is_mended_where_that_is_asked_for(parts: Path) -> None:
+    crossed = part("crossed", [(20, 10), (110, 10), (110, 110), (10, 110), (10, 5), (40, 15)])
+    (parts / "crossed.json").write_text(nest_json(nest(200, 200, crossed)))
+    words = ("nest", parts / "crossed.json", "--sheet", "200x200", "--rounds", "1", "-o", parts / "out")
+    refused, mended = kerfwise(*words), kerfwise(*words, "--repair")
+    assert (refused.code, mended.code) == (2, 0), mended.err
+    assert "or try --repair" in refused.err
+    assert "crossed.json: crossed.outer" in mended.err
 
 
 def test_files_of_others_are_left_alone(parts: Path) -> None:
