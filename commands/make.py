@@ -33,7 +33,7 @@ def command(dxf: bool, purpose: str, weigh: int, weigh_work: float, work: float,
     for name, text in zip(nested.names, nested.texts, strict=True):
         listener = ProgressLine()
         try:
-            done = plan_sheet(name, text, asked.plant, work, relax, listener)
+            done = plan_sheet(name, text, asked.plant, work, relax=relax, listener=listener)
         except RulesConflict as error:
             raise RulesConflict(f"{name}: {error.message}; nothing was written", error.reasons) from error
         interrupted = interrupted or listener.interrupted

@@ -126,16 +126,18 @@ def find_nests(asked: Asked, purpose: str, most: int, work: float) -> Found:
     """
     from kerfwise.jobs.nesting.engines import ranked_layouts
     from kerfwise.jobs.nesting.run import expect_room, nests_from
-    from kerfwise.jobs.nesting.weigh import alike, cheapest, weigh
 
     from .nest_progress import NestProgress
-    from .progress import ProgressLine
 
     expect_room(asked.wanted, asked.spacing)
     with NestProgress() as progress:
         ranked = ranked_layouts(asked.wanted, asked.spacing, asked.effort, asked.engine, progress, tell_note)
     if purpose == "density":
         return Found(_sound(nests_from(ranked[0])), interrupted=progress.interrupted)
+    from kerfwise.jobs.nesting.weigh import alike, cheapest, weigh
+
+    from .progress import ProgressLine
+
     weighed: list[Weighed] = []
     interrupted = progress.interrupted
     for layout in alike(ranked, most):
@@ -161,9 +163,10 @@ def _sound(nested: Nested) -> Nested:
 def tell_found(found: Found, plant: Profile) -> None:
     """Print the table of the nests, and what was weighed."""
     from kerfwise.jobs.nesting.table import as_text
-    from kerfwise.jobs.nesting.weigh import weighed_text
 
     click.echo(as_text(found.nested))
     if found.weighed:
+        from kerfwise.jobs.nesting.weigh import weighed_text
+
         taken = next(one for one in found.weighed if one.nested is found.nested)
         click.echo(weighed_text(found.weighed, taken, plant))

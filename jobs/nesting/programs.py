@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
+from dataclasses import replace
+
 from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.readers.json_nest import read_json
+from kerfwise.encoder.readers.options import ReadOptions
+from kerfwise.encoder.validate import validated
 from kerfwise.jobs.batch.figures import clock, metres
 from kerfwise.jobs.given import Given
 from kerfwise.jobs.listening import Listener
@@ -13,10 +20,17 @@ from kerfwise.postproc.nc.remnant import remnant_files
 from kerfwise.postproc.report import draw
 from kerfwise.rules.profile.profile import Profile
 
-from .weigh import as_read
+
+def _as_read(name: str, text: str) -> Nest:
+    """The nest in a text that is to be written under a name."""
+    data = text.encode()
+    nest = validated(read_json(data, ReadOptions()))
+    return replace(nest, file=f"{name}.json", sha256=hashlib.sha256(data).hexdigest())
 
 
-def plan_sheet(name: str, text: str, profile: Profile, work: float, relax: bool, listener: Listener) -> Finished:
+def plan_sheet(
+    name: str, text: str, profile: Profile, work: float, *, relax: bool = False, listener: Listener
+) -> Finished:
     """Plan the nest in a text, as `kerfwise solve` would plan its file.
 
     Raises
@@ -24,7 +38,7 @@ def plan_sheet(name: str, text: str, profile: Profile, work: float, relax: bool,
     InputError, RulesConflict
         As `plan_nest` does; also if the check refuses the plan.
     """
-    given = Given(profile.as_cut(as_read(name, text)), profile)
+    given = Given(profile.as_cut(_as_read(name, text)), profile)
     done = plan_nest(given, options_for(given.nest, profile, work=work), relax=relax, listener=listener)
     if not done.made.verdict.ok:
         raise RulesConflict(f"the check refuses the plan: {', '.join(done.made.verdict.broken())}")

@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from kerfwise.encoder.errors import InputError, RulesConflict
-from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.readers.json_nest import read_json
-from kerfwise.encoder.readers.options import ReadOptions
-from kerfwise.encoder.validate import validated
 from kerfwise.jobs.batch.figures import clock
-from kerfwise.jobs.given import Given
 from kerfwise.jobs.listening import Listener
-from kerfwise.jobs.main_job import Finished, plan_nest
-from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.main_job import Finished
 from kerfwise.jobs.times import Times, time_made
 from kerfwise.nesting.allot import Layout
 from kerfwise.nesting.wanted import Stock
 from kerfwise.rules.profile.profile import Profile
 
+from .programs import plan_sheet
 from .run import Nested
 
 NEAR = 0.02
@@ -50,32 +44,20 @@ class Weighed:
     why: str = ""
 
 
-def as_read(name: str, text: str) -> Nest:
-    """The nest in a text that is to be written under a name."""
-    data = text.encode()
-    nest = validated(read_json(data, ReadOptions()))
-    return replace(nest, file=f"{name}.json", sha256=hashlib.sha256(data).hexdigest())
-
-
 def weigh(nested: Nested, profile: Profile, work: float, listener: Callable[[str], Listener]) -> Weighed:
     """Plan every sheet of a layout, within `work` each, and add up what they cost."""
     plans: list[Finished] = []
     price, time_s, pierces, idle_mm = 0.0, 0.0, 0, 0.0
     for name, text, sheet in zip(nested.names, nested.texts, nested.layout.sheets, strict=True):
-        plant = priced(profile, sheet.stock)
         try:
-            given = Given(plant.as_cut(as_read(name, text)), plant)
-            done = plan_nest(given, options_for(given.nest, plant, work=work), listener=listener(name))
+            done = plan_sheet(name, text, priced(profile, sheet.stock), work, listener=listener(name))
         except (InputError, RulesConflict) as error:
             return Weighed(nested, why=f"{name}: {str(error).splitlines()[0]}")
-        plan = done.made.plan
-        if not done.made.verdict.ok:
-            return Weighed(nested, why=f"{name}: the check refuses its plan: {', '.join(done.made.verdict.broken())}")
-        times = time_made(done.given, plan)
+        times, totals = time_made(done.given, done.made.plan), done.made.plan.totals
         price += _price(times, profile)
         time_s += times.total_s
-        pierces += plan.totals.pierces
-        idle_mm += plan.totals.idle_mm
+        pierces += totals.pierces
+        idle_mm += totals.idle_mm
         plans.append(done)
     return Weighed(nested, tuple(plans), price, time_s, pierces, idle_mm)
 
