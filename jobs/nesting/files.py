@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -44,7 +45,7 @@ def nest_files(nested: Nested, picture: str, dxf: bool) -> dict[str, str | bytes
     made: dict[str, str | bytes] = {}
     for name, nest, text in zip(nested.names, nested.nests, nested.texts, strict=True):
         made[f"{name}.json"] = text
-        made[f"{name}{picture}"] = draw(nest, None, Path(picture).suffix or picture)
+        made[f"{name}{picture}"] = draw(replace(nest, file=f"{name}.json"), None, Path(picture).suffix or picture)
         if dxf:
             made[f"{name}.dxf"] = nest_dxf(nest)
     return made

@@ -45,6 +45,7 @@ def test_parts_become_nests_that_can_be_read(parts: Path) -> None:
     assert [row["missing"] for row in table["parts"]] == [0, 0]
     assert (out / "nests.csv").read_text().splitlines()[1].startswith("sheet1.json,400x200,400.0,200.0,12,")
     assert (out / "sheet1.svg").read_text().startswith("<svg")
+    assert "sheet1.json" in (out / "sheet1.svg").read_text()
 
 
 def test_a_list_says_the_same_and_more(parts: Path) -> None:
