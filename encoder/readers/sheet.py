@@ -19,6 +19,9 @@ from .drawing import DrawnCurve
 from .frame import alike
 from .options import ReadOptions
 
+NO_SHEET = "no layer is the sheet's"
+"""How a note begins that says what the sheet is taken from."""
+
 
 def choose_sheet(
     drawn: Sequence[DrawnCurve], parts: Sequence[DrawnCurve], page: Sheet | None, options: ReadOptions
@@ -54,12 +57,12 @@ def choose_sheet(
         return _given_sheet(options.sheet_size_mm, (x0, y0, x1, y1), options.margin_mm)
     if page is not None and page.polygon.buffer(options.join_tolerance_mm).covers(shapely.box(x0, y0, x1, y1)):
         width, height = page.bounds[2], page.bounds[3]
-        text = f"no layer is the sheet's: the page, {width:g} × {height:g} mm, is taken for it"
+        text = f"{NO_SHEET}: the page, {width:g} × {height:g} mm, is taken for it"
         return replace(page, stated=False), [Note("warning", text)]
     m = options.margin_mm
     sheet = _laid_around(x0 - m, y0 - m, x1 - x0 + 2 * m, y1 - y0 + 2 * m)
     text = (
-        f"no layer is the sheet's: the parts' bounding box and {m:g} mm around it, {x1 - x0 + 2 * m:g} × "
+        f"{NO_SHEET}: the parts' bounding box and {m:g} mm around it, {x1 - x0 + 2 * m:g} × "
         f"{y1 - y0 + 2 * m:g} mm, is taken for it; pass --sheet WxH (in Python: sheet_mm=), or name the sheet's layer "
         "in drawing.layers.sheet"
     )

@@ -15,7 +15,7 @@ from .json_nest import sheet_in_json
 from .layers import Layers
 from .options import ReadOptions
 from .read import SUFFIXES, file_bytes
-from .sheet import drawn_sheet
+from .sheet import NO_SHEET, drawn_sheet
 
 
 def read_sheet(path: str | Path, options: ReadOptions = ReadOptions()) -> Sheet:  # noqa: B008 - frozen
@@ -65,4 +65,4 @@ def _drawn(drawing: Drawing, options: ReadOptions) -> Sheet:
 
 def without_place(nest: Nest) -> Nest:
     """A nest whose sheet does not matter, without the notes on where it was laid."""
-    return replace(nest, notes=tuple(note for note in nest.notes if not note.text.startswith("no layer is the sheet")))
+    return replace(nest, notes=tuple(note for note in nest.notes if not note.text.startswith(NO_SHEET)))
