@@ -18,6 +18,7 @@ import shapely
 from kerfwise.arrays import Floats
 
 from .nofit import forbidden
+from .pose import Pose
 
 _SAME_DEG = 1e-6
 
@@ -87,7 +88,7 @@ def best_beside(fixed: shapely.Polygon, coming: shapely.Polygon, turns_deg: Sequ
 def _all_beside(fixed: shapely.Polygon, coming: shapely.Polygon, turns_deg: Sequence[float]) -> Iterator[Beside]:
     x0, y0, x1, y1 = fixed.bounds
     for turn in turns_deg:
-        turned = _turned(coming, turn)
+        turned = shapely.transform(coming, Pose(turn).moved)
         touching = forbidden(fixed, turned)
         shifts = _where(touching, turned, fixed)
         a0, b0, a1, b1 = turned.bounds
@@ -113,13 +114,6 @@ def _where(touching: shapely.Geometry, coming: shapely.Polygon, fixed: shapely.P
     met = [shapely.get_coordinates(touching.boundary.intersection(line)) for line in level]
     shifts: Floats = np.concatenate([corners, *met])
     return shifts
-
-
-def _turned(shape: shapely.Polygon, turn_deg: float) -> shapely.Polygon:
-    c, s = math.cos(math.radians(turn_deg)), math.sin(math.radians(turn_deg))
-    if turn_deg % 90.0 == 0.0:
-        c, s = float(round(c)), float(round(s))
-    return shapely.transform(shape, lambda points: points @ np.array([[c, s], [-s, c]]))
 
 
 def _directions(shape: shapely.Polygon) -> list[float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -51,10 +51,6 @@ class Placed:
     pose: Pose
     dx_mm: float
     dy_mm: float
-
-    def shifted(self, dx_mm: float, dy_mm: float) -> Placed:
-        """The same somewhere else."""
-        return replace(self, dx_mm=self.dx_mm + dx_mm, dy_mm=self.dy_mm + dy_mm)
 
     def area(self, polygon: shapely.Geometry) -> shapely.Geometry:
         """An area of the part type where this copy lies."""

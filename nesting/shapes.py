@@ -25,12 +25,6 @@ class Shape:
     taken: shapely.Polygon
     metal: shapely.Polygon
 
-    @property
-    def size_mm(self) -> tuple[float, float]:
-        """Width and height of what it takes."""
-        x0, y0, x1, y1 = self.taken.bounds
-        return x1 - x0, y1 - y0
-
 
 class Shapes:
     """Shapes by type and pose, and the shifts by which pairs overlap: each worked out once, when it is asked for."""
