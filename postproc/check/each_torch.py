@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.rules.rule import Rule
 
 
-def asked_of(rule: Rule[Any], contours: Sequence[str], cuts: CutSequence) -> bool:
+def torch_of_each(cuts: CutSequence) -> dict[str, int]:
+    """Contour id → the torch that cuts it."""
+    return {cut.contour: cut.torch for cut in cuts}
+
+
+def asked_of(rule: Rule[Any], contours: Sequence[str], torches: Mapping[str, int]) -> bool:
     """Whether a rule asks anything of these contours: one of each torch does so only of what a single torch cuts."""
-    if not rule.of_each_torch or all(cut.torch == 1 for cut in cuts):
-        return True
-    by = {cut.contour: cut.torch for cut in cuts}
-    return len({by[name] for name in contours if name in by}) < 2
+    return not rule.of_each_torch or len({torches[name] for name in contours if name in torches}) < 2

@@ -21,7 +21,7 @@ from kerfwise.rules.rule import Ids, Rule, Violation
 from kerfwise.rules.stating.cycles import components, contracted, path
 from kerfwise.rules.stating.feedback import EXACT_LINKS
 
-from .each_torch import asked_of
+from .each_torch import asked_of, torch_of_each
 from .forcing import Forcing
 from .places import Room
 from .result import Excused, Judgement
@@ -77,12 +77,12 @@ def _reason(violation: Violation, why: Mapping[Ids, str]) -> str | None:
 
 def _contradictions(nest: Nest, cuts: CutSequence, profile: Profile, holding: set[str]) -> dict[Ids, str]:
     """Every broken order that the kept ones contradict, with the kept orders that do so."""
-    at, book = cuts.positions(), profile.rulebook()
+    at, book, torches = cuts.positions(), profile.rulebook(), torch_of_each(cuts)
     hard = {name: setting.options for name, setting in profile.settings().items() if setting.strength == "hard"}
     asked: dict[Ids, str] = {}
     for name in sorted(hard, key=lambda name: book[name].gives_way):
         for a, b in book[name].pairs(nest, cuts, hard[name]):
-            if a in at and b in at and asked_of(book[name], (a, b), cuts):
+            if a in at and b in at and asked_of(book[name], (a, b), torches):
                 asked.setdefault((a, b), name)
     runs = [run for name in sorted(hard.keys() & holding) for run in book[name].together(nest, hard[name])]
     number = {name: k for k, name in enumerate(at)}

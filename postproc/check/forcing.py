@@ -12,7 +12,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
 
-from .each_torch import asked_of
+from .each_torch import asked_of, torch_of_each
 
 
 class Forcing:
@@ -85,11 +85,11 @@ class Forcing:
     @cached_property
     def _directly(self) -> dict[str, set[str]]:
         """Contour → those that some order puts before it."""
-        at, book = self.cuts.positions(), self.profile.rulebook()
+        at, book, torches = self.cuts.positions(), self.profile.rulebook(), torch_of_each(self.cuts)
         found: dict[str, set[str]] = defaultdict(set)
         for rule, setting in self._hard.items():
             for before, after in book[rule].pairs(self.nest, self.cuts, setting.options):
-                if at.get(before, 0) < at.get(after, 0) and asked_of(book[rule], (before, after), self.cuts):
+                if at.get(before, 0) < at.get(after, 0) and asked_of(book[rule], (before, after), torches):
                     found[after].add(before)
         return found
 

@@ -8,7 +8,7 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.profile import Profile
 
-from .each_torch import asked_of
+from .each_torch import asked_of, torch_of_each
 from .excuses import excuse
 from .relaxed import Relaxed, excuse_relaxed
 from .result import Judgement
@@ -20,7 +20,7 @@ def judge(nest: Nest, cuts: CutSequence, profile: Profile, relaxed: Sequence[Rel
     `relaxed` are statements that the plan or program says are relaxed. Cuts that were made before a stop are facts,
     and not judged.
     """
-    settings, book = profile.settings(), profile.rulebook()
+    settings, book, torches = profile.settings(), profile.rulebook(), torch_of_each(cuts)
     judged = [
         Judgement(
             name,
@@ -29,7 +29,7 @@ def judge(nest: Nest, cuts: CutSequence, profile: Profile, relaxed: Sequence[Rel
             tuple(
                 v
                 for v in book[name].violations(nest, cuts, setting.options)
-                if book[name].still_counts(v, cuts.made) and asked_of(book[name], v.contours, cuts)
+                if book[name].still_counts(v, cuts.made) and asked_of(book[name], v.contours, torches)
             ),
             unjudged=book[name].unjudged(nest, cuts, setting.options),
             must_be_judged=book[name].must_be_judged and setting.strength == "hard",
