@@ -161,9 +161,9 @@ def _judge_program(
     if planned is not None and not turned:
         judged.append(judgement("follows-plan", strays_from(planned, nest, built.cuts, profile.material.kerf_mm)))
     begun = _begun_in_kerfs(nest, built.cuts, profile)
-    in_kerfs = {run.where for run in built.runs if run.position in begun}
+    in_kerfs = {(run.where, built.cuts[run.position - 1].torch) for run in built.runs if run.position in begun}
     judged += judge_running(nest, program, profile, built.runs, judged_by.shares, in_kerfs)
-    felt = measured(once_each(nest, built.cuts), heatings_of_program(program), thermometer)
+    felt = measured(once_each(nest, built.cuts), heatings_of_program(burnt), thermometer)
     same = None if known is None else known.known(nest, felt, profile, relaxed)
     rules = tuple(judge(nest, felt, profile, relaxed)) if same is None else same
     warnings += relaxed_warnings(relaxed)

@@ -67,8 +67,8 @@ def rebuild(
     does not move is one.
     """
     matcher = Matcher(nest, kerf_mm)
-    holes = {burn.line: burn for burn in program.burns if in_passes and burn.pierces_only}
-    program = replace(program, burns=tuple(burn for burn in program.burns if burn.line not in holes))
+    holes = {(burn.line, burn.torch): burn for burn in program.burns if in_passes and burn.pierces_only}
+    program = replace(program, burns=tuple(burn for burn in program.burns if (burn.line, burn.torch) not in holes))
     burns = program.burns if tabs_asked is None or not tabs_asked.at_end else up_to_tabs(program.burns, nest, matcher)
     paths = [line_of(burn.path) or _dot(burn) for burn in burns]
     told = [_CUT.search(burn.comment) if burn.torch == 1 else None for burn in burns]
@@ -143,9 +143,12 @@ def _together(cuts: Sequence[Cut], lines: Sequence[int]) -> tuple[Cut, ...]:
     )
 
 
-def _pierced(holes: dict[int, Burn], before: int, line: int | None = None) -> list[Pierce]:
-    """The holes before a line of the program, taken out of those that are left, as pierced before that cut."""
-    due = [holes.pop(at) for at in sorted(holes) if line is None or at < line]
+def _pierced(holes: dict[tuple[int, int], Burn], before: int, line: int | None = None) -> list[Pierce]:
+    """The holes before a line of the program, taken out of those that are left, as pierced before that cut.
+
+    `holes` are by line and torch.
+    """
+    due = [holes.pop(at) for at in sorted(holes) if line is None or at[0] < line]
     return [Pierce("", burn.start, before, burn.start_s, burn.end_s) for burn in due]
 
 

@@ -13,7 +13,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check.reader.controls import Control
 from kerfwise.postproc.check.reader.on_machine import control_of
-from kerfwise.postproc.check.reader.program import Burn, NcProgram, at_holes
+from kerfwise.postproc.check.reader.program import Burn, NcProgram, at_holes, of_all_torches
 from kerfwise.postproc.dialects import pierce_dwell_of
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
@@ -33,12 +33,12 @@ def judge_running(
     profile: Profile,
     runs: Sequence[TorchRun] = (),
     shares: Mapping[str, Shares] | None = None,
-    in_kerfs: Collection[str] = (),
+    in_kerfs: Collection[tuple[str, int]] = (),
 ) -> list[Judgement]:
     """What a program does with the machine.
 
     `runs` say which contour each burn follows, `shares` at which shares of the cut feed a small hole may be cut. Burns
-    that are `in_kerfs` ("line 40") begin in the kerf of an older one, where there is nothing to pierce.
+    that are `in_kerfs` ("line 40", and the torch) begin in the kerf of an older one, where there is nothing to pierce.
     """
     control, _ = control_of(profile)
     found = {
@@ -113,8 +113,14 @@ def _powers(burns: Sequence[Burn], profile: Profile, control: Control) -> Iterat
                     yield burn.line, f"it {does} with S{power:g}, {says}"
 
 
-def _waits(nest: Nest, program: NcProgram, profile: Profile, in_kerfs: Collection[str]) -> Iterator[tuple[int, str]]:
-    """Pierces too short or too long. A torch that comes in from the sheet's edge pierces nothing, but may preheat."""
+def _waits(
+    nest: Nest, program: NcProgram, profile: Profile, in_kerfs: Collection[tuple[str, int]]
+) -> Iterator[tuple[int, str]]:
+    """Pierces too short or too long, of each torch: one may be over metal where another is off the sheet's edge.
+
+    A torch that comes in from the edge pierces nothing, but may preheat.
+    """
+    program = of_all_torches(program, profile.machine.torches.shift)
     burns = program.burns
     if not burns:
         return
@@ -127,20 +133,25 @@ def _waits(nest: Nest, program: NcProgram, profile: Profile, in_kerfs: Collectio
     passes = profile.cuts.pierce_pass is not None
     holes = at_holes(program) if passes else [False] * len(burns)
     for burn, pierced, maybe, hole in zip(burns, inside.tolist(), near.tolist(), holes, strict=True):
-        marks = burn.tool != 0
-        pierced = pierced and f"line {burn.line}" not in in_kerfs
-        start_s = {machine.pierce_time_s} if pierced else {machine.edge_preheat_s}
-        start_s |= {machine.pierce_time_s} if maybe and f"line {burn.line}" not in in_kerfs else set()
+        marks, in_kerf = burn.tool != 0, (f"line {burn.line}", burn.torch) in in_kerfs
+        start_s = {machine.pierce_time_s} if pierced and not in_kerf else {machine.edge_preheat_s}
+        start_s |= {machine.pierce_time_s} if maybe and not in_kerf else set()
         start_s = {0.0} if hole else start_s
         allowed = ({machine.mark_time_s} if marks else start_s) if waits else {0.0}
         if all(abs(burn.pierce_s - s) > _WAIT_S for s in allowed):
-            says = " or ".join(f"{s:g} s" for s in sorted(allowed))
-            yield burn.line, f"the torch stands for {burn.pierce_s:g} s before it moves, the profile asks for {says}"
+            says, torch = " or ".join(f"{s:g} s" for s in sorted(allowed)), _torch(burn)
+            yield burn.line, f"{torch} stands for {burn.pierce_s:g} s before it moves, the profile asks for {says}"
+        if burn.torch > 1:  # it waits with the first
+            continue
         if burn.wait_s > cooling_s + _WAIT_S:
             most = f"{cooling_s:g} s at most" if cooling_s else "no such wait"
             yield burn.line, f"the torch waits for {burn.wait_s:g} s before it is lit, the profile allows {most}"
         if burn.paused_s > 0:
             yield burn.line, f"the torch stands still for {burn.paused_s:g} s in the middle of its path"
+
+
+def _torch(burn: Burn) -> str:
+    return "the torch" if burn.torch == 1 else f"torch {burn.torch}"
 
 
 def _longest_dwell_s(profile: Profile) -> float:

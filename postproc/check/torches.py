@@ -86,7 +86,7 @@ def _points(cut: Cut) -> list[tuple[float, float]]:
 
 
 def wrong_spacing(program: NcProgram, profile: Profile) -> Iterator[Violation]:
-    """Where a program says that it is for other torches than the profile's; it has to say so where it uses several."""
+    """Where a program says that it is for other torches than the profile's; one that says nothing is for those."""
     torches = profile.machine.torches
     told = next(filter(None, map(_TOLD.fullmatch, program.comments)), None)
     if told is None:

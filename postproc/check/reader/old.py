@@ -12,7 +12,7 @@ from .essi import read_essi
 from .grammar import DWELL, MOTION, NO_MOTION, ROUNDING, UNCHANGING, group_of
 from .old_words import OldWords
 from .program import NcProgram
-from .reader import Machine, blocks
+from .reader import Machine, blocks, expect_words_for
 from .rows import in_file
 from .tools_on import HALTS
 from .traced import State, Traced
@@ -51,10 +51,11 @@ def read_old(
     home: Point = (0.0, 0.0),
     held_s: tuple[float, float] = (0.0, 0.0),
     tab_mm: float = 0.0,
+    torches: int = 1,
 ) -> OldProgram:
     """Read a program that somebody else wrote; `feed_mm_min` is what the machine's material has for a feed.
 
-    `tab_mm` is as for `read_nc`.
+    `tab_mm` and `torches` are as for `read_nc`.
 
     Raises
     ------
@@ -68,13 +69,14 @@ def read_old(
     >>> old.program.burns[0].feeds_mm_s, [row.line for row in old.lines if row.travels]
     ((10.0,), [2])
     """
+    expect_words_for(torches, control, file)
     if control.arcs:
         steps: list[Traced] = []
         program = read_essi(text, travel_mm_s, file, home, control, held_s, steps)
         _expect_cold_rapids(program, file)
         return OldProgram(program, tuple(steps), (), (), text, home)
     further = OldWords(control.filtered, feed_mm_min)
-    machine = Machine(travel_mm_s, control, held_s, home, tab_mm, further)
+    machine = Machine(travel_mm_s, control, held_s, home, tab_mm, further, torches)
     traced: list[Traced] = []
     with in_file(file):
         for block in blocks(text, machine):

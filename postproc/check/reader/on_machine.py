@@ -61,8 +61,9 @@ def old_on_machine(text: str, profile: Profile, trusted: Trusted, file: str = ""
         As `read_old` does; for a dialect that does not fit the profile's process.
     """
     machine, (control, held_s) = profile.machine, control_of(profile)
+    unlit_mm, torches = _unlit_mm(profile), machine.torches.count
     return read_old(
-        text, control, trusted.feed_mm_min, machine.travel_mm_s, file, machine.home, held_s, _unlit_mm(profile)
+        text, control, trusted.feed_mm_min, machine.travel_mm_s, file, machine.home, held_s, unlit_mm, torches
     )
 
 

@@ -47,7 +47,8 @@ def read_nc(
     Raises
     ------
     InputError
-        With line and column, for what is malformed, not understood or not checked, and for a program without an end.
+        With line and column, for what is malformed, not understood or not checked, and for a program without an end;
+        for several torches, where the control has no words for them.
 
     Examples
     --------
@@ -55,16 +56,24 @@ def read_nc(
     >>> [(burn.tool, burn.line, burn.path.length_mm) for burn in program.burns]
     [(0, 3, 10.0)]
     """
+    expect_words_for(torches, control, file)
     if control.arcs:
         return read_essi(text, travel_mm_s, file, home, control, held_s)
-    machine = Machine(travel_mm_s, control, held_s, home, tab_mm)
-    if isinstance(machine.tools, Tools):
-        machine.tools.count = torches
+    machine = Machine(travel_mm_s, control, held_s, home, tab_mm, torches=torches)
     with in_file(file):
         for block in blocks(text, machine):
             machine.run(block)
         machine.expect_end()
         return machine.done()
+
+
+def expect_words_for(torches: int, control: Control, file: str = "") -> None:
+    """Refuse several torches where nobody can tell which of them burn."""
+    if torches > 1 and control.selects is None:
+        text = (
+            f"no words by which {control.title} selects torches are known here, and the profile has {torches} torches"
+        )
+        raise InputError(f"{text}: say machine: {{torches: {{count: 1}}}}", file=file or None)
 
 
 class Machine:
@@ -78,11 +87,14 @@ class Machine:
         home: Point,
         tab_mm: float = 0.0,
         further: OldWords | None = None,
+        torches: int = 1,
     ) -> None:
         self.control = control
         self.further = further
         self.track = Track(travel_mm_s, home, tab_mm=tab_mm)
-        self.tools: ToolsOn = (Beam if control.beam else Tools)(self.track, control, held_s)
+        self.tools: ToolsOn = (
+            Beam(self.track, control, held_s) if control.beam else Tools(self.track, control, held_s, count=torches)
+        )
         self.moves = ModalState(self.track, control)
         self.filter = Filter(self.track) if control.filtered else None
         self.comments: list[str] = []

@@ -42,8 +42,8 @@ class Track:
     """Where the torch is and has been; `travel_mm_s` is the speed of rapids.
 
     A torch that goes off, moves on at a feed for no more than `tab_mm`, and is lit again at once, burns on: it has gone
-    over a tab. `torches` are the further ones that are
-    selected. `_closed` is the burn that may go on so, `_over` what it has gone since, unlit.
+    over a tab, where the same torches are lit again. `torches` are the further ones that are selected. `_closed` is the
+    burn that may go on so, `_over` what it has gone since, unlit.
     """
 
     travel_mm_s: float
@@ -113,7 +113,9 @@ class Track:
         """Take up the burn before, where the torch has only gone over a tab since."""
         length_mm = sum(segment.length_mm for segment, _ in self._over)
         before, self._closed = self._closed, None
-        if before is None or tool != before.tool or not 0 < length_mm <= self.tab_mm or self.wait_s > 0:
+        if before is None or (tool, self.torches) != (before.tool, before.torches):
+            return False
+        if not 0 < length_mm <= self.tab_mm or self.wait_s > 0:
             return False
         lit = self.burns.pop()
         before.unlit.append((lit.path.length_mm, lit.path.length_mm + length_mm))
