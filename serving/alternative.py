@@ -13,13 +13,15 @@ from .wanted import Wanted
 class Alternative:
     """A plan that was made, and what it was made of.
 
-    `files` are its files by name, as `kerfwise solve` writes them. `page` is what the page shows of it, as JSON;
-    `figures` what a list of plans says of it. `stopped` says that the engines were asked to end: then the command line
-    may come further. `options` are those of the command line beside what is wanted.
+    `sha256` is that of the nest's file. `files` are the plan's files by name, as `kerfwise solve` writes them. `page`
+    is what the page shows of it, as JSON; `figures` what a list of plans says of it. `stopped` says that the engines
+    were asked to end: then the command line may come further. `options` are those of the command line beside what is
+    wanted.
     """
 
     number: int
     wanted: Wanted
+    sha256: str
     plan: str
     program: str
     page: str

@@ -17,7 +17,7 @@ from kerfwise.encoder.errors import InputError
 
 from .child import as_told
 from .events import Stream
-from .guard import Guard
+from .guard import Guard, TooLarge, too_large
 from .helper import Died, Refused
 from .pages import list_page, static_file, worked_page
 from .server import Server
@@ -134,10 +134,7 @@ class Addresses:
     async def edit(self, request: Request) -> Response:
         """`{"version": 3, "changes": [{"lock": "P2 first"}, …]}`; see `edits.py` for what can be changed."""
         session, said = await self._writing(request)
-        changes = said.get("changes")
-        if not isinstance(changes, list) or not all(isinstance(change, dict) for change in changes):
-            raise InputError("changes: expected a list of changes")
-        undone = await self._server.edit(session, changes)
+        undone = await self._server.edit(session, _changes(said.get("changes")))
         return JSONResponse({**session.as_json(), "undone": undone})
 
     async def cut(self, request: Request) -> Response:
@@ -171,13 +168,13 @@ class Addresses:
     async def tried(self, request: Request) -> Response:
         """`{"changes": […], "relax": false}`: what they would bring; nothing is changed."""
         session, said = self._session(request), await _json(request)
-        changes = said.get("changes") or []
+        changes = _changes(said.get("changes") or [])
         return JSONResponse(await self._server.tried(session, changes, said.get("relax") is True))
 
     async def save(self, request: Request) -> Response:
         """`{"version": 3}`: the files of the shown plan and its job file, and the command line that makes the same."""
         session, _ = await self._writing(request)
-        told = session.save()
+        told = session.save(self._server.folder)
         return JSONResponse({**session.as_json(), "saved": told})
 
     async def _about(self, request: Request, question: str, **given: Any) -> Any:
@@ -201,6 +198,8 @@ class Addresses:
             except NotOpen as error:
                 told = {"kind": "input", "message": f"no nest is open as {error.args[0]!r}"}
                 return _wrong(HTTPStatus.NOT_FOUND, told)
+            except TooLarge:
+                return too_large()
             except InputError as error:
                 return _wrong(HTTPStatus.UNPROCESSABLE_ENTITY, as_told(error))
             except Refused as error:
@@ -235,6 +234,12 @@ async def _json(request: Request) -> dict[str, Any]:
     return said
 
 
+def _changes(said: object) -> list[dict[str, Any]]:
+    if not isinstance(said, list) or not all(isinstance(change, dict) for change in said):
+        raise InputError("changes: expected a list of changes")
+    return said
+
+
 def _whole(said: object) -> int:
     try:
         return int(str(said))
@@ -258,7 +263,7 @@ def make_app(server: Server, token: str, port: int, first: str | None = None) ->
 
 
 POLICY = (
-    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; "
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
     "connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 """What the server's pages may load and do: nothing that is not the server's own."""

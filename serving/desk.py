@@ -37,8 +37,8 @@ class _Kept:
     most: int = MOST_KEPT
     made: OrderedDict[Any, Any] = field(default_factory=OrderedDict)
 
-    def get(self, key: Any, make: Callable[[], T]) -> T:
-        if key not in self.made:
+    def get(self, key: Any, make: Callable[[], T], again: bool = False) -> T:
+        if again or key not in self.made:
             self.made[key] = make()
             while len(self.made) > self.most:
                 self.made.popitem(last=False)
@@ -71,7 +71,7 @@ class Desk:
 
     def opened(self, wanted: Wanted) -> dict[str, Any]:
         """What there is to know of a nest before it is planned."""
-        read = self._read(wanted)
+        read = self._read(wanted, again=True)
         already_of(wanted, read.given)
         nest, profile = read.given.nest, read.given.profile
         numbered = {} if profile.for_one_nest is None else dict(profile.for_one_nest.numbered)
@@ -143,17 +143,19 @@ class Desk:
         gone = set(against(given.nest, text, locks))
         return [] if given.job is None else [lock for lock in given.job.locks if gone & set(lines_of(lock))]
 
-    def _read(self, wanted: Wanted) -> _Read:
+    def _read(self, wanted: Wanted, again: bool = False) -> _Read:
         def read() -> _Read:
             notes: list[str] = []
             return _Read(given_of(wanted, notes.append), tuple(map(shown, notes)))
 
-        return self._reads.get(wanted.key, read)
+        return self._reads.get(wanted.key, read, again)
 
     def _mover(self, wanted: Wanted, plan: str) -> tuple[Explainer, Mover]:
         def made() -> tuple[Explainer, Mover]:
-            given = self._read(wanted).given
-            explainer = Explainer(given, plan_in(plan), None)
+            made_of, given = plan_in(plan), self._read(wanted).given
+            if made_of.profile.get("sha256") != given.profile.sha256:  # it was changed on disk since it was read
+                given = self._read(wanted, again=True).given
+            explainer = Explainer(given, made_of, None)
             return explainer, Mover(explainer)
 
         return self._plans.get((wanted.key, plan), made)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
@@ -86,6 +86,22 @@ class Folder:
             if path.is_file() and not path.is_symlink() and path.read_bytes() == drawing:
                 return
             raise InputError(f"another file {shown(name)!r} is in the folder already: give the drawing another name")
+
+    def expect_inside(self, paths: Iterable[Path]) -> None:
+        """Make sure that files are written in this folder, wherever links lead to.
+
+        Raises
+        ------
+        InputError
+            Naming the file that would be written elsewhere.
+        """
+        for path in paths:
+            try:
+                inside = path.resolve().is_relative_to(self.path)
+            except (OSError, RuntimeError):
+                inside = False
+            if not inside:
+                raise InputError("is a link that leads out of the folder: nothing is written there", file=path.name)
 
     def _is_nest(self, path: Path) -> bool:
         try:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import hmac
 from http import HTTPStatus
-from http.cookies import CookieError, SimpleCookie
 from urllib.parse import parse_qs
 
 from starlette.datastructures import Headers
-from starlette.responses import JSONResponse, RedirectResponse
+from starlette.requests import cookie_parser
+from starlette.responses import JSONResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 MOST_BODY_BYTES = 32_000_000
@@ -21,7 +21,7 @@ HEADER = "x-kerfwise-token"
 
 
 class TooLarge(Exception):
-    """More is sent than the server takes."""
+    """More is sent than the server takes; `too_large` says so."""
 
 
 class Guard:
@@ -67,10 +67,7 @@ class Guard:
                 raise TooLarge
             return message
 
-        try:
-            await self._app(scope, bounded, send)
-        except TooLarge:
-            await _no(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, _TOO_LARGE)(scope, receive, send)
+        await self._app(scope, bounded, send)
 
     def _refused(self, scope: Scope) -> ASGIApp | None:
         """The answer to a request that is not let in; None for one that is."""
@@ -92,12 +89,12 @@ class Guard:
             return _no(HTTPStatus.FORBIDDEN, "a request that changes something must say where it comes from")
         length = headers.get("content-length", "0")
         if not length.isdigit() or int(length) > MOST_BODY_BYTES:
-            return _no(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, _TOO_LARGE)
+            return too_large()
         return None
 
     def _with_cookie(self, scope: Scope) -> ASGIApp:
         """The same address without the token, so that it is not kept in the browser's history; the cookie has it."""
-        answer = RedirectResponse(scope["path"], HTTPStatus.SEE_OTHER)
+        answer = RedirectResponse("/" + scope["path"].lstrip("/\\"), HTTPStatus.SEE_OTHER)
         answer.set_cookie(self.cookie, self._token, httponly=True, samesite="strict", path="/")
         return answer
 
@@ -124,16 +121,15 @@ class Guard:
         return strict
 
 
-_TOO_LARGE = f"too large: at most {MOST_BODY_BYTES // 1_000_000} MB are taken"
+def too_large() -> Response:
+    """The answer to a request that holds too much."""
+    return _no(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"too large: at most {MOST_BODY_BYTES // 1_000_000} MB are taken")
 
 
-def _no(status: HTTPStatus, why: str) -> ASGIApp:
+def _no(status: HTTPStatus, why: str) -> Response:
     return JSONResponse({"kind": "refused", "message": why}, status, headers={"connection": "close"})
 
 
 def _cookie(headers: Headers, name: str) -> str | None:
-    try:
-        found = SimpleCookie(headers.get("cookie", "")).get(name)
-    except CookieError:
-        return None
-    return None if found is None else found.value
+    """Its value, whatever other servers of this machine have put beside it: browsers send cookies to every port."""
+    return cookie_parser(headers.get("cookie", "")).get(name)

@@ -9,6 +9,7 @@ from typing import Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
+from ruamel.yaml.error import YAMLError
 from ruamel.yaml.scalarstring import DoubleQuotedScalarString
 
 from kerfwise.encoder.errors import InputError
@@ -158,7 +159,10 @@ def _scalar(line: str) -> str:
 
 def _value(text: str) -> Any:
     """A value as its author writes it: numbers stay numbers, `[1, 2]` a list."""
-    return YAML(typ="safe").load(text) if text.strip() else text
+    try:
+        return YAML(typ="safe").load(text) if text.strip() else text
+    except (YAMLError, ValueError):
+        raise InputError(f"{text!r} is not a value as a job file holds it") from None
 
 
 def settings_of(job: Job) -> Iterator[tuple[str, str]]:

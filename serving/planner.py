@@ -91,11 +91,12 @@ class Planner:
         drawn = draw(given.nest, plan, ".svg", given.profile.home_on(given.nest))
         remnant = {str(path): text for path, text in remnant_files(program, given.nest, given.profile).items()}
         data = page_data(given, plan, made.verdict, made.program, heat=False, detail="none")
-        solve = plan.solve
+        solve, text = plan.solve, plan.to_json()
         return {
-            "plan": plan.to_json(),
+            "plan": text,
+            "sha256": given.nest.sha256,
             "program": made.program,
-            "files": {program: made.program, plan_file: plan.to_json(), picture: drawn.decode("utf-8"), **remnant},
+            "files": {program: made.program, plan_file: text, picture: drawn.decode("utf-8"), **remnant},
             "ok": made.verdict.ok,
             "broken": [*made.verdict.broken()],
             "stopped": stopped,

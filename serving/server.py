@@ -21,7 +21,7 @@ from .folder import Folder
 from .helper import Died, Helper, Refused
 from .job_text import JobText
 from .session import Session, contours_of, cut_up_to, text_of
-from .wanted import Wanted
+from .wanted import Wanted, sha256_of
 
 MOST_SESSIONS = 40
 
@@ -61,17 +61,20 @@ class Server:
         name = path.relative_to(self.folder.path).as_posix()
         key = hashlib.sha256(name.encode()).hexdigest()[:12]
         disk = text_of(path.with_name(beside_name(path.name)))
+        read = (sha256_of(path), repair, disk)
         there = self.sessions.get(key)
-        same = there is not None and there.opened["sha256"] == hashlib.sha256(path.read_bytes()).hexdigest()
-        if there is not None and same and there.wanted.repair == repair and there.on_disk == disk:
+        if there is not None and there.read == read:
             return there
         wanted = Wanted(str(path), self._first_text(disk, path), repair, trust=self.trust)
         opened = await self._asked("opened", wanted=wanted)
-        if len(self.sessions) >= MOST_SESSIONS and there is None:
-            raise InputError(f"{MOST_SESSIONS} nests are open: end the server and start it again")
-        version = 1 if there is None else there.version + 1
-        self.sessions[key] = Session(key, name, wanted, opened, version, on_disk=disk)
-        return self.sessions[key]
+        there = self.sessions.get(key)  # the desk took its time, and another tab did not wait
+        if there is None:
+            if len(self.sessions) >= MOST_SESSIONS:
+                raise InputError(f"{MOST_SESSIONS} nests are open: end the server and start it again")
+            there = self.sessions[key] = Session(key, name, wanted, opened, on_disk=disk)
+        elif there.read != read:
+            there.opened_again(wanted, opened, disk)
+        return there
 
     async def drop(self, name: str, drawing: bytes, repair: bool = False) -> Session:
         """The session of a drawing that was dropped on the page; it is written into the folder once it can be read."""
@@ -114,9 +117,10 @@ class Server:
         """Begin to plan what is wanted."""
         if session.solving is not None:
             raise InputError("this nest is being planned: cancel that first, or wait")
-        begun = {"waits": self._planning.locked(), "engine": "", "objective_mm": None, "bound_mm": None, "seconds": 0.0}
+        reached = {"engine": "", "objective_mm": None, "bound_mm": None, "seconds": 0.0}
+        begun = {"waits": self._planning.locked(), "ending": "", **reached}
         session.changed(solving=begun, conflict=None, problem="")
-        self._in_background(self._solve(session, session.wanted, work or self.work, relax))
+        self._in_background(self._solve(session, begun, session.wanted, work or self.work, relax))
 
     def cancel(self, session: Session, at_once: bool = False) -> None:
         """End the planning with the best plan so far; `at_once` with none."""
@@ -124,7 +128,10 @@ class Server:
             return
         if session.solving["waits"]:
             session.changed(solving=None)
-        elif at_once:
+            return
+        session.solving = {**session.solving, "ending": "at once" if at_once else "soon"}
+        session.tell("progress")
+        if at_once:
             self.planner.kill()
         else:
             self.planner.stop()
@@ -152,7 +159,7 @@ class Server:
             given["contours"] = contours_of(session.opened, given["contours"])
         return await self._asked(question, wanted=plan.wanted, plan=plan.plan, **given)
 
-    async def _solve(self, session: Session, wanted: Wanted, work: float, relax: bool) -> None:
+    async def _solve(self, session: Session, begun: dict[str, Any], wanted: Wanted, work: float, relax: bool) -> None:
         loop = asyncio.get_running_loop()
 
         def heard(told: dict[str, Any]) -> None:
@@ -160,20 +167,23 @@ class Server:
 
         def reached(told: dict[str, Any]) -> None:
             if session.solving is not None:
-                session.solving = {"waits": False, **told}
+                session.solving = {**session.solving, **told}
                 session.tell("progress")
+                if session.solving["ending"] == "soon":  # it may have been asked before it had begun
+                    self.planner.stop()
 
         async with self._planning:
-            if session.solving is None:  # cancelled while it waited
+            if session.solving is not begun:  # cancelled while it waited, and perhaps begun anew
                 return
-            session.solving = {**session.solving, "waits": False}
+            session.solving = {**begun, "waits": False}
             try:
                 ask = partial(self.planner.ask, "solve", heard, wanted=wanted, work=work, relax=relax)
                 told = await to_thread.run_sync(ask)
             except Refused as error:
                 session.changed(solving=None, problem=error.told["message"])
             except Died as error:
-                session.changed(solving=None, problem=str(error))
+                asked = session.solving["ending"] == "at once"
+                session.changed(solving=None, problem="ended without a plan" if asked else str(error))
             else:
                 if "conflict" in told:
                     session.changed(solving=None, conflict=told["conflict"])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -17,8 +16,9 @@ from kerfwise.jobs.solve_options import WORK
 from kerfwise.postproc.files import expect_outputs, write_files
 
 from .alternative import Alternative
+from .folder import Folder
 from .job_text import JobText
-from .wanted import Wanted, before_name
+from .wanted import Wanted, before_name, sha256_of
 
 MOST_ALTERNATIVES = 60
 """Plans that a session keeps; the oldest that is not shown goes first."""
@@ -76,10 +76,23 @@ class Session:
         self.tell("state")
 
     def tell(self, what: str) -> None:
-        """Wake who waits for news of a kind; one who has not taken the last news of it yet hears it once."""
+        """Wake who waits for news; one who has not taken the last news yet is not told of progress, which goes on."""
         for queue in self._news:
-            if queue.qsize() < 8:
+            if what == "state" or queue.empty():
                 queue.put_nowait(what)
+
+    def opened_again(self, wanted: Wanted, opened: dict[str, Any], on_disk: str | None) -> None:
+        """Begin anew, for the nest or its job file is another one on disk; tabs that show it are told.
+
+        Raises
+        ------
+        InputError
+            If it is being planned.
+        """
+        if self.solving is not None:
+            raise InputError("this nest has changed on disk while it is being planned: cancel that first, or wait")
+        nothing: dict[str, Any] = {"alternatives": [], "shown": 0, "conflict": None, "problem": "", "saved": None}
+        self.changed(wanted=wanted, opened=opened, on_disk=on_disk, **nothing)
 
     def listen(self) -> asyncio.Queue[str]:
         """News from now on, until `leave`."""
@@ -90,6 +103,11 @@ class Session:
     def leave(self, queue: asyncio.Queue[str]) -> None:
         """No more news."""
         self._news.discard(queue)
+
+    @property
+    def read(self) -> tuple[str, bool, str | None]:
+        """What it was read from: the nest's sha256, whether it was mended, and the job file's text."""
+        return self.opened["sha256"], self.wanted.repair, self.on_disk
 
     @property
     def listeners(self) -> int:
@@ -111,7 +129,7 @@ class Session:
     def add(self, told: dict[str, Any], wanted: Wanted, work: float, relax: bool) -> None:
         """Keep a plan that was made, and show it."""
         options = (f" --work {work:g}" if work != WORK else "") + (" --relax" if relax else "")
-        keys = ("plan", "program", "page", "files", "figures", "summary", "ok", "stopped")
+        keys = ("sha256", "plan", "program", "page", "files", "figures", "summary", "ok", "stopped")
         parts = {key: told[key] for key in keys}
         broken, notes = tuple(told["broken"]), tuple(told["notes"])
         made = Alternative(self.made + 1, wanted, **parts, broken=broken, options=options, notes=notes)
@@ -133,7 +151,8 @@ class Session:
             "repair": self.wanted.repair,
             "upto": self.wanted.upto,
             "shown": self.shown,
-            "fits": current is not None and current.wanted == self.wanted,
+            "sha256": self.opened["sha256"],
+            "fits": current is not None and (current.wanted, current.sha256) == (self.wanted, self.opened["sha256"]),
             "alternatives": [one.as_json(_locks(one.wanted)) for one in self.alternatives],
             "solving": self.solving,
             "conflict": self.conflict,
@@ -141,14 +160,14 @@ class Session:
             "saved": self.saved,
         }
 
-    def save(self) -> dict[str, Any]:
+    def save(self, folder: Folder) -> dict[str, Any]:
         """Write the shown plan's files and its job file, all of them or none; what was written, and the command line.
 
         Raises
         ------
         InputError
-            If there is no plan, the check refuses it, the nest or the job file has changed on disk, or a file is of
-            another nest.
+            If there is no plan, the check refuses it, the nest or the job file has changed on disk, a file is of
+            another nest, or a link leads out of the folder.
         """
         current = self.current
         if current is None:
@@ -157,15 +176,19 @@ class Session:
             raise InputError(f"the check refuses this plan ({', '.join(current.broken)}): nothing is written")
         wanted, nest = current.wanted, Path(current.wanted.nest)
         job = nest.with_name(beside_name(nest.name))
-        if hashlib.sha256(nest.read_bytes()).hexdigest() != self.opened["sha256"]:
-            raise InputError("the nest has changed on disk since it was opened: open it again")
+        if sha256_of(nest) != current.sha256:
+            raise InputError("the nest has changed on disk since this plan was made: open it again")
         if text_of(job) != self.on_disk:
             raise InputError(f"{job.name} has changed on disk since it was read: open the nest again")
         files: dict[Path, str | bytes] = {nest.with_name(name): text for name, text in current.files.items()}
-        expect_own(nest, *(nest.with_name(name) for name in named_after(nest)))
-        expect_outputs(files, (nest, job))
+        program, plan, picture = (nest.with_name(name) for name in named_after(nest))
+        expect_own(nest, program, plan, picture)
         if wanted.old_plan is not None:
-            files[nest.with_name(before_name(wanted.nest))] = wanted.old_plan
+            before = nest.with_name(before_name(wanted.nest))
+            expect_own(nest, program, before, picture)
+            files[before] = wanted.old_plan
+        expect_outputs(files, (nest, job))
+        folder.expect_inside((*files, job))
         if wanted.job_text is not None and wanted.job_text != self.on_disk:
             files[job] = wanted.job_text
         write_files(files)

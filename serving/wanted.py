@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import os
+import shlex
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
+from kerfwise.encoder.readers.read import file_bytes
 from kerfwise.jobs.given import Given, Tell, drawn_nest, plant_of, silent
 from kerfwise.jobs.nest_job.asked import Asked, locked_for, profile_for
 from kerfwise.jobs.nest_job.beside import beside_name
@@ -54,7 +56,7 @@ class Wanted:
             self.repair,
             self.old_plan,
             self.upto,
-            _sha256(Path(self.nest).read_bytes()),
+            sha256_of(Path(self.nest)),
         ]
         return _sha256(repr(stands).encode())
 
@@ -65,11 +67,12 @@ class Wanted:
         --------
         >>> Wanted("/nests/plate.dxf", repair=True).command()
         'kerfwise solve plate.dxf --repair'
+        >>> Wanted("/nests/$(ls) 1.dxf").command()
+        "kerfwise solve '$(ls) 1.dxf'"
         """
-        name = Path(self.nest).name
-        shown = f"'{name}'" if " " in name else name
-        again = f" --lock-from {before_name(self.nest)} --upto {self.upto}" if self.old_plan else ""
-        return f"kerfwise solve {shown}{' --repair' if self.repair else ''}{again}{options}"
+        name, before = shlex.quote(Path(self.nest).name), shlex.quote(before_name(self.nest))
+        again = f" --lock-from {before} --upto {self.upto}" if self.old_plan else ""
+        return f"kerfwise solve {name}{' --repair' if self.repair else ''}{again}{options}"
 
 
 def before_name(nest: str) -> str:
@@ -131,6 +134,11 @@ def already_of(wanted: Wanted, given: Given) -> AlreadyCut:
     """What is cut already."""
     old = old_plan(wanted)
     return NOTHING_CUT if old is None else already_cut(given, old, wanted.upto)
+
+
+def sha256_of(nest: Path) -> str:
+    """Of a nest's file as it is now; InputError if it cannot be read."""
+    return _sha256(file_bytes(nest))
 
 
 def _sha256(data: bytes) -> str:

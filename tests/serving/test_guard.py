@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import http.client
+from collections.abc import AsyncIterator
 from pathlib import Path
 
 import httpx
 import pytest
 
+from kerfwise.serving.app import make_app
+from kerfwise.serving.folder import Folder
 from kerfwise.serving.guard import MOST_BODY_BYTES
+from kerfwise.serving.server import Server
 from kerfwise.tests.serving.conftest import SMALL, TOKEN, Open, Served
 
 OWN = {"x-kerfwise-token": TOKEN}
@@ -91,6 +96,33 @@ def test_a_body_that_does_not_say_its_length_ends_at_the_limit(served: Served) -
     assert sent >= MOST_BODY_BYTES
 
 
+def test_who_sends_too_much_is_told_so(tmp_path: Path) -> None:
+    async def endless() -> AsyncIterator[bytes]:
+        for _ in range(40):
+            yield b"x" * 1_000_000
+
+    async def ask() -> httpx.Response:
+        way = httpx.ASGITransport(make_app(Server(Folder(tmp_path)), TOKEN, 8000))
+        async with httpx.AsyncClient(transport=way, base_url="http://127.0.0.1:8000", headers=OWN) as client:
+            return await client.post("/api/drop?name=a.json", content=endless())
+
+    answer = asyncio.run(ask())
+    assert (answer.status_code, answer.json()["kind"]) == (413, "refused")
+    assert "at most 32 MB" in answer.json()["message"]
+
+
+def test_cookies_of_other_servers_of_this_machine_are_no_matter(served: Served, stranger: httpx.Client) -> None:
+    for other in ('settings={"a": 1}', "a b=c", "no-value", "=x"):
+        cookies = f"{other}; kerfwise-{served.port}={TOKEN}; {other}"
+        assert stranger.get("/api/nests", headers={"cookie": cookies}).status_code == 200, other
+
+
+def test_an_address_with_the_token_leads_to_this_server(served: Served) -> None:
+    for path in ("//evil.example/", "/\\\\evil.example/"):
+        answer = httpx.get(f"{served.address}{path}", params={"token": TOKEN})
+        assert (answer.status_code, answer.headers["location"]) == (303, "/evil.example/")
+
+
 @pytest.mark.parametrize(
     "name",
     [
@@ -146,4 +178,9 @@ def test_what_is_not_json_is_said(opened: Open, client: httpx.Client) -> None:
     assert client.post("/api/nothing/edit", json={}).status_code == 404
     for changes in (None, "x", [1], [{}], [{"lock": 3}], [{"format": "c:"}], [{"lock": "P9 first"}], [{"set": "a.b"}]):
         assert tab.post("edit", 422, changes=changes)["kind"] == "input"
+    for value in ("{", "[a: b: c]", "!!python/object:os.system x", "2024-13-45"):
+        told = tab.edit({"set": "leads.lead_in", "to": value}, expected=422)
+        assert told["message"] == f"{value!r} is not a value as a job file holds it"
+    for changes in (5, [3], "x", [{}]):
+        assert tab.post("try", 422, changes=changes)["kind"] == "input"
     assert tab.state()["job_text"] is None

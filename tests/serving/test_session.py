@@ -191,8 +191,12 @@ def test_a_killed_process_is_started_again_and_nothing_is_lost(opened: Open, ser
     plate = opened(EXAMPLES / "plate40.json")
     plate.post("solve", 202, work=200)
     wait_for(lambda: served.server.planner.pid is not None and not plate.state()["solving"]["waits"])
-    plate.client.post(f"/api/{plate.id}/cancel", json={"at_once": True})
+    os.kill(served.server.planner.pid or 0, 9)
     assert "died (signal 9)" in plate.wait()["problem"]
+    plate.post("solve", 202, work=200)
+    wait_for(lambda: not plate.state()["solving"]["waits"])
+    plate.client.post(f"/api/{plate.id}/cancel", json={"at_once": True})
+    assert plate.wait()["problem"] == "ended without a plan"
     for helper in (served.server.desk, served.server.planner):
         assert helper.pid is not None or helper is served.server.planner
         if helper.pid is not None:
@@ -236,6 +240,83 @@ def test_nothing_is_written_over_what_changed_on_disk(opened: Open) -> None:
     assert not tab.nest.with_name("small.nc").exists()
     tab.nest.write_text(SMALL + "\n", encoding="utf-8")
     assert "the nest has changed on disk" in tab.post("save", 422)["message"]
+    tab.edit({"lock": "B.outer cw"})  # it is read again meanwhile, and the plan is the old one still
+    assert tab.post("back", 200, to=1)["fits"] is False
+    assert "the nest has changed on disk" in tab.post("save", 422)["message"]
+    tab.nest.unlink()
+    for what in ("save", "edit"):
+        assert tab.post(what, 422, changes=[])["message"] == "there is no such file"
+
+
+def test_a_nest_that_changed_on_disk_is_shown_anew_in_every_tab(opened: Open, served: Served) -> None:
+    tab = opened()
+    tab.solved()
+    session, sha256 = served.server.sessions[tab.id], tab.state()["sha256"]
+    again = opened(SMALL + "\n")
+    assert served.server.sessions[tab.id] is session
+    assert (again.version > tab.version, again.state()["alternatives"]) == (True, [])
+    assert again.state()["sha256"] != sha256
+    assert again.solved()["shown"] == 2  # a number is that of one plan only
+
+
+def test_nothing_is_written_where_a_link_leads_out_of_the_folder(opened: Open, served: Served) -> None:
+    tab = opened()
+    tab.solved()
+    outside = served.server.folder.path.parent / "mine.txt"
+    outside.write_text("mine", encoding="utf-8")
+    tab.nest.with_name("small.nc").symlink_to(outside)
+    assert "leads out of the folder" in tab.post("save", 422)["message"]
+    assert outside.read_text(encoding="utf-8") == "mine"
+    assert not tab.nest.with_name("small.plan.json").exists()
+
+
+def test_the_old_plan_takes_no_place_of_another_nests(opened: Open) -> None:
+    tab = opened()
+    tab.solved()
+    tab.post("cut", upto=2)
+    tab.solved()
+    before = tab.nest.with_name("small.before.plan.json")
+    before.write_text('{"nest": {"file": "small.dxf"}}', encoding="utf-8")
+    assert "is of small.dxf" in tab.post("save", 422)["message"]
+    assert "small.dxf" in before.read_text(encoding="utf-8")
+
+
+def test_cancelled_while_it_waited_and_begun_anew(opened: Open, served: Served) -> None:
+    plate, tab = opened(EXAMPLES / "plate40.json"), opened()
+    plate.post("solve", 202, work=200)
+    wait_for(lambda: not plate.state()["solving"]["waits"])
+    tab.post("solve", 202)
+    assert tab.state()["solving"]["waits"]
+    tab.client.post(f"/api/{tab.id}/cancel", json={})
+    tab.state()
+    tab.edit({"lock": "C.outer first"})
+    tab.post("solve", 202)
+    plate.client.post(f"/api/{plate.id}/cancel", json={"at_once": True})
+    made = tab.wait()["alternatives"]
+    assert [one["locked"] for one in made] == [["C.outer first"]]
+    assert plate.wait()["problem"] == "ended without a plan"
+
+
+def test_whoever_is_slow_to_listen_hears_the_last_state(opened: Open, served: Served) -> None:
+    session = served.server.sessions[opened().id]
+    queue = session.listen()
+    for _ in range(50):
+        session.tell("progress")
+    session.tell("state")
+    assert [queue.get_nowait() for _ in range(queue.qsize())] == ["progress", "state"]
+    session.leave(queue)
+
+
+def test_a_profile_that_changed_on_disk_judges_the_moves_of_its_plans(opened: Open, tmp_path: Path) -> None:
+    plant = tmp_path / "plant.yaml"
+    strength = "based_on: plasma-carbon-steel\nrules:\n  level-ahead: {strength: %s}\n"
+    plant.write_text(strength % "hard", encoding="utf-8")
+    tab = opened(job=f"profile: {plant.as_posix()}\n")
+    tab.solved()
+    assert "level-ahead" in tab.get("move", contours="C", place=3)["text"]
+    plant.write_text(strength % "off", encoding="utf-8")
+    tab.solved()
+    assert "level-ahead" not in tab.get("move", contours="C", place=3)["text"]
 
 
 def test_the_profile_that_the_server_was_given_goes_into_the_job_file(served: Served, opened: Open) -> None:
