@@ -9,6 +9,16 @@ async function answered(response) {
   throw Object.assign(new Error(told.message ?? `answer ${response.status}`), { told, status: response.status });
 }
 
+/** @type {(path: string, asked: RequestInit) => Promise<Response>} */
+async function reach(path, asked) {
+  try {
+    return await fetch(path, asked);
+  } catch (error) {
+    if (/** @type {Error} */ (error).name === "AbortError") throw error;
+    throw new Error("the server does not answer: is kerfwise serve still running?");
+  }
+}
+
 /**
  * Asks for something.
  *
@@ -17,7 +27,7 @@ async function answered(response) {
  * @returns {Promise<any>}
  */
 export async function askServer(path, signal) {
-  return answered(await fetch(path, { signal }));
+  return answered(await reach(path, { signal }));
 }
 
 /**
@@ -30,5 +40,5 @@ export async function askServer(path, signal) {
 export async function sendServer(path, said = {}) {
   const file = said instanceof Blob;
   const headers = { "content-type": file ? "application/octet-stream" : "application/json" };
-  return answered(await fetch(path, { method: "POST", headers, body: file ? said : JSON.stringify(said) }));
+  return answered(await reach(path, { method: "POST", headers, body: file ? said : JSON.stringify(said) }));
 }

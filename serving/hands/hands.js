@@ -16,7 +16,8 @@ import { weightSliders } from "./weights.js";
 export function giveHands(app, work) {
   work.say = text => sayAloud(app, text);
   work.shownData = app.data;
-  let shown = work.state.shown;
+  const now = () => `${work.state.shown} ${work.state.sha256}`;
+  let shown = now();
   planBar(app, work);
   lockPanel(app, work);
   plansPanel(app, work);
@@ -24,11 +25,11 @@ export function giveHands(app, work) {
   weightSliders(app, work);
   dragging(app, work);
   work.on(async (_, what) => {
-    if (what !== "state" || work.state.shown === shown) return;
-    shown = work.state.shown;
-    const data = await askServer(work.path("page"));
+    if (what !== "state" || now() === shown) return;
+    const asked = shown = now();
+    const data = await askServer(work.path("page")).catch(error => { work.say(error.message); return null; });
+    if (!data || asked !== now()) return;
     work.shownData = data;
-    if (shown !== work.state.shown) return;
     document.body.classList.toggle("planless", !data.sides.length);
     app.replace(data);
   });

@@ -13,15 +13,16 @@ function go(state) {
   location.href = `/nest/${state.id}`;
 }
 
-function problems(told, again) {
+function problems({ told, message }, again) {
   const box = element("section");
-  box.append(element("h2", "This drawing cannot be cut as it is drawn"));
+  box.append(element("h2", told?.problems ? "This drawing cannot be cut as it is drawn" : "This cannot be opened"));
   const list = element("ul");
-  for (const one of told.problems?.lines ?? [{ text: told.message }]) list.append(element("li", one.text));
+  for (const one of told?.problems?.lines ?? [{ text: message }]) list.append(element("li", one.text));
   const mend = element("button", "Mend what can be mended, and open it");
   mend.addEventListener("click", again);
-  box.append(list, mend);
-  if (told.problems) {
+  box.append(list);
+  if (told?.problems) {
+    box.append(mend);
     const picture = element("img");
     picture.alt = "the wrong contours in red";
     picture.src = `data:image/svg+xml;base64,${btoa(unescape(encodeURIComponent(told.problems.picture)))}`;
@@ -35,7 +36,7 @@ async function open(nest, repair = false) {
   try {
     go(await sendServer("/api/open", { nest, repair }));
   } catch (error) {
-    problems(error.told, () => open(nest, true));
+    problems(error, () => open(nest, true));
   }
 }
 
@@ -44,7 +45,7 @@ async function drop(file, repair = false) {
   try {
     go(await sendServer(`/api/drop?${query}`, file));
   } catch (error) {
-    problems(error.told, () => drop(file, true));
+    problems(error, () => drop(file, true));
   }
 }
 

@@ -40,8 +40,7 @@ export function planNow(work) {
 
 /** @type {(work: Work) => void} */
 function cancelNow(work) {
-  const again = work.state.solving?.asked;
-  if (work.state.solving) work.state.solving.asked = true;
+  const again = work.state.solving?.ending;
   work.change("cancel", { at_once: Boolean(again) });
   work.say(again ? "ended without a plan" : "ending with the best plan so far; once more ends it at once");
 }
