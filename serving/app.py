@@ -20,6 +20,7 @@ from .events import Stream
 from .guard import Guard, TooLarge, too_large
 from .helper import Died, Refused
 from .pages import list_page, static_file, worked_page
+from .profiles import effect, profile_told, write_profile
 from .server import Server
 from .session import Session, Stale, back_to
 
@@ -48,6 +49,8 @@ class Addresses:
             "/api/{id}/state": self.state,
             "/api/{id}/why": self.why,
             "/api/{id}/move": self.move,
+            "/api/{id}/profile": self.profile,
+            "/api/{id}/rule": self.rule,
             "/api/{id}/program": self.program,
             "/api/{id}/events": self.events,
         }
@@ -61,6 +64,8 @@ class Addresses:
             "/api/{id}/cancel": self.cancel,
             "/api/{id}/try": self.tried,
             "/api/{id}/save": self.save,
+            "/api/{id}/effect": self.effect,
+            "/api/{id}/profile": self.write_profile,
         }
         asked = [Route(path, self._told(answer), methods=["GET"]) for path, answer in reading.items()]
         return asked + [Route(path, self._told(answer), methods=["POST"]) for path, answer in writing.items()]
@@ -176,6 +181,26 @@ class Addresses:
         session, _ = await self._writing(request)
         told = session.save(self._server.folder)
         return JSONResponse({**session.as_json(), "saved": told})
+
+    async def profile(self, request: Request) -> Response:
+        """The rules of the nest's profile with strengths and options, and whether its file may be written."""
+        return JSONResponse(await profile_told(self._server, self._session(request)))
+
+    async def rule(self, request: Request) -> Response:
+        """`?rule=pierce`: its page, and pictures of what is wrong and what is right."""
+        wanted = self._session(request).wanted
+        return JSONResponse(await self._server.asked("rule", wanted=wanted, rule=request.query_params.get("rule", "")))
+
+    async def effect(self, request: Request) -> Response:
+        """`{"changes": [{"rule": "pierce", "key": "clearance", "to": "2 mm"}]}`: what they would bring on the nest."""
+        session, said = self._session(request), await _json(request)
+        return JSONResponse(await effect(self._server, session, said.get("changes")))
+
+    async def write_profile(self, request: Request) -> Response:
+        """`{"version": 3, "sha256": …, "changes": […], "as": "ours.yaml"}`: they are written into the profile's file."""
+        session, said = await self._writing(request)
+        told = await write_profile(self._server, session, said)
+        return JSONResponse({**session.as_json(), "written": told})
 
     async def _about(self, request: Request, question: str, **given: Any) -> Any:
         number = request.query_params.get("plan")

@@ -22,6 +22,7 @@ from kerfwise.rules.profile.lock_text import lines_of
 from .child import Answers, Asking
 from .edits import against, edited
 from .job_text import JobText, settings_of
+from .profile_desk import profile_answers
 from .wanted import Wanted, already_of, given_of
 
 MOST_KEPT = 6
@@ -186,6 +187,5 @@ def _rule(given: Given, name: str) -> dict[str, Any]:
 def desk(asking: Asking) -> Answers:
     """The questions that the desk answers."""
     made = Desk()
-    return {
-        name: getattr(made, name) for name in ("ready", "prepared", "opened", "edited", "page", "heat", "why", "move")
-    }
+    names = ("ready", "prepared", "opened", "edited", "page", "heat", "why", "move")
+    return {name: getattr(made, name) for name in names} | profile_answers()

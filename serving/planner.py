@@ -24,6 +24,8 @@ from kerfwise.postproc.report import draw
 from .child import Answers, Asking
 from .conflicts import conflict_told
 from .edits import edited
+from .effect import Effects
+from .figures import figures_of
 from .wanted import Wanted, already_of, given_of
 
 TOLD_EACH_S = 0.1
@@ -37,6 +39,7 @@ class Planner:
 
     def __init__(self, asking: Asking) -> None:
         self._asking = asking
+        self._effects = Effects(self._reached)
 
     def ready(self) -> bool:
         """Load what planning needs, so that the first plan does not wait for it."""
@@ -84,6 +87,11 @@ class Planner:
         told = f"a plan with {idle_mm / 1000:.3f} m of idle travel" + (f", {relaxed} relaxed" if relaxed else "")
         return {"works": done.made.verdict.ok, "text": told, "idle_mm": float(idle_mm), "undone": undone}
 
+    def effect(self, wanted: Wanted, values: list[tuple[str, str, str]]) -> dict[str, Any]:
+        """What other values of rules would bring: figures with them and without."""
+        self._asking.begin()
+        return self._effects.effect(wanted, values)
+
     def _planned(self, wanted: Wanted, given: Given, done: Finished, stopped: bool) -> dict[str, Any]:
         """All that is kept of a plan: its files, and what a list of plans says of it."""
         made, plan = done.made, done.made.plan
@@ -91,7 +99,7 @@ class Planner:
         drawn = draw(given.nest, plan, ".svg", given.profile.home_on(given.nest))
         remnant = {str(path): text for path, text in remnant_files(program, given.nest, given.profile).items()}
         data = page_data(given, plan, made.verdict, made.program, heat=False, detail="none")
-        solve, text = plan.solve, plan.to_json()
+        text = plan.to_json()
         return {
             "plan": text,
             "sha256": given.nest.sha256,
@@ -102,18 +110,7 @@ class Planner:
             "stopped": stopped,
             "page": json.dumps(data, ensure_ascii=False),
             "summary": "\n".join(summary_lines(plan)),
-            "figures": {
-                "objective_mm": float(solve.objective),
-                "light_mm": float(solve.objective - plan.heavy_mm),
-                "bound_mm": None if solve.bound is None else float(solve.bound),
-                "gap": None if solve.gap is None else float(solve.gap),
-                "status": solve.status,
-                "idle_mm": float(plan.totals.idle_mm),
-                "time_s": float(plan.totals.time_s),
-                "cuts": len(plan.cuts),
-                "excuses": solve.excuses,
-                "dropped": len(plan.dropped),
-            },
+            "figures": figures_of(plan),
         }
 
     def _reached(self) -> Any:
@@ -137,4 +134,4 @@ class Planner:
 def planner(asking: Asking) -> Answers:
     """The questions that the planner answers."""
     made = Planner(asking)
-    return {name: getattr(made, name) for name in ("ready", "solve", "tried")}
+    return {name: getattr(made, name) for name in ("ready", "solve", "tried", "effect")}

@@ -66,7 +66,7 @@ class Server:
         if there is not None and there.read == read:
             return there
         wanted = Wanted(str(path), self._first_text(disk, path), repair, trust=self.trust)
-        opened = await self._asked("opened", wanted=wanted)
+        opened = await self.asked("opened", wanted=wanted)
         there = self.sessions.get(key)  # the desk took its time, and another tab did not wait
         if there is None:
             if len(self.sessions) >= MOST_SESSIONS:
@@ -82,7 +82,7 @@ class Server:
         with tempfile.TemporaryDirectory() as aside:
             path = Path(aside).resolve() / name
             path.write_bytes(drawing)
-            await self._asked("opened", wanted=Wanted(str(path), self._first_text(None, path), repair))
+            await self.asked("opened", wanted=Wanted(str(path), self._first_text(None, path), repair))
         return await self.open_nest(self.folder.keep(name, drawing), repair)
 
     def _first_text(self, disk: str | None, nest: Path) -> str | None:
@@ -96,7 +96,7 @@ class Server:
     async def edit(self, session: Session, changes: list[dict[str, Any]]) -> list[str]:
         """Change the job file that is wanted; the locks that gave way."""
         version = session.version
-        told = await self._asked("edited", wanted=session.wanted, changes=changes)
+        told = await self.asked("edited", wanted=session.wanted, changes=changes)
         session.expect(version)  # the desk took its time, and another tab did not wait
         await self.want(session, replace(session.wanted, job_text=told["job_text"]))
         undone: list[str] = told["undone"]
@@ -105,7 +105,7 @@ class Server:
     async def want(self, session: Session, wanted: Wanted, **also: Any) -> None:
         """Want something else from now on."""
         version = session.version
-        opened = await self._asked("opened", wanted=wanted)
+        opened = await self.asked("opened", wanted=wanted)
         session.expect(version)
         session.changed(wanted=wanted, opened=opened, conflict=None, problem="", **also)
 
@@ -138,17 +138,20 @@ class Server:
 
     async def tried(self, session: Session, changes: list[dict[str, Any]], relax: bool = False) -> dict[str, Any]:
         """What a way out of a conflict would bring."""
+        told: dict[str, Any] = await self.asked_planner("tried", wanted=session.wanted, changes=changes, relax=relax)
+        return told
+
+    async def asked_planner(self, question: str, **given: Any) -> Any:
+        """What the planner answers once it has planned what it was planning."""
         async with self._planning:
-            ask = partial(self.planner.ask, "tried", wanted=session.wanted, changes=changes, relax=relax)
-            told: dict[str, Any] = await to_thread.run_sync(ask)
-            return told
+            return await to_thread.run_sync(partial(self.planner.ask, question, **given))
 
     async def page(self, session: Session, number: int | None = None) -> str:
         """What the page shows of the shown plan, or of another one, as JSON; of the nest alone where there is none."""
         plan = session.current if number is None else session.alternative(number)
         if plan is not None:
             return plan.page
-        return json.dumps(await self._asked("page", wanted=session.wanted), ensure_ascii=False)
+        return json.dumps(await self.asked("page", wanted=session.wanted), ensure_ascii=False)
 
     async def about(self, session: Session, question: str, number: int | None = None, **given: Any) -> Any:
         """What the desk answers about the shown plan, or another one."""
@@ -157,7 +160,7 @@ class Server:
             raise InputError("there is no plan yet")
         if "contours" in given:
             given["contours"] = contours_of(session.opened, given["contours"])
-        return await self._asked(question, wanted=plan.wanted, plan=plan.plan, **given)
+        return await self.asked(question, wanted=plan.wanted, plan=plan.plan, **given)
 
     async def _solve(self, session: Session, begun: dict[str, Any], wanted: Wanted, work: float, relax: bool) -> None:
         loop = asyncio.get_running_loop()
@@ -196,7 +199,7 @@ class Server:
     async def _prepare(self, session: Session, number: int) -> None:
         try:
             plan = session.alternative(number)
-            await self._asked("prepared", wanted=plan.wanted, plan=plan.plan)
+            await self.asked("prepared", wanted=plan.wanted, plan=plan.plan)
         except (Refused, Died, InputError):
             return  # whoever asks next is told
 
@@ -207,7 +210,7 @@ class Server:
             except (Refused, Died):
                 return
 
-    async def _asked(self, question: str, **given: Any) -> Any:
+    async def asked(self, question: str, **given: Any) -> Any:
         """What the desk answers; it changes nothing, so that another one is asked where it has died."""
         ask = partial(self.desk.ask, question, **given)
         try:

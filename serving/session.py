@@ -175,6 +175,8 @@ class Session:
         if not current.ok:
             raise InputError(f"the check refuses this plan ({', '.join(current.broken)}): nothing is written")
         wanted, nest = current.wanted, Path(current.wanted.nest)
+        if wanted.profile_now != self.wanted.profile_now:
+            raise InputError("the profile has changed since this plan was made: plan again")
         job = nest.with_name(beside_name(nest.name))
         if sha256_of(nest) != current.sha256:
             raise InputError("the nest has changed on disk since this plan was made: open it again")
@@ -216,7 +218,7 @@ def _locks(wanted: Wanted) -> tuple[str, ...]:
 
 def back_to(session: Session, number: object) -> Wanted:
     """What was wanted when an earlier plan was made."""
-    return session.alternative(number).wanted
+    return replace(session.alternative(number).wanted, profile_now=session.wanted.profile_now)
 
 
 def cut_up_to(session: Session, upto: int) -> Wanted:

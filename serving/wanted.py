@@ -38,6 +38,8 @@ class Wanted:
         The plan that is cut already up to this number, as JSON; None and 0 where nothing is cut.
     trust
         Whether Python rules that the profile names are run.
+    profile_now
+        What tells the profile's file of now from what it was before the page wrote it; "" where it has not.
     """
 
     nest: str
@@ -46,6 +48,7 @@ class Wanted:
     old_plan: str | None = None
     upto: int = 0
     trust: bool = False
+    profile_now: str = ""
 
     @property
     def key(self) -> str:
@@ -56,6 +59,7 @@ class Wanted:
             self.repair,
             self.old_plan,
             self.upto,
+            self.profile_now,
             sha256_of(Path(self.nest)),
         ]
         return _sha256(repr(stands).encode())

@@ -1,4 +1,4 @@
-"""One value of a YAML text set, with all else as it is: comments, order and spacing."""
+"""One value of a YAML text set, or taken out, with all else as it is: comments, order and spacing."""
 
 from __future__ import annotations
 
@@ -35,6 +35,51 @@ def with_value(text: str, path: Sequence[str], value: str) -> str:
         begins, node = text.index(":", found[0].end_mark.index) + 1, found[1]
     assert node is not None
     return _replaced(text, node, begins, value)
+
+
+def without_value(text: str, path: Sequence[str]) -> str:
+    """The text without the last key of `path`, and without what stood there; a mapping that is then empty goes too.
+
+    Nothing is changed where there is no such key.
+
+    Raises
+    ------
+    InputError
+        If the text is not YAML.
+
+    Examples
+    --------
+    >>> without_value("material: {kerf: 1.5 mm, thickness: 8 mm}  # plate\\n", ["material", "thickness"])
+    'material: {kerf: 1.5 mm}  # plate\\n'
+    >>> without_value("material:\\n  kerf: 1.5 mm  # wide\\nname: plant\\n", ["material", "kerf"])
+    'name: plant\\n'
+    """
+    node, found = compose(text, ""), None
+    for key in path:
+        at = next((k for k, (name, _) in enumerate(node.value) if name.value == key), None) if _is_map(node) else None
+        if at is None:
+            return text
+        if found is None or len(node.value) > 1:
+            found = node, at
+        node = node.value[at][1]
+    return text if found is None else _cut_out(text, *found)
+
+
+def _is_map(node: yaml.Node | None) -> bool:
+    return isinstance(node, yaml.MappingNode)
+
+
+def _cut_out(text: str, node: yaml.Node, at: int) -> str:
+    """Without one entry of a mapping; in a block, without the rest of its last line too."""
+    key, value = node.value[at]
+    if not node.flow_style:
+        line = text.rfind("\n", 0, key.start_mark.index) + 1
+        ends = text.find("\n", max(_end(value), key.end_mark.index))
+        return text[:line] + (text[ends + 1 :] if ends >= 0 else "")
+    if at:
+        return text[: _end(node.value[at - 1][1])] + text[_end(value) :]
+    after = node.value[1][0].start_mark.index if len(node.value) > 1 else _end(value)
+    return text[: key.start_mark.index] + text[after:]
 
 
 def _replaced(text: str, node: yaml.Node, begins: int, value: str) -> str:

@@ -5,6 +5,7 @@ import { dragging } from "./dragging.js";
 import { lockPanel } from "./locking.js";
 import { planBar } from "./planning.js";
 import { plansPanel } from "./plans.js";
+import { profilePanel } from "./profile.js";
 import { weightSliders } from "./weights.js";
 
 /**
@@ -23,6 +24,7 @@ export function giveHands(app, work) {
   plansPanel(app, work);
   conflictPanel(app, work);
   weightSliders(app, work);
+  profilePanel(app, work);
   dragging(app, work);
   work.on(async (_, what) => {
     if (what !== "state" || now() === shown) return;

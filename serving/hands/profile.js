@@ -1,0 +1,138 @@
+/** @import { Work } from "./work.js" */
+import { askServer, sendServer } from "./asking.js";
+import { effectTable } from "./effect.js";
+import { make } from "./elements.js";
+import { ruleForm } from "./ruleform.js";
+
+/**
+ * What is to be changed in a profile: by rule and key.
+ *
+ * @typedef {{rule: string, key: string, to: string}} RuleChange
+ */
+
+/**
+ * A panel of the rules of the nest's profile: what they say, what another value would bring, and writing it down.
+ *
+ * @param {any} app
+ * @param {Work} work
+ */
+export function profilePanel(app, work) {
+  const panel = app.panel("profile", "Profile");
+  const editor = new ProfileEditor(panel, work);
+  app.on((/** @type {any} */ _, /** @type {any} */ changes) => { if (changes.tab === "profile") editor.look(); });
+  work.on((_, what) => { if (what === "state") editor.stale = true; });
+}
+
+class ProfileEditor {
+  /**
+   * @param {HTMLElement} panel
+   * @param {Work} work
+   */
+  constructor(panel, work) {
+    this.work = work;
+    /** @type {any} the profile, as the server tells it */
+    this.profile = null;
+    /** @type {Map<string, RuleChange>} */
+    this.changes = new Map();
+    this.stale = true;
+    this.asked = 0;
+    this.head = make("p", { class: "hint", id: "profile-head" });
+    this.said = make("p", { id: "profile-said", role: "alert", hidden: true });
+    this.effect = make("div", { id: "profile-effect", role: "status" });
+    this.write = make("button", { type: "button", id: "profile-write", onclick: () => this.save() }, "Write");
+    this.name = /** @type {HTMLInputElement} */ (make("input", { id: "profile-name", placeholder: "our-profile.yaml", "aria-label": "name of a new profile" }));
+    const as = make("button", { type: "button", id: "profile-as", onclick: () => this.save(this.name.value.trim() || " ") }, "Save as");
+    const drop = make("button", { type: "button", id: "profile-drop", onclick: () => this.forget() }, "Take back");
+    this.bar = make("div", { id: "profile-bar", hidden: true }, this.effect, this.said, make("p", {}, this.write, " ", this.name, " ", as, " ", drop));
+    this.rules = make("div", { id: "profile-rules" });
+    panel.append(this.head, this.bar, this.rules);
+  }
+
+  /** Shows the profile as it is now; what is changed and not written stays. */
+  async look() {
+    if (!this.stale) return;
+    this.stale = false;
+    try {
+      this.profile = await askServer(this.work.path("profile"));
+    } catch (error) {
+      this.head.textContent = /** @type {Error} */ (error).message;
+      return;
+    }
+    const { name, file, why_not, for_this_nest } = this.profile;
+    const set = Object.keys(for_this_nest).filter(key => key.startsWith("rules."));
+    const beside = set.length ? ` The job file has other values for this nest: ${set.join(", ")}.` : "";
+    this.head.textContent = (why_not || `${name}, in ${file}. What you change is written there.`) + beside;
+    this.write.toggleAttribute("disabled", !this.profile.writable);
+    this.draw();
+  }
+
+  draw() {
+    const open = new Set([...this.rules.querySelectorAll("details[open]")].map(one => /** @type {HTMLElement} */ (one).dataset.rule));
+    this.rules.replaceChildren(...this.profile.rules.map((/** @type {any} */ rule) =>
+      ruleForm(this.work, rule, this.changes, open.has(rule.id), change => this.put(change))));
+    this.bar.hidden = !this.changes.size;
+  }
+
+  /** @param {RuleChange} change */
+  put(change) {
+    const rule = this.profile.rules.find((/** @type {any} */ one) => one.id === change.rule);
+    const now = change.key === "strength" || change.key === "weight" ? rule[change.key] : rule.options.find((/** @type {any} */ one) => one.key === change.key).value;
+    const name = `${change.rule}.${change.key}`;
+    if (change.to === now) this.changes.delete(name);
+    else this.changes.set(name, change);
+    if (change.key === "strength" && change.to !== "soft") this.changes.delete(`${change.rule}.weight`);
+    this.draw();
+    this.see();
+  }
+
+  /** Asks what the changes would bring on the nest. */
+  async see() {
+    const mine = ++this.asked;
+    this.refused(null);
+    this.effect.replaceChildren();
+    if (!this.changes.size) return;
+    this.effect.textContent = "planning with it and without …";
+    try {
+      const told = await sendServer(this.work.path("effect"), { changes: [...this.changes.values()] });
+      if (mine === this.asked) this.effect.replaceChildren(effectTable(told, [...this.changes.values()]));
+    } catch (error) {
+      if (mine !== this.asked) return;
+      this.effect.replaceChildren();
+      this.refused(error);
+    }
+  }
+
+  /** @param {string} [as] the name of a new profile */
+  async save(as) {
+    const said = { version: this.work.state.version, sha256: this.profile.sha256, changes: [...this.changes.values()], ...(as === undefined ? {} : { as }) };
+    try {
+      const told = await sendServer(this.work.path("profile"), said);
+      this.changes.clear();
+      this.work.take(told);
+      this.stale = true;
+      await this.look();
+      this.work.say(`written: ${told.written.file}`);
+    } catch (error) {
+      const { told } = /** @type {any} */ (error);
+      if (told?.kind === "stale") this.work.take(told);
+      this.refused(told?.kind === "stale" ? new Error("another tab was quicker: look at what is there now, and do it again") : error);
+      this.stale = true;
+    }
+  }
+
+  forget() {
+    this.changes.clear();
+    this.asked += 1;
+    this.refused(null);
+    this.stale = true;
+    this.look();
+  }
+
+  /** @param {any} error */
+  refused(error) {
+    const told = error?.told ?? {};
+    const place = [told.file, told.line, told.column].filter(Boolean).join(":");
+    this.said.hidden = !error;
+    this.said.textContent = error ? [`${place ? `${place}: ` : ""}${error.message}`, ...(told.details ?? [])].join("\n") : "";
+  }
+}

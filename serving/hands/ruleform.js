@@ -1,0 +1,64 @@
+/** @import { Work } from "./work.js" */
+import { askServer } from "./asking.js";
+import { make } from "./elements.js";
+
+/**
+ * One rule of a profile: its strength and weight, its options, and once it is opened its page and its pictures.
+ *
+ * @param {Work} work
+ * @param {any} rule as the server tells it
+ * @param {Map<string, import("./profile.js").RuleChange>} changes
+ * @param {boolean} open
+ * @param {(change: import("./profile.js").RuleChange) => void} put
+ * @returns {HTMLElement}
+ */
+export function ruleForm(work, rule, changes, open, put) {
+  const now = (/** @type {string} */ key, /** @type {string | null} */ value) => changes.get(`${rule.id}.${key}`)?.to ?? value;
+  const changed = [...changes.values()].some(one => one.rule === rule.id);
+  const strength = now("strength", rule.strength), weight = now("weight", rule.weight);
+  const said = `${strength}${strength === "soft" ? ` ${weight ?? rule.default_weight}` : ""}`;
+  const page = make("div", { class: "page" });
+  const fields = [
+    field(rule, "strength", strength, rule.strengths, "", put),
+    strength === "soft" ? field(rule, "weight", weight ?? rule.default_weight, [], "cost of breaking it once, in mm of idle travel", put) : null,
+    ...rule.options.map((/** @type {any} */ one) => field(rule, one.key, now(one.key, one.value), one.words,
+      `${one.help}: ${one.expected}; ${one.default} where nothing is said`, put)),
+  ];
+  const whole = make("details", { "data-rule": rule.id, open, class: changed ? "changed" : null },
+    make("summary", { title: rule.said_at || "nothing is said of it: the default" }, rule.id, make("small", {}, said)),
+    make("p", { class: "hint" }, rule.sentence, rule.brought ? ` From ${rule.brought}.` : ""),
+    rule.settable ? make("div", {}, ...fields) : make("p", { class: "hint" }, "A rule of the plant's own: change it in the file, under own_rules."),
+    page);
+  const fill = () => { if (/** @type {HTMLDetailsElement} */ (whole).open && !page.firstChild) fillPage(work, rule.id, page); };
+  whole.addEventListener("toggle", fill);
+  return whole;
+}
+
+/** @type {(rule: any, key: string, value: string, words: string[], help: string, put: (change: import("./profile.js").RuleChange) => void) => HTMLElement} */
+function field(rule, key, value, words, help, put) {
+  const label = `${key} of ${rule.id}`;
+  const onchange = (/** @type {Event} */ event) => put({ rule: rule.id, key, to: /** @type {HTMLInputElement} */ (event.target).value.trim() });
+  const choice = words.length ? make("select", { "aria-label": label, onchange }, ...words.map(one => make("option", { value: one, selected: one === value }, one)))
+    : make("input", { "aria-label": label, value, onchange });
+  return make("label", {}, make("span", {}, key), choice, help ? make("small", {}, help) : null);
+}
+
+/** @type {(work: Work, rule: string, place: HTMLElement) => Promise<void>} */
+async function fillPage(work, rule, place) {
+  place.textContent = "…";
+  try {
+    const told = await askServer(`${work.path("rule")}?${new URLSearchParams({ rule })}`);
+    place.replaceChildren(
+      ...["wrong", "right"].filter(kind => told[kind]).map(kind => make("img", { alt: `${rule}: ${kind}`, src: `data:image/svg+xml;charset=utf-8,${encodeURIComponent(told[kind])}` })),
+      ...paragraphs(told.page));
+  } catch (error) {
+    place.textContent = /** @type {Error} */ (error).message;
+  }
+}
+
+/** A page of a rule: headings and paragraphs, every text as it is. */
+/** @type {(page: string) => HTMLElement[]} */
+function paragraphs(page) {
+  return page.split(/\n{2,}/).filter(one => one.trim()).map(one =>
+    one.startsWith("#") ? make("h3", {}, one.replace(/^#+\s*/, "")) : make("p", {}, ...one.split("`").map((text, k) => k % 2 ? make("code", {}, text) : text)));
+}
