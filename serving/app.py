@@ -197,7 +197,7 @@ class Addresses:
         return JSONResponse(await effect(self._server, session, said.get("changes")))
 
     async def write_profile(self, request: Request) -> Response:
-        """`{"version": 3, "sha256": …, "changes": […], "as": "ours.yaml"}`: they are written into the profile's file."""
+        """`{"version": 3, "sha256": …, "changes": […], "as": "ours.yaml"}`: they are written into the profile."""
         session, said = await self._writing(request)
         told = await write_profile(self._server, session, said)
         return JSONResponse({**session.as_json(), "written": told})

@@ -188,4 +188,4 @@ def desk(asking: Asking) -> Answers:
     """The questions that the desk answers."""
     made = Desk()
     names = ("ready", "prepared", "opened", "edited", "page", "heat", "why", "move")
-    return {name: getattr(made, name) for name in names} | profile_answers()
+    return {**{name: getattr(made, name) for name in names}, **profile_answers()}

@@ -68,8 +68,9 @@ def values_of(said: Any) -> list[tuple[str, str, str]]:
         raise InputError(f"changes: expected a list of 1 to {MOST_VALUES} changes")
     found = []
     for one in said:
-        texts = [one.get(key) if isinstance(one, dict) else None for key in ("rule", "key", "to")]
-        if not all(isinstance(text, str) and text.strip() for text in texts):
+        given = [one.get(key) if isinstance(one, dict) else None for key in ("rule", "key", "to")]
+        texts = [text for text in given if isinstance(text, str) and text.strip()]
+        if len(texts) < len(given):
             raise InputError(f'expected {{"rule": …, "key": …, "to": …}}, got {one!r}')
         found.append((texts[0], texts[1], texts[2]))
     return found
@@ -83,8 +84,8 @@ def _why_not(server: Server, told: dict[str, Any]) -> str:
     if path.is_relative_to(server.folder.path) or (server.profile and Path(server.profile).resolve() == path):
         return ""
     return (
-        f"{path} lies outside the folder that is served, and is not changed: save it as a profile of your own, or start "
-        "the server with -p"
+        f"{path} lies outside the folder that is served, and is not changed: save it as a profile of your own, or "
+        "start the server with -p"
     )
 
 

@@ -54,9 +54,12 @@ def without_value(text: str, path: Sequence[str]) -> str:
     >>> without_value("material:\\n  kerf: 1.5 mm  # wide\\nname: plant\\n", ["material", "kerf"])
     'name: plant\\n'
     """
-    node, found = compose(text, ""), None
+    node = compose(text, "")
+    found: tuple[yaml.MappingNode, int] | None = None
     for key in path:
-        at = next((k for k, (name, _) in enumerate(node.value) if name.value == key), None) if _is_map(node) else None
+        if not isinstance(node, yaml.MappingNode):
+            return text
+        at = next((k for k, (name, _) in enumerate(node.value) if name.value == key), None)
         if at is None:
             return text
         if found is None or len(node.value) > 1:
@@ -65,11 +68,7 @@ def without_value(text: str, path: Sequence[str]) -> str:
     return text if found is None else _cut_out(text, *found)
 
 
-def _is_map(node: yaml.Node | None) -> bool:
-    return isinstance(node, yaml.MappingNode)
-
-
-def _cut_out(text: str, node: yaml.Node, at: int) -> str:
+def _cut_out(text: str, node: yaml.MappingNode, at: int) -> str:
     """Without one entry of a mapping; in a block, without the rest of its last line too."""
     key, value = node.value[at]
     if not node.flow_style:

@@ -1,9 +1,5 @@
 import { make } from "./elements.js";
-
-const METRE_MM = 1000;
-
-/** @type {(mm: number | undefined) => string} */
-const metres = mm => mm === undefined ? "no plan" : `${(mm / METRE_MM).toFixed(3)} m`;
+import { metres } from "./words.js";
 
 /**
  * Figures of two plans side by side: as the profile is, and with what is changed.
@@ -14,13 +10,13 @@ const metres = mm => mm === undefined ? "no plan" : `${(mm / METRE_MM).toFixed(3
  */
 export function effectTable({ before, after, text }, changes) {
   const rows = [
-    ["idle travel", metres(before?.idle_mm), metres(after?.idle_mm)],
-    ["cost", metres(before?.objective_mm), metres(after?.objective_mm)],
-    ["excused", told(before?.excuses), told(after?.excuses)],
-    ["dropped orders", told(before?.dropped), told(after?.dropped)],
-    ["time", seconds(before), seconds(after)],
-    ["proven", proven(before), proven(after)],
-    ...broken(before, after).map(rule => [`breaches of ${rule}`, told(before && (before.breaches[rule] ?? 0)), told(after && (after.breaches[rule] ?? 0))]),
+    ["idle travel", travelled(before, "idle_mm"), travelled(after, "idle_mm")],
+    ["cost", travelled(before, "objective_mm"), travelled(after, "objective_mm")],
+    ["excused", countOf(before?.excuses), countOf(after?.excuses)],
+    ["dropped orders", countOf(before?.dropped), countOf(after?.dropped)],
+    ["time", lasting(before), lasting(after)],
+    ["proven", provenOf(before), provenOf(after)],
+    ...brokenRules(before, after).map(rule => [`breaches of ${rule}`, countOf(before && (before.breaches[rule] ?? 0)), countOf(after && (after.breaches[rule] ?? 0))]),
   ];
   return make("div", {},
     make("table", {},
@@ -31,19 +27,22 @@ export function effectTable({ before, after, text }, changes) {
     make("p", { class: "hint" }, "Two first plans of equal work; breaches are counted by the rules as they are now."));
 }
 
+/** @type {(figures: any, key: string) => string} */
+function travelled(figures, key) { return figures ? metres(figures[key]) : "no plan"; }
+
 /** @type {(count: number | undefined | null) => string} */
-function told(count) { return count === undefined || count === null ? "–" : String(count); }
+function countOf(count) { return count === undefined || count === null ? "–" : String(count); }
 
 /** @type {(figures: any) => string} */
-function seconds(figures) { return figures ? `${Math.round(figures.time_s)} s` : "–"; }
+function lasting(figures) { return figures ? `${Math.round(figures.time_s)} s` : "–"; }
 
 /** @type {(figures: any) => string} */
-function proven(figures) {
+function provenOf(figures) {
   if (!figures) return "–";
   return figures.status === "optimal" ? "yes" : figures.gap === null ? "no bound" : `gap ${(figures.gap * 100).toFixed(1)} %`;
 }
 
 /** @type {(before: any, after: any) => string[]} */
-function broken(before, after) {
+function brokenRules(before, after) {
   return [...new Set([...Object.keys(before?.breaches ?? {}), ...Object.keys(after?.breaches ?? {})])].sort();
 }

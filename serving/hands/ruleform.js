@@ -19,9 +19,9 @@ export function ruleForm(work, rule, changes, open, put) {
   const said = `${strength}${strength === "soft" ? ` ${weight ?? rule.default_weight}` : ""}`;
   const page = make("div", { class: "page" });
   const fields = [
-    field(rule, "strength", strength, rule.strengths, "", put),
-    strength === "soft" ? field(rule, "weight", weight ?? rule.default_weight, [], "cost of breaking it once, in mm of idle travel", put) : null,
-    ...rule.options.map((/** @type {any} */ one) => field(rule, one.key, now(one.key, one.value), one.words,
+    ruleField(rule, "strength", strength, rule.strengths, "", put),
+    strength === "soft" ? ruleField(rule, "weight", weight ?? rule.default_weight, [], "cost of breaking it once, in mm of idle travel", put) : null,
+    ...rule.options.map((/** @type {any} */ one) => ruleField(rule, one.key, now(one.key, one.value), one.words,
       `${one.help}: ${one.expected}; ${one.default} where nothing is said`, put)),
   ];
   const whole = make("details", { "data-rule": rule.id, open, class: changed ? "changed" : null },
@@ -35,8 +35,8 @@ export function ruleForm(work, rule, changes, open, put) {
 }
 
 /** @type {(rule: any, key: string, value: string, words: string[], help: string, put: (change: import("./profile.js").RuleChange) => void) => HTMLElement} */
-function field(rule, key, value, words, help, put) {
-  const label = `${key} of ${rule.id}`;
+function ruleField(rule, key, value, words, help, put) {
+  const label = `${key} of ${rule.id} in the profile`;
   const onchange = (/** @type {Event} */ event) => put({ rule: rule.id, key, to: /** @type {HTMLInputElement} */ (event.target).value.trim() });
   const choice = words.length ? make("select", { "aria-label": label, onchange }, ...words.map(one => make("option", { value: one, selected: one === value }, one)))
     : make("input", { "aria-label": label, value, onchange });
@@ -50,7 +50,7 @@ async function fillPage(work, rule, place) {
     const told = await askServer(`${work.path("rule")}?${new URLSearchParams({ rule })}`);
     place.replaceChildren(
       ...["wrong", "right"].filter(kind => told[kind]).map(kind => make("img", { alt: `${rule}: ${kind}`, src: `data:image/svg+xml;charset=utf-8,${encodeURIComponent(told[kind])}` })),
-      ...paragraphs(told.page));
+      ...pageOf(told.page));
   } catch (error) {
     place.textContent = /** @type {Error} */ (error).message;
   }
@@ -58,7 +58,7 @@ async function fillPage(work, rule, place) {
 
 /** A page of a rule: headings and paragraphs, every text as it is. */
 /** @type {(page: string) => HTMLElement[]} */
-function paragraphs(page) {
+function pageOf(page) {
   return page.split(/\n{2,}/).filter(one => one.trim()).map(one =>
     one.startsWith("#") ? make("h3", {}, one.replace(/^#+\s*/, "")) : make("p", {}, ...one.split("`").map((text, k) => k % 2 ? make("code", {}, text) : text)));
 }

@@ -9,7 +9,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.rules.options.yaml_edit import with_value
+from kerfwise.rules.options.yaml_edit import with_value, without_value
 from kerfwise.rules.profile.files import profile_text, shipped_profiles
 
 
@@ -57,3 +57,21 @@ def test_all_but_the_value_stays(name: str, path: tuple[str, ...], value: str) -
     comments = [line[line.index("#") :] for line in text.splitlines() if "#" in line]
     kept = [line[line.index("#") :] for line in made.splitlines() if "#" in line]
     assert kept == comments or path == ("rules", "pierce"), "a mapping that is replaced takes its own comments with it"
+
+
+@pytest.mark.parametrize(
+    ("text", "path", "made"),
+    [
+        ("a: 1  # one\nb: 2  # two\n", ["a"], "b: 2  # two\n"),
+        ("s:\n  a: 1\n  # second\n  b: 2  # two\nt: 3\n", ["s", "b"], "s:\n  a: 1\n  # second\nt: 3\n"),
+        ("s:\n  a: 1\nt: 3\n", ["s", "a"], "t: 3\n"),
+        ("s: {a: 1, b: 2, c: 3}  # all\n", ["s", "a"], "s: {b: 2, c: 3}  # all\n"),
+        ("s: {a: 1, b: 2, c: 3}  # all\n", ["s", "c"], "s: {a: 1, b: 2}  # all\n"),
+        ("s: {a: 1}\nt: 3\n", ["s", "a"], "t: 3\n"),
+        ("s: {a: 1}\n", ["s", "b"], "s: {a: 1}\n"),
+        ("s: 1\n", ["s", "b"], "s: 1\n"),
+        ("a: 1\nb: 2", ["b"], "a: 1\n"),
+    ],
+)
+def test_a_key_goes(text: str, path: list[str], made: str) -> None:
+    assert without_value(text, path) == made
