@@ -13,14 +13,15 @@ import { make } from "./elements.js";
  * @returns {HTMLElement}
  */
 export function ruleForm(work, rule, changes, open, put) {
-  const now = (/** @type {string} */ key, /** @type {string | null} */ value) => changes.get(`${rule.id}.${key}`)?.to ?? value;
+  /** @type {(key: string, value: string) => string} */
+  const now = (key, value) => changes.get(`${rule.id}.${key}`)?.to ?? value;
   const changed = [...changes.values()].some(one => one.rule === rule.id);
-  const strength = now("strength", rule.strength), weight = now("weight", rule.weight);
-  const said = `${strength}${strength === "soft" ? ` ${weight ?? rule.default_weight}` : ""}`;
+  const strength = now("strength", rule.strength), weight = now("weight", rule.weight ?? rule.default_weight);
+  const said = `${strength}${strength === "soft" ? ` ${weight}` : ""}`;
   const page = make("div", { class: "page" });
   const fields = [
     ruleField(rule, "strength", strength, rule.strengths, "", put),
-    strength === "soft" ? ruleField(rule, "weight", weight ?? rule.default_weight, [], "cost of breaking it once, in mm of idle travel", put) : null,
+    strength === "soft" ? ruleField(rule, "weight", weight, [], "cost of breaking it once, in mm of idle travel", put) : null,
     ...rule.options.map((/** @type {any} */ one) => ruleField(rule, one.key, now(one.key, one.value), one.words,
       `${one.help}: ${one.expected}; ${one.default} where nothing is said`, put)),
   ];
