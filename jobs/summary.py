@@ -86,7 +86,7 @@ def proof_of(plan: Plan) -> str:
         return f"proven optimal within these zones and entries (by {solve.proved_by})"
     if solve.bound is None or solve.gap is None:
         return "no bound is proven"
-    said = f"at most {solve.gap:.2%} above the best possible"
+    said = f"the best possible is at most {solve.gap:.2%} below"
     if not heavy_mm:
         return f"{said} within these zones and entries (bound {solve.bound / 1000:.3f} m)"
     if plan.light_gap is None:

@@ -180,6 +180,7 @@ def _body(
         yield from _cut(order, name, replace(made, path=made.path.moved(-x, -y)), profile, pen, stays_on=lit)
         order += 1 + len(made.together)
     yield comment(dialect, "HOME")
+    yield from pen.leave(())  # the next program may be for one torch, and say nothing of others
     yield pen.rapid(profile.machine.home)
     yield from dialect.footer
 

@@ -178,6 +178,16 @@ def test_a_torch_that_stays_selected_is_found(tmp_path: Path) -> None:
     assert "every-contour-once" in broken(done)
 
 
+def test_a_program_leaves_the_first_torch_alone_for_the_next(tmp_path: Path) -> None:
+    _, text = planned(tmp_path, COPIES)
+    after = text[text.rindex("M64 P1") :]
+    assert after.index("M5") < after.index("M65 P1") < after.index("M2")
+    (tmp_path / "damaged.nc").write_text(text.replace(after, after.replace("M65 P1", "")), encoding="utf-8")
+    done = check(tmp_path, "damaged.nc")
+    assert broken(done) == {"program-state"}
+    assert "the program ends with torch 2 selected" in done.out
+
+
 def test_a_torch_lit_over_another_part_is_found(tmp_path: Path) -> None:
     """D stands 10 mm off: the torch that is not to burn would burn it."""
     parts = [COPIES[0], COPIES[1], COPIES[2], part("D", 150, 20 + STEP)]

@@ -65,6 +65,9 @@ def what_was_done(
     track.close()
     if tools.on:
         track.fault(line, "torch-off-travel", "the program ends with the torch on")
+    if track.torches:
+        text = f"the program ends with torch {track.torches[0]} selected: it would burn in the next program, too"
+        track.fault(line, "program-state", text)
     if track.wait_s > 0:
         track.fault(line, "pierce-delay", f"the torch stands still for {track.wait_s:g} s after the last cut")
     return NcProgram(

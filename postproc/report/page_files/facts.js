@@ -38,7 +38,7 @@ export function factsPanel(app) {
 /** @type {(app: App) => [string, string][]} */
 function figuresOf(app) {
   const { figures, zones } = { figures: app.side.figures, zones: Math.max(0, ...app.side.cuts.map(cut => cut.zone)) };
-  const gap = figures.status === "optimal" ? "proven best" : figures.gap === null ? "no bound" : `at most ${(100 * figures.gap).toFixed(1)} % above the best`;
+  const gap = figures.status === "optimal" ? "proven best" : figures.gap === null ? "no bound" : `the best is at most ${(100 * figures.gap).toFixed(1)} % below`;
   return [
     ["time", clock(app.stages[app.state.side].timeline.end_s)], ["cut", metres(figures.cut_mm)], ["idle", metres(figures.idle_mm)],
     ["pierces", String(figures.pierces)], ["plan", gap], ["zones", String(zones)],
