@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
 import shapely
 
 from kerfwise.encoder.geometry.curve import Curve
@@ -17,6 +18,8 @@ from .text_room import TextPlace, find_room
 _ENOUGH = 0.8  # share of the wanted size with which no better place is looked for
 _FINE = 0.02  # of the wanted size: how far an outline may be simplified
 _NAME = 0.85  # of the numbers' size
+_LEAST = 1 / 16  # of the wanted size: below that labels may overlap
+_TOUCH_MM2 = 1e-9
 _BESIDE = 2.5  # a hole's number outside it stands within so many font sizes
 
 
@@ -46,18 +49,42 @@ def place_labels(
     filled = _nested_metal(nest, [h for p in nest.parts for h in p.holes if h.id in labels])
     places: dict[str, TextPlace] = {}
     for part in nest.parts:
-        metal = _free_metal(part, wanted_mm, window)
-        in_holes = {
-            hole.id: _in_hole(hole, labels[hole.id], wanted_mm, filled.get(hole.id), window)
-            for hole in part.holes
-            if hole.id in labels
-        }
-        tried = _place_part(part, metal, labels, wanted_mm, in_holes, outer_first=False)
-        if in_holes and _smallest(tried) < _ENOUGH * wanted_mm:  # without holes it would be the same again
-            again = _place_part(part, metal, labels, wanted_mm, in_holes, outer_first=True)
-            tried = max(tried, again, key=_smallest)
+        size_mm, tried = wanted_mm, _of_part(part, labels, wanted_mm, filled, window)
+        while _meet(tried) and size_mm > wanted_mm * _LEAST:
+            size_mm /= 2.0
+            tried = _of_part(part, labels, size_mm, filled, window)
         places |= tried
     return places | _in_the_skeleton(nest, labels, wanted_mm, window)
+
+
+def _of_part(
+    part: Part,
+    labels: Mapping[str, Label],
+    wanted_mm: float,
+    filled: Mapping[str, shapely.Geometry],
+    window: shapely.Polygon | None,
+) -> dict[str, TextPlace]:
+    metal = _free_metal(part, wanted_mm, window)
+    in_holes = {
+        hole.id: _in_hole(hole, labels[hole.id], wanted_mm, filled.get(hole.id), window)
+        for hole in part.holes
+        if hole.id in labels
+    }
+    tried = _place_part(part, metal, labels, wanted_mm, in_holes, outer_first=False)
+    if in_holes and _smallest(tried) < _ENOUGH * wanted_mm:  # without holes it would be the same again
+        again = _place_part(part, metal, labels, wanted_mm, in_holes, outer_first=True)
+        tried = max(tried, again, key=_smallest)
+    return tried
+
+
+def _meet(places: Mapping[str, TextPlace]) -> bool:
+    """Whether labels overlap: large ones leave no metal for others."""
+    if len(places) < 2:
+        return False
+    boxes = np.array([place.box() for place in places.values()])
+    one, other = shapely.STRtree(boxes).query(boxes)
+    pairs = one < other
+    return bool((shapely.area(shapely.intersection(boxes[one[pairs]], boxes[other[pairs]])) > _TOUCH_MM2).any())
 
 
 def place_names(

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import Rows, circle, nest, part, rect
@@ -101,6 +101,7 @@ def overlaps(places: Mapping[str, TextPlace]) -> list[tuple[str, str]]:
 
 
 @settings(max_examples=40, deadline=None)
+@example(wide=20.0, high=26.0, radii=[], wanted_mm=23.0)
 @given(
     wide=st.floats(20, 300),
     high=st.floats(20, 300),
