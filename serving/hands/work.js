@@ -15,6 +15,8 @@ export class Work {
     /** the contour that a tab is to be drawn on; "" for none */
     this.tabFor = "";
     this.heard = false;
+    /** @type {Promise<any>} the change that was asked for last */
+    this.turn = Promise.resolve();
   }
 
   /** The state of now, and then whatever changes. */
@@ -48,12 +50,24 @@ export class Work {
   }
 
   /**
-   * Has the server change something; what it refuses is said.
+   * Has the server change something; what it refuses is said. Each change waits for the answer to the one before, of
+   * whose state it is; only what cancels does not.
    *
    * @param {string} what
    * @param {object} said
+   * @returns {Promise<any>} what the server told; null where it refused
    */
-  async change(what, said) {
+  change(what, said) {
+    if (what === "cancel") return this.asked(what, said);
+    this.turn = this.turn.then(() => this.asked(what, said));
+    return this.turn;
+  }
+
+  /**
+   * @param {string} what
+   * @param {object} said
+   */
+  async asked(what, said) {
     try {
       const told = await sendServer(this.path(what), { version: this.state.version, ...said });
       if (told.version) this.take(told);

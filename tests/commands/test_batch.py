@@ -112,7 +112,7 @@ def test_killed_at_five_moments_and_started_again() -> None:
     sheets = (*BATCH, "--sheets")
     assert kerfwise(*sheets).code == 1
     whole = made()
-    assert len(whole) == 2 * 4 + 2 + 2 * 2 + 3 + 1
+    assert len(whole) == 2 * 5 + 2 + 2 * 2 + 3 + 1
     moments = ((KILLED, 2), (KILLED, 6), (KILLED, 7), (KILLED_IN_WRITING, 3), (KILLED_IN_WRITING, 12))
     for program, moment in moments:  # the second between the two PDFs, the third before the index
         shutil.rmtree("out")

@@ -56,7 +56,7 @@ export function keyboard(app, does) {
     if ((key === " " || key === "Enter") && /^(BUTTON|SUMMARY|A)$/.test(target.tagName)) return;
     const name = event.shiftKey && key.startsWith("Arrow") ? `Shift+${key}` : key;
     const known = app.keys.find(one => one.name === name);
-    if (!known || target.closest("dialog")) return;
+    if (!known || target.closest("dialog[open]")) return;
     event.preventDefault();
     known.fn();
   });
