@@ -56,8 +56,8 @@ Python {python}, {system}, plates of `examples/gen_sheet.py`, the default profil
 The gap is what the plan may at most be longer than the best one, as a share of the plan. The seeds are none that
 anything was tuned on. Work is in deterministic seconds, so that other programs on the machine change no plan and no
 bound; what it took is beside it, all threads together. The aims are for 60 s by the clock, 120 s at 1000 contours, on
-two cores that have nothing else to do. With 55 of work the bound of 1000 contours has a little under the {work_many:g} s from
-which on it keeps all sites: there a contour stands for its own.
+two cores that have nothing else to do. With 55 of work the bound of 1000 contours has a little under the
+{work_many:g} s from which on it keeps all sites: there a contour stands for its own.
 
 ## Where the gap comes from
 
