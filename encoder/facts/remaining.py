@@ -8,15 +8,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
-from kerfwise.arrays import Ints
 from kerfwise.encoder.already_cut import AlreadyCut, loose_contours, rest_of
-from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
 from kerfwise.encoder.nest import Nest
 
 from .containment import parents_of
-from .facts import Facing, Facts, Past, Stretch
+from .facts import Facts, Past
+from .narrowed import narrowed, numbered
 from .outlines import outlines_of
 
 
@@ -44,50 +41,5 @@ def remaining(whole: Facts, already: AlreadyCut) -> Facts:
     out = already.contours
     loose = loose_in(whole.nest, out)
     nest = rest_of(whole.nest, out | loose.keys())
-    left = np.array([whole.nest.index[c.id] for c in nest.contours], dtype=np.int64)
-    number = np.full(whole.n, -1, dtype=np.int64)
-    number[left] = np.arange(len(left))
-
-    def pairs(given: Ints) -> Ints:
-        there = (number[given] >= 0).all(axis=1)
-        return np.asarray(number[given[there]], dtype=np.int64).reshape(-1, 2)
-
-    def facing(given: Facing, of_contours: bool) -> Facing:
-        row = number[given.row] if of_contours else given.row
-        there = (number[given.neighbour] >= 0) & (row >= 0)
-        neighbour = number[given.neighbour[there]]
-        return Facing(row[there], neighbour, given.length_mm[there], given.gap_mm[there])
-
-    def stretch(given: Stretch) -> Stretch:
-        return replace(given, neighbours=facing(given.neighbours, of_contours=False))
-
-    def rings(given: Ints) -> Ints:
-        """Kerfs of contours that are left; no candidate has been made over those that are out."""
-        there = number[given[:, 1]] >= 0
-        return np.column_stack([given[there, 0], number[given[there, 1]]])
-
-    parent = whole.parent[left]
-    candidates = tuple(replace(c, contour=int(number[c.contour])) for c in whole.candidates)
-    return replace(
-        whole,
-        nest=nest,
-        parent=np.where(parent >= 0, number[parent], -1),
-        contains=pairs(whole.contains),
-        level_ahead=pairs(whole.level_ahead),
-        in_hull=pairs(whole.in_hull),
-        neighbours=facing(whole.neighbours, of_contours=True),
-        edge_gap_mm=whole.edge_gap_mm[left],
-        edge_length_mm=whole.edge_length_mm[left],
-        solid_mm=whole.solid_mm[left],
-        long=whole.long[left],
-        zone=whole.zone[left],
-        torch_heat_kj=whole.torch_heat_kj[left],
-        candidates=candidates,
-        first=np.searchsorted(np.array([c.contour for c in candidates], dtype=np.int64), np.arange(len(left) + 1)),
-        head=stretch(whole.head),
-        tail=stretch(whole.tail),
-        scrap_framed=whole.scrap_framed[left],
-        scrap_beside=pairs(whole.scrap_beside),
-        older_kerfs=OlderKerfs(rings(whole.older_kerfs.rings), whole.older_kerfs.leads),
-        past=Past(whole, already, number, tuple(loose.items())),
-    )
+    number = numbered(whole.n, [whole.nest.index[c.id] for c in nest.contours])
+    return replace(narrowed(whole, nest, number), past=Past(whole, already, number, tuple(loose.items())))
