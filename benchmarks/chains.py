@@ -20,13 +20,11 @@ from functools import partial
 from pathlib import Path
 
 import kerfwise
+from kerfwise.benchmarks.checked_plan import checked_plan
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.profile.cuts_section import Cuts, Links
 from kerfwise.rules.profile.profile import Profile, load_profile
@@ -99,10 +97,7 @@ def row(nest: Nest, name: str, pierce_s: float, linked: bool, work: float) -> Ro
         If its program does not pass the check.
     """
     profile, began_s = plant(pierce_s, linked), time.process_time()
-    asked = ask(facts_of(nest, profile), profile)
-    made = produce(asked, profile, options_for(nest, profile, work=work), and_zones=True)
-    if not made.verdict.ok:
-        raise SystemExit(f"{name}: the program fails the check: {', '.join(made.verdict.broken())}")
+    made = checked_plan(name, nest, profile, work, and_zones=True)
     plan = made.plan
     return Row(
         name,

@@ -19,14 +19,12 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import kerfwise
+from kerfwise.benchmarks.checked_plan import checked_plan
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.nest import Nest, Part
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
 from kerfwise.rules.profile.cuts_section import Common, Cuts
 from kerfwise.rules.profile.profile import Profile, load_profile
 
@@ -113,9 +111,7 @@ def row(name: str, sheet: Nest, common: bool, work: float) -> Row:
         If its program does not pass the check.
     """
     profile, began_s = plant(common), time.process_time()
-    made = produce(ask(facts_of(sheet, profile), profile), profile, options_for(sheet, profile, work=work))
-    if not made.verdict.ok:
-        raise SystemExit(f"{name}: the program fails the check: {', '.join(made.verdict.broken())}")
+    made = checked_plan(name, sheet, profile, work)
     totals = made.plan.totals
     return Row(
         name,

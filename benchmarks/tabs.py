@@ -16,13 +16,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import kerfwise
+from kerfwise.benchmarks.checked_plan import checked_plan
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
 from kerfwise.rules.profile.profile import Profile, load_profile
 
 RULE = "hold-small-parts"
@@ -77,11 +75,7 @@ def row(nest: Nest, name: str, choice: str, work: float) -> Row:
         If its program does not pass the check.
     """
     profile, began_s = plant(name, choice), time.process_time()
-    made = produce(
-        ask(facts_of(nest, profile), profile), profile, options_for(nest, profile, work=work), and_zones=True
-    )
-    if not made.verdict.ok:
-        raise SystemExit(f"{name}, tabs: {choice}: the program fails the check: {', '.join(made.verdict.broken())}")
+    made = checked_plan(f"{name}, tabs: {choice}", nest, profile, work, and_zones=True)
     totals, tabs = made.plan.totals, [len(p.cut.tabs) for p in made.plan.cuts if p.cut.tabs]
     return Row(
         name,

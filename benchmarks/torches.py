@@ -12,11 +12,9 @@ import argparse
 import time
 from dataclasses import replace
 
+from kerfwise.benchmarks.checked_plan import checked_plan
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.ask import ask, facts_of
-from kerfwise.jobs.produce import produce
-from kerfwise.jobs.solve_options import options_for
 from kerfwise.rules.profile.machine_section import Torches
 from kerfwise.rules.profile.profile import load_profile
 
@@ -47,9 +45,7 @@ def plan_s(rows: int, columns: int, count: int, work: float) -> tuple[float, str
     torches = Torches(count, rows // count * (HIGH_MM + WEB_MM)) if count > 1 else Torches()
     profile = replace(profile, machine=replace(profile.machine, dialect="linuxcnc", torches=torches))
     began_s = time.process_time()
-    made = produce(ask(facts_of(sheet, profile), profile), profile, options_for(sheet, profile, work=work))
-    if not made.verdict.ok:
-        raise SystemExit(f"{rows} × {columns}, {count} torches: fails the check: {', '.join(made.verdict.broken())}")
+    made = checked_plan(f"{rows} × {columns}, {count} torches", sheet, profile, work)
     totals, gap = made.plan.totals, made.plan.solve.gap
     told = "–" if gap is None else "0" if gap == 0 else f"{gap:.1%}"
     spent_s = time.process_time() - began_s
