@@ -6,6 +6,8 @@ import math
 
 import shapely
 
+from kerfwise.encoder.by_hand import circle, part, rect
+from kerfwise.encoder.by_hand import nest as nest_of
 from kerfwise.encoder.cut import Cut, Direction
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
@@ -13,6 +15,16 @@ from kerfwise.encoder.nest import Contour, Nest, Part
 from kerfwise.models.plan.plan import Plan, PlannedCut, SolveReport, Totals
 
 LEAD_MM = 5.0
+
+
+def plate() -> Nest:
+    """Two parts, one with a hole and a mark."""
+    return nest_of(
+        600,
+        300,
+        part("A", rect(20, 20, 200, 200), [circle(120, 120, 60)], [[(30, 30), (90, 30)]]),
+        part("B", rect(300, 20, 100, 250)),
+    )
 
 
 def plausible_plan(nest: Nest, zone_contours: int = 12) -> Plan:

@@ -18,16 +18,7 @@ from kerfwise.postproc.report.metal import zone_map
 from kerfwise.postproc.report.picture import Spot, make_scene
 from kerfwise.postproc.report.scene import Dot, Shape, TextLine
 from kerfwise.postproc.report.view import View
-from kerfwise.tests.postproc.report.plausible import plausible_plan
-
-
-def plate() -> Nest:
-    return nest(
-        600,
-        300,
-        part("A", rect(20, 20, 200, 200), [circle(120, 120, 60)], [[(30, 30), (90, 30)]]),
-        part("B", rect(300, 20, 100, 250)),
-    )
+from kerfwise.tests.postproc.report.plausible import plate, plausible_plan
 
 
 def view_of(made: Nest) -> View:

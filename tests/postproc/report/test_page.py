@@ -13,12 +13,12 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc import report
 from kerfwise.postproc.report import Spot, draw
 from kerfwise.postproc.report.page import as_script_data, bundled, page_html
-from kerfwise.tests.postproc.report.plausible import plausible_plan
+from kerfwise.tests.postproc.report.plausible import plate, plausible_plan
 
 FILES = Path(report.__file__).parent / "page_files"
 MOST_LINES = 200
@@ -52,14 +52,9 @@ class Read(HTMLParser):
         return found
 
 
-@pytest.fixture
-def plate() -> Nest:
-    return nest(
-        600,
-        300,
-        part("A", rect(20, 20, 200, 200), [circle(120, 120, 60)], [[(30, 30), (90, 30)]]),
-        part("B", rect(300, 20, 100, 250)),
-    )
+@pytest.fixture(name="plate")
+def a_plate() -> Nest:
+    return plate()
 
 
 def test_the_page_has_nest_and_plan(plate: Nest) -> None:

@@ -8,21 +8,16 @@ from pathlib import Path
 import matplotlib.image
 import pytest
 
-from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.report import draw, plot, plot_spot
-from kerfwise.tests.postproc.report.plausible import plausible_plan
+from kerfwise.tests.postproc.report.plausible import plate, plausible_plan
 
 
-@pytest.fixture
-def plate() -> Nest:
-    return nest(
-        600,
-        300,
-        part("A", rect(20, 20, 200, 200), [circle(120, 120, 60)], [[(30, 30), (90, 30)]]),
-        part("B", rect(300, 20, 100, 250)),
-    )
+@pytest.fixture(name="plate")
+def a_plate() -> Nest:
+    return plate()
 
 
 def crowded(parts: int) -> Nest:
