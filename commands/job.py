@@ -37,6 +37,8 @@ def check(job: str, nest: str | Path | None, trust: bool) -> None:
 
     read = read_job(job)
     plant = profile_for(Asked(job=read), read, tell_note, lambda named: plant_of(named, trust))
+    for text in (*plant.chart_notes(), *plant.price_notes()):
+        tell_note(text)
     nest = nest or _beside(job)
     if nest is not None:
         locked_for(plant.as_cut(drawn_nest(nest, plant)), nest, plant, Asked(), read, tell_note)

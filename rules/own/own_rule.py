@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from kerfwise.rules.options.quantities import LENGTH
@@ -70,19 +70,27 @@ class OwnRule:
 
 @dataclass(frozen=True, slots=True)
 class OwnFile:
-    """An entry `{file: rule.mzn}`: a rule in MiniZinc, which `rules/flat` reads."""
+    """An entry `{file: rule.mzn}`: a rule in MiniZinc, which `rules/flat` reads.
+
+    `parameters` are those of the file that the entry sets, by key.
+    """
 
     file: str
     name: str
     why: str = "a rule of the plant's own, in MiniZinc"
     strength: Strength = "hard"
     weight: float | None = None
+    parameters: tuple[tuple[str, int | bool | str], ...] = ()
     place: FilePlace | None = field(default=None, compare=False)
 
     @property
     def id(self) -> str:
         """What plans and checks call it."""
         return PREFIX + self.name
+
+    def with_parameters(self, given: Mapping[str, int | bool | str]) -> OwnFile:
+        """The same entry with these parameters and no others."""
+        return replace(self, parameters=tuple(given.items()))
 
     @property
     def path(self) -> Path:
@@ -92,7 +100,9 @@ class OwnFile:
     def plain(self) -> dict[str, object]:
         """The YAML data that reads back as this entry."""
         made: dict[str, object] = {"file": self.file, "name": self.name, "why": self.why, "strength": self.strength}
-        return made if self.weight is None else made | {"weight": LENGTH.write(self.weight)}
+        if self.weight is not None:
+            made["weight"] = LENGTH.write(self.weight)
+        return made | {"parameters": dict(self.parameters)} if self.parameters else made
 
 
 Own = OwnRule | OwnFile

@@ -11,8 +11,10 @@ from yaml.representer import SafeRepresenter
 from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.yaml_positions import Problems, is_empty
 
+from .file_entry import FILE_KEYS, ParametersOf, with_parameters
 from .own_rule import PREFIX, Own, OwnRule
-from .read import FILE_KEYS, plain_values, read_own_rule
+from .plain_keys import plain_values
+from .read import read_own_rule
 
 SECTION = "own_rules"
 _MAP, _STR = "tag:yaml.org,2002:map", "tag:yaml.org,2002:str"
@@ -27,7 +29,9 @@ def is_own(key: str) -> bool:
     return key == SECTION or key.startswith((f"{SECTION}.", PREFIX))
 
 
-def with_own_values(own: Sequence[Own], settings: Iterable[KeyAndNode], problems: Problems) -> tuple[Own, ...]:
+def with_own_values(
+    own: Sequence[Own], settings: Iterable[KeyAndNode], problems: Problems, parameters_of: ParametersOf
+) -> tuple[Own, ...]:
     """The own rules of a profile with what is set in them; what is wrong is noted in `problems`.
 
     A value that is no mapping is the rule's strength. What is not set stays as it is, however deep.
@@ -43,8 +47,12 @@ def with_own_values(own: Sequence[Own], settings: Iterable[KeyAndNode], problems
         path = rest[len(name) + 1 :].split(".") if len(rest) > len(name) else []
         if not path and not isinstance(value, yaml.MappingNode):
             path = ["strength"]
-        _put(given.setdefault(name, (key_node, {}))[1], path, value)
-    return tuple(_changed(rule, *given[rule.name], problems) if rule.name in given else rule for rule in own)
+        twice = _put(given.setdefault(name, (key_node, {}))[1], path, value)
+        if twice is not None:
+            problems.add(key_node, f"set: {'.'.join((SECTION, name, *twice))} is set twice")
+    return tuple(
+        _changed(rule, *given[rule.name], problems, parameters_of) if rule.name in given else rule for rule in own
+    )
 
 
 def _each(settings: Iterable[KeyAndNode]) -> Iterator[KeyAndNode]:
@@ -65,22 +73,25 @@ def _named(rest: str, names: Iterable[str]) -> str | None:
     return max(found, key=len, default=None)
 
 
-def _put(tree: Tree, path: Sequence[str], value: yaml.Node) -> None:
-    """Put a value where its path leads to, mappings key by key."""
+def _put(tree: Tree, path: Sequence[str], value: yaml.Node, above: Sequence[str] = ()) -> tuple[str, ...] | None:
+    """Put a value where its path leads to, mappings key by key; the path of a value that was there already."""
     if not path:
+        twice = None
         for key, of in value.value if isinstance(value, yaml.MappingNode) else ():
-            _put(tree, [str(key.value)], of)
-        return
+            twice = twice or _put(tree, [str(key.value)], of, above)
+        return twice
+    here = (*above, path[0])
+    found = tree.get(path[0])
     if path[1:] or (isinstance(value, yaml.MappingNode) and not is_empty(value)):
-        under = tree.get(path[0])
-        if not isinstance(under, dict):
-            under = tree[path[0]] = {}
-        _put(under, path[1:], value)
-    else:
-        tree[path[0]] = value
+        if isinstance(found, yaml.Node):
+            return here
+        under = tree[path[0]] = {} if found is None else found
+        return _put(under, path[1:], value, here)
+    tree[path[0]] = value
+    return None if found is None else here
 
 
-def _changed(rule: Own, at: yaml.Node, tree: Tree, problems: Problems) -> Own:
+def _changed(rule: Own, at: yaml.Node, tree: Tree, problems: Problems, parameters_of: ParametersOf) -> Own:
     what = f"{SECTION}.{rule.name}"
     if "name" in tree:
         problems.add(at, f"{what}.name: a rule keeps its name")
@@ -98,7 +109,8 @@ def _changed(rule: Own, at: yaml.Node, tree: Tree, problems: Problems) -> Own:
         return rule if made is None else dataclasses.replace(made, place=rule.place)
     for key in (*(tree.keys() - set(FILE_KEYS)), *(tree.keys() & {"file"})):
         problems.add(at, f"{what}: {unknown('key of a rule in a file', key, FILE_KEYS[2:])}")
-    return dataclasses.replace(rule, **{"weight": None} | plain_values(members, problems, what))
+    changed = dataclasses.replace(rule, **{"weight": None} | plain_values(members, problems, what))
+    return with_parameters(changed, members, problems, what, parameters_of)
 
 
 def _merged(plain: Mapping[str, object], tree: Tree) -> dict[str, object]:

@@ -8,7 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kerfwise.encoder.contents import contents, is_file
-from kerfwise.rules.flat.model_rule import read_model_rule
+from kerfwise.rules.flat.model_file import read_model_file
+from kerfwise.rules.flat.model_rule import options_class, read_model_rule
+from kerfwise.rules.options.kind import OptionKind
+from kerfwise.rules.options.option import options_of
 from kerfwise.rules.own import Own, OwnFile, as_rule
 from kerfwise.rules.rule import Rule
 
@@ -46,6 +49,23 @@ def digest_of(content: bytes, profile: Profile, bases: Sequence[str]) -> str:
         of_files.append(f"dialect {hashlib.sha256(contents(profile.machine.dialect)).hexdigest()}")
     text = hashlib.sha256(content).hexdigest()
     return hashlib.sha256("\n".join([text, *of_files]).encode()).hexdigest() if of_files else text
+
+
+def parameters_of(path: Path) -> dict[str, OptionKind]:
+    """The parameters that the rule in a model file declares, by key.
+
+    Raises
+    ------
+    InputError
+        If the file is no rule.
+    """
+    return {o.key: o.kind for o in options_of(options_class(read_model_file(path).parameters))}
+
+
+def options_of_own(own: OwnFile) -> Any:
+    """The options of the rule that an entry's file makes, with the parameters that the entry sets."""
+    made, given = of_own(own).Options, dict(own.parameters)
+    return made(**{o.name: given[o.key] for o in options_of(made) if o.key in given})
 
 
 def of_own(own: Own) -> Rule[Any]:

@@ -14,6 +14,7 @@ from kerfwise.rules.options.suggest import unknown
 from kerfwise.rules.options.yaml_positions import Place, Problems, compose, entries, is_empty
 from kerfwise.rules.own import is_own, with_own_values
 
+from .made_of import parameters_of
 from .profile import Profile
 from .reader import given_by
 from .sections import SECTIONS
@@ -94,7 +95,7 @@ def with_settings(profile: Profile, settings: Sequence[Setting], file: str = COM
     own = [(setting.key, setting.key_node, setting.node) for setting in settings if is_own(setting.key)]
     root = _nested([setting for setting in settings if not is_own(setting.key)], settings[0].key_node, problems)
     start = {f.name: getattr(profile, f.name) for f in dataclasses.fields(profile)}
-    start["own_rules"] = with_own_values(profile.own_rules, own, problems)
+    start["own_rules"] = with_own_values(profile.own_rules, own, problems, parameters_of)
     try:
         problems.raise_any()
         given = given_by(root, problems, start, _no_base)

@@ -30,7 +30,7 @@ from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.by_thickness import ByThickness, length_at
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.outside import PythonFile, installed_rules
-from kerfwise.rules.own import Own, Thresholds, own_pairs
+from kerfwise.rules.own import Own, OwnFile, Thresholds, own_pairs
 from kerfwise.rules.plant import Plant
 from kerfwise.rules.profile.cuts_section import Cuts
 from kerfwise.rules.registry import RULES
@@ -46,7 +46,7 @@ from .for_one_nest import ForOneNest
 from .frame import Frame, frame_of, reach_of
 from .heat_section import Heat
 from .machine_section import Origin
-from .made_of import digest_of, of_own
+from .made_of import digest_of, of_own, options_of_own
 from .models_section import ModelSource
 from .nesting_section import Nesting
 from .prices_section import Prices
@@ -126,8 +126,7 @@ class Profile:
         return listed | {rule.id: RuleSetting(rule.strength, rule.weight, self._options_of(rule)) for rule in own}
 
     def _options_of(self, rule: Own) -> Any:
-        made = of_own(rule)
-        return made.Options() if isinstance(made, ModelRule) else self._thresholds()
+        return options_of_own(rule) if isinstance(rule, OwnFile) else self._thresholds()
 
     def rulebook(self) -> dict[str, Rule[Any]]:
         """Every rule by id: those that `rules` has settings of, then the plant's own in YAML."""

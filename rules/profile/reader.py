@@ -25,6 +25,7 @@ from kerfwise.rules.rule import Rule
 
 from .chart_use import with_chart
 from .checks import check_together
+from .made_of import parameters_of
 from .models_section import with_model_files
 from .older_keys import with_new_names
 from .python_section import with_python_files
@@ -82,7 +83,7 @@ def given_by(
     if "locks" in found:
         given["locks"] = read_locks(found["locks"], problems)
     if "own_rules" in found:
-        given["own_rules"] = read_own_rules(found["own_rules"], problems)
+        given["own_rules"] = read_own_rules(found["own_rules"], problems, parameters_of)
     given["said_at"] = {**given["said_at"], **_places(found, problems.file)}
     if root is not None:
         check_together(given, root, problems)

@@ -234,6 +234,14 @@ def test_check_and_schema_of_job_files() -> None:
     assert json.loads(kerfwise("job", "schema").out)["title"] == "kerfwise job"
 
 
+def test_check_says_what_prices_lack() -> None:
+    with Path("plate.job.yaml").open("a") as job:
+        job.write("  prices.torch_kw: 40\n")
+    said = kerfwise("job", "check", "plate.job.yaml")
+    assert said.code == 0
+    assert "note: prices" in said.err
+
+
 def test_python_reads_the_same_job() -> None:
     result = package.solve("plate.json", work=1)
     assert result.plan.made_with == read_made_with()

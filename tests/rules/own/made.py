@@ -6,6 +6,7 @@ import yaml
 
 from kerfwise.rules.options.yaml_positions import Problems, compose
 from kerfwise.rules.own import Own, read_own_rules
+from kerfwise.rules.profile.made_of import parameters_of
 
 
 def rules_of(text: str) -> tuple[Own, ...]:
@@ -13,6 +14,6 @@ def rules_of(text: str) -> tuple[Own, ...]:
     problems = Problems("plant.yaml")
     node = compose(text, "plant.yaml")
     assert isinstance(node, yaml.Node)
-    rules = read_own_rules(node, problems)
+    rules = read_own_rules(node, problems, parameters_of)
     problems.raise_any()
     return rules

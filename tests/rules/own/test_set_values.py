@@ -80,6 +80,17 @@ def test_a_rule_is_made_soft_or_off(plant: Profile, text: str) -> None:
         ("set: {own_rules.v1.2.first: true}", (1, 7), "a rule asks one thing, this one asks apart and first"),
         ("set: {own_rules.v1.2.name: x}", (1, 7), "a rule keeps its name"),
         ("set: {own_rules: off}", (1, 7), "unknown own rule ''"),
+        (
+            "set:\n  own_rules.v1.2: {weight: 3 mm}\n  own_rules.v1.2.weight: 4 mm\n",
+            (3, 3),
+            "own_rules.v1.2.weight is set twice",
+        ),
+        ("set:\n  own:v1.2: soft\n  own_rules.v1.2.strength: off\n", (3, 3), "own_rules.v1.2.strength is set twice"),
+        (
+            "set:\n  own_rules.v1.2.apart: {cuts: 3}\n  own_rules.v1.2.apart.cuts: 4\n",
+            (3, 3),
+            "own_rules.v1.2.apart.cuts is set twice",
+        ),
     ],
 )
 def test_what_is_wrong_is_said_at_its_place(plant: Profile, text: str, place: tuple[int, int], said: str) -> None:
