@@ -156,8 +156,9 @@ def _judge_program(
     judged, warnings = _judge_paths(
         judged_by, slots, built.cuts, built.runs, built.violations, profile, relaxed, astray, tabs
     )
-    if torches.several:
-        judged.append(judgement("torches", wrong_spacing(program, profile)))
+    of_torches = list(wrong_spacing(program, profile, planned is not None))
+    if torches.several or of_torches:
+        judged.append(judgement("torches", of_torches))
     if planned is not None and not turned:
         judged.append(judgement("follows-plan", strays_from(planned, nest, built.cuts, profile.material.kerf_mm)))
     begun = _begun_in_kerfs(nest, built.cuts, profile)

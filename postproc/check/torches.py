@@ -85,15 +85,25 @@ def _points(cut: Cut) -> list[tuple[float, float]]:
     return [cut.entry, cut.pierce, *of(cut.lead_in), *of(cut.lead_out)]
 
 
-def wrong_spacing(program: NcProgram, profile: Profile) -> Iterator[Violation]:
-    """Where a program says that it is for other torches than the profile's; one that says nothing is for those."""
+def wrong_spacing(program: NcProgram, profile: Profile, told_by_plan: bool) -> Iterator[Violation]:
+    """Where a program does not say that it is for the profile's torches, though it lights several.
+
+    One that says nothing may have a plan, which the program is held against.
+    """
     torches = profile.machine.torches
-    told = next(filter(None, map(_TOLD.fullmatch, program.comments)), None)
-    if told is None:
-        return
-    spacing_mm, axis = float(told["spacing"]), told["axis"].lower()
-    same = abs(spacing_mm - torches.spacing_mm) <= 1e-3 and axis == torches.axis and int(told["count"]) == torches.count
-    if not same:
-        says = f"{told['count']} torches {spacing_mm:g} mm apart along {axis.upper()}"
-        has = f"{torches.count} {torches.spacing_mm:g} mm apart along {torches.axis.upper()}"
-        yield Violation(_RULE, (), f"the program is for {says}, the profile has {has}")
+    has = f"{torches.count} {torches.spacing_mm:g} mm apart along {torches.axis.upper()}" if torches.several else "one"
+    told = [found for found in map(_TOLD.fullmatch, program.comments) if found]
+    for words in told:
+        spacing_mm, axis = float(words["spacing"]), words["axis"].lower()
+        same = abs(spacing_mm - torches.spacing_mm) <= 1e-3 and axis == torches.axis
+        if not same or int(words["count"]) != torches.count:
+            says = f"{words['count']} torches {spacing_mm:g} mm apart along {axis.upper()}"
+            yield Violation(_RULE, (), f"the program is for {says}, the profile has {has}")
+    lit = next((burn for burn in program.burns if burn.torches), None)
+    if lit is not None and not told and not told_by_plan:
+        text = f"line {lit.line}: torch {lit.torches[0]} burns too, and no comment says how far it is from the first: "
+        yield Violation(_RULE, (), f"{text}expected {_comment(torches)}, or --plan")
+
+
+def _comment(torches: Torches) -> str:
+    return f"(TORCHES {torches.count}, {torches.spacing_mm:g} MM APART ALONG {torches.axis.upper()})"

@@ -216,6 +216,32 @@ def test_a_program_says_for_which_torches_it_is(tmp_path: Path) -> None:
     assert broken(done) == {"torches"}
 
 
+@pytest.mark.parametrize("dialect", ["linuxcnc", "eia"])
+def test_a_program_that_does_not_say_for_which_torches_it_is(tmp_path: Path, dialect: str) -> None:
+    """How far apart they stand nobody sees in it; its plan says so, too."""
+    planned(tmp_path, COPIES, dialect=dialect)
+    done = damaged(tmp_path, "(TORCHES 2, 150 MM APART ALONG Y)\n", "")
+    assert broken(done) == {"torches"}
+    assert (
+        "torch 2 burns too, and no comment says how far it is from the first: expected (TORCHES 2, 150 MM" in done.out
+    )
+    files = (tmp_path / "nest.json", tmp_path / "damaged.nc", "-p", tmp_path / "plant.yaml")
+    assert kerfwise("check", *files, "--plan", tmp_path / "nest.plan.json").code == 0
+
+
+def test_a_program_of_several_torches_under_a_profile_of_one(tmp_path: Path) -> None:
+    """EIA's words for stations are taken from any program: what selects a second torch is refused, with its line."""
+    _, text = planned(tmp_path, COPIES, dialect="eia")
+    plant_file(tmp_path, count=1, dialect="eia")
+    line = 1 + next(k for k, row in enumerate(text.split("\n")) if row.endswith("M37 T2"))
+    done = check(tmp_path)
+    assert (done.code, f"nest.nc:{line}:" in done.err) == (2, True), done.err
+    assert "M37 T2 is for another torch, the profile has one torch: expected T up to T1" in done.err
+    done = damaged(tmp_path, "M37 T2\n", "M38 T2\n")
+    assert {"torches", "every-contour-once"} <= broken(done)
+    assert "the program is for 2 torches 150 mm apart along Y, the profile has one" in done.out
+
+
 def test_torches_are_not_selected_while_one_burns(tmp_path: Path) -> None:
     _, text = planned(tmp_path)
     line = next(line for line in text.split("\n") if "G1 " in line)

@@ -42,8 +42,7 @@ class Tools(ToolsOn):
             With line and column, for outputs and tools that this control does not have or that are not checked.
         """
         for word in sorted(block.m, key=lambda word: -word.value if word.value >= _SET_BIT else 0.0):
-            stations = self.count > 1 and word.value in (self.control.selects, self.control.deselects)
-            if stations and self._stations(word, block):
+            if word.value in (self.control.selects, self.control.deselects) and self._stations(word, block):
                 continue
             if word.value in (_SET_BIT, _CLEAR_BIT):
                 self._bit(word, block)
@@ -61,13 +60,16 @@ class Tools(ToolsOn):
     def _stations(self, word: Word, block: Block) -> bool:
         """Select or deselect a torch; whether the word does that."""
         letter, less = self.control.torch_letter, self.control.torch_less
+        if self.count == 1 and (less or self._of_one(word, block)):
+            return False
         if letter not in block.words:
             raise block.refused(f"{word.text} without {letter} is not supported here: expected the torch", word)
         named = block.words[letter]
         torch, selects = int(named.value) + less, word.value == self.control.selects
         if named.value != int(named.value) or torch > self.count or torch < 1:
             most = f"{letter}{self.count - less}"
-            text = f"{named.text} is none of the {self.count} torches of the profile: expected {letter} up to {most}"
+            have = "the profile has one torch" if self.count == 1 else f"the profile has {self.count} torches"
+            text = f"{word.text} {named.text} is for another torch, {have}: expected {letter} up to {most}"
             raise block.refused(f"{text}; it is not supported here", named)
         if torch == 1:
             if less:  # the first output is for something else
@@ -81,6 +83,13 @@ class Tools(ToolsOn):
         torches = set(self.track.torches) - {torch} | ({torch} if selects else set())
         self.track.torches = tuple(sorted(torches))
         return True
+
+    def _of_one(self, word: Word, block: Block) -> bool:
+        """Whether a word changes nothing where the profile has one torch: that is selected, or another one is not."""
+        named = block.words.get(self.control.torch_letter)
+        if named is None:
+            return False
+        return (named.value == 1) == (word.value == self.control.selects) or self.marking
 
     def _process(self, word: Word, block: Block) -> None:
         """Select what the words that start and stop tools switch from here on."""

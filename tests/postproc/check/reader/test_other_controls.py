@@ -105,6 +105,16 @@ def test_eia_marks_by_m07_where_a_process_that_marks_is_selected() -> None:
     assert "selects another process while a tool is on" in fault.text
 
 
+def test_eia_has_one_torch_burn_alone() -> None:
+    body = "{}\nG00 X5 Y5\nM07\nG01 X15 F600\nM08"
+    assert [burn.torches for burn in eia(body.format("M37 T1\nM38 T2")).burns] == [()]
+    (fault,) = eia(body.format("M38 T1")).faults
+    assert "M38 T1 deselects the first torch" in fault.text
+    for words in ("M37 T2", "M37 T20", "M37", "M37 T0"):
+        with pytest.raises(InputError, match="is for another torch, the profile has one|M37 without T"):
+            eia(body.format(words))
+
+
 @pytest.mark.parametrize(
     ("body", "message"),
     [
