@@ -111,7 +111,7 @@ def test_eia_has_one_torch_burn_alone() -> None:
     (fault,) = eia(body.format("M38 T1")).faults
     assert "M38 T1 deselects the first torch" in fault.text
     for words in ("M37 T2", "M37 T20", "M37", "M37 T0"):
-        with pytest.raises(InputError, match="is for another torch, the profile has one|M37 without T"):
+        with pytest.raises(InputError, match=r"is for another torch, the profile has one|M37 without T"):
             eia(body.format(words))
 
 
