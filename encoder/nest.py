@@ -140,6 +140,22 @@ class Note:
         object.__setattr__(self, "text", shown(self.text))
 
 
+@dataclass(frozen=True, slots=True)
+class Loss:
+    """An outer contour with edges that touch others, and how much of its part is lost along these, mm."""
+
+    contour: str
+    others: tuple[str, ...]
+    loss_mm: float
+
+    def sentence(self) -> str:
+        """What is lost, and who says so."""
+        return (
+            f"{self.contour} touches {', '.join(self.others)}: where they touch one cut makes both, and the part loses "
+            f"{self.loss_mm:.3g} mm along the edge (cuts.common.accept_loss)"
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Nest:
     """A sheet with its parts; made by a reader, which validates it once.
@@ -148,7 +164,7 @@ class Nest:
     all parts the lines that cut up the skeleton, `scrap`. A nest as it is cut keeps the one that was read as `drawn`
     (see `small_holes.as_cut` and `slits.with_slits`). One whose `bridges` have been made keeps the parts that they
     join, and all others, as they were drawn: `apart`. `refit_arcs_mm` is how near to flattened outlines its arcs were
-    made; None where they are as drawn.
+    made; None where they are as drawn. `losses` are what parts that touch lose to the cuts between them.
     """
 
     sheet: Sheet
@@ -161,6 +177,7 @@ class Nest:
     bridges: tuple[Bridge, ...] = ()
     apart: tuple[Part, ...] = ()
     refit_arcs_mm: float | None = None
+    losses: tuple[Loss, ...] = ()
 
     @cached_property
     def kept(self) -> dict[Any, Any]:

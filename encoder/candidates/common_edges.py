@@ -93,6 +93,28 @@ class _Edges:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class FacingEdge:
+    """A stretch of an outer contour's straight edge, from `begin` to `end` counter-clockwise, and whom it faces."""
+
+    contour: int
+    other: int
+    begin: Point
+    end: Point
+
+    @property
+    def length_mm(self) -> float:
+        return math.dist(self.begin, self.end)
+
+
+def facing_edges(outers: Sequence[tuple[int, Contour]], gap_mm: float, within_mm: float) -> Iterator[FacingEdge]:
+    """Straight edges of two outer contours that look at each other so far apart; each pair from both sides."""
+    edges = _Edges.of(outers)
+    for a, b, low, high in _facing(edges, gap_mm, within_mm):
+        begin, end = (tuple((edges.begin[a] + mm * edges.along[a]).tolist()) for mm in (low, high))
+        yield FacingEdge(int(edges.contour[a]), int(edges.contour[b]), begin, end)
+
+
 def common_edges(nest: Nest, numbers: Sequence[int], kerf_mm: float, options: CommonOptions) -> CommonEdges:
     """The common edges of the outer contours with these numbers.
 

@@ -54,6 +54,7 @@ def pages_of(sheet: WorkSheet, date: str = "") -> tuple[Scene, ...]:
         ("Not as it was when the plan was made", [shown(text) for text in sheet.changed]),
         ("What this plan does not keep", sheet.not_kept),
         ("Locks", [shown(line) for lock in sheet.profile.locks for line in lines_of(lock)]),
+        ("Metal lost", [shown(loss.sentence()) for loss in sheet.plan.losses]),
         ("Not cut", [f"{shown(left.contour)}: {left.why}" for left in sheet.plan.left_out]),
     ):
         if texts:

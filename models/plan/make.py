@@ -111,6 +111,7 @@ def make_plan(facts: Facts, profile: Profile, stated: Stated, solution: Solution
             *(Dropped(rule, (), f"not priced: {why}") for rule, why in solution.left_out),
         ),
         left_out=tuple(LeftOut(name, small[name]) for name in facts.whole_nest.left_out),
+        losses=facts.whole_nest.losses,
         already_cut=tuple(_made(facts, cut, profile.material.kerf_mm) for cut in facts.already_cut),
         broken_off=None if (again := _broken_off(facts)) is None else _made(facts, again, profile.material.kerf_mm),
     )

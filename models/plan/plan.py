@@ -11,6 +11,7 @@ from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.cut import Cut, CutSequence, Pierce, Side
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nest import Loss
 from kerfwise.models.physics.timing.cost import Cost
 from kerfwise.models.physics.timing.report import TimeReport
 from kerfwise.rules.profile.for_one_nest import ForOneNest
@@ -141,7 +142,8 @@ class Plan:
 
     Coordinates are the drawing's; `zero` is the point of it that is the machine's zero, as its `origin` says. `time`
     says by which model the times are, and what they are spent on; None where no program has been timed. `cost` is what
-    one sheet costs, None where the profile has no prices. `left_out` are small holes that are not cut. `zones_cost` is
+    one sheet costs, None where the profile has no prices. `left_out` are small holes that are not cut, `losses` what
+    parts that touch lose to the cut between them. `zones_cost` is
     what cutting zone after zone costs, where that was looked for. Where a
     program goes on after a stop, `already_cut` are the cuts made before, with times of the program that made them, and
     `cuts` go on from there; `broken_off` is the one that is cut again, as it was begun. `pierces` are the holes that
@@ -161,6 +163,7 @@ class Plan:
     cost: Cost | None = None
     made_with: ForOneNest | None = None
     left_out: tuple[LeftOut, ...] = ()
+    losses: tuple[Loss, ...] = ()
     zones_cost: ZonesCost | None = None
     origin: Origin = "drawing"
     zero: Point = (0.0, 0.0)
@@ -250,6 +253,11 @@ class Plan:
             tail["zones_cost"] = self.zones_cost.as_json()
         if self.left_out:
             tail["left_out"] = [{"contour": left.contour, "why": left.why} for left in self.left_out]
+        if self.losses:
+            tail["losses"] = [
+                {"contour": loss.contour, "touches": list(loss.others), "loss_mm": _round(loss.loss_mm)}
+                for loss in self.losses
+            ]
         lines = [f' "{k}": {json.dumps(v, ensure_ascii=False)}' for k, v in head.items()]
         if "resumed_after" in head:
             lines.append(f' "already_cut": {_rows(self.already_cut, 1)}')

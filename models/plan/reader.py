@@ -16,7 +16,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.meetings import MOST_MEETINGS, meets_itself_too_often
 from kerfwise.encoder.json_words import said
-from kerfwise.encoder.nest import KINDS
+from kerfwise.encoder.nest import KINDS, Loss
 from kerfwise.encoder.readers.json_place import places
 from kerfwise.encoder.readers.limits import LIMIT_MM, checked_curve
 from kerfwise.encoder.strict_json import strict_json
@@ -191,6 +191,7 @@ def _plan_of(data: dict[str, Any]) -> Plan:
         made_with=ForOneNest.of_json(data["job"]) if "job" in data else None,
         cost=Cost.of_json(data["totals"]["cost"]) if "cost" in data["totals"] else None,
         left_out=tuple(LeftOut(left["contour"], left["why"]) for left in data.get("left_out", ())),
+        losses=tuple(Loss(row["contour"], tuple(row["touches"]), row["loss_mm"]) for row in data.get("losses", ())),
         zones_cost=ZonesCost.of_json(data["zones_cost"]) if "zones_cost" in data else None,
         origin=data.get("origin", "drawing"),
         zero=(float(data["zero"][0]), float(data["zero"][1])) if "zero" in data else (0.0, 0.0),

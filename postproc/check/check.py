@@ -19,6 +19,7 @@ from kerfwise.rules.rule import Violation
 from .bridges import broken_bridges
 from .burnt_rings import Tabs, burnt_rings, burnt_twice, cut_tabs, left_open
 from .coverage import coverage, once_each
+from .edge_loss import lost_elsewhere, told_of_losses
 from .edge_starts import edge_starts, run_up_mm
 from .heating import Thermometer, heatings_of_cuts, heatings_of_program, measured
 from .judge import judge
@@ -43,6 +44,8 @@ from .torches import most_at_once, not_together, stricter, wrong_spacing
 from .totals import Claims, claims_kept, idle_mm, totals
 from .travel import beyond_travel, rapids_beyond_travel
 from .uncut import features_lost
+
+_ROUNDING_MM = 1e-3
 
 
 def check_cuts(
@@ -209,6 +212,7 @@ def _judge_paths(
             ],
         ),
         *([judgement("tabs", cut_tabs(several))] if tabs else []),
+        *([judgement("edge-loss", lost_elsewhere(nest, kerf_mm, _touch_mm(profile)))] if nest.losses else []),
         *([judgement("bridges", broken_bridges(nest, runs, kerf_mm))] if nest.bridges else []),
         *([judgement("pierce-pass", not_of_a_pass(nest, cuts, profile))] if profile.cuts.pierce_pass else []),
         judgement("burnt-twice", burnt_twice(several, _overcut_mm(profile))),
@@ -239,8 +243,14 @@ def _judge_paths(
         *_resumed(cuts),
         *told_of_small_holes(judged_by, profile),
         *told_of_slots(nest, slots, kerf_mm),
+        *told_of_losses(nest),
         *found.warnings,
     ]
+
+
+def _touch_mm(profile: Profile) -> float:
+    """How far apart edges are at the most that count as touching."""
+    return min(profile.cuts.common.gap_tolerance_mm, tolerance_mm(profile.material.kerf_mm)) + _ROUNDING_MM
 
 
 def _overcut_mm(profile: Profile) -> float:

@@ -46,6 +46,7 @@ SENTENCES = {
     "every-contour-once": "Every contour of the nest is cut exactly once, and nothing else is.",
     "tabs": "Every contour is left uncut at its tabs.",
     "bridges": "Parts that bridges join stay one piece: the outline is theirs, and no kerf enters a strip.",
+    "edge-loss": "Parts that touch lose half a kerf along the edges that do, no more, and nothing else.",
     "pierce-pass": "Each cut begins at a hole of its pierce pass, within 0.05 mm, and no hole is left over.",
     "torches": "What torches cut together is the same cut, shifted by what the profile has them apart.",
     "burnt-twice": "No stretch of a contour is burnt again, but for overcuts, leads and whole rounds a kerf apart.",

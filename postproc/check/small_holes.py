@@ -56,8 +56,8 @@ class Judged:
 
 def judged_nest(nest: Nest, profile: Profile) -> Judged:
     """The drawing's nest as the profile has it cut; kept with the drawing, for a plan and its program."""
-    scrap = profile.cuts.scrap
-    return _judged(nest.drawn or nest, profile.hole_limits(), profile.material.kerf_mm, scrap.grid_mm, scrap.remnant)
+    scrap, drawn = profile.cuts.scrap, profile.without_losses(nest.drawn or nest)
+    return _judged(drawn, profile.hole_limits(), profile.material.kerf_mm, scrap.grid_mm, scrap.remnant)
 
 
 @kept_with_nest(most=2)
@@ -87,7 +87,7 @@ def _judged(drawn: Nest, limits: HoleLimits, kerf_mm: float, grid_mm: float | No
         changed = len(holes) != len(part.holes)
         parts.append(replace(part, holes=tuple(holes), marks=tuple(marks)) if changed else part)
     lined = with_scrap(drawn, kerf_mm, grid_mm, remnant)
-    changed_parts = replace(lined, parts=tuple(parts), drawn=drawn) if small else lined
+    changed_parts = replace(lined, parts=tuple(parts), drawn=drawn.drawn or drawn) if small else lined
     return Judged(changed_parts, tuple(small), shares)
 
 

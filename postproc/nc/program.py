@@ -107,6 +107,9 @@ def _header(plan: Plan, names: Mapping[str, str], nest: Nest, profile: Profile, 
         yield comment(dialect, f"NARROW SLOTS OPENED BY ONE PASS {slits}")
     for k, left in enumerate(plan.left_out, 1):
         yield comment(dialect, f"LEFT OUT {k}", names.get(left.contour, left.contour))
+    if nest.losses:
+        loss = f"{len(nest.losses)} LOSE {number(nest.losses[0].loss_mm, 3)} MM"
+        yield comment(dialect, f"PARTS TOUCH AND ARE CUT APART BY ONE CUT, {loss} THERE")
     yield from name_comments(names, dialect)
     yield comment(dialect, f"START SIDE {plan.start_side.upper()}")
     for planned in plan.cuts:

@@ -50,7 +50,9 @@ class SharedMetal(Rule[SharedMetalOptions]):
 
     - **Links**: A link keeps as far off every part as a cut does; no-gouging of the check measures it.
     - **Tabs**: They change nothing: the two kerfs are compared all round.
-    - **Common cuts**: They change nothing: the kerf between two parts is as wide as the gap, and enters neither.
+    - **Common cuts**: They change nothing: the kerf between two parts is as wide as the gap, and enters neither. With
+      `cuts.common.accept_loss` parts whose straight edges touch are judged as they are without the half kerf that each
+      loses there; `edge-loss` of the check measures that.
     - **Scrap lines**: One that comes nearer than a kerf to a part is refused when the nest is read, whatever the rule
       is.
 

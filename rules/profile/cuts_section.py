@@ -9,7 +9,7 @@ from kerfwise.encoder.candidates.candidate import Narrow
 from kerfwise.encoder.cut import Side
 from kerfwise.rules.options.members import Members
 from kerfwise.rules.options.option import option
-from kerfwise.rules.options.plain_values import Choice
+from kerfwise.rules.options.plain_values import Choice, Flag
 from kerfwise.rules.options.quantities import LENGTH, OrWord, over_zero
 
 
@@ -39,6 +39,10 @@ class Common:
         metadata=option(
             Choice(("part", "any")), "where directions are fixed: refuse common cuts, or let one part have the bad side"
         ),
+    )
+    accept_loss: bool = field(
+        default=False,
+        metadata=option(Flag(), "cut edges that touch once, too: each part loses half a kerf along them"),
     )
 
 

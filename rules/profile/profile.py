@@ -25,6 +25,7 @@ from kerfwise.encoder.shown import shown
 from kerfwise.encoder.slits import with_slits
 from kerfwise.encoder.small_holes import HoleLimits, as_cut
 from kerfwise.encoder.tabs import TabOptions
+from kerfwise.encoder.touching import with_loss
 from kerfwise.rules.flat.model_rule import ModelRule
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.by_thickness import ByThickness, length_at
@@ -232,6 +233,11 @@ class Profile:
             return None
         return CommonOptions(common.shortest_mm, common.gap_tolerance_mm, self.machine.kerf_start)
 
+    def without_losses(self, nest: Nest) -> Nest:
+        """The nest less what parts that touch lose to the cut between them, where the profile accepts that."""
+        edges = self.common_options() if self.cuts.common.accept_loss else None
+        return nest if edges is None else with_loss(nest, self.material.kerf_mm, edges.shortest_mm, edges.gap_mm)
+
     @property
     def kerf_starts(self) -> bool:
         """Whether cuts may begin in the kerf of an older one, without a wait for a pierce."""
@@ -304,15 +310,16 @@ class Profile:
     def as_cut(self, nest: Nest) -> Nest:
         """The nest as this plant cuts it: small holes are marks or gone, others know their feed, slots have slits.
 
-        So has the skeleton its lines, where the profile has them made.
+        So has the skeleton its lines, where the profile has them made. Of parts that touch it is what they keep, where
+        the profile accepts the loss.
 
         Raises
         ------
         InputError
-            If a bridge of the nest is narrower than the kerf.
+            If a bridge of the nest is narrower than the kerf, or a part has no room to lose what it is to lose.
         """
         expect_wider(nest, self.material.kerf_mm)
-        made = as_cut(nest, self.hole_limits())
+        made = self.without_losses(as_cut(nest, self.hole_limits()))
         made = with_slits(made, self.material.kerf_mm) if self.cuts.narrow == "slit" else made
         made = with_scrap(made, self.material.kerf_mm, self.cuts.scrap.grid_mm, self.cuts.scrap.remnant)
         law = self.corner_feed()

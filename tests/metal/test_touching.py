@@ -1,0 +1,157 @@
+"""Parts that touch, cut apart by one cut: what is burnt of them, by LinuxCNC's interpreter and plain areas."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+import shapely.affinity
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from kerfwise.encoder.by_hand import circle, nest, part, rect
+from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.touching import with_loss
+from kerfwise.jobs.ask import ask, facts_of
+from kerfwise.jobs.produce import Produced, produce
+from kerfwise.jobs.solve_options import options_for
+from kerfwise.postproc.check.edge_loss import lost_elsewhere
+from kerfwise.rules.profile.cuts_section import Common, Cuts
+from kerfwise.rules.profile.profile import Profile, load_profile
+from kerfwise.tests.metal.common_nests import block, grid
+from kerfwise.tests.metal.plant import plant
+from kerfwise.tests.metal.simulate import simulate
+from kerfwise.tests.tools import canon
+
+_OFF_MM, _THIN_MM, _FILLET_MM = 0.06, 0.005, 8.0
+
+
+def profile(kerf_mm: float) -> Profile:
+    laser = load_profile("laser-st10kp-2mm")
+    material = replace(laser.material, kerf_mm=kerf_mm)
+    machine = replace(laser.machine, dialect="linuxcnc")
+    return replace(laser, material=material, machine=machine, cuts=Cuts(common=Common(20.0, accept_loss=True)))
+
+
+def made(sheet: Nest, kerf_mm: float) -> Produced | None:
+    """The plan and its program; None where the rules leave no order."""
+    asked = profile(kerf_mm)
+    try:
+        return produce(ask(facts_of(sheet, asked), asked), asked, options_for(sheet, asked, work=0.2))
+    except RulesConflict:
+        return None
+
+
+def expect_half_a_kerf(sheet: Nest, found: Produced, kerf_mm: float) -> None:
+    """Each drawn part comes off in one piece, and loses nothing but strips half a kerf wide along shared edges."""
+    assert found.verdict.ok
+    assert simulate(profile(kerf_mm).as_cut(sheet), found.program, **plant(profile(kerf_mm))) == []
+    burns = [shapely.LineString(burn.points) for burn in canon.run(found.program).cuts]
+    burnt = shapely.buffer(shapely.union_all(burns), kerf_mm / 2)
+    outlines = [p.outer.line for p in sheet.parts]
+    for k, drawn in enumerate(sheet.parts):
+        others = shapely.buffer(shapely.union_all([line for j, line in enumerate(outlines) if j != k]), 0.01)
+        edges = [shapely.LineString([s.start, s.end]) for s in drawn.outer.curve.segments if not s.is_arc]
+        shared = [edge for edge in edges if edge.intersection(others).length > 0.1]
+        lines = [shapely.affinity.scale(edge, *[1 + 2 * _FILLET_MM / edge.length] * 2) for edge in shared]
+        strips = shapely.buffer(shapely.union_all(lines), kerf_mm / 2 + _OFF_MM)
+        lost = shapely.intersection(drawn.polygon, burnt)
+        assert shapely.buffer(shapely.difference(lost, strips), -_THIN_MM).is_empty
+        assert not shared or lost.area > 0.4 * kerf_mm * max(edge.length for edge in shared) - 1
+        assert shapely.covered_by(drawn.outer.line, shapely.buffer(burnt, _OFF_MM)), "no stretch is left uncut"
+
+
+@pytest.mark.linuxcnc
+def test_a_grid_of_touching_parts_is_cut_along_its_lines() -> None:
+    sheet, kerf_mm = grid(3, 2, 0.0), 0.5
+    found = made(sheet, kerf_mm)
+    assert found is not None
+    expect_half_a_kerf(sheet, found, kerf_mm)
+    totals = found.plan.totals
+    lines_mm = 3 * (3 * 100 + kerf_mm) + 4 * (2 * 60 + kerf_mm)
+    assert totals.pierces == 1
+    assert totals.cut_mm == pytest.approx(lines_mm, abs=8)  # a lead, and corners that are cut round
+    assert [(loss.contour, loss.loss_mm) for loss in found.plan.losses] == [(f"P{k}.outer", 0.25) for k in range(1, 7)]
+    assert "(PARTS TOUCH AND ARE CUT APART BY ONE CUT, 6 LOSE 0.25 MM THERE)" in found.program
+    assert any("6 parts that touch others lose half a kerf" in text for text in found.verdict.warnings)
+
+
+@pytest.mark.linuxcnc
+@pytest.mark.parametrize(("seed", "kerf_mm"), [(1, 0.2), (4, 0.5), (10, 1.5), (15, 1.5)])
+def test_blocks_of_touching_parts(seed: int, kerf_mm: float) -> None:
+    sheet = block(np.random.default_rng(seed), 4, 0.0, holes=True)
+    found = made(sheet, kerf_mm)
+    assert found is not None
+    expect_half_a_kerf(sheet, found, kerf_mm)
+
+
+@pytest.mark.slow
+@pytest.mark.linuxcnc
+@settings(max_examples=25, suppress_health_check=list(HealthCheck))
+@given(seed=st.integers(0, 10**6), kerf_mm=st.sampled_from((0.2, 0.5, 1.5)), parts=st.integers(2, 6))
+def test_any_block_of_touching_parts(seed: int, kerf_mm: float, parts: int) -> None:
+    sheet = block(np.random.default_rng(seed), parts, 0.0, holes=True)
+    found = made(sheet, kerf_mm)
+    if found is not None:
+        expect_half_a_kerf(sheet, found, kerf_mm)
+
+
+def rounded(x: float, y: float, wide: float, high: float, r: float, ccw: bool = True) -> list[list[float]]:
+    b = np.tan(np.pi / 8)
+    rows = [
+        (x + r, y), (x + wide - r, y, b), (x + wide, y + r), (x + wide, y + high - r, b), (x + wide - r, y + high),
+        (x + r, y + high, b), (x, y + high - r), (x, y + r, b),
+    ]  # fmt: skip
+    return (Curve.of(rows) if ccw else Curve.of(rows).reversed()).as_rows()
+
+
+@pytest.mark.linuxcnc
+@pytest.mark.parametrize("r", [1.0, 8.0])
+def test_edges_between_fillets(r: float) -> None:
+    sheet = nest(260, 140, part("A", rounded(30, 30, 80, 70, r)), part("B", rounded(110, 30, 80, 70, r, ccw=False)))
+    found = made(sheet, 1.5)
+    assert found is not None
+    expect_half_a_kerf(sheet, found, 1.5)
+
+
+def two(hole: list[tuple[float, float]] | None = None) -> Nest:
+    left = part("A", rect(20, 20, 60, 60), [] if hole is None else [hole])
+    return nest(200, 120, left, part("B", rect(80, 20, 60, 60)))
+
+
+def test_nothing_changes_where_edges_are_shorter_than_asked_or_do_not_touch() -> None:
+    assert with_loss(two(), 1.5, 61.0, 0.05) is not two()
+    sheet = two()
+    assert with_loss(sheet, 1.5, 61.0, 0.05) is sheet
+    apart = nest(200, 120, part("A", rect(20, 20, 60, 60)), part("B", rect(80.1, 20, 60, 60)))
+    assert with_loss(apart, 1.5, 20.0, 0.05) is apart
+
+
+def test_an_edge_that_has_no_room_is_refused() -> None:
+    with pytest.raises(InputError, match="cannot lose half a kerf") as hole:
+        with_loss(two(circle(70, 50, 9.5)), 1.5, 20.0, 0.05)
+    assert hole.value.details == ("A.outer: A.hole1 is nearer to the edge than that",)
+    tongue = [(20, 20), (80, 20), (80, 50), (79.5, 50), (79.5, 51), (80, 51), (80, 80), (20, 80)]
+    sheet = nest(200, 120, part("A", tongue), part("B", rect(80, 20, 60, 60)))
+    assert with_loss(sheet, 0.5, 20.0, 0.05).contour("A.outer").polygon.bounds[2] == pytest.approx(79.75)
+    sliver = nest(200, 120, part("A", rect(79.4, 20, 0.6, 60)), part("B", rect(80, 20, 60, 60)))
+    with pytest.raises(InputError, match="cannot lose half a kerf") as thin:
+        with_loss(sliver, 1.5, 20.0, 0.05)
+    assert "what lies beside its edge at (80.0, 80.0) is too small" in thin.value.details[0]
+
+
+@pytest.mark.parametrize(("wide", "does"), [(57.0, "loses"), (60.5, "gains")])
+def test_the_check_measures_what_is_lost(wide: float, does: str) -> None:
+    """A part that is judged with another loss than half a kerf along the edge that touches."""
+    sheet = with_loss(two(), 1.5, 20.0, 0.05)
+    assert list(lost_elsewhere(sheet, 1.5, 0.051)) == []
+    wrong = replace(sheet.parts[0], outer=part("A", rect(20, 20, wide, 60)).outer)
+    (found,) = lost_elsewhere(replace(sheet, parts=(wrong, sheet.parts[1])), 1.5, 0.051)
+    assert found.text.startswith(f"A.outer {does}")
+    other = replace(sheet.parts[0], outer=part("A", rect(20, 21, 59.25, 59)).outer)
+    (found,) = lost_elsewhere(replace(sheet, parts=(other, sheet.parts[1])), 1.5, 0.051)
+    assert "where no edge touches" in found.text
