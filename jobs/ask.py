@@ -76,7 +76,7 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) ->
     so_much(len(nest.contours), "contour", "contours")
     nest = profile.as_cut(nest)
     check_locks(profile.locks, nest)
-    expect_common_cuts(profile, nest, bool(already))
+    expect_common_cuts(profile)
     expect_torches(profile, nest, bool(already))
     if unknown := sorted(already.contours - nest.index.keys()):
         had = f"the plan says of contours that {nest.file or 'the nest'} does not have that they are cut already"

@@ -11,7 +11,7 @@ from kerfwise.encoder.cut import Pierce
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.plan.plan import IN_PASS, Plan
+from kerfwise.models.plan.plan import IN_PASS, Plan, PlannedCut
 from kerfwise.postproc.nc.plan_paths import outside
 from kerfwise.rules.profile.profile import Profile
 
@@ -23,8 +23,8 @@ WORK_SHARE = 0.05
 def with_pierces(plan: Plan, nest: Nest, profile: Profile, limits: SolveOptions) -> Plan:
     """The plan with its pierce passes, where the profile asks for some; the order of its cuts stays.
 
-    Each pass comes right before the first cut that begins at one of its holes. Marks, links, scrap lines and what comes
-    in from the edge of the sheet pierce nothing.
+    Each pass comes right before the first cut that begins at one of its holes. Marks, links, scrap lines, cuts that
+    begin in an old kerf, and those that come in from the edge of the sheet have no hole.
     """
     if profile.cuts.pierce_pass is None:
         return plan
@@ -56,11 +56,13 @@ def _groups(plan: Plan, nest: Nest, profile: Profile) -> Iterator[list[int]]:
     off = outside(nest, [planned.cut.pierce for planned in plan.cuts]) if plan.cuts else []
     whole = profile.cuts.pierce_pass == "sheet"
     for _, rows in groupby(enumerate(plan.cuts), key=lambda row: 0 if whole else row[1].cut.zone):
-        group = [
-            k for k, planned in rows if planned.kind not in ("mark", "scrap") and not planned.cut.linked and not off[k]
-        ]
+        group = [k for k, planned in rows if _has_hole(planned) and not off[k]]
         if group:
             yield group
+
+
+def _has_hole(planned: PlannedCut) -> bool:
+    return planned.kind not in ("mark", "scrap") and not planned.cut.linked and planned.cut.span is None
 
 
 def _length_mm(stops: list[Point]) -> float:

@@ -97,7 +97,8 @@ def build_with_older_kerfs(
             details=spoilt,
         )
     again = again_as_it_was(nest, already.broken_off, tried, options.kerf_mm)
-    edges, along = common_ways(nest, sorted(tried.outlines), options)
+    out = [k for k, c in enumerate(nest.contours) if c.id in already.contours]
+    edges, along = common_ways(nest, sorted(tried.outlines), options, out)
     along = within_reach(along, options.reach)
     redone = {c.contour for c in (*again, *along)}
     shut = {k: why for k, why in tried.shut.items() if k not in redone}
@@ -107,15 +108,15 @@ def build_with_older_kerfs(
     bare_lines = [(k, nest.contours[k]) for k in left if nest.contours[k].kind in ("mark", "scrap")]
     marks = [c for k, line in bare_lines for c in mark_candidates(k, line, options)]
     whole = within_reach(_candidates(tried.found, tried.outlines, around, options), options.reach)
-    reached = [*with_neighbours_in(nest, whole, edges), *tried.slits, *again]
-    if shut_in := _shut_in(nest, edges, reached):
+    reached = [*with_neighbours_in(nest, whole, edges, out), *tried.slits, *again]
+    if shut_in := _shut_in(nest, edges, reached, out):
         raise InputError(
             "of parts that are cut with common edges none can be pierced",
             file=nest.file or None,
             details=shut_in,
         )
     if lost := sorted(set(tried.outlines) - {c.contour for c in (*reached, *along)}):
-        details = tuple(f"{nest.contours[k].id}: no lead to it stays within the machine's travel" for k in lost)
+        details = tuple(f"{nest.contours[k].id}: {_why_lost(edges, k, out)}" for k in lost)
         raise InputError(cannot_be_cut(len(lost)), file=nest.file or None, details=details)
     if options.splash_mm is None:
         return tuple(sorted([*marks, *reached, *along], key=lambda c: c.contour)), None
@@ -126,10 +127,21 @@ def build_with_older_kerfs(
     return tuple(every[k] for k in places), met.of_kept(places, len(every))
 
 
-def _shut_in(nest: Nest, edges: CommonEdges, candidates: Sequence[Candidate]) -> tuple[str, ...]:
-    """Groups of parts with common edges of which none can be cut first, each with what to do."""
+def _why_lost(edges: CommonEdges, number: int, out: Collection[int]) -> str:
+    if edges.of.get(number, {}).keys().isdisjoint(out):
+        return "no lead to it stays within the machine's travel"
+    return (
+        "neighbours with common edges are out, and leave several stretches of it, or nothing: cut it by hand, or say "
+        "cuts.common.shortest: off"
+    )
+
+
+def _shut_in(
+    nest: Nest, edges: CommonEdges, candidates: Sequence[Candidate], out: Collection[int] = ()
+) -> tuple[str, ...]:
+    """Groups of parts with common edges of which none is out, or can be cut first, each with what to do."""
     label = weak_components(len(nest.contours), edges.pairs)
-    begun = {int(label[c.contour]) for c in candidates if c.contour in edges.of}
+    begun = {int(label[k]) for k in (*(c.contour for c in candidates), *out) if k in edges.of}
     first = {int(label[k]): k for k in sorted(edges.of, reverse=True)}
     return tuple(
         f"{nest.contours[k].id} and those that it has edges in common with: no lead to any of them has room; leave "

@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
+from kerfwise.encoder.corner_feed import CornerFeed
 from kerfwise.encoder.cut import Cut, Direction, Span, Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.encoder.nest import KINDS, Kind
+from kerfwise.encoder.nest import KINDS, Contour, Kind
 from kerfwise.encoder.small_holes import HoleLimits
 from kerfwise.encoder.tabs import TabOptions
 
@@ -42,11 +43,13 @@ class CommonOptions:
     """Which edges two parts have in common: so long at the least, and so near to one kerf apart, mm.
 
     With `kerf_start` the torch is lit in the old kerf and moves on at once; else it waits there as at a pierce.
+    `corners` are cut slower, where they are.
     """
 
     shortest_mm: float
     gap_mm: float
     kerf_start: bool = True
+    corners: CornerFeed | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +108,8 @@ class Candidate:
     One with a `span` follows that stretch of its contour alone, `along_mm` of it as drawn, from one old kerf to
     another: with `kerf_start` nothing is pierced. It may be used once the contours `out` are cut, and while those of
     `still_in` are not (ids of neighbours with common edges). One that goes all round such a contour has neighbours
-    that are still in, too.
+    that are still in, too. Slower corners take as long as `corner_mm` more of it would; None: as those of the whole
+    contour.
     """
 
     contour: int
@@ -125,6 +129,11 @@ class Candidate:
     kerf_start: bool = False
     out: tuple[str, ...] = ()
     still_in: tuple[str, ...] = ()
+    corner_mm: float | None = None
+
+    def at_corners_mm(self, contour: Contour) -> float:
+        """How much longer than at the full feed this way round its contour takes, as a length, mm."""
+        return contour.corner_mm if self.corner_mm is None else self.corner_mm
 
     @property
     def unpierced(self) -> bool:

@@ -115,8 +115,10 @@ def facing_edges(outers: Sequence[tuple[int, Contour]], gap_mm: float, within_mm
         yield FacingEdge(int(edges.contour[a]), int(edges.contour[b]), begin, end)
 
 
-def common_edges(nest: Nest, numbers: Sequence[int], kerf_mm: float, options: CommonOptions) -> CommonEdges:
-    """The common edges of the outer contours with these numbers.
+def common_edges(
+    nest: Nest, numbers: Sequence[int], kerf_mm: float, options: CommonOptions, held: Collection[int] = ()
+) -> CommonEdges:
+    """The common edges of the outer contours with these numbers, but for those that tabs hold.
 
     Two edges are common where they look at each other, turn by 0.2° at the most, and are one kerf apart within the
     tolerance. Of parts that hang together by such edges all are common, down to a kerf's length, if one of them is as
@@ -131,7 +133,7 @@ def common_edges(nest: Nest, numbers: Sequence[int], kerf_mm: float, options: Co
     [(101, 40), (244, 40)]
     """
     outers = [(k, nest.contours[k]) for k in numbers if nest.contours[k].kind == "outer"]
-    edges = _Edges.of(outers)
+    edges = _Edges.of([row for row in outers if row[0] not in held])
     found: dict[int, dict[int, list[tuple[float, float]]]] = {}
     longest: dict[tuple[int, int], float] = {}
     for a, b, low, high in _facing(edges, kerf_mm, min(options.gap_mm, tolerance_mm(kerf_mm)) + _ROUNDING_MM):

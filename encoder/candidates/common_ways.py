@@ -13,7 +13,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.tolerance import tolerance_mm
 
-from .candidate import Candidate, LeadOptions
+from .candidate import Candidate, CommonOptions, LeadOptions
 from .common_edges import CommonEdges, Junction, Stretches, common_edges, point_on, rounds_at_corners
 
 _MOST_STATES = 64
@@ -23,40 +23,60 @@ Run = tuple[float, float]
 """Where a stretch of a ring begins, and how long it is, mm."""
 
 
-def common_ways(nest: Nest, left: Collection[int], options: LeadOptions) -> tuple[CommonEdges, list[Candidate]]:
+def common_ways(
+    nest: Nest, left: Collection[int], options: LeadOptions, gone: Collection[int] = ()
+) -> tuple[CommonEdges, list[Candidate]]:
     """The common edges of the contours that are left to be cut, and the ways along what they leave of rings.
 
     Each way begins and ends in the kerf of a neighbour that is out. It is lawful for exactly one set of these. There is
-    none where they leave several stretches of a ring, or nothing.
+    none where they leave several stretches of a ring, or nothing. What is `gone` was cut before, and is out in all of
+    them. Parts that tabs hold have none, nor have those that hang together with them.
     """
     asked = options.common
     if asked is None:
         return CommonEdges({}), []
-    edges = common_edges(nest, sorted(left), options.kerf_mm, asked)
+    held = () if options.tab_places is None else options.tab_places.wanted
+    edges = common_edges(nest, sorted({*left, *gone}), options.kerf_mm, asked, held)
     ways = [
         way
         for number, beside in edges.of.items()
+        if number in left
         for out, run in states(
-            compensated(nest.contours[number], options.kerf_mm), beside, options.kerf_mm, edges.junctions[number]
+            compensated(nest.contours[number], options.kerf_mm),
+            beside,
+            options.kerf_mm,
+            edges.junctions[number],
+            beside.keys() & set(gone),
         )
-        for way in _ways(nest, number, out, edges, run, options, asked.kerf_start)
+        for way in _ways(nest, number, out, edges, run, options, asked)
     ]
     return edges, ways
 
 
-def with_neighbours_in(nest: Nest, candidates: Collection[Candidate], edges: CommonEdges) -> list[Candidate]:
-    """Candidates that go all round; those of contours with common edges may be used while all neighbours are in."""
+def with_neighbours_in(
+    nest: Nest, candidates: Collection[Candidate], edges: CommonEdges, gone: Collection[int] = ()
+) -> list[Candidate]:
+    """Candidates that go all round; those of contours with common edges may be used while all neighbours are in.
+
+    Where one is `gone`, there are none.
+    """
     return [
-        replace(c, still_in=_ids(nest, edges.of[c.contour].keys())) if c.contour in edges.of else c for c in candidates
+        replace(c, still_in=_ids(nest, edges.of[c.contour].keys())) if c.contour in edges.of else c
+        for c in candidates
+        if edges.of.get(c.contour, {}).keys().isdisjoint(gone)
     ]
 
 
 def states(
-    ring: Curve, beside: Mapping[int, Stretches], kerf_mm: float, junctions: Collection[Junction] = ()
+    ring: Curve,
+    beside: Mapping[int, Stretches],
+    kerf_mm: float,
+    junctions: Collection[Junction] = (),
+    gone: Collection[int] = (),
 ) -> Iterator[tuple[frozenset[int], Run]]:
     """The sets of neighbours that are out together and leave one stretch of a ring, and that stretch.
 
-    Only those are found that come about neighbour after neighbour with one stretch left each time.
+    Only those are found that come about neighbour after neighbour with one stretch left each time, those `gone` first.
 
     Examples
     --------
@@ -66,9 +86,19 @@ def states(
     [([7], (60.0, 100.0)), ([9], (0.0, 100.0))]
     """
     rounds = rounds_at_corners(ring, kerf_mm)
-    seen: set[frozenset[int]] = {frozenset()}
-    waiting: list[frozenset[int]] = [frozenset()]
+
+    def left(out: frozenset[int]) -> Run | None:
+        covered = [run for k in sorted(out) for run in beside[k]]
+        covered += [junction.stretch for junction in junctions if {junction.one, junction.other} <= out]
+        runs = left_of(ring.length_mm, covered, rounds, tolerance_mm(kerf_mm))
+        return runs[0] if len(runs) == 1 and runs[0][1] > 2 * kerf_mm else None
+
+    first = frozenset(gone)
+    seen: set[frozenset[int]] = {first}
+    waiting: list[frozenset[int]] = [first]
     found = 0
+    if first and (run := left(first)) is not None:
+        yield first, run
     while waiting and found < _MOST_STATES:
         before = waiting.pop(0)
         for neighbour in sorted(beside.keys() - before) if len(seen) < _MOST_STATES**2 else ():
@@ -76,11 +106,9 @@ def states(
             if out in seen:
                 continue
             seen.add(out)
-            covered = [run for k in sorted(out) for run in beside[k]]
-            covered += [junction.stretch for junction in junctions if {junction.one, junction.other} <= out]
-            runs = left_of(ring.length_mm, covered, rounds, tolerance_mm(kerf_mm))
-            if len(runs) == 1 and runs[0][1] > 2 * kerf_mm:
-                yield out, runs[0]
+            run = left(out)
+            if run is not None:
+                yield out, run
                 waiting.append(out)
                 found += 1
 
@@ -125,11 +153,11 @@ def _ways(
     edges: CommonEdges,
     run: Run,
     options: LeadOptions,
-    kerf_start: bool,
+    common: CommonOptions,
 ) -> Iterator[Candidate]:
     """Both ways along a stretch of a ring."""
     contour, drawn = nest.contours[number], nest.contours[number].curve
-    ring = compensated(contour, options.kerf_mm)
+    ring, corners = compensated(contour, options.kerf_mm), common.corners
     still_in = edges.of[number].keys() - set(out)
     (low, first), (high, last) = _straight_ends(ring, number, out, still_in, edges, run, options.kerf_mm)
     first_mm, last_mm = (drawn.project(ring.point_at(mm))[0] for mm in (low, high))
@@ -140,6 +168,7 @@ def _ways(
         join, leave = (point_on(ring, mm) for mm in ((low, high) if onwards else (high, low)))
         begin, end = (first, last) if onwards else (last, first)
         entry_mm = first_mm if onwards else last_mm
+        stretch = ring.between(low, high - low)
         leads_mm = sum(math.dist(a, b) for a, b in ((begin, join), (leave, end)) if a is not None and b is not None)
         yield Candidate(
             contour=number,
@@ -153,9 +182,10 @@ def _ways(
             cut_mm=high - low + leads_mm,
             span=Span(join, leave),
             along_mm=(last_mm - first_mm) % drawn.length_mm,
-            kerf_start=kerf_start,
+            kerf_start=common.kerf_start,
             out=_ids(nest, out),
             still_in=_ids(nest, still_in),
+            corner_mm=None if corners is None else corners.more_mm(stretch),
         )
 
 

@@ -136,8 +136,8 @@ def _places(
     members: dict[tuple[int, object], list[int]] = defaultdict(list)
     at: dict[tuple[int, object], Point] = {}
     for number, candidate in enumerate(facts.candidates):
-        common = candidate.out or candidate.still_in
-        if facts.nest.contours[candidate.contour].kind == "outer" and not candidate.tabs and not common:
+        outer = facts.nest.contours[candidate.contour].kind == "outer"
+        if outer and not candidate.tabs and candidate.span is None:
             point, like = place(candidate)
             key = candidate.contour, like
             members[key].append(number)

@@ -33,7 +33,8 @@ class Pace:
                 times.append(feeds.mark_start_s + candidate.cut_mm / feeds.mark_mm_s)
             else:
                 pierce = feeds.edge_s if candidate.unpierced else feeds.pierce_s
-                times.append(pierce + (candidate.cut_mm + contour.corner_mm) / (feeds.cut_mm_s * contour.feed_share))
+                run_mm = candidate.cut_mm + candidate.at_corners_mm(contour)
+                times.append(pierce + run_mm / (feeds.cut_mm_s * contour.feed_share))
         return Pace(np.asarray(np.rint(np.array(times) * 1000), dtype=np.int64), 1.0 / feeds.travel_mm_s)
 
     def move_ms(self, from_um: Ints, to_um: Ints) -> Ints:

@@ -47,9 +47,13 @@ class BurntRings:
 
 
 def burnt_rings(
-    contours: Iterable[Contour], runs: Sequence[TorchRun], made: Sequence[Contour], kerf_mm: float, tabs: Tabs | None
+    contours: Iterable[Contour],
+    runs: Sequence[TorchRun],
+    made: Sequence[shapely.LineString],
+    kerf_mm: float,
+    tabs: Tabs | None,
 ) -> BurntRings:
-    """The rings that runs share, of these contours; `made` were cut before a stop. None in an ordinary program."""
+    """The rings that runs share, of these contours; `made` was burnt before a stop. None in an ordinary program."""
     within_mm, tabs = tolerance_mm(kerf_mm), tabs or {}
     named = [run for run in runs if run.contour is not None and not run.marks]
     shared = [run for run in named if run.linked or run.partial or run.name in tabs]
@@ -61,7 +65,7 @@ def burnt_rings(
     lines = [line for run in shared for line in (run.loop, *run.leads)]
     near = np.unique(tree.query(lines, "dwithin", distance=within_mm)[1]).tolist()
     rings = tuple(paired[k][1] for k in near)
-    burnt = list(_burnt(runs, made, kerf_mm))
+    burnt = list(_burnt(runs, made))
     by = np.unique(shapely.STRtree([b.line for b in burnt]).query(rings, "dwithin", distance=within_mm)[1]).tolist()
     burnt = [burnt[k] for k in by]
     free = [
@@ -72,10 +76,8 @@ def burnt_rings(
     return BurntRings(tuple(paired[k][0] for k in near), rings, tuple(burnt), tuple(coverage), tabs, within_mm)
 
 
-def _burnt(runs: Sequence[TorchRun], made: Sequence[Contour], kerf_mm: float) -> Iterator[_Burnt]:
-    for ring in torch_rings(made, kerf_mm):
-        if ring is not None:
-            yield _Burnt(None, ring, True)
+def _burnt(runs: Sequence[TorchRun], made: Sequence[shapely.LineString]) -> Iterator[_Burnt]:
+    yield from (_Burnt(None, line, line.is_closed) for line in made)
     for run in runs:
         if not run.marks:
             all_round = run.between_tabs or not run.partial

@@ -34,6 +34,7 @@ from .program_rules import in_steps_of, judgement, tolerance_mm
 from .rebuild import rebuild
 from .relaxed import Relaxed, read_relaxed, relaxed_warnings
 from .result import CheckResult, Judgement, Measured
+from .resumed import burnt_by
 from .running import judge_running
 from .runs_from_cuts import runs_from_cuts, unlit_tabs
 from .skeleton_pieces import wrong_pieces
@@ -200,7 +201,8 @@ def _judge_paths(
     losses_mm = {name: slot.loss_mm(kerf_mm) for name, slot in slots.items()}
     found = gouges(nest, runs, kerf_mm, _sharing(nest, profile, relaxed), losses_mm)
     made = [nest.contour(cut.contour) for cut in cuts[: cuts.made] if cut.contour in nest.index]
-    several = burnt_rings(nest.contours, runs, made, kerf_mm, tabs)
+    before = burnt_by(nest, cuts[: cuts.made], kerf_mm)
+    several = burnt_rings(nest.contours, runs, before, kerf_mm, tabs)
     opened = list(left_open(several, cuts.positions()))
     judged = [
         judgement(
@@ -228,7 +230,7 @@ def _judge_paths(
         judgement(
             "features-kept",
             [
-                *features_lost(runs, kerf_mm, _at_fault([*faults, *opened]), slits_of_made(nest, cuts), tabs),
+                *features_lost(runs, kerf_mm, _at_fault([*faults, *opened]), slits_of_made(nest, cuts), tabs, before),
                 *misplaced(slots, cuts, kerf_mm),
             ],
         ),

@@ -12,6 +12,7 @@ import shapely
 from kerfwise.encoder.cut import Cut, CutSequence, Pierce
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
+from kerfwise.rules.judging.kerf_starts import in_older_kerfs
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
@@ -64,8 +65,10 @@ def not_of_a_pass(nest: Nest, cuts: CutSequence, profile: Profile) -> Iterator[V
 def _passes(nest: Nest, cuts: CutSequence, profile: Profile) -> Iterator[tuple[int, list[int]]]:
     """The first position of each zone, and those of its cuts that begin at holes. Without zones all are of one.
 
-    What is linked, marked, or cuts up the skeleton pierces nothing; nor does what begins off the sheet.
+    What is linked, marked, or cuts up the skeleton pierces nothing; nor does what begins off the sheet, or in the kerf
+    of an older cut.
     """
+    in_kerfs = in_older_kerfs(nest, cuts, profile.material.kerf_mm) if profile.common_options() else ()
     sheet = shapely.buffer(shapely.make_valid(nest.sheet.polygon), -tolerance_mm())
     rows = [(k, cut) for k, cut in enumerate(cuts, 1) if k > cuts.made]
     whole = profile.cuts.pierce_pass == "sheet"
@@ -75,6 +78,7 @@ def _passes(nest: Nest, cuts: CutSequence, profile: Profile) -> Iterator[tuple[i
             k
             for k, cut in zone
             if not cut.linked
+            and k not in in_kerfs
             and (cut.contour not in nest.index or nest.contour(cut.contour).shapes_part)
             and shapely.contains_xy(sheet, *cut.pierce)
         ]

@@ -22,7 +22,7 @@ from .matching import Matcher
 from .names import folded, ids_by_name
 from .pierce_pass import named as told_of_holes
 from .planned import Planned
-from .resumed import read_resumed
+from .resumed import burnt_by, read_resumed
 from .shared_cuts import Tabs, shared_cuts
 from .tabs_of_burns import up_to_tabs, with_tabs
 from .torch_run import TorchRun, line_of
@@ -78,13 +78,13 @@ def rebuild(
         names = [name or guess for name, guess in zip_longest(names, planned.names_of_burns())][: len(burns)]
     named = [None if name is None else nest.index.get(name) for name in names]
     matches = matcher.match(paths, [burn.tool != 0 for burn in burns], named)
-    several = shared_cuts(nest, burns, paths, matches, matcher.rings, kerf_mm, tabs)
+    before = read_resumed(nest, program.comments)
+    made_before = before.cuts or (() if planned is None else planned.cuts[: planned.cuts.made])
+    burnt_before = burnt_by(nest, made_before, kerf_mm)
+    several = shared_cuts(nest, burns, paths, matches, matcher.rings, kerf_mm, tabs, burnt_before)
     zones = _zones(program.comments, ids) if several or any(burn.torch > 1 for burn in burns) else {}
     excused = _excused(program, ids)
-    before = read_resumed(nest, program.comments)
-    cuts: list[Cut] = list(before.cuts)
-    if planned is not None and not cuts:
-        cuts += planned.cuts[: planned.cuts.made]
+    cuts: list[Cut] = list(made_before)
     made = len(cuts)
     lines = [0] * made
     begun: list[tuple[int, Cut]] = []

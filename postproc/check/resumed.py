@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import shapely
 
 from kerfwise.encoder.cut import Cut, Tab
 from kerfwise.encoder.geometry.curve import Curve
@@ -19,6 +20,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.rules.rule import Violation
 
 from .names import folded, ids_by_name
+from .rings import torch_rings
 
 _RULE = "every-contour-once"
 _NUMBER = r"-?\d+(?:\.\d+)?"
@@ -92,6 +94,13 @@ def read_resumed(nest: Nest, comments: Iterable[str]) -> Resumed:
         wrong.append(f"it goes on after cut {after}, but lists {len(cuts)} cuts that are out")
     told = tuple(Violation(_RULE, (), text) for text in wrong)
     return Resumed(tuple(cuts[k] for k in sorted(cuts)), broken_off, told)
+
+
+def burnt_by(nest: Nest, made: Sequence[Cut], kerf_mm: float) -> list[shapely.LineString]:
+    """What cuts before a stop have burnt: the rings of their contours, and their leads."""
+    contours = [c for cut in made if cut.contour in nest.index and (c := nest.contour(cut.contour)).kind != "mark"]
+    leads = (lead for cut in made for lead in (cut.lead_in, cut.lead_out) if lead is not None and lead.segments)
+    return [*(ring for ring in torch_rings(contours, kerf_mm) if ring is not None), *(lead.line() for lead in leads)]
 
 
 def told_ends(comments: Iterable[str]) -> Iterator[tuple[str, Point, Point]]:

@@ -15,10 +15,10 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.postproc.check.reader.program import Burn
 
-from .covering.chords import chords_of_paths
+from .covering.chords import chords_of_lines, chords_of_paths
 from .covering.covered import Covered, covered
 from .covering.free import at_tabs, rounds
-from .covering.intervals import union
+from .covering.intervals import NONE, total_mm, union
 from .covering.pieces import Piece, is_whole, pieces
 from .covering.sharing import shared, stretches_of
 from .matching import Match
@@ -47,14 +47,19 @@ def shared_cuts(
     rings: Rings,
     kerf_mm: float,
     tabs: Tabs | None = None,
+    before: Sequence[shapely.LineString] = (),
 ) -> dict[int, list[CutOut]]:
-    """For each burn that does not cut one contour all by itself, what it cuts, in order; the others are left out."""
+    """For each burn that does not cut one contour all by itself, what it cuts, in order; the others are left out.
+
+    What was burnt `before` a stop is burnt.
+    """
     within_mm = tolerance_mm(kerf_mm)
     paths = [burn.path if burn.tool == 0 else None for burn in burns]
     around = [ring if contour.encloses else None for ring, contour in zip(rings, nest.contours, strict=True)]
     own = [_own(match, line, within_mm) for match, line in zip(matches, lines, strict=True)]
     tabbed = frozenset(k for k, contour in enumerate(nest.contours) if tabs and contour.id in tabs)
-    odd = shared(paths, lines, around, own, within_mm, tabbed)
+    burnt = _burnt_on(around, before, within_mm)
+    odd = shared(paths, lines, around, own, within_mm, tabbed | burnt.keys())
     if not odd.burns:
         return {}
     free: dict[int, Floats] = {}
@@ -62,10 +67,10 @@ def shared_cuts(
     coverage: dict[int, Covered] = {}
     while more := cut - coverage.keys():
         free |= {k: at_tabs(around[k], (tabs or {}).get(nest.contours[k].id, ()), within_mm) for k in more}
-        coverage |= _coverage(sorted(more), around, free, paths, lines, within_mm)
+        coverage |= _coverage(sorted(more), around, _with(free, burnt), paths, lines, within_mm)
         left = sorted(k for k in more if coverage[k].out is None)
         free |= {k: union(np.concatenate([free[k], rounds(around[k], nest.contours[k])])) for k in left}
-        coverage |= _coverage(left, around, free, paths, lines, within_mm)
+        coverage |= _coverage(left, around, _with(free, burnt), paths, lines, within_mm)
         finishing = {done.out[0] for done in coverage.values() if done.out is not None} - taken
         taken |= finishing
         cut |= {ring for burn in finishing if (ring := own[burn]) is not None}
@@ -83,6 +88,23 @@ def shared_cuts(
         ]
         made[burn] = list(_cut_out(nest, burns[burn], row, whole, rings))
     return {burn: cuts for burn, cuts in made.items() if cuts}
+
+
+def _burnt_on(rings: Rings, before: Sequence[shapely.LineString], within_mm: float) -> dict[int, Floats]:
+    """The stretches of rings that were burnt before, by the numbers of the rings."""
+    if not before:
+        return {}
+    around = {k: ring for k, ring in enumerate(rings) if ring is not None}
+    numbers = np.array(list(around), dtype=np.int64)
+    near = np.unique(shapely.STRtree(list(around.values())).query(before, "dwithin", distance=within_mm)[1])
+    met = numbers[near].tolist()
+    found = covered([around[k] for k in met], [NONE] * len(met), chords_of_lines(before), within_mm)
+    rows = {k: union(np.concatenate([NONE, *done.new.values()])) for k, done in zip(met, found, strict=True)}
+    return {k: stretches for k, stretches in rows.items() if total_mm(stretches) > 2 * within_mm}
+
+
+def _with(free: Mapping[int, Floats], more: Mapping[int, Floats]) -> dict[int, Floats]:
+    return {k: union(np.concatenate([rows, more[k]])) if k in more else rows for k, rows in free.items()}
 
 
 def _own(match: Match | None, line: shapely.LineString, within_mm: float) -> int | None:

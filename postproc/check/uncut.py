@@ -41,10 +41,12 @@ def features_lost(
     skipped: frozenset[int] = frozenset(),
     opened: Sequence[Contour] = (),
     tabs: Mapping[str, Sequence[Tab]] | None = None,
+    before: Sequence[shapely.LineString] = (),
 ) -> list[Violation]:
     """Where contours are left uncut, those of runs at the positions `skipped` aside: their paths are wrong anyway.
 
     `opened` are slits that were cut before the runs, `tabs` stretches of contours that are to stay uncut.
+    What was burnt `before` a stop cuts contours that are cut along a stretch.
     """
     round_contours = [run for run in runs if run.contour is not None and run.contour.encloses and not run.marks]
     last = {run.name: run for run in round_contours}
@@ -53,7 +55,7 @@ def features_lost(
         return []
     within_mm = kerf_mm / 2 + tolerance_mm(kerf_mm) + SLACK_MM
     contours = np.array([run.contour.curve.line(_CHORD_MM) for run in cut if run.contour is not None], dtype=object)
-    helped = _helped(cut, runs, within_mm)
+    helped = _helped(cut, runs, before, within_mm)
     along = burns_by_contour(runs, opened)
     burns = [[run.loop, *run.leads, *along.get(run.name, ()), *helped.get(run.name, ())] for run in cut]
     paths = [shapely.multilinestrings(lines) for lines in burns]
@@ -80,12 +82,14 @@ def _spared(tabs: Mapping[str, Sequence[Tab]] | None, run: TorchRun, within_mm: 
     return shapely.union_all([shapely.buffer(shapely.Point(tab.at), tab.width_mm / 2 + within_mm) for tab in own])
 
 
-def _helped(cut: Sequence[TorchRun], runs: Sequence[TorchRun], within_mm: float) -> dict[str, list[shapely.LineString]]:
+def _helped(
+    cut: Sequence[TorchRun], runs: Sequence[TorchRun], before: Sequence[shapely.LineString], within_mm: float
+) -> dict[str, list[shapely.LineString]]:
     """What else is burnt beside contours that no run goes all round, by contour id."""
     partial = [run.contour for run in cut if run.partial and run.contour is not None]
     if not partial:
         return {}
-    lines = [line for run in runs if not run.marks for line in (run.loop, *run.leads)]
+    lines = [*before, *(line for run in runs if not run.marks for line in (run.loop, *run.leads))]
     tree = shapely.STRtree(lines)
     return {c.id: [lines[k] for k in tree.query(c.line, "dwithin", distance=within_mm).tolist()] for c in partial}
 

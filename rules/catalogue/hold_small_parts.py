@@ -90,8 +90,8 @@ class HoldSmallParts(Rule[HoldSmallPartsOptions]):
 
     - **Links**: No link leads to a part with tabs or from one, and links keep off the metal that tabs hang on.
     - **Tabs**: The rule makes them, and the check looks for them in the program.
-    - **Common cuts**: A nest with a part that tabs hold is refused with them: the neighbour's cut along a shared
-      edge would cut the tab.
+    - **Common cuts**: A part that tabs hold has none, nor have those that hang together with it by common edges: the
+      neighbour's cut along a shared edge could take the tab with it.
     - **Scrap lines**: A part stays on its tabs, and leaves with its piece of the skeleton. Tabs keep off the lines,
       which would take the metal that holds.
 

@@ -231,7 +231,7 @@ class Profile:
         common = self.cuts.common
         if common.shortest_mm is None:
             return None
-        return CommonOptions(common.shortest_mm, common.gap_tolerance_mm, self.machine.kerf_start)
+        return CommonOptions(common.shortest_mm, common.gap_tolerance_mm, self.machine.kerf_start, self.corner_feed())
 
     def without_losses(self, nest: Nest) -> Nest:
         """The nest less what parts that touch lose to the cut between them, where the profile accepts that."""

@@ -82,6 +82,9 @@ def _feed_mm_s(contour: Contour, profile: Profile) -> float:
 def _seconds(candidate: Candidate, contour: Contour, profile: Profile, bare: bool = False) -> float:
     """Time to cut a contour this way; `bare` without start, leads and overcut."""
     leads_mm = sum(lead.length_mm for lead in (candidate.lead_in, candidate.lead_out) if lead is not None)
+    run_mm = candidate.cut_mm
+    if candidate.out or candidate.still_in:  # else all ways of a contour have the same corners
+        run_mm += candidate.at_corners_mm(contour)
     if bare:
-        return (candidate.cut_mm - leads_mm) / _feed_mm_s(contour, profile)
-    return start_s(candidate, contour, profile) + candidate.cut_mm / _feed_mm_s(contour, profile)
+        return (run_mm - leads_mm) / _feed_mm_s(contour, profile)
+    return start_s(candidate, contour, profile) + run_mm / _feed_mm_s(contour, profile)

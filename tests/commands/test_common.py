@@ -107,12 +107,6 @@ PLASMA = "based_on: plasma-carbon-steel\n"
         ),
         (f"based_on: oxyfuel-thick-plate\n{COMMON}", 1.5, None, "a flame has to heat the edge of a kerf"),
         ("based_on: laser-st10kp-2mm\ncuts: {common: {shortest: yes}}\n", 0.2, None, "or the word 'off'"),
-        (
-            f"{LASER}rules: {{hold-small-parts: {{strength: hard, tabs: all}}}}\n",
-            0.2,
-            None,
-            "tabs hold A, B, C, …, and",
-        ),
         (f"{LASER}corners: {{feed: 50%}}\n", 0.2, None, "corner"),
         (LASER, 0.2, 0.0, "touch"),
         (LASER, 0.2, 0.1, "0.100 mm apart"),
@@ -130,11 +124,30 @@ def test_what_cannot_be_cut_so_is_said_in_one_message(
     assert not (folder / "plan.json").exists()
 
 
-def test_a_program_with_common_cuts_is_not_gone_on_with(folder: Path) -> None:
-    solve("--plan", "plan.json", "-o", "out.nc")
-    ended = solve("--lock-from", "plan.json", "--upto", "2")
+@pytest.mark.parametrize("more", [(), ("--redo-last",)])
+@pytest.mark.parametrize("old", ["old.json", "old.nc"])
+def test_a_program_with_common_cuts_is_gone_on_with(folder: Path, old: str, more: tuple[str, ...]) -> None:
+    solve("--plan", "old.json", "-o", "old.nc")
+    ended = solve("--lock-from", old, "--upto", "2", *more, "--plan", "plan.json", "-o", "out.nc")
+    assert ended.code == 0, ended.err
+    assert all("span" in row for row in rows(folder))
+    assert len(rows(folder)) == (3 if more else 2)
+    assert kerfwise("check", "nest.json", "out.nc", "--plan", "plan.json", "-p", "plant.yaml").code == 0
+
+
+def test_what_neighbours_that_are_out_leave_in_pieces_is_said(folder: Path) -> None:
+    """A and B, to the left and to the right of L, were cut by an old program, one by one; now edges are common."""
+    apart = nest_of(0.2)
+    boxes = {"A": rect(40, 40, 50, 60), "L": rect(90.2, 30, 40, 90), "B": rect(130.4, 40, 50, 60)}
+    apart["parts"] = [{"id": name, "outer": outer} for name, outer in boxes.items()]
+    (folder / "nest.json").write_text(json.dumps(apart), encoding="utf-8")
+    (folder / "plant.yaml").write_text("based_on: laser-st10kp-2mm\nlocks: [{contour: L.outer, position: 3}]\n")
+    assert solve("--plan", "old.json").code == 0
+    (folder / "plant.yaml").write_text(LASER, encoding="utf-8")
+    ended = solve("--lock-from", "old.json", "--upto", "2", "-o", "out.nc")
     assert ended.code == 2
-    assert "cuts.common: a program that goes on after a stop cannot have common cuts" in ended.err
+    assert "L.outer: neighbours with common edges are out, and leave several stretches of it" in ended.err
+    assert not (folder / "out.nc").exists()
 
 
 def test_an_order_that_leaves_two_stretches_is_a_conflict_with_a_way_out(folder: Path) -> None:

@@ -9,6 +9,7 @@ import shapely
 
 from kerfwise.tests.metal.burns import Burn
 from kerfwise.tests.metal.findings import Finding
+from kerfwise.tests.metal.tolerances import RING_MM
 
 AT_HOLE_MM = 0.05
 
@@ -27,8 +28,13 @@ def holes_of(burns: Sequence[Burn]) -> dict[int, int]:
     return found
 
 
-def wrong_passes(burns: Sequence[Burn], own: Mapping[int, int], sheet: shapely.Polygon) -> Iterator[Finding]:
-    """Cuts that begin in metal where no hole is, and holes at which no cut begins."""
+def wrong_passes(
+    burns: Sequence[Burn], own: Mapping[int, int], sheet: shapely.Polygon, kerf_starts: bool = False
+) -> Iterator[Finding]:
+    """Cuts that begin in metal where no hole is, and holes at which no cut begins.
+
+    With `kerf_starts` a cut may begin in the middle of an older kerf, without a hole.
+    """
     used = set(own.values())
     for k, burn in enumerate(burns):
         if _is_hole(burn):
@@ -37,6 +43,9 @@ def wrong_passes(burns: Sequence[Burn], own: Mapping[int, int], sheet: shapely.P
                     "pierce-unused", burn.cut, (burn.name,), burn.pierce, 0.0, "", "no cut begins at the hole"
                 )
         elif k not in own and not burn.linked and _in_metal(burn, sheet):
+            at = shapely.Point(burn.pierce)
+            if kerf_starts and any(at.distance(older.line) <= RING_MM for older in burns[:k] if not _is_hole(older)):
+                continue
             yield Finding("not-pierced", burn.cut, (burn.name,), burn.pierce, 0.0, "", "it begins at no hole")
 
 

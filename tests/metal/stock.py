@@ -13,6 +13,9 @@ from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.pieces import Pieces
 from kerfwise.tests.metal.tolerances import CROSSED_MM, HELD_BY_MM2, NUMERIC_MM, OVERCUT_MM, RING_MM
 
+_ROUND = 0.97
+"""A contour is cut all round if so much of it is: the rest is for tabs."""
+
 
 def off_sheet(burn: Burn, sheet: shapely.Polygon, edge_starts: bool) -> Iterator[Finding]:
     """Where the torch is lit off the sheet; a run-up from outside is lawful where edge starts are."""
@@ -96,11 +99,27 @@ def twice(burns: Sequence[Burn], overcut_mm: float = OVERCUT_MM) -> Iterator[tup
             yield k, Finding("cut-twice", burn.cut, (name,), burn.pierce, again, "mm", "the contour is cut again for")
 
 
-def along_older(burns: Sequence[Burn], overcut_mm: float = OVERCUT_MM) -> Iterator[tuple[int, Finding]]:
-    """Burns that run along the path of an older one for more than a ring closes over, each with its place."""
+def _all_round(burns: Sequence[Burn]) -> set[str]:
+    """The contours that are cut all round, but for tabs, whatever lies beside them."""
+    on_ring_mm: dict[str, float] = {}
+    for burn in burns:
+        if burn.contour is not None:
+            on_ring_mm[burn.contour.id] = on_ring_mm.get(burn.contour.id, 0.0) + burn.on_ring_mm
+    return {b.contour.id for b in burns if b.contour is not None and on_ring_mm[b.contour.id] > _ROUND * b.ring_mm}
+
+
+def along_older(
+    burns: Sequence[Burn], whole_rounds: bool = False, overcut_mm: float = OVERCUT_MM
+) -> Iterator[tuple[int, Finding]]:
+    """Burns that run along the path of an older one for more than a ring closes over, each with its place.
+
+    Two parts a kerf apart may each be cut all round where `whole_rounds` says so, as beside one that tabs hold.
+    """
     tree = shapely.STRtree([burn.line for burn in burns])
+    whole = _all_round(burns) if whole_rounds else set()
     for k, burn in enumerate(burns):
-        older = [burns[j].line for j in sorted(tree.query(burn.line, "dwithin", distance=RING_MM)) if j < k]
+        near = sorted(j for j in tree.query(burn.line, "dwithin", distance=RING_MM).tolist() if j < k)
+        older = [burns[j].line for j in near if not {burn.name, burns[j].name} <= whole or burn.name == burns[j].name]
         again = burn.line.intersection(shapely.buffer(shapely.GeometryCollection(older), RING_MM)) if older else None
         if again is not None and again.length > overcut_mm:
             text = "the torch runs along an older kerf for"

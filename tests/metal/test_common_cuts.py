@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -9,10 +10,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import Produced, produce
 from kerfwise.jobs.solve_options import options_for
+from kerfwise.postproc.verdict.checking import check_program
 from kerfwise.rules.profile.cuts_section import Common, Cuts
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.tests.metal.common_nests import block, grid
@@ -65,3 +69,50 @@ def test_a_grid_takes_one_pierce_and_the_length_of_its_lines() -> None:
     assert made.plan.totals.pierces == 1
     assert made.plan.totals.cut_mm == pytest.approx(lines_mm, abs=8)  # a lead, and corners that are cut round
     assert made.verdict.ok
+
+
+def stopped(seed: int, kerf_mm: float, parts: int) -> Iterator[tuple[Nest, Produced, str]]:
+    """A block planned, and what is left of it after each of its cuts, planned anew; the old program besides."""
+    made, _ = burnt(seed, kerf_mm, parts)
+    sheet, profile = block(np.random.default_rng(seed), parts, kerf_mm, holes=True), laser(kerf_mm)
+    cuts = () if made is None else tuple(planned.cut for planned in made.plan.cuts)
+    for upto in range(1, len(cuts)):
+        try:
+            facts = facts_of(sheet, profile, AlreadyCut(cuts[:upto]))
+            rest = produce(ask(facts, profile), profile, options_for(sheet, profile, work=0.2))
+            yield sheet, rest, "" if made is None else made.program
+        except RulesConflict:
+            continue
+
+
+@pytest.mark.parametrize(("seed", "kerf_mm"), [(4, 0.5), (15, 1.5)])
+def test_what_is_left_of_a_block_after_a_stop(seed: int, kerf_mm: float) -> None:
+    """Both judges take what the program says is cut, and find every edge that is left burnt once."""
+    rests = list(stopped(seed, kerf_mm, 5))
+    assert len(rests) > 3
+    for sheet, rest, before in rests:
+        assert rest.verdict.ok, rest.verdict.broken()
+        assert simulate(sheet, rest.program, before=before, **plant(laser(kerf_mm))) == []
+        assert check_program(sheet, rest.program, laser(kerf_mm)).ok
+    assert any(planned.cut.span is not None for planned in rests[-1][1].plan.cuts)
+
+
+@pytest.mark.slow
+@settings(max_examples=15, suppress_health_check=list(HealthCheck))
+@given(seed=st.integers(0, 10**6), kerf_mm=st.sampled_from(KERFS_MM), parts=st.integers(2, 6))
+def test_no_block_makes_scrap_after_a_stop(seed: int, kerf_mm: float, parts: int) -> None:
+    for sheet, rest, before in stopped(seed, kerf_mm, parts):
+        assert rest.verdict.ok, rest.verdict.broken()
+        assert simulate(sheet, rest.program, before=before, **plant(laser(kerf_mm))) == []
+        assert simulate(sheet, rest.program, **plant(laser(kerf_mm))) == []
+
+
+def test_a_neighbour_that_is_not_told_to_be_out_is_missed() -> None:
+    """Without it nobody has cut the edge that both share."""
+    *_, (sheet, rest, _) = stopped(15, 1.5, 5)
+    gone = next(planned.cut.contour for planned in reversed(rest.plan.already_cut) if planned.kind == "outer")
+    order = 1 + [planned.cut.contour for planned in rest.plan.already_cut].index(gone)
+    lines = rest.program.split("\n")
+    other = "\n".join(line for line in lines if not line.startswith(f"(OUT {order} "))
+    verdict = check_program(sheet, other, laser(1.5))
+    assert {"every-contour-once"} <= set(verdict.broken())

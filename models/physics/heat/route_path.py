@@ -58,7 +58,8 @@ class RoutePaths:
         if contour.kind == "mark":
             return None, begin_s + feeds.mark_start_s + candidate.cut_mm / feeds.mark_mm_s
         pierce_s = feeds.edge_s if candidate.unpierced else feeds.pierce_s
-        end_s = begin_s + pierce_s + (candidate.cut_mm + contour.corner_mm) / (feeds.cut_mm_s * contour.feed_share)
+        run_mm = candidate.cut_mm + candidate.at_corners_mm(contour)
+        end_s = begin_s + pierce_s + run_mm / (feeds.cut_mm_s * contour.feed_share)
         return torch_on(contour.id, self._points(number, candidate), begin_s, end_s, pierce_s), end_s
 
     def _points(self, number: int, candidate: Candidate) -> Floats:

@@ -70,10 +70,12 @@ def met_holes(facts: Facts, kerf_mm: float, splash_mm: float) -> list[tuple[int,
     in_pass, contours = facts.options.pierce_pass, facts.nest.contours
     if in_pass is None:
         return []
-    pierced = [c for c, one in enumerate(facts.candidates) if contours[one.contour].shapes_part and not one.unpierced]
+    drawn = [c for c, one in enumerate(facts.candidates) if contours[one.contour].shapes_part and one.span is None]
+    pierced = [c for c in drawn if not facts.candidates[c].unpierced]
     holes = np.array([shapely.Point(facts.candidates[c].pierce) for c in pierced], dtype=object)
     found: set[tuple[int, int]] = set()
-    for c, one in enumerate(facts.candidates):
+    for c in drawn:
+        one = facts.candidates[c]
         lines = [lead.line() for lead in (one.lead_in, one.lead_out) if lead is not None and lead.length_mm > 0]
         own = shapely.Point(one.pierce)
         for k, d in enumerate(pierced):
