@@ -28,6 +28,10 @@ say "environment in .venv"
 [ -x .venv/bin/python ] || "$PYTHON" -m venv .venv 2>/dev/null || { from_debian python3-venv; "$PYTHON" -m venv .venv; }
 .venv/bin/python -m pip install -q -e '.[cluster,docs,nest,serve,test]'
 [ -e .typing/kerfwise ] || { mkdir -p .typing; ln -s .. .typing/kerfwise; } # left out of source distributions
+# Kernels are compiled by one core while the other does all up to the tests; what goes wrong there the tests tell.
+here=$(pwd)
+(cd / && exec "$here/.venv/bin/python" -m kerfwise.tests.tools.kernels >/dev/null 2>&1) &
+kernels=$!
 
 say "MiniZinc"
 command -v minizinc >/dev/null 2>&1 || from_debian minizinc
@@ -61,4 +65,5 @@ say "docs site, every link checked"
 NO_MKDOCS_2_WARNING=1 .venv/bin/mkdocs build # not --quiet: it would hide warnings, and pass in spite of them
 
 say "tests"
-exec .venv/bin/pytest -q -n 2 --dist loadfile --no-loadscope-reorder "$@"
+wait "$kernels" || :
+exec .venv/bin/pytest -q -n 2 --dist worksteal "$@"

@@ -56,8 +56,7 @@ TEXT_FILES = {"open", "fdopen", "read_text", "write_text", "TemporaryFile", "Nam
 ALLOWED = {
     ("jobs/bench/memory.py", "import resource"): "not on Windows, where its twin asks the system itself",
     ("benchmarks/heat_speed.py", "os.wait4"): "a figure for the docs, made on Linux; no part of what is installed",
-    ("benchmarks/same_plans.py", "symlink_to"): "compares two checkouts, for developers; no part of what is installed",
-    ("benchmarks/phases.py", "symlink_to"): "compares two checkouts, for developers; no part of what is installed",
+    ("benchmarks/checkout.py", "symlink_to"): "compares two checkouts, for developers; no part of what is installed",
     ("models/kernels.py", "os.sched_getaffinity"): "asked for only where the system has it",
     ("jobs/processes.py", "os.sched_setaffinity"): "only where the system has it",
     ("encoder/swap.py", "os.path"): "is a program of its own, which starts in hundredths of a second: no pathlib",

@@ -27,7 +27,7 @@ from kerfwise.tests.agreement.orders import (
 )
 from kerfwise.tests.agreement.trial import Trial
 
-SEEDS = (2, 3, 5, 7, 13, 18, 20)
+SEEDS = (3, 5, 6, 7, 13, 18, 20)
 ONCE_WRONG = {
     9: "strips between parts that the last one cut does not touch",
     1: "a part that hangs on the frame by exactly the share asked",
@@ -36,7 +36,7 @@ ONCE_WRONG = {
 """Seeds of nests on which the two sides once differed, and over what."""
 IGNORED = 0
 """Seed of a nest with drawn options on which it matters how many cuts heat-lag asks for."""
-SLOW = {1, 2, 3, 5, 7, 9, 13, 111}
+SLOW = {1, 3, 5, 6, 7, 9, 13, 111}
 BY_SEED = [pytest.param(k, marks=[pytest.mark.slow] if k in SLOW else []) for k in (*SEEDS, *ONCE_WRONG)]
 
 

@@ -8,8 +8,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from kerfwise.benchmarks import phases
-from kerfwise.benchmarks.phases import ALL, BUT_PLANNING, MEMORY, PHASES, REST, Clock, Start, phase_table, start_table
+from kerfwise.benchmarks import phase_clock, phases
+from kerfwise.benchmarks.phase_clock import ALL, BUT_PLANNING, MEMORY, PHASES, REST, Clock
+from kerfwise.benchmarks.phase_tables import Start, phase_table, start_table
 
 HEADS = (("cold", ", s"), ("kernels", ""), ("warm", ", s"))
 PAGE = (Path(__file__).parents[2] / "docs" / "phases.md").read_text(encoding="utf-8")
@@ -23,7 +24,7 @@ def test_every_phase_is_made_by_functions_that_there_are() -> None:
 
 def test_a_phase_within_a_phase_counts_for_itself_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     ticks = iter([0.0, 1.0, 3.0, 6.0, 10.0])
-    monkeypatch.setattr(phases.time, "process_time", lambda: next(ticks))
+    monkeypatch.setattr(phase_clock.time, "process_time", lambda: next(ticks))
     clock = Clock()
     inner = clock.around("problem", lambda: None)
     clock.around("planning", inner)()
@@ -69,7 +70,7 @@ def test_a_plate_is_measured() -> None:
     import subprocess
     import sys
 
-    words = [sys.executable, phases.__file__, "--one", "20", "--work", "0.1"]
+    words = [sys.executable, phase_clock.__file__, "20", "--work", "0.1"]
     for minutes, ended in (("10", False), ("0.01", True)):
         words_ = [*words, "--minutes", minutes]
         done = subprocess.run(words_, capture_output=True, encoding="utf-8", check=True)
@@ -88,9 +89,9 @@ def test_the_page_has_every_phase_and_start() -> None:
 def test_a_plate_that_is_kept_is_not_run_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     ran: list[str] = []
 
-    def run(tree: phases.Tree, words: list[str], kept: str) -> object:
-        ran.append(words[2])
-        return SimpleNamespace(stdout=f'a warning\n{{"contours": {words[2]}}}\n')
+    def run(tree: phases.Tree, words: list[str], kept: str, cwd: object) -> object:
+        ran.append(words[1])
+        return SimpleNamespace(stdout=f'a warning\n{{"contours": {words[1]}}}\n', returncode=0)
 
     monkeypatch.setattr(phases.Tree, "run", run)
     tree = object.__new__(phases.Tree)

@@ -18,7 +18,6 @@ ROOT = Path(kerfwise.__file__).parent
 WHOLE = (ROOT / "docs" / "writing-a-rule.md").read_text(encoding="utf-8")
 PAGE = WHOLE.partition("\n## A rule of the catalogue\n")[2]
 COMMANDS = re.findall(r"^\$ (.+)$", PAGE, re.MULTILINE)
-COMPILED = ("search", "ideals")
 PYTHON = f'"{sys.executable}"'
 WORDS = {
     "kerfwise ": f"{PYTHON} -m kerfwise ",
@@ -30,9 +29,8 @@ WORDS = {
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("checkout") / "kerfwise"
-    shutil.copytree(ROOT, root, ignore=shutil.ignore_patterns(".*", "__pycache__", "*.egg-info", "build", *COMPILED))
-    for name in COMPILED:  # what numba has compiled lies beside them
-        (root / "models" / "engines" / name).symlink_to(ROOT / "models" / "engines" / name)
+    # with what numba has compiled, which is kept beside the modules
+    shutil.copytree(ROOT, root, ignore=shutil.ignore_patterns(".*", "*.pyc", "*.egg-info", "build"))
     return root
 
 

@@ -51,7 +51,7 @@ def answer(example: Example, engine: Engine) -> str:
             options = SolveOptions(work=20.0, home_mm=HOME, feeds=FEEDS)
             found = solve_minizinc(FACTS, PROFILE, Stated(example.statements, ()), options)
         else:
-            options = SolveOptions(work=0.4, home_mm=HOME, feeds=FEEDS, member=member_of(engine))
+            options = SolveOptions(work=0.1, home_mm=HOME, feeds=FEEDS, member=member_of(engine))
             found = solve(FACTS, example.statements, options)
     except InputError:
         return REFUSES

@@ -22,7 +22,7 @@ BLOCKS = [range(i, i + 3) for i in range(0, 24, 3)]
 @given(problems())
 @settings(max_examples=150, deadline=None, derandomize=True)
 def test_tiny_problems_are_solved_to_the_optimum(drawn: Problem) -> None:
-    best = search(drawn, SolveOptions(work=0.03))
+    best = search(drawn, SolveOptions(work=0.015))
     expected = cheapest(drawn)
     if expected is None:
         assert best is None

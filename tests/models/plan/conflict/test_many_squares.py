@@ -9,6 +9,7 @@ import pytest
 from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import facts_of
 from kerfwise.models.engines.budget import Budget
 from kerfwise.models.physics.timing.choose import feeds_of
@@ -22,16 +23,22 @@ from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.rules.stating.state_rules import every_statement, state_rules
 
-SQUARES = nest(
-    610, 510, *(part(f"P{12 * row + column + 1}", rect(10 + 50 * column, 10 + 50 * row, 40, 40))
-                for row in range(10) for column in range(12))
-)  # fmt: skip
+
+def squares(rows: int) -> Nest:
+    """Rows of twelve squares."""
+    return nest(
+        610, 10 + 50 * rows, *(part(f"P{12 * row + column + 1}", rect(10 + 50 * column, 10 + 50 * row, 40, 40))
+                               for row in range(rows) for column in range(12))
+    )  # fmt: skip
+
+
+SQUARES, FEW = squares(10), squares(2)
 BOTH_FIFTH = [f"{name} is cut 5 in order: locked by the operator" for name in ("P1.outer", "P2.outer")]
 
 
-def locked(*locks: Lock) -> tuple[Facts, Profile]:
+def locked(*locks: Lock, sheet: Nest = SQUARES) -> tuple[Facts, Profile]:
     profile = replace(load_profile(), locks=locks)
-    return facts_of(SQUARES, profile), profile
+    return facts_of(sheet, profile), profile
 
 
 def test_two_contours_locked_at_one_position_are_refused_before_any_plan() -> None:
@@ -51,7 +58,7 @@ def test_one_contour_locked_at_two_positions_is_refused_before_any_plan() -> Non
 @pytest.mark.slow
 def test_two_positions_at_odds_are_named_and_one_is_let_go() -> None:
     facts, profile = locked(Lock(contour="P1.outer", position=5), Lock(contour="P2.outer", position=5))
-    conflict = find_conflict(facts, profile, Budget(work=10.0))
+    conflict = find_conflict(facts, profile, Budget(work=1.0))
     assert conflict is not None
     assert sorted(about.sentence for about in conflict.clash) == BOTH_FIFTH
     assert conflict.minimal
@@ -87,7 +94,7 @@ def test_a_way_out_is_priced_without_moves_where_there_is_no_time_to_look_at_the
 
 @pytest.mark.slow
 def test_ways_out_that_there_is_no_time_to_compare_are_said_to_be_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    facts, profile = locked(Lock(contour="P1.outer", position=5), Lock(contour="P2.outer", position=5))
+    facts, profile = locked(Lock(contour="P1.outer", position=5), Lock(contour="P2.outer", position=5), sheet=FEW)
     monkeypatch.setattr(conflict_module, "PLANS", 1e9)
     for budget, said in (
         (Budget(time_s=1000.0), "a way out (which one costs least was not compared):"),
