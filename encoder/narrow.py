@@ -34,6 +34,10 @@ NEAR_MM = 0.01
 """Where the path leaves a contour by so little, the walls of a feature begin."""
 QUARTER = 32
 """Chords of a quarter of a round end: true to 0.03 % of the radius."""
+FEW = 6
+"""Chords of a quarter of a round end where few will do: they lie inside the round, so that nothing seems nearer."""
+SLACK_MM = 0.005
+"""More than what fine chords make of a distance."""
 CORNER_RAD = math.radians(15)
 """Walls that open by less are those of a slot."""
 
@@ -109,8 +113,12 @@ def lost_walls(
     if kerf_mm <= 0 or not cut:
         return {}
     half_mm, more_mm = kerf_mm / 2, tolerance_mm(kerf_mm)
-    lines = np.array([c.curve.line(CHORD_MM) for c in cut], dtype=object)
     known, more = paths or {}, slits or {}
+    sure = _surely_kept(cut, known, half_mm, more_mm)
+    cut = [c for c, whole in zip(cut, sure.tolist(), strict=True) if not whole]
+    if not cut:
+        return {}
+    lines = np.array([c.curve.line(CHORD_MM) for c in cut], dtype=object)
     rings = np.array([known[c.id].line(CHORD_MM) if c.id in known else ring_of(c, half_mm) for c in cut], dtype=object)
     for k, contour in enumerate(cut):
         if contour.id in more and not rings[k].is_empty:
@@ -129,6 +137,26 @@ def lost_walls(
         if lost := tuple(one for one in judged if one is not None):
             found[contour.id] = lost
     return found
+
+
+def _surely_kept(
+    contours: Sequence[Contour], paths: Mapping[str, Curve], half_mm: float, more_mm: float
+) -> NDArray[np.bool_]:
+    """Contours of which nowhere more is left than of a right angle, as few chords show it; False says nothing yet.
+
+    Where the chords of a contour lie nearer to those of its path than that, by what both chords and the chords of the
+    round ends may be off, so does the contour. Coarse chords tell that of curves, finer ones of right angles.
+    """
+    most_mm = half_mm * math.sqrt(2) + more_mm
+    sure = np.zeros(len(contours), dtype=np.bool_)
+    for chord_mm in ((most_mm - half_mm) / 8, more_mm / 8):
+        left = [k for k, c in enumerate(contours) if not sure[k] and c.id in paths]
+        lines = np.array([contours[k].curve.line(chord_mm) for k in left], dtype=object)
+        rings = np.array([paths[contours[k].id].line(chord_mm / 2) for k in left], dtype=object)
+        rings = shapely.simplify(rings, chord_mm / 2)  # paths of very many chords too
+        near = shapely.buffer(rings, most_mm - 2 * chord_mm - SLACK_MM, quad_segs=FEW)
+        sure[left] = shapely.covers(near, lines)
+    return sure
 
 
 def _not_too_fine(rings: Lines) -> Lines:

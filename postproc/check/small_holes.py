@@ -28,6 +28,7 @@ Shares = tuple[float, float]
 _RULE = "small-holes"
 _CHORD_MM, _STEP_MM = 1e-4, 2e-4
 _SLACK_MM = 0.0125
+_DRAWN_MM = 0.011
 _MEASURED_MM = 0.002
 _MIDDLE, _ARMS = 0.25, 0.8
 _NAMED = 5
@@ -70,8 +71,13 @@ def _judged(drawn: Nest, limits: HoleLimits, kerf_mm: float, grid_mm: float | No
     for part in drawn.parts:
         holes, marks = [], list(part.marks)
         for hole in part.holes:
+            enough_mm = max(under_mm, limits.full_feed_mm)
+            if enough_mm > 0 and _coarsely_mm(hole) >= enough_mm + _SLACK_MM:
+                shares[hole.id] = _shares(enough_mm + _SLACK_MM, limits)
+                holes.append(hole)
+                continue
             area = shapely.make_valid(hole.curve.polygon(_CHORD_MM))
-            across_mm = _across_mm(area, max(under_mm, limits.full_feed_mm))
+            across_mm = _across_mm(area, enough_mm)
             if across_mm >= under_mm - _SLACK_MM:
                 shares[hole.id] = _shares(across_mm, limits)
                 holes.append(hole)
@@ -99,6 +105,15 @@ def _across_mm(area: shapely.Geometry, enough_mm: float) -> float:
     if shapely.covers(area, middle) and 2 * shapely.distance(edge, middle) >= enough_mm:
         return float(2 * shapely.distance(edge, middle))
     return float(2 * shapely.maximum_inscribed_circle(area, tolerance=_STEP_MM).length)
+
+
+def _coarsely_mm(hole: Contour) -> float:
+    """A diameter that a circle in a hole has at the least, by the chords of the drawing; 0 where they tell none."""
+    area = hole.polygon
+    middle = shapely.centroid(area)
+    if not shapely.is_valid(area) or not shapely.covers(area, middle):
+        return 0.0
+    return float(2 * shapely.distance(hole.line, middle)) - 2 * _DRAWN_MM
 
 
 def _shares(across_mm: float, limits: HoleLimits) -> Shares:

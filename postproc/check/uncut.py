@@ -32,6 +32,8 @@ _AT_ONCE = 256
 """Paths whose kerfs are made together; of all at once they would take more memory than all else."""
 NEARLY_MM = 0.01
 """Less than this the buffers of lines and of their pieces lie apart."""
+_FEW = 6
+"""Chords of a quarter of a round end where few will do: they lie inside the round."""
 _SLOT_RAD = math.radians(15)
 
 
@@ -54,6 +56,9 @@ def features_lost(
     if kerf_mm <= 0 or not cut:
         return []
     within_mm = kerf_mm / 2 + tolerance_mm(kerf_mm) + SLACK_MM
+    cut = _doubtful(cut, kerf_mm)
+    if not cut:
+        return []
     contours = np.array([run.contour.curve.line(_CHORD_MM) for run in cut if run.contour is not None], dtype=object)
     helped = _helped(cut, runs, before, within_mm)
     along = burns_by_contour(runs, opened)
@@ -69,6 +74,22 @@ def features_lost(
             exactly = _left(contours[k : k + 1], [path], within_mm)[0]
             found += _of_run(cut[k], shapely.difference(exactly, spared), path, kerf_mm)
     return found
+
+
+def _doubtful(cut: Sequence[TorchRun], kerf_mm: float) -> list[TorchRun]:
+    """The runs beside which more than of a right angle may be left; coarse chords clear most, finer ones right angles.
+
+    What the chords of a contour, those of its round and those of the round ends may be off is taken from the distance.
+    """
+    half_mm, more_mm = kerf_mm / 2, tolerance_mm(kerf_mm)
+    most_mm = math.sqrt(2) * half_mm + more_mm
+    left = list(cut)
+    for chord_mm in ((most_mm - half_mm) / 8, more_mm / 8):
+        contours = np.array([run.contour.curve.line(chord_mm) for run in left if run.contour is not None], dtype=object)
+        rounds = shapely.simplify(np.array([run.loop for run in left], dtype=object), chord_mm)
+        near = shapely.covers(shapely.buffer(rounds, most_mm - 2 * chord_mm, quad_segs=_FEW), contours)
+        left = [run for run, covered in zip(left, near.tolist(), strict=True) if not covered]
+    return left
 
 
 def _left(contours: Any, paths: Sequence[shapely.Geometry], within_mm: float) -> Any:
