@@ -1,19 +1,20 @@
 """Whether two checkouts plan the same: every example nest under every shipped profile, files compared byte by byte.
 
-Usage: python benchmarks/same_plans.py OTHER [--work W] [--nest FILE …] [--profile NAME …]
+Usage: python benchmarks/same_plans.py OTHER [--work W] [--nest FILE …] [--profile NAME …] [--kept FOLDER]
 
 OTHER is an earlier checkout; this file's own is the other side. Both are run by this Python, each as its own program.
+Kernels are compiled once for each side, and found compiled by a later run where --kept names the same folder.
 Prints a line for each nest and profile; exit code 1 if any file, message or exit code differs.
 """
 
 from __future__ import annotations
 
 import argparse
-import os
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+from kerfwise.benchmarks.checkout import Checkout
 
 HERE = Path(__file__).resolve().parents[1]
 NESTS = HERE / "examples" / "nests"
@@ -21,23 +22,14 @@ OUT = ("-o", "made.nc", "--plan", "made.plan.json", "--picture", "made.svg")
 MAIN = "from kerfwise.cli import main; main()"
 
 
-def solved(checkout: Path, nest: Path, profile: str, work: float) -> dict[str, bytes]:
+def solved(checkout: Checkout, nest: Path, profile: str, work: float) -> dict[str, bytes]:
     """What one checkout makes of a nest: file name → bytes, and under "exit", "said" how it ended and its words."""
     with tempfile.TemporaryDirectory() as folder:
-        package = Path(folder) / "package"
-        package.mkdir()
-        (package / "kerfwise").symlink_to(checkout, target_is_directory=True)
-        out = Path(folder) / "out"
-        out.mkdir()
-        done = subprocess.run(
-            [sys.executable, "-c", MAIN, "solve", str(nest), "-p", profile, "--work", f"{work:g}", *OUT],
-            cwd=out,
-            env={**os.environ, "PYTHONPATH": str(package)},
-            capture_output=True,
-            check=False,
-        )
+        out = Path(folder)
+        words = ["-c", MAIN, "solve", str(nest), "-p", profile, "--work", f"{work:g}", *OUT]
+        done = checkout.run(words, "warm", out)
         made = {file.name: file.read_bytes() for file in sorted(out.iterdir())}
-        return {**made, "exit": b"%d" % done.returncode, "said": _steady(done.stdout + done.stderr)}
+        return {**made, "exit": b"%d" % done.returncode, "said": _steady(f"{done.stdout}{done.stderr}".encode())}
 
 
 def _steady(said: bytes) -> bytes:
@@ -54,20 +46,20 @@ def main() -> None:
     parser.add_argument(
         "--profile", nargs="*", default=sorted(p.stem for p in (HERE / "rules").rglob("shipped/*.yaml"))
     )
+    parser.add_argument("--kept", type=Path, metavar="FOLDER")
     given = parser.parse_args()
     differ = 0
-    for nest in given.nest:
-        if nest.suffix not in (".json", ".dxf", ".svg"):
-            continue
-        for profile in given.profile:
-            one, two = (solved(tree, nest.resolve(), profile, given.work) for tree in (given.other.resolve(), HERE))
-            unlike = sorted(name for name in {*one, *two} if one.get(name) != two.get(name))
-            differ += bool(unlike)
-            files = ", ".join(sorted({*two} - {"exit", "said"})) or "refused"
-            print(
-                f"{nest.name} {profile}: {'DIFFERS in ' + ', '.join(unlike) if unlike else 'same'} ({files})",
-                flush=True,
-            )
+    with tempfile.TemporaryDirectory() as folder:
+        kept = (given.kept or Path(folder)).resolve()
+        before, after = Checkout(given.other.resolve(), kept / "before"), Checkout(HERE, kept / "after")
+        for nest in (nest.resolve() for nest in given.nest if nest.suffix in (".json", ".dxf", ".svg")):
+            for profile in given.profile:
+                one, two = (solved(side, nest, profile, given.work) for side in (before, after))
+                unlike = sorted(name for name in {*one, *two} if one.get(name) != two.get(name))
+                differ += bool(unlike)
+                files = ", ".join(sorted({*two} - {"exit", "said"})) or "refused"
+                told = f"DIFFERS in {', '.join(unlike)}" if unlike else "same"
+                print(f"{nest.name} {profile}: {told} ({files})", flush=True)
     sys.exit(1 if differ else 0)
 
 

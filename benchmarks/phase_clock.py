@@ -1,0 +1,158 @@
+"""Plans, writes, checks and draws one plate in this process, and tells the processor seconds of every phase.
+
+Usage: python benchmarks/phase_clock.py CONTOURS [--work W] [--minutes M]
+
+The plate is made by examples/gen_sheet.py, seed 1. Prints one line of JSON. `phases.py` runs this file for each
+checkout with the package of that one, so nothing of the benchmarks is imported here.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import json
+import math
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from kerfwise.examples.gen_sheet import contour_count, make_sheet
+
+PHASES: dict[str, tuple[tuple[str, str], ...]] = {
+    "read": (("kerfwise.encoder.readers.json_nest", "read_json"),),
+    "candidates": (("kerfwise.jobs.ask", "build_with_older_kerfs"),),
+    "facts": (("kerfwise.jobs.ask", "compute_facts"), ("kerfwise.jobs.ask", "contour_heat_kj")),
+    "rules": (("kerfwise.jobs.ask", "state_rules"),),
+    "problem": (("kerfwise.models.engines.rounds", "make_problem"), ("kerfwise.models.engines.rounds", "simplify")),
+    "planning": (("kerfwise.models.engines.rounds", "run_portfolio"),),
+    "looks at whole orders": (),
+    "plan and its reasons": (("kerfwise.jobs.produce", "make_plan"), ("kerfwise.jobs.produce", "with_times")),
+    "program": (("kerfwise.jobs.produce", "write_program"),),
+    "check": (("kerfwise.jobs.produce", "judge"),),
+    "picture": (("kerfwise.postproc.report", "draw"),),
+}
+"""Phase → the functions it is made by, where they are called from; what is called within one counts there only."""
+LOOK_S = 0.5
+"""How often a process looks at whether it has taken too long."""
+REST, ALL, BUT_PLANNING, MEMORY = "all else", "all", "all but planning", "memory, MB"
+
+
+class Clock:
+    """Processor seconds by phase; a phase within a phase counts for itself alone."""
+
+    def __init__(self) -> None:
+        self.seconds = dict.fromkeys(PHASES, 0.0)
+        self._running: list[str] = []
+        self._begun: list[str] = []
+        self._since_s = time.process_time()
+
+    @contextmanager
+    def phase(self, name: str) -> Iterator[None]:
+        """Count for a phase."""
+        self._turn()
+        self._running.append(name)
+        self._begun.append(name)
+        try:
+            yield
+        finally:
+            self._turn()
+            self._running.pop()
+
+    def _turn(self) -> None:
+        now_s = time.process_time()
+        if self._running:
+            self.seconds[self._running[-1]] += now_s - self._since_s
+        self._since_s = now_s
+
+    def so_far(self) -> tuple[dict[str, float], list[str], list[str]]:
+        """Seconds of every phase up to now, those that are running, and those that were never begun."""
+        self._turn()
+        return dict(self.seconds), list(self._running), [name for name in PHASES if name not in self._begun]
+
+    def around(self, name: str, step: Callable[..., Any]) -> Callable[..., Any]:
+        """The same function, counted."""
+
+        def run(*given: Any, **options: Any) -> Any:
+            with self.phase(name):
+                return step(*given, **options)
+
+        return run
+
+
+def spent(contours: int, work: float, told: Callable[[dict[str, Any]], None], most_s: float = math.inf) -> None:
+    """Plan, write, check and draw one plate in this process; tell processor seconds by phase, and the memory.
+
+    After `most_s` of the processor that is told and the process ended; `running` and `missing` are then the phases that
+    it was in, and those that it never began.
+    """
+    from kerfwise.encoder.readers import ReadOptions
+    from kerfwise.jobs.bench.memory import peak_mb
+    from kerfwise.jobs.given import Given
+    from kerfwise.jobs.main_job import plan_nest
+    from kerfwise.jobs.solve_options import options_for
+    from kerfwise.rules.profile.profile import load_profile
+
+    text = json.dumps(make_sheet(1, contours)).encode()
+    profile = load_profile()
+    clock = Clock()
+    for name, steps in PHASES.items():
+        for module, step in steps:
+            place = importlib.import_module(module)
+            if hasattr(place, step):
+                setattr(place, step, clock.around(name, getattr(place, step)))
+    _around_looks(clock)
+    began_s = time.process_time()
+
+    def tell(ended: bool) -> None:
+        seconds, running, missing = clock.so_far()
+        whole_s = time.process_time() - began_s
+        sums = {REST: whole_s - sum(seconds.values()), ALL: whole_s, BUT_PLANNING: whole_s - seconds["planning"]}
+        told({**seconds, **sums, MEMORY: peak_mb(), "ended": ended, "running": running, "missing": missing})
+
+    threading.Thread(target=_end_after, args=(began_s + most_s, tell), daemon=True).start()
+    nest = importlib.import_module("kerfwise.encoder.readers.json_nest").read_json(text, ReadOptions())
+    limits = options_for(nest, profile, work=work)
+    made = plan_nest(Given(nest, profile), limits).made
+    if not made.verdict.ok:
+        raise SystemExit("the check refuses the plan")
+    importlib.import_module("kerfwise.postproc.report").draw(nest, made.plan, ".svg", profile.home_on(nest))
+    tell(False)
+
+
+def _end_after(most_s: float, tell: Callable[[bool], None]) -> None:
+    """End the process once it has taken so many seconds of the processor."""
+    while time.process_time() < most_s:
+        time.sleep(LOOK_S)
+    tell(True)
+    sys.stdout.flush()
+    os._exit(0)
+
+
+def _around_looks(clock: Clock) -> None:
+    """Count what rules that judge a whole order find wrong with those that are tried."""
+    place: Any = importlib.import_module("kerfwise.jobs.produce")
+    plain = place.afterthoughts
+
+    def counted(*given: Any) -> Callable[..., Any]:
+        return clock.around("looks at whole orders", plain(*given))
+
+    place.afterthoughts = counted
+
+
+def main() -> None:
+    """Print the line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("contours", type=int)
+    parser.add_argument("--work", type=float, default=2.0)
+    parser.add_argument("--minutes", type=float, default=math.inf)
+    given = parser.parse_args()
+    contours = contour_count(make_sheet(1, given.contours))
+    spent(given.contours, given.work, lambda told: print(json.dumps(told | {"contours": contours})), 60 * given.minutes)
+
+
+if __name__ == "__main__":
+    main()
