@@ -1,13 +1,14 @@
 """How kerfwise fares on the field's own routing benchmarks.
 
-Usage: python benchmarks/routing.py FOLDER --best-known CSV [--time-limit S] [--seed N] [--also SET=S …]
-           [--remarks TEXT.md …] > docs/routing.md
+Usage: python benchmarks/routing.py FOLDER --best-known CSV [--time-limit S | --work W] [--seed N] [--also SET=S …]
+           [--only PATTERN …] [--remarks TEXT.md …] > docs/routing.md
 
 FOLDER holds a folder for every set, with `.pcglns` and `.sop` files in it, gzipped or not; the CSV has columns set,
 instance and best_upper. Prints the page: every instance run once by the default engine, judged, beside the best cost
 known; what is worse than that comes first, then remarks that people wrote, and what
-`sparse_orders.py` printed. `--also cnc=1` runs a set once more, with
-another limit.
+`sparse_orders.py` printed. `--also cnc=1` runs a set once more, with another limit. `--only soplib/R.*.1` runs the
+instances alone whose set and name fit one of the patterns. With `--work` the limits are deterministic, so that other
+programs on the machine change no cost and no bound, and what they took is counted in seconds of processor.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ import platform
 import subprocess
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
 from importlib.metadata import version
 from pathlib import Path
 
@@ -33,13 +35,15 @@ PAGE = """\
 The core of kerfwise solves the precedence-constrained generalised travelling salesman problem, and with one vertex a
 cluster the sequential ordering problem. These are the field's instances, run by
 
-    python benchmarks/routing.py FOLDER --best-known CSV --time-limit {limit:g} --seed {seed}{also}
+    python benchmarks/routing.py FOLDER --best-known CSV {limit} --seed {seed}{also}
 
 on {date}, kerfwise {kerfwise} at commit {commit}, Python {python}, numba {numba}, OR-Tools {ortools}, {machine}.
 Every instance has a process of its own; its clock runs from the file read to the answer, with compiled kernels loaded.
+{counted}
 Tours are judged by code that shares nothing with the engines. A cost is proven where the engine showed that no tour
-is cheaper; elsewhere the bound that it did prove stands beside it. Memory is the most that the process held,
-some {base:.0f} MB of it the interpreter and its libraries. One instance: `kerfwise bench FILE --time-limit {limit:g}`.
+is cheaper; elsewhere the bound that it did prove stands beside it, and how far the cost is above that. Where no best
+known cost is published, the cost that a longer run on this page proved stands for it. Memory is the most that the
+process held, some {base:.0f} MB of it the interpreter and its libraries. One instance: `kerfwise bench FILE {limit}`.
 
 {summary}
 
@@ -49,6 +53,11 @@ some {base:.0f} MB of it the interpreter and its libraries. One instance: `kerfw
 {remarks}
 {sets}
 """
+BY_CLOCK = "Limits are seconds by the clock; seconds of processor are those of all threads together."
+BY_WORK = """\
+Limits are in work, which is deterministic: other programs on the machine change no cost and no bound, but they do
+change the seconds by the clock. A unit of work is meant to be about a second of each thread on a machine that has
+nothing else to do. What was really taken stands beside it, in seconds of processor, all threads together."""
 
 
 @dataclass(frozen=True)
@@ -64,50 +73,86 @@ class Run:
         """To the best known cost."""
         return gap_to(self.result, self.best)
 
+    @property
+    def over_bound(self) -> float | None:
+        """To the bound that was proven; None where there is none above 0."""
+        return gap_to(self.result, self.result.bound) if self.result.bound else None
+
     def __str__(self) -> str:
         r = self.result
         gap = "" if self.gap is None else f"{self.gap:+.2%}"
         bound = "yes" if r.proven else "" if r.bound is None else f"≥ {r.bound:g}"
+        over = "" if r.proven or self.over_bound is None else f"{self.over_bound:+.1%}"
         best = "" if self.best is None else f"{self.best:g}"
         cost = "none" if r.cost is None else f"{r.cost:g}"
-        return f"| {r.instance} | {cost} | {best} | {gap} | {bound} | {r.seconds:.1f} | {r.memory_mb:.0f} |"
+        taken = f"{r.seconds:.1f} | {r.processor_s:.1f} | {r.memory_mb:.0f}"
+        return f"| {r.instance} | {cost} | {best} | {gap} | {bound} | {over} | {taken} |"
 
 
-HEAD = "| instance | cost | best known | gap | proven | s | MB |\n|---|---:|---:|---:|---:|---:|---:|\n"
+HEAD = (
+    "| instance | cost | best known | gap | proven | above that | s | processor, s | MB |\n"
+    "|---|---:|---:|---:|---:|---:|---:|---:|---:|\n"
+)
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Seconds for every instance of every set; `also`: sets to run again, with how many seconds."""
+    """For every instance of every set, seconds by the clock or `work`; `also`: sets to run again, with how much.
 
-    limit_s: float
+    `only` are patterns of SET/INSTANCE.
+    """
+
+    limit: float
     seed: int
-    also: tuple[tuple[str, float], ...]
+    also: tuple[tuple[str, float], ...] = ()
+    by_work: bool = False
+    only: tuple[str, ...] = ()
+
+    @property
+    def option(self) -> str:
+        """As the command line has it."""
+        return f"--{'work' if self.by_work else 'time-limit'} {self.limit:g}"
+
+    def job(self, path: Path, limit: float) -> BenchJob:
+        """What is to be run."""
+        if self.by_work:
+            return BenchJob(str(path), seed=self.seed, work=limit)
+        return BenchJob(str(path), seed=self.seed, time_s=limit)
+
+    def wanted(self, path: Path) -> bool:
+        """Whether a file is an instance that is to be run."""
+        name = f"{path.parent.name}/{path.name.removesuffix('.gz').rsplit('.', 1)[0]}"
+        return is_instance(path) and (not self.only or any(fnmatchcase(name, pattern) for pattern in self.only))
 
 
-def run_set(name: str, folder: Path, best: BestKnown, limit_s: float, seed: int) -> list[Run]:
-    """Every instance of a folder, as a set of that name."""
+def run_set(name: str, folder: Path, best: BestKnown, limit: float, limits: Limits) -> list[Run]:
+    """Every instance of a folder that is wanted, as a set of that name."""
     runs = []
     for path in sorted(folder.iterdir()):
-        if is_instance(path):
-            runs.append(Run(name, measure(BenchJob(str(path), seed=seed, time_s=limit_s)), best.of(path)))
+        if limits.wanted(path):
+            runs.append(Run(name, measure(limits.job(path, limit)), best.of(path)))
             print(runs[-1], file=sys.stderr, flush=True)
     return runs
+
+
+def with_proven(runs: Sequence[Run]) -> list[Run]:
+    """The same; where no best known cost is published, a cost that a run of the instance proved stands for it."""
+    proven = {run.result.instance: run.result.cost for run in runs if run.result.proven and run.result.feasible}
+    return [run if run.best is not None else replace(run, best=proven.get(run.result.instance)) for run in runs]
 
 
 def page(runs: Sequence[Run], limits: Limits, remarks: Sequence[Path] = ()) -> str:
     """The whole page."""
     names = list(dict.fromkeys(run.set for run in runs))
     of = {name: [run for run in runs if run.set == name] for name in names}
-    worse = [run for run in runs if run.gap is None or run.gap > 0]
-    lines = [
-        f"- **{name}**: {results_in_all([r.result for r in of[name]], [r.best for r in of[name]])}" for name in names
-    ]
+    worse = [run for run in runs if not run.result.feasible or (run.gap is not None and run.gap > 0)]
     return PAGE.format(
-        limit=limits.limit_s,
+        limit=limits.option,
         seed=limits.seed,
-        also="".join(f" --also {name}={seconds:g}" for name, seconds in limits.also)
+        also="".join(f" --also {name}={amount:g}" for name, amount in limits.also)
+        + "".join(f" --only {pattern}" for pattern in limits.only)
         + (f" --remarks {' '.join(text.name for text in remarks)}" if remarks else ""),
+        counted=BY_WORK if limits.by_work else BY_CLOCK,
         remarks="".join(f"\n{text.read_text(encoding='utf-8')}" for text in remarks),
         date=datetime.date.today().isoformat(),
         kerfwise=kerfwise.__version__,
@@ -117,12 +162,20 @@ def page(runs: Sequence[Run], limits: Limits, remarks: Sequence[Path] = ()) -> s
         ortools=version("ortools"),
         machine=f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
         base=min(run.result.memory_mb for run in runs),
-        summary="\n".join(lines),
+        summary="\n".join(f"- **{name}**: {_in_all(of[name])}" for name in names),
         worse="| set " + HEAD.replace("|---|", "|---|---|", 1) + "\n".join(f"| {r.set} {r}" for r in worse)
         if worse
         else "Nowhere.",
         sets="\n\n".join(f"## {name}\n\n{HEAD}" + "\n".join(map(str, of[name])) for name in names),
     )
+
+
+def _in_all(runs: Sequence[Run]) -> str:
+    """One line about the runs of a set."""
+    said = results_in_all([run.result for run in runs], [run.best for run in runs])
+    said += f", {sum(run.result.processor_s for run in runs):.0f} s of processor"
+    above = [run.over_bound for run in runs if run.over_bound is not None]
+    return said + (f", at most {max(above):.1%} above what is proven" if above else "")
 
 
 def _commit() -> str:
@@ -138,24 +191,30 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--best-known", type=Path, required=True)
-    parser.add_argument("--time-limit", type=float, default=30.0)
+    limit = parser.add_mutually_exclusive_group()
+    limit.add_argument("--time-limit", type=float, default=30.0)
+    limit.add_argument("--work", type=float)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--also", type=_set_and_seconds, action="append", default=[], metavar="SET=S")
+    parser.add_argument("--also", type=_set_and_amount, action="append", default=[], metavar="SET=S")
+    parser.add_argument("--only", action="append", default=[], metavar="PATTERN")
     parser.add_argument("--remarks", type=Path, nargs="+", default=[], metavar="TEXT.md")
     given = parser.parse_args()
     best = read_best_known(given.best_known)
-    limits = Limits(given.time_limit, given.seed, tuple(given.also))
+    by_work = given.work is not None
+    amount = given.work if by_work else given.time_limit
+    limits = Limits(amount, given.seed, tuple(given.also), by_work, tuple(given.only))
     runs = []
-    for name, seconds in limits.also:
-        runs += run_set(f"{name} in {seconds:g} s", given.folder / name, best, seconds, limits.seed)
+    for name, less in limits.also:
+        title = f"{name} with {less:g} of work" if by_work else f"{name} in {less:g} s"
+        runs += run_set(title, given.folder / name, best, less, limits)
     for folder in sorted(path for path in given.folder.iterdir() if path.is_dir()):
-        runs += run_set(folder.name, folder, best, limits.limit_s, limits.seed)
-    print(page(runs, limits, given.remarks), end="")
+        runs += run_set(folder.name, folder, best, limits.limit, limits)
+    print(page(with_proven(runs), limits, given.remarks), end="")
 
 
-def _set_and_seconds(text: str) -> tuple[str, float]:
-    name, seconds = text.split("=")
-    return name, float(seconds)
+def _set_and_amount(text: str) -> tuple[str, float]:
+    name, amount = text.split("=")
+    return name, float(amount)
 
 
 if __name__ == "__main__":

@@ -1,10 +1,9 @@
-"""Chains of exchanges against annealing where orders are sparse, on made instances; and nests with their orders varied.
+"""Chains of exchanges against annealing where orders are sparse, on made instances.
 
-Usage: python benchmarks/sparse_orders.py [--work W] [--varied FOLDER] > benchmarks/routing_made.md
+Usage: python benchmarks/sparse_orders.py [--work W] > benchmarks/routing_made.md
 
 Prints a section of docs/routing.md. Costs of made instances are drawn by chance, 0 to 1000, and so are the orders. The
-search alone does the same work (deterministic seconds) both ways. FOLDER holds routing instances with
-clusters; their orders are removed, halved and turned round, and each is solved in 1 s and in 10 s.
+search alone does the same work (deterministic seconds) both ways.
 """
 
 from __future__ import annotations
@@ -12,15 +11,13 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 
 from kerfwise.models.engines.search import Searcher
-from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.engines.warm_up import load_kernels
-from kerfwise.models.routing import Instance, is_instance, read_instance, solve_instance
+from kerfwise.models.routing import Instance
 
 TO_TUNE, HELD_OUT = (1, 2), (101, 102)
 """Seeds to choose the numbers of the search by, and seeds for the page alone."""
@@ -43,7 +40,7 @@ class Family:
 
 
 INTRODUCTION = """\
-The search alone, {work:g} deterministic seconds each way: `python benchmarks/sparse_orders.py --work {work:g}{also}`.
+The search alone, {work:g} deterministic seconds each way: `python benchmarks/sparse_orders.py --work {work:g}`.
 Costs are drawn by chance, 0 to 1000; orders keep to a hidden one. Seeds 1 and 2 are there to choose the numbers of
 the search by, the others for this page alone. The present numbers were chosen by R.200.1000.1, R.300.1000.1,
 R.700.1000.1, prob.100 and three more of 200 and 500 contours, made in another way.
@@ -79,21 +76,6 @@ def made(family: Family, seed: int) -> Instance:
     return Instance(str(family), cost, tuple((v,) for v in range(n + 2)), orders, start=0, closed=False)
 
 
-def varied(instance: Instance, seed: int) -> Iterator[Instance]:
-    """The same nest with no orders, with half of them, and with all of them the other way; the start stays first."""
-    home = next(k for k, members in enumerate(instance.clusters) if instance.start in members)
-    own = instance.orders[:, 0] != home
-    first, orders = instance.orders[~own], instance.orders[own]
-    half = orders[np.random.default_rng(seed).random(len(orders)) < 0.5]
-    for name, kept in (
-        ("no orders", orders[:0]),
-        ("half of its orders", half),
-        ("orders turned round", orders[:, ::-1]),
-    ):
-        all_of_it = np.unique(np.concatenate([first, kept]), axis=0)
-        yield replace(instance, name=f"{instance.name}, {name}", orders=all_of_it)
-
-
 def by_search(instance: Instance, work: float, chains: bool) -> int:
     """The cost that the search alone finds."""
     searcher = Searcher(instance.problem, 1, chains)
@@ -112,38 +94,16 @@ def rows_of_made(work: float) -> Iterator[str]:
                 yield f"| {family} | {seed}, {name} | {annealed} | {chained} | {chained / annealed - 1:+.1%} |"
 
 
-def rows_of_varied(folder: Path) -> Iterator[str]:
-    """Each varied nest as a row of the table."""
-    for path in sorted(folder.iterdir()):
-        if not is_instance(path):
-            continue
-        for instance in varied(read_instance(path), seed=1):
-            quick, slow = (solve_instance(instance, SolveOptions(seed=1, time_s=limit_s)) for limit_s in (1.0, 10.0))
-            bound = "yes" if slow.proven else "" if slow.bound is None else f"≥ {slow.bound}"
-            yield f"| {instance.name} | {quick.cost} | {slow.cost} | {bound} |"
-
-
 def main() -> None:
     """Print the section; each row as it comes on standard error."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--work", type=float, default=4.0)
-    parser.add_argument("--varied", type=Path, metavar="FOLDER")
     given = parser.parse_args()
     load_kernels()
     print("## Made instances: chains against annealing\n")
-    also = "" if given.varied is None else f" --varied {given.varied.name}"
-    print(INTRODUCTION.format(work=given.work, also=also))
-    _print_table(
-        "| instance | seed | annealing | chains | change |\n|---|---|---:|---:|---:|", rows_of_made(given.work)
-    )
-    if given.varied is not None:
-        print(f"\n## {given.varied.name} with other orders\n")
-        _print_table("| instance | in 1 s | in 10 s | proven |\n|---|---:|---:|---:|", rows_of_varied(given.varied))
-
-
-def _print_table(head: str, rows: Iterator[str]) -> None:
-    print(head)
-    for row in rows:
+    print(INTRODUCTION.format(work=given.work))
+    print("| instance | seed | annealing | chains | change |\n|---|---|---:|---:|---:|")
+    for row in rows_of_made(given.work):
         print(row, flush=True)
         print(row, file=sys.stderr, flush=True)
 

@@ -28,6 +28,17 @@ class _Outcome(NamedTuple):
     fault: str
     tour: tuple[int | str, ...]
     seconds: float
+    processor_s: float
+
+
+class _Stopwatch:
+    """Seconds by the clock, and of processor in all threads, since it was made."""
+
+    def __init__(self) -> None:
+        self._clock_s, self._processor_s = time.perf_counter(), time.process_time()
+
+    def read(self) -> tuple[float, float]:
+        return time.perf_counter() - self._clock_s, time.process_time() - self._processor_s
 
 
 def run_in_child(job: BenchJob) -> BenchResult:
@@ -45,25 +56,26 @@ def run_in_child(job: BenchJob) -> BenchResult:
         memory_mb=round(peak_mb(), 1),
         tour=outcome.tour,
         fault=outcome.fault,
+        processor_s=round(outcome.processor_s, 3),
     )
 
 
 def _route(job: BenchJob, options: SolveOptions) -> _Outcome:
     instance = read_instance(job.path)
     _load_kernels(options)
-    started = time.perf_counter()
+    spent = _Stopwatch()
     try:
         answer = solve_instance(instance, options)
     except InputError as error:
         raise InputError(error.message, file=job.path) from None
-    seconds = time.perf_counter() - started
+    taken = spent.read()
     if answer.cost is None:
         fault = "no tour keeps the orders" if answer.infeasible else "no tour was found"
-        return _Outcome(instance.name, None, answer.bound, answer.proven, fault, (), seconds)
+        return _Outcome(instance.name, None, answer.bound, answer.proven, fault, (), *taken)
     cost, fault = judge_tour(instance, answer.tour)
     if not fault and cost != answer.cost:
         fault = f"the engine says the tour costs {answer.cost}"
-    return _Outcome(instance.name, cost, answer.bound, answer.proven, fault, answer.tour, seconds)
+    return _Outcome(instance.name, cost, answer.bound, answer.proven, fault, answer.tour, *taken)
 
 
 def _load_kernels(options: SolveOptions) -> None:
@@ -90,18 +102,17 @@ def _nest(job: BenchJob) -> _Outcome:
     nest = read_nest(job.path, profile.read_options())
     limits = options_for(nest, profile, work=job.work, seed=job.seed, time_s=job.time_s, engine=job.engine)
     load_kernels()
-    started = time.perf_counter()
+    spent = _Stopwatch()
     try:
         made = produce(ask(facts_of(nest, profile), profile), profile, limits)
     except RulesConflict as conflict:
-        seconds = time.perf_counter() - started
-        return _Outcome(Path(job.path).stem, None, None, False, conflict.message, (), seconds)
-    seconds = time.perf_counter() - started
+        return _Outcome(Path(job.path).stem, None, None, False, conflict.message, (), *spent.read())
+    taken = spent.read()
     solve = made.plan.solve
     fault = "" if made.verdict.ok else "the check finds hard rules broken"
     tour = tuple(planned.cut.contour for planned in made.plan.cuts)
     proven = solve.status == "optimal"
-    return _Outcome(Path(job.path).stem, solve.objective, solve.bound, proven, fault, tour, seconds)
+    return _Outcome(Path(job.path).stem, solve.objective, solve.bound, proven, fault, tour, *taken)
 
 
 if __name__ == "__main__":

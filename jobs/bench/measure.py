@@ -31,7 +31,8 @@ class BenchResult:
     `cost` is in the file's own unit (mm of objective for nests), judged by code that shares nothing with the engines;
     `bound` is None where nothing is proven. `tour` holds the file's vertex numbers, contour ids for nests. `feasible`
     says that the judge found nothing wrong, `fault` what it found. `seconds` are wall-clock, from the file read to the
-    answer, kernels loaded; `memory_mb` is the most the process held, the interpreter and its libraries included.
+    answer, kernels loaded, `processor_s` those of all threads of the process in that time; `memory_mb` is the most the
+    process held, the interpreter and its libraries included.
     """
 
     instance: str
@@ -44,6 +45,7 @@ class BenchResult:
     memory_mb: float
     tour: tuple[int | str, ...]
     fault: str = ""
+    processor_s: float = 0.0
 
 
 def measure(job: BenchJob) -> BenchResult:

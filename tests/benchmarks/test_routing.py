@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import kerfwise
-from kerfwise.benchmarks.routing import Limits, page, run_set
-from kerfwise.jobs.bench import BestKnown
+from kerfwise.benchmarks.routing import Limits, Run, page, run_set, with_proven
+from kerfwise.jobs.bench import BenchResult, BestKnown
 
 ROUTING = Path(kerfwise.__file__).parent / "examples" / "routing"
 
@@ -16,14 +17,44 @@ ROUTING = Path(kerfwise.__file__).parent / "examples" / "routing"
 @pytest.mark.slow
 def test_a_page_of_two_instances(tmp_path: Path) -> None:
     best = BestKnown({("routing", "nine"): 1169.0, ("routing", "twelve"): 390.0})
-    runs = run_set("routing in 1 s", ROUTING, best, 1.0, 1)
+    limits = Limits(30.0, 1, (("routing", 1.0),), only=("routing/nine", "*/tw*"))
+    runs = run_set("routing in 1 s", ROUTING, best, 1.0, limits)
     remarks = tmp_path / "remarks.md"
     remarks.write_text("## Remarks\n\nNone.\n", encoding="utf-8")
     made = tmp_path / "made.md"
     made.write_text("## Made\n\nNone either.\n", encoding="utf-8")
-    text = page(runs, Limits(30.0, 1, (("routing", 1.0),)), [remarks, made])
-    assert "| nine | 1169 | 1169 | +0.00% | yes |" in text
+    text = page(runs, limits, [remarks, made])
+    assert "| nine | 1169 | 1169 | +0.00% | yes |  |" in text
     assert "| routing in 1 s | twelve | 397 | 390 | +1.79% | yes |" in text, "a best known that is too good is no match"
     assert "2 runs, 2 feasible, 2 proven, at or under best known 1 of 2" in text
-    assert "--time-limit 30 --seed 1 --also routing=1 --remarks remarks.md made.md\n" in text
+    assert (
+        "--time-limit 30 --seed 1 --also routing=1 --only routing/nine --only */tw* --remarks remarks.md made.md\n"
+        in text
+    )
     assert "\n\n## Remarks\n\nNone.\n\n## Made\n\nNone either.\n\n## routing in 1 s\n" in text
+
+
+def test_a_page_by_work_and_a_proven_cost_for_one_that_is_not_published() -> None:
+    short, long = (
+        Run(name, result(cost, proven), None) for name, cost, proven in (("1", 12.0, False), ("30", 10.0, True))
+    )
+    other = Run("30", replace(result(5.0, False), instance="other", bound=4.0), None)
+    runs = with_proven([short, long, other])
+    assert [run.best for run in runs] == [10.0, 10.0, None]
+    text = page(runs, Limits(30.0, 2, by_work=True))
+    assert "--work 30 --seed 2\n" in text
+    assert "| 1 | one | 12 | 10 | +20.00% |" in text, "it is worse than what the other run proved"
+    assert "| other | 5 |  |  | ≥ 4 | +25.0% | 1.0 | 2.0 | 3 |" in text
+    assert "at most 25.0% above what is proven" in text
+
+
+def test_patterns_choose_instances() -> None:
+    limits = Limits(1.0, 1, only=("soplib/R.*.1", "cnc/*"))
+    named = {name: limits.wanted(Path(name)) for name in ("soplib/R.200.100.1.sop", "cnc/a.pcglns.gz")}
+    assert all(named.values())
+    assert not any(limits.wanted(Path(name)) for name in ("soplib/R.200.100.15.sop.gz", "tsp/a.sop", "cnc/readme.md"))
+    assert Limits(1.0, 1).wanted(Path("tsp/a.sop"))
+
+
+def result(cost: float, proven: bool) -> BenchResult:
+    return BenchResult("one", "portfolio", cost, cost if proven else None, proven, True, 1.0, 3.0, (), processor_s=2.0)

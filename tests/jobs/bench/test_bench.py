@@ -15,7 +15,7 @@ from kerfwise.jobs.bench import BenchJob, BenchResult, BestKnown, line, measure,
 from kerfwise.models.routing import judge_tour, read_instance
 
 EXAMPLES = Path(kerfwise.__file__).parent / "examples"
-KEYS = {"instance", "engine", "cost", "bound", "proven", "feasible", "seconds", "memory_mb", "tour"}
+KEYS = {"instance", "engine", "cost", "bound", "proven", "feasible", "seconds", "memory_mb", "processor_s", "tour"}
 
 
 def result(cost: float | None = 103.0, fault: str = "") -> BenchResult:
