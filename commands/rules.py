@@ -57,7 +57,7 @@ def _strength(strength: str, weight: float | None) -> str:
 
 @command.command(hidden=True)
 @click.argument("rule")
-@click.option("--picture", metavar="OUT.svg", help="Draw the rule's first case that fails and its first that passes.")
+@click.option("--picture", metavar="OUT.svg", help="Draw a case of the rule that fails and one that passes.")
 @PROFILE
 @TRUST
 def page(rule: str, picture: str | None, profile: str, trust: bool) -> None:
@@ -73,14 +73,13 @@ def page(rule: str, picture: str | None, profile: str, trust: bool) -> None:
 
 def _draw(rule: str, picture: str) -> None:
     from kerfwise.postproc.files import expect_outputs, write_files
-    from kerfwise.postproc.report.case_picture import Panel, case_picture
+    from kerfwise.postproc.report.case_picture import case_picture, rule_panels
     from kerfwise.rules.run_cases import cases_of
 
     path = Path(picture)
     if path.suffix.lower() != ".svg":
         raise InputError(f"cannot draw a case as {path.suffix or picture!r}: give a name ending in .svg", file=picture)
-    chosen = [next(case for case in cases_of(rule) if case.kind == kind) for kind in ("fails", "passes")]
-    panels = [Panel(f"{rule}: {case.name}", case.nest, case.cuts, case.violations) for case in chosen]
+    panels = [*rule_panels(cases_of(rule)).values()]
     expect_outputs([path], [])
     write_files({path: case_picture(panels)})
     click.echo(f"written: {path}")

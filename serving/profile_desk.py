@@ -13,7 +13,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.shown import shown
 from kerfwise.jobs.given import plant_of
 from kerfwise.jobs.new_profile import expect_usable
-from kerfwise.postproc.report.case_picture import Panel, case_picture
+from kerfwise.postproc.report.case_picture import case_picture, rule_panels
 from kerfwise.rules.options.option import Option, options_of
 from kerfwise.rules.options.plain_values import Choice, Flag, Text
 from kerfwise.rules.options.quantities import LENGTH
@@ -56,7 +56,7 @@ def profile_told(wanted: Wanted) -> dict[str, Any]:
 
 
 def rule_told(wanted: Wanted, rule: str) -> dict[str, Any]:
-    """The page of a rule, and pictures (SVG) of its first case that is wrong and its first that is right."""
+    """The page of a rule, and pictures (SVG) of a case that is wrong and one that is right."""
     plant = _plant(wanted)
     book = plant.rulebook()
     if rule not in book:
@@ -169,12 +169,8 @@ def _pictures(rule: str, known: Mapping[str, Rule[Any]]) -> dict[str, str | None
         cases = cases_of(rule, known)
     except InputError:
         cases = ()
-    drawn: dict[str, str | None] = {}
-    for title, kind in (("wrong", "fails"), ("right", "passes")):
-        case = next((case for case in cases if case.kind == kind), None)
-        panel = case and Panel(f"{title}: {case.name}", case.nest, case.cuts, case.violations)
-        drawn[title] = case_picture([panel]) if panel else None
-    return drawn
+    panels = rule_panels(cases)
+    return {word: case_picture([panels[word]]) if word in panels else None for word in ("wrong", "right")}
 
 
 def _sha256(data: bytes) -> str:

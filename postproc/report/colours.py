@@ -17,6 +17,7 @@ PIERCE = "#d6001c"
 FURTHER = "#0b7285"
 ALERT = "#e03131"
 WAIT = "#7b2cbf"
+START = "#f08c00"
 PART = "#c5d7e6"
 
 _ZONES = ("#b3d1ea", "#f8d9a8", "#bfe0b4", "#dcc6e8", "#f3b9b0", "#f1e79f", "#aadfd6", "#d9c9b1")

@@ -154,18 +154,21 @@ def tab_layer(nest: Nest, view: View, cuts: Sequence[Cut]) -> SceneLayer:
 def travel_layer(
     view: View,
     cuts: Sequence[Cut],
-    home: Point,
+    home: Point | None,
     shares: Sequence[float],
     pierced: Mapping[int, Sequence[Pierce]] | None = None,
 ) -> SceneLayer:
     """Idle travel as dashed arrows, coloured by `shares`: when each begins, 0 … 1; the last leads home.
 
+    Without a `home` the ways from there and back are left out.
+
     The way through the holes that are `pierced` in a pass before a cut, counted from 1, is dotted. Further torches go
     along with the first, whose way this is.
     """
     way = [(k, cut) for k, cut in enumerate(cuts, 1) if cut.torch == 1]
-    stops = [(way[0][0], home, way[0][1].pierce), *((k, a.end, b.pierce) for (_, a), (k, b) in pairwise(way))]
-    stops.append((len(cuts) + 1, way[-1][1].end, home))
+    stops = [(k, a.end, b.pierce) for (_, a), (k, b) in pairwise(way)]
+    if home is not None:
+        stops = [(way[0][0], home, way[0][1].pierce), *stops, (len(cuts) + 1, way[-1][1].end, home)]
     width = max(view.line_width, 0.7)
     items: list[Item] = []
     heads: list[Item] = []

@@ -114,5 +114,10 @@ def all_pages() -> str:
     """The whole catalogue as one Markdown document: a table, then every page."""
     rows = [f"| [{name}](#{name}) | {rule.default} | {rule.sentence} |" for name, rule in RULES.items()]
     table = "\n".join(["| rule | default | what it asks |", "|---|---|---|", *rows])
-    pages = [re.sub("^#", "##", rule_page(name), flags=re.MULTILINE) for name in RULES]
+    pages = [_with_picture(name, re.sub("^#", "##", rule_page(name), flags=re.MULTILINE)) for name in RULES]
     return "\n".join([INTRODUCTION, table, "", *pages, texts_page()])
+
+
+def _with_picture(name: str, page: str) -> str:
+    """The page with its picture above the settings."""
+    return page.replace("\n### Settings\n", f"\n![{name}, wrong and right](rules/{name}.svg)\n\n### Settings\n", 1)
