@@ -80,8 +80,8 @@ def _drawn(error: InputError) -> dict[str, Any]:
     """The drawing that cannot be cut, with what is wrong where."""
     from kerfwise.encoder.readers.read import BrokenNest
 
-    if not isinstance(error, BrokenNest):
-        return {}
-    from .problems import problems_of
+    from .problems import Unmended, problems_of
 
-    return {"problems": problems_of(error)}
+    if isinstance(error, Unmended):
+        return {"problems": problems_of(error.broken, error.left)}
+    return {"problems": problems_of(error, None)} if isinstance(error, BrokenNest) else {}

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
+from kerfwise.encoder.readers.read import BrokenNest
 from kerfwise.encoder.shown import shown
 from kerfwise.jobs.explaining import Explainer
 from kerfwise.jobs.given import Given
@@ -22,6 +23,7 @@ from kerfwise.rules.profile.lock_text import lines_of
 from .child import Answers, Asking
 from .edits import against, edited
 from .job_text import JobText, settings_of
+from .problems import Unmended, left_by
 from .profile_desk import profile_answers
 from .wanted import Wanted, already_of, given_of
 
@@ -147,7 +149,12 @@ class Desk:
     def _read(self, wanted: Wanted, again: bool = False) -> _Read:
         def read() -> _Read:
             notes: list[str] = []
-            return _Read(given_of(wanted, notes.append), tuple(map(shown, notes)))
+            try:
+                return _Read(given_of(wanted, notes.append), tuple(map(shown, notes)))
+            except BrokenNest as broken:
+                if wanted.repair:
+                    raise
+                raise Unmended(broken, left_by(lambda: given_of(replace(wanted, repair=True)))) from None
 
         return self._reads.get(wanted.key, read, again)
 

@@ -10,6 +10,7 @@ from pathlib import PurePosixPath
 
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 
+from kerfwise.postproc import report
 from kerfwise.postproc.report.page import page_html
 
 ENTRY = "worked.js"
@@ -44,12 +45,13 @@ def _hands() -> dict[str, str]:
 
 
 def static_file(name: str) -> Response:
-    """A script or style sheet of the package."""
+    """A script or style sheet of the package: of the hands, or of the page itself."""
     plain = PurePosixPath(name)
     kind = _KINDS.get(plain.suffix)
     if kind is None or len(plain.parts) != 1 or plain.name != name:
         return PlainTextResponse("there is no such file", 404)
-    found = files(__package__).joinpath("hands", name)
-    if not found.is_file():
+    folders = files(__package__).joinpath("hands"), files(report).joinpath("page_files")
+    found = next((file for folder in folders if (file := folder.joinpath(name)).is_file()), None)
+    if found is None:
         return PlainTextResponse("there is no such file", 404)
     return Response(found.read_bytes(), media_type=f"{kind}; charset=utf-8")

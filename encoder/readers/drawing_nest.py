@@ -12,6 +12,7 @@ from .drawing import Drawing, DrawnCurve
 from .drawn_tabs import with_tabs
 from .frame import frame_note, frame_of_drawing, use_of_frame
 from .join import Joined, join
+from .not_closed import OpenLines
 from .open_ends import REPAIR_FACTOR, ends, open_end_problems
 from .open_lines import settled
 from .options import ReadOptions
@@ -41,7 +42,7 @@ def nest_of(drawing: Drawing, options: ReadOptions) -> Nest:
     sheet_notes = _open_on_the_sheet(stock, options)
     rings, outline, frame_notes = _frame(cut.rings, stock.rings, drawing.page, options)
     parts, part_notes = assemble(rings)
-    open_lines = settled(cut.chains, rings, parts, bridge_mm, options)
+    open_lines = settled(cut.chains, rings, parts, outline, bridge_mm, options)
     if not rings:
         raise InputError("nothing to cut: the drawing holds no closed contour")
     parts, mark_notes = with_marks(parts, [*marks.rings, *marks.chains, *open_lines.marks])
@@ -69,9 +70,10 @@ def _open_on_the_sheet(stock: Joined, options: ReadOptions) -> list[Note]:
     if not stock.chains:
         return []
     if not stock.rings:
-        raise InputError(
+        raise OpenLines(
             f"the sheet does not close, on layer '{stock.chains[0].layer}'",
-            details=tuple(open_end_problems(stock.chains, options)),
+            stock.chains,
+            tuple(open_end_problems(stock.chains, options)),
         )
     count = len(stock.chains)
     lines = "line" if count == 1 else "lines"

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Note, Part
 from kerfwise.encoder.validate.metal import metal_of
 
 from .drawing import DrawnCurve
 from .layers import setting
 from .limits import SNAP_MM
+from .not_closed import OpenLines
 from .open_ends import REPAIR_FACTOR, ends, nearest_ends, open_end_problems
 from .options import ReadOptions
 
@@ -35,6 +35,7 @@ def settled(
     chains: Sequence[DrawnCurve],
     rings: Sequence[DrawnCurve],
     parts: Sequence[Part],
+    sheet: Sequence[DrawnCurve],
     bridge_mm: float,
     options: ReadOptions,
 ) -> Settled:
@@ -48,7 +49,7 @@ def settled(
 
     Raises
     ------
-    InputError
+    OpenLines
         With every line that is left, and by layer what a profile can say of it.
     """
     crumbs = [c for c in chains if c.curve.length_mm <= options.join_tolerance_mm]
@@ -83,7 +84,7 @@ def settled(
         which = "1 line does" if len(left) == 1 else f"{len(left)} lines do"
         cut = {p.layer for p in (*rings, *chains)}
         details = (*_by_layer(left, closed, cut, options), *open_end_problems(left, options))
-        raise InputError(f"{which} not close to contours", details=details)
+        raise OpenLines(f"{which} not close to contours", left, details, parts, sheet)
     notes = [Note("repaired", f"the open line {ends(c)} is left out: it does not close") for c in dropped]
     cut_and = "though the layer is cut, and therefore"
     notes += _told(marked, f"{cut_and} marked, not cut (drawing.open_lines)")

@@ -17,6 +17,7 @@ from kerfwise.encoder.still_going import told_if_long
 from kerfwise.encoder.validate import validated
 
 from .mend import mended
+from .not_closed import OpenLines
 from .options import ReadOptions
 from .refit import with_arcs
 
@@ -26,14 +27,16 @@ SUFFIXES = (".dxf", ".json", ".svg")
 class BrokenNest(InputError):
     """A nest that can be read, but not cut as it is drawn: with the nest, so that it can be shown.
 
-    `wrong` are the ids of the contours that the problems name.
+    `wrong` are the ids of the contours that the problems name, and of lines that do not close; such are scrap lines of
+    the nest here.
     """
 
     def __init__(self, nest: Nest, error: InputError, file: Path) -> None:
         super().__init__(error.message, file=file, line=error.line, column=error.column, details=error.details)
         words = {word for text in (error.message, *error.details) for word in re.split(r"[\s,:]+", text)}
         self.nest = nest
-        self.wrong = tuple(name for name in nest.index if name in words)
+        is_open = isinstance(error, OpenLines)
+        self.wrong = tuple(c.id for c in nest.contours if c.id in words or (is_open and c.kind == "scrap"))
 
 
 def read_nest(path: str | Path, options: ReadOptions = ReadOptions()) -> Nest:  # noqa: B008 - frozen
@@ -83,6 +86,8 @@ def _read(file: Path, suffix: str, options: ReadOptions) -> Nest:
         nest = _nest(file, suffix, data, options)
         drawn = mended(nest) if options.repair else nest
         drawn = with_arcs(drawn, options.refit_arcs_mm) if options.refit_arcs_mm else drawn
+    except OpenLines as error:
+        raise BrokenNest(replace(error.nest(), file=shown(file.name)), error, file) from error.__cause__
     except InputError as error:
         raise InputError(
             error.message, file=file, line=error.line, column=error.column, details=error.details

@@ -1,5 +1,6 @@
 // The nests of the folder: one is opened by a click, a drawing by dropping it.
 import { askServer, sendServer } from "./asking.js";
+import { brokenDrawing } from "./broken.js";
 
 const main = document.getElementById("main");
 
@@ -14,22 +15,11 @@ function go(state) {
 }
 
 function problems({ told, message }, again) {
-  const box = element("section");
-  box.append(element("h2", told?.problems ? "This drawing cannot be cut as it is drawn" : "This cannot be opened"));
-  const list = element("ul");
-  for (const one of told?.problems?.lines ?? [{ text: message }]) list.append(element("li", one.text));
-  const mend = element("button", "Mend what can be mended, and open it");
-  mend.addEventListener("click", again);
-  box.append(list);
-  if (told?.problems) {
-    box.append(mend);
-    const picture = element("img");
-    picture.alt = "the wrong contours in red";
-    picture.src = `data:image/svg+xml;base64,${btoa(unescape(encodeURIComponent(told.problems.picture)))}`;
-    box.append(picture);
-  }
   main.querySelector("section")?.remove();
-  main.append(box);
+  const box = told?.problems ? brokenDrawing(told.problems, again) : element("section");
+  if (!told?.problems) box.append(element("h2", "This cannot be opened"), element("p", message));
+  main.prepend(box);
+  scrollTo(0, 0);
 }
 
 async function open(nest, repair = false) {

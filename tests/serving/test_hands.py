@@ -179,5 +179,5 @@ def test_a_nest_is_opened_from_the_list_and_by_dropping_it(
         page.dispatch_event("main", "drop", {"dataTransfer": data})
         if name == "broken.json":
             page.wait_for_selector("section li")
-            assert page.locator("section img").count() == 1
+            assert page.locator("section canvas").count() == 1
     page.wait_for_url("**/nest/*")
