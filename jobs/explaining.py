@@ -9,7 +9,7 @@ import numpy as np
 
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.plan.conflict import state_relaxed
-from kerfwise.models.plan.explain import Explanation, Setting, expect_planned, explained, make_setting
+from kerfwise.models.plan.explain import Along, Explanation, Setting, expect_planned, explained, make_setting
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.stating.state_rules import state_rules
 
@@ -59,6 +59,10 @@ class Explainer:
         """
         return make_setting(self.facts, self.profile, self.stated, self.plan)
 
+    @cached_property
+    def _along(self) -> Along:
+        return Along(self.setting)
+
     def explain(self, contour: str) -> Explanation:
         """What holds the contour in its place, why it is entered so, and what moving it would cost.
 
@@ -69,7 +73,7 @@ class Explainer:
         """
         expect_of_first(self.whole_plan, contour)
         expect_planned(self.facts, self.plan, contour)
-        return explained(self.setting, self.plan, contour)
+        return explained(self.setting, self.plan, contour, self._along)
 
 
 def _by_its_zones(facts: Facts, plan: Plan) -> Facts:

@@ -18,8 +18,8 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.report.page_data import Data, short
 from kerfwise.rules.statements import About
 
-FULL = 40
-"""Contours of plans whose moves are all tried out: the work grows with the cube of their number."""
+FULL = 400
+"""Contours of plans whose entries and moves are all tried out: the work grows with the square of their number."""
 HELD = 2000
 """Contours of plans for which the rules are stated again to say what holds each."""
 _PLACES = 3

@@ -20,13 +20,10 @@ def route_cost(problem: Problem, route: Sequence[int]) -> int:
     order = [int(problem.site_contour[s]) for s in route]
     total = int(legs.sum()) + int(problem.site_cost[sites].sum())
     total += sum(cost for cost, _ in _broken_conditions(problem, route) if cost is not None)
-    total += sum(g.cost * (_pieces(order, g.contours) - 1) for g in problem.soft_groups)
+    total += order_cost(problem, order)
     position = {c: k for k, c in enumerate(order)}
     times = times_ms(problem, route)
-    for lag in problem.lags:
-        if lag.weight is not None:
-            total += cost_um(lag.weight) * _missing_cuts(lag, position)
-            total += round(lag.weight) * missing_ms(lag, times)
+    total += sum(round(lag.weight) * missing_ms(lag, times) for lag in problem.lags if lag.weight is not None)
     total += sum(cost for cost in _crossed(problem, route) if cost != FORBIDDEN)
     picked = set(route)
     total += sum(
@@ -37,24 +34,21 @@ def route_cost(problem: Problem, route: Sequence[int]) -> int:
     return total
 
 
+def order_cost(problem: Problem, order: Sequence[int]) -> int:
+    """The part of a route's cost that its order alone decides, µm: groups that are taken apart, and cuts between."""
+    position = {c: k for k, c in enumerate(order)}
+    apart = sum(g.cost * (_pieces(order, g.contours) - 1) for g in problem.soft_groups)
+    near = (cost_um(lag.weight) * _missing_cuts(lag, position) for lag in problem.lags if lag.weight is not None)
+    return apart + sum(near)
+
+
 def broken(problem: Problem, route: Sequence[int]) -> tuple[About, ...]:
     """The hard statements that a route breaks; empty for a lawful one. Every contour must be there once."""
     order = [int(problem.site_contour[s]) for s in route]
     if sorted(order) != list(range(problem.n)):
         return (About("coverage", (), "every contour is cut exactly once"),)
-    found: list[About] = []
     position = {c: k for k, c in enumerate(order)}
-    at = np.array([position[c] for c in range(problem.n)])
-    rows, columns = np.nonzero(problem.before & (at[:, None] > at[None, :]))
-    for i, j in zip(rows.tolist(), columns.tolist(), strict=True):
-        names = (problem.ids[i], problem.ids[j])
-        found.append(About("order", names, f"{names[0]} must be cut before {names[1]}"))
-    along = problem.block[order]
-    begun = along[np.flatnonzero(np.diff(along, prepend=-1))]  # the block of every piece of the order
-    for block, pieces in zip(*np.unique(begun, return_counts=True), strict=True):
-        if pieces > 1:
-            together = tuple(problem.ids[k] for k in np.flatnonzero(problem.block == block))
-            found.append(About("contiguous", together, f"{', '.join(together)} must follow each other"))
+    found = broken_orders(problem, order)
     found += [about for cost, about in _broken_conditions(problem, route) if cost is None]
     times = times_ms(problem, route)
     for lag in problem.lags:
@@ -65,6 +59,24 @@ def broken(problem: Problem, route: Sequence[int]) -> tuple[About, ...]:
     picked = set(route)
     found += [s.about for s in problem.general if s.weight is None and not general_holds(problem, s, position, picked)]
     return tuple(found)
+
+
+def broken_orders(problem: Problem, order: Sequence[int]) -> list[About]:
+    """The hard orders and blocks that an order of all contours breaks."""
+    found: list[About] = []
+    at = np.empty(problem.n, dtype=np.int64)
+    at[list(order)] = np.arange(problem.n)
+    rows, columns = np.nonzero(problem.before & (at[:, None] > at[None, :]))
+    for i, j in zip(rows.tolist(), columns.tolist(), strict=True):
+        names = (problem.ids[i], problem.ids[j])
+        found.append(About("order", names, f"{names[0]} must be cut before {names[1]}"))
+    along = problem.block[list(order)]
+    begun = along[np.flatnonzero(np.diff(along, prepend=-1))]  # the block of every piece of the order
+    for block, pieces in zip(*np.unique(begun, return_counts=True), strict=True):
+        if pieces > 1:
+            together = tuple(problem.ids[k] for k in np.flatnonzero(problem.block == block))
+            found.append(About("contiguous", together, f"{', '.join(together)} must follow each other"))
+    return found
 
 
 def general_holds(problem: Problem, statement: AtLeast, position: dict[int, int], picked: set[int]) -> bool:

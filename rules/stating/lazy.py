@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import EXEMPTION_MM, NoGood, Statement
 
 from .at_once import AtOnce
@@ -54,6 +55,13 @@ def afterthoughts(facts: Facts, profile: Profile) -> Callable[[Sequence[int]], t
                     yield from no_good_left(seen, rest) if facts.copies is None else _of_first(facts.copies, seen)
 
     return look
+
+
+def forbids_later(profile: Profile) -> bool:
+    """Whether a rule of the profile forbids what only geometry finds in a whole order; others put a price on it."""
+    book = profile.rulebook()
+    hard = (book[name] for name, setting in profile.settings().items() if setting.weight is None)
+    return any(type(rule).no_goods is not Rule.no_goods and not rule.excusable for rule in hard)
 
 
 def _of_first(copies: Copies, seen: NoGood) -> Iterator[Statement]:

@@ -25,10 +25,11 @@ from kerfwise.models.plan.conflict.group import Group, hard_groups, on_order
 from kerfwise.models.plan.conflict.relax import soften
 from kerfwise.models.plan.conflict.whole import Engines, find_whole_core
 from kerfwise.models.plan.excused import excused
+from kerfwise.models.plan.explain.along import Along
 from kerfwise.models.plan.explain.entry import explain_entry
 from kerfwise.models.plan.explain.heat_prices import heat_prices
 from kerfwise.models.plan.explain.holding import others
-from kerfwise.models.plan.explain.lawful import try_order
+from kerfwise.models.plan.explain.lawful import quickly_tried, try_order
 from kerfwise.models.plan.explain.setting import Setting, make_setting
 from kerfwise.models.plan.make import make_plan
 from kerfwise.models.problem.compile import make_problem
@@ -154,9 +155,12 @@ def test_it_can_give_way(example: Example) -> None:
 def test_explain_tries_orders_by_it(example: Example) -> None:
     """An order is refused where every way along it breaks the statement, else priced with it."""
     setting = _setting(example)
+    along = Along(setting)
     seen: set[bool] = set()
     for order in {way.order for way in ways()}:
         tried = try_order(setting, order)
+        quick = quickly_tried(setting, along, order)
+        assert (quick.breaks, quick.cost) == (tried.breaks, tried.cost)
         prices = [example.price_mm(way) for way in ways() if way.order == order]
         seen.add(bool(tried.breaks))
         if math.isinf(min(prices)):

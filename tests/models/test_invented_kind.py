@@ -29,7 +29,7 @@ from kerfwise.models.plan.conflict import conflict, order_model
 from kerfwise.models.plan.conflict.group import Group, contours_of, hard_groups, moves_or_seconds, on_order
 from kerfwise.models.plan.excused import excused
 from kerfwise.models.plan.explain import setting as explain_setting
-from kerfwise.models.plan.explain.entry import explain_entry
+from kerfwise.models.plan.explain.along import Along
 from kerfwise.models.plan.explain.heat_prices import heat_prices
 from kerfwise.models.plan.explain.holding import others
 from kerfwise.models.plan.explain.lawful import try_order
@@ -137,7 +137,7 @@ REFUSES: dict[str, list[Refuses]] = {
         lambda _: order_model._loose([GROUP]),
         ask_order_model,
     ],
-    "models/plan/explain/entry.py": [lambda _: explain_entry(setting(), 0)],
+    "models/plan/explain/along.py": [lambda _: Along(setting())],
     "models/plan/explain/heat_prices.py": [lambda _: heat_prices(setting(at_weight(1.0, HEAT)), 0)],
     "models/plan/explain/holding.py": [lambda _: others(setting(), 0)],
     "models/plan/explain/lawful.py": [lambda _: try_order(setting(), range(PARTS))],

@@ -1,11 +1,13 @@
 """Why a contour of a plan is cut where it is, then, and so."""
 
+from .along import Along
 from .explain import Explanation, expect_planned, explain, explained
 from .lawful import TriedOrder, try_order
 from .setting import Setting, make_setting
 from .words import as_text, explanation_as_json
 
 __all__ = [
+    "Along",
     "Explanation",
     "Setting",
     "TriedOrder",

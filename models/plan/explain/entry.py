@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from dataclasses import dataclass
 
 from kerfwise.encoder.cut import Direction
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.statements import About
 
+from .along import Along
 from .resite import Stuck, resite
 from .setting import Setting
 
@@ -44,15 +43,15 @@ class Entry:
     one_way_by: tuple[str, ...]
 
 
-def explain_entry(setting: Setting, contour: int) -> Entry:
-    """All candidates of the contour in the plan's order."""
+def explain_entry(setting: Setting, contour: int, along: Along | None = None) -> Entry:
+    """All candidates of the contour in the plan's order.
+
+    `along` is what is known of that order, where it was worked out before.
+    """
+    along = along or Along(setting)
     facts, problem = setting.facts, setting.problem
     place = setting.order.index(contour)
     already = set(setting.order[:place])
-    forbidden: dict[int, list[About]] = defaultdict(list)
-    for s in by_kind(setting.stated.statements).forbid:
-        if s.weight is None:
-            forbidden[s.candidate].append(s.about)
     used = setting.candidates[place]
     costs: dict[int, int | tuple[About, ...]] = {}
     lawful, unlawful = [], []
@@ -61,10 +60,10 @@ def explain_entry(setting: Setting, contour: int) -> Entry:
         if c == used or site == setting.route[place]:
             continue
         if site < 0:
-            answer: int | tuple[About, ...] = tuple(forbidden[c])
+            answer: int | tuple[About, ...] = tuple(along.forbidden.get(c, ()))
         else:
             if site not in costs:
-                costs[site] = _pinned(setting, contour, site, already)
+                costs[site] = _pinned(along, contour, site, already)
             answer = costs[site]
         if isinstance(answer, int):
             lawful.append(_way(setting, c, answer - setting.cost))
@@ -75,8 +74,9 @@ def explain_entry(setting: Setting, contour: int) -> Entry:
     return Entry(_way(setting, used, 0), tuple(lawful), tuple(unlawful), one_way_by)
 
 
-def _pinned(setting: Setting, contour: int, site: int, already: set[int]) -> int | tuple[About, ...]:
+def _pinned(along: Along, contour: int, site: int, already: set[int]) -> int | tuple[About, ...]:
     """What the plan costs with this site, µm, or what forbids it in this order."""
+    setting = along.setting
     against = [
         condition.about
         for condition in setting.conditions.get(contour, ())
@@ -84,6 +84,8 @@ def _pinned(setting: Setting, contour: int, site: int, already: set[int]) -> int
     ]
     if against:
         return tuple(dict.fromkeys(against))
+    if along.exact and (cost := along.pinned(contour, site)) is not None:
+        return cost
     found = resite(setting, setting.order, {contour: site})
     if isinstance(found, Stuck):
         return found.abouts

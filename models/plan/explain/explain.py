@@ -16,6 +16,7 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import About
 from kerfwise.rules.stating.state_rules import Stated
 
+from .along import Along
 from .entry import Entry, explain_entry
 from .heat_prices import HeatPrice, heat_prices
 from .holding import Hold, chain, holds, others
@@ -93,8 +94,9 @@ def expect_planned(facts: Facts, plan: Plan, contour: str) -> None:
         raise InputError(unknown("contour", contour, index))
 
 
-def explained(setting: Setting, plan: Plan, contour: str) -> Explanation:
-    """One contour of a plan whose setting is made already."""
+def explained(setting: Setting, plan: Plan, contour: str, along: Along | None = None) -> Explanation:
+    """One contour of a plan whose setting is made already, and perhaps what is known `along` its order."""
+    along = along or Along(setting)
     facts, profile = setting.facts, setting.profile
     number = facts.nest.index[contour]
     order, budget_kj = setting.order, facts.options.zone_heat_kj
@@ -110,9 +112,9 @@ def explained(setting: Setting, plan: Plan, contour: str) -> Explanation:
         holds(setting, number, earlier=False),
         chain(setting, number, earlier=True),
         chain(setting, number, earlier=False),
-        others(setting, number),
-        explain_entry(setting, number),
-        explain_moves(setting, number),
+        others(setting, number, along.asked),
+        explain_entry(setting, number, along),
+        explain_moves(setting, number, along),
         setting.notes,
         heat_prices(setting, number),
         plan.cuts[k].dwell_s,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import assert_never
 
@@ -18,6 +19,7 @@ from kerfwise.rules.statements import (
     Link,
     NoGood,
     Precede,
+    Statement,
 )
 
 from .setting import Setting
@@ -46,24 +48,27 @@ def holds(setting: Setting, contour: int, earlier: bool) -> tuple[Hold, ...]:
 def chain(setting: Setting, contour: int, earlier: bool) -> tuple[Hold, ...]:
     """From the contour to an end of the plan: its nearest hold, the nearest hold of that, and so on."""
     found: list[Hold] = []
+    mine, other = (1, 0) if earlier else (0, 1)
+    place = np.empty(setting.problem.n, dtype=np.int64)
+    place[list(setting.order)] = np.arange(1, setting.problem.n + 1)
     at = contour
-    while nearest := holds(setting, at, earlier)[:1]:
-        if not _lies_so(setting, at, nearest[0], earlier):
+    while len(rows := np.flatnonzero(setting.pairs[:, mine] == at)):
+        away = place[at] - place[setting.pairs[rows, other]]
+        nearest = int(np.abs(away).argmin())
+        if (away[nearest] > 0) != earlier:  # the plan does not keep the order, as an old one need not
             break
-        found += nearest
-        at = setting.facts.nest.index[nearest[0].contour]
+        at = int(setting.pairs[rows[nearest], other])
+        found.append(Hold(setting.name(at), int(place[at]) + setting.made, setting.orders[rows[nearest]].about))
     return tuple(found)
 
 
-def _lies_so(setting: Setting, contour: int, hold: Hold, earlier: bool) -> bool:
-    """Whether the plan keeps the order, as an old plan need not."""
-    return (hold.place - setting.made < setting.order.index(contour) + 1) == earlier
+def others(setting: Setting, contour: int, asked: Sequence[Statement] | None = None) -> tuple[About, ...]:
+    """What else is asked of a contour's place: hard statements that are not the order of two contours.
 
-
-def others(setting: Setting, contour: int) -> tuple[About, ...]:
-    """What else is asked of a contour's place: hard statements that are not the order of two contours."""
+    `asked` are those that may be such, if known.
+    """
     found = []
-    for s in setting.stated.statements:
+    for s in setting.stated.statements if asked is None else asked:
         if s.weight is not None:
             continue
         match s:

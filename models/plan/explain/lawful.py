@@ -9,7 +9,7 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.models.problem.evaluate import broken
+from kerfwise.models.problem.evaluate import broken, broken_orders
 from kerfwise.rules.statements import (
     About,
     AtLeast,
@@ -24,8 +24,9 @@ from kerfwise.rules.statements import (
     Precede,
     Statement,
 )
-from kerfwise.rules.stating.lazy import afterthoughts
+from kerfwise.rules.stating.lazy import afterthoughts, forbids_later
 
+from .along import Along
 from .resite import Stuck, resite
 from .setting import Setting
 
@@ -42,7 +43,8 @@ class TriedOrder:
 def try_order(setting: Setting, order: Sequence[int], look: bool = True) -> TriedOrder:
     """Judge an order by all that is stated, with the best entries along it.
 
-    Without a `look`, what only geometry finds in a whole order is left out: that takes most of the time.
+    Without a `look`, what only geometry finds in a whole order is left out: where a rule forbids such, that takes most
+    of the time.
     """
     breaks = tuple(dict.fromkeys(_broken(setting, order)))
     if breaks:
@@ -51,20 +53,33 @@ def try_order(setting: Setting, order: Sequence[int], look: bool = True) -> Trie
     if isinstance(found, Stuck):
         return TriedOrder(found.abouts)
     breaks = broken(setting.problem, found.route)
-    if look and not breaks:
+    if look and not breaks and forbids_later(setting.profile):
         thoughts = afterthoughts(setting.facts, setting.profile)(order)
         breaks = tuple(s.about for s in thoughts if s.weight is None)
     return TriedOrder(breaks) if breaks else TriedOrder((), found.cost, found.route)
 
 
-def _broken(setting: Setting, order: Sequence[int]) -> Iterator[About]:
-    """The hard statements that the order breaks whatever the entries."""
+def quickly_tried(setting: Setting, along: Along, order: Sequence[int]) -> TriedOrder:
+    """The same without its route, by what is known of the plan's own order, where that tells all."""
+    if along.exact and not forbids_later(setting.profile):
+        breaks = tuple(dict.fromkeys(_broken(setting, order, along.asked)))
+        if breaks:
+            return TriedOrder(breaks)
+        if not broken_orders(setting.problem, order):
+            cost = along.moved(order)
+            if cost is not None:
+                return TriedOrder((), cost)
+    return try_order(setting, order)
+
+
+def _broken(setting: Setting, order: Sequence[int], asked: Sequence[Statement] | None = None) -> Iterator[About]:
+    """The hard statements that the order breaks whatever the entries; `asked` are those that may be, if known."""
     place = np.empty(setting.problem.n, dtype=np.int64)
     place[list(order)] = np.arange(len(order))
     if len(setting.pairs):
         for k in np.flatnonzero(place[setting.pairs[:, 0]] > place[setting.pairs[:, 1]]).tolist():
             yield setting.orders[k].about
-    for s in setting.stated.statements:
+    for s in setting.stated.statements if asked is None else asked:
         if s.weight is None and not _holds(s, place):
             yield s.about
 

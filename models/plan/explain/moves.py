@@ -9,7 +9,8 @@ import numpy as np
 
 from kerfwise.rules.statements import About
 
-from .lawful import try_order
+from .along import Along
+from .lawful import quickly_tried
 from .setting import Setting
 
 
@@ -27,25 +28,31 @@ class Relocation:
     more_um: int | None = None
 
 
-def explain_moves(setting: Setting, contour: int) -> tuple[Relocation, ...]:
-    """One place earlier and later, and as early and as late as is lawful; what the contour cannot do is left out."""
-    swaps = tuple(_swaps(setting, contour))
+def explain_moves(setting: Setting, contour: int, along: Along | None = None) -> tuple[Relocation, ...]:
+    """One place earlier and later, and as early and as late as is lawful; what the contour cannot do is left out.
+
+    `along` is what is known of the plan's order, where it was worked out before.
+    """
+    along = along or Along(setting)
+    swaps = tuple(_swaps(along, contour))
     told = {(move.moved, move.place) for move in swaps}
-    return (*swaps, *(move for move in _farthest(setting, contour) if (move.moved, move.place) not in told))
+    return (*swaps, *(move for move in _farthest(along, contour) if (move.moved, move.place) not in told))
 
 
-def _swaps(setting: Setting, contour: int) -> Iterator[Relocation]:
+def _swaps(along: Along, contour: int) -> Iterator[Relocation]:
+    setting = along.setting
     order = list(setting.order)
     k = order.index(contour)
     for label, other in (("one place earlier", k - 1), ("one place later", k + 1)):
         if 0 <= other < len(order):
             changed = order.copy()
             changed[k], changed[other] = changed[other], changed[k]
-            yield _tried(setting, label, (contour,), changed, other + 1)
+            yield _tried(along, label, (contour,), changed, other + 1)
 
 
-def _farthest(setting: Setting, contour: int) -> Iterator[Relocation]:
+def _farthest(along: Along, contour: int) -> Iterator[Relocation]:
     """The whole run moves, for a contour that is cut with others."""
+    setting = along.setting
     problem = setting.problem
     unit = [c for c in setting.order if problem.block[c] == problem.block[contour]]
     rest = [c for c in setting.order if problem.block[c] != problem.block[contour]]
@@ -61,13 +68,14 @@ def _farthest(setting: Setting, contour: int) -> Iterator[Relocation]:
             if 0 < slot < len(rest) and problem.block[rest[slot - 1]] == problem.block[rest[slot]]:
                 continue
             changed = [*rest[:slot], *unit, *rest[slot:]]
-            move = _tried(setting, label, unit, changed, changed.index(contour) + 1)
+            move = _tried(along, label, unit, changed, changed.index(contour) + 1)
             if not move.breaks:
                 yield move
                 break
 
 
-def _tried(setting: Setting, label: str, moved: Sequence[int], order: Sequence[int], place: int) -> Relocation:
-    tried = try_order(setting, order)
+def _tried(along: Along, label: str, moved: Sequence[int], order: Sequence[int], place: int) -> Relocation:
+    setting = along.setting
+    tried = quickly_tried(setting, along, order)
     more = None if tried.cost is None else tried.cost - setting.cost
     return Relocation(label, tuple(setting.name(c) for c in moved), place + setting.made, tried.breaks, more)

@@ -43,7 +43,7 @@ def resite(setting: Setting, order: Sequence[int], pinned: Mapping[int, int] | N
     already: set[int] = set()
     for k, contour in enumerate(order):
         sites = [pinned[contour]] if contour in pinned else list(problem.sites(contour))
-        here, against = _here(setting, contour, sites, already)
+        here, against = costs_here(setting, contour, sites, already)
         step = best[:, None] + problem.travel(leave, sites) + here[None, :]
         _add_crossed(step, over.get(k, ()), layers[-1] if layers else [problem.m], sites)
         choice = step.argmin(axis=0)
@@ -74,7 +74,7 @@ def _no_way(setting: Setting, contour: int) -> About:
     return About(" or ".join(setting.over_parts), (name,), sentence)
 
 
-def _here(setting: Setting, contour: int, sites: Sequence[int], already: set[int]) -> tuple[Floats, list[About]]:
+def costs_here(setting: Setting, contour: int, sites: Sequence[int], already: set[int]) -> tuple[Floats, list[About]]:
     """What each site costs by itself after the contours of `already`, inf where unlawful; and what makes it so."""
     here = setting.problem.site_cost[list(sites)].astype(np.float64)
     against: list[About] = []
