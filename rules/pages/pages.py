@@ -120,4 +120,6 @@ def all_pages() -> str:
 
 def _with_picture(name: str, page: str) -> str:
     """The page with its picture above the settings."""
-    return page.replace("\n### Settings\n", f"\n![{name}, wrong and right](rules/{name}.svg)\n\n### Settings\n", 1)
+    return page.replace(
+        "\n### Settings\n", f"\n![{name}, wrong and right](rule-pictures/{name}.svg)\n\n### Settings\n", 1
+    )

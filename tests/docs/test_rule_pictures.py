@@ -29,7 +29,7 @@ def first_points(svg: str) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
 
 
 def test_the_pictures_are_current() -> None:
-    again = "run python -m kerfwise.tests.docs.rule_pictures"
+    again = "run python -m kerfwise.tests.docs.rule_pictures docs/rule-pictures"
     made = pictures()
     assert sorted(FOLDER.iterdir()) == sorted(made), again
     for path, text in made.items():
