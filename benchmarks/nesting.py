@@ -183,7 +183,7 @@ def _cutting(rounds: int) -> Iterator[str]:
     yield "|---|---|---|---|---|"
     for seed in range(1, LISTS + 1):
         wanted = cutting_list(seed)
-        ranked = alike(layouts(wanted, Spacing(7.5, 10.0), Effort(rounds)), WEIGHED)
+        ranked = alike([layouts(wanted, Spacing(7.5, 10.0), Effort(rounds))], WEIGHED)
         weighed = [weigh(_sound(layout), plant, 1.0, lambda name: Listener()) for layout in ranked]
         taken, count = cheapest(weighed), sum(kind.quantity for kind in wanted.types)
         if taken.price is None:

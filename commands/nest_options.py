@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from kerfwise.encoder.errors import InputError
 from kerfwise.rules.profile.profile import DEFAULT
 
 from .given import TRUST, tell_note
@@ -17,10 +15,9 @@ from .lengths import length_or_zero
 from .numbers import AMOUNT_OVER_ZERO
 
 if TYPE_CHECKING:
+    from kerfwise.jobs.nesting.engines import Engine
+    from kerfwise.jobs.nesting.job import Asked, Found, Purpose
     from kerfwise.jobs.nesting.run import Nested
-    from kerfwise.jobs.nesting.weigh import Weighed
-    from kerfwise.nesting.rounds import Effort
-    from kerfwise.nesting.wanted import Spacing, Wanted
     from kerfwise.rules.profile.profile import Profile
 
 Verb = Callable[..., Any]
@@ -41,8 +38,9 @@ _OPTIONS = (
     click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Look as long, by the clock, in seconds."),
     click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N",
                  help="Of random orders."),
-    click.option("--engine", type=click.Choice(["own", "sparrow"]), default="own", show_default=True,
-                 help="sparrow: make the best layout denser with spyrrow (pip install kerfwise[nest])."),
+    click.option("--engine", type=click.Choice(["own", "pavlov", "sparrow"]), default="own", show_default=True,
+                 help="pavlov: the least rectangle around all parts, blocks by the defining line, for small lists. "
+                 "sparrow: make the best layout denser with spyrrow (pip install kerfwise[nest])."),
     click.option("--for", "purpose", type=click.Choice(["density", "cutting"]), default="density", show_default=True,
                  help="cutting: plan several layouts that use the sheets alike, and take the cheapest to cut."),
     click.option("--weigh", type=click.IntRange(1, 100), default=4, show_default=True, metavar="N",
@@ -62,18 +60,6 @@ def nest_options(verb: Verb) -> Verb:
     return verb
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Asked:
-    """What these options ask for, read."""
-
-    plant: Profile
-    out: Path
-    wanted: Wanted
-    spacing: Spacing
-    effort: Effort
-    engine: str = "own"
-
-
 def read_asked(
     parts: tuple[str, ...],
     sheets: tuple[str, ...],
@@ -88,12 +74,21 @@ def read_asked(
     seed: int,
     units: str | None,
     repair: bool,
-    engine: str,
-) -> Asked:
-    """Read parts, sheets and profile; what the readers have to say goes to standard error."""
+    engine: Engine,
+    purpose: Purpose,
+    weigh: int,
+    weigh_work: float,
+) -> tuple[Asked, Path]:
+    """Read parts, sheets and profile; what the readers have to say goes to standard error.
+
+    Returns
+    -------
+    What is asked for, and the folder that the nests are written to.
+    """
     from kerfwise.jobs.given import plant_of, reading
     from kerfwise.jobs.nesting.engines import expect_engine
     from kerfwise.jobs.nesting.files import expect_folder
+    from kerfwise.jobs.nesting.job import Asked
     from kerfwise.jobs.nesting.order import order_of
     from kerfwise.jobs.nesting.spacing import spacing_of
     from kerfwise.nesting.rounds import Effort
@@ -104,69 +99,30 @@ def read_asked(
     gap_mm = None if gap is None else length_or_zero("--gap", gap)
     spacing = spacing_of(plant, gap_mm, None if edge is None else length_or_zero("--edge", edge))
     wanted = order_of(parts, sheets, remnants, reading(plant, units=units, repair=repair), tell_note)
-    return Asked(plant, out, wanted, spacing, Effort(rounds, time_limit, seed), engine)
+    effort = Effort(rounds, time_limit, seed)
+    return Asked(plant, wanted, spacing, effort, engine, purpose, weigh, weigh_work), out
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Found:
-    """The nests that are to be written, what was weighed to choose them, and whether Ctrl-C ended the look."""
-
-    nested: Nested
-    weighed: tuple[Weighed, ...] = ()
-    interrupted: bool = False
-
-
-def find_nests(asked: Asked, purpose: str, most: int, work: float) -> Found:
-    """Lay the parts, and weigh layouts for cutting where that is asked for.
-
-    Raises
-    ------
-    InputError
-        If a part fits on no sheet, or the check refuses the nests.
-    """
-    from kerfwise.jobs.nesting.engines import ranked_layouts
-    from kerfwise.jobs.nesting.run import expect_room, nests_from
+def looked_for(asked: Asked) -> Found:
+    """The nests: progress on a terminal, Ctrl-C that keeps the best so far, or says that nothing was laid."""
+    from kerfwise.jobs.nesting.job import NOTHING_LAID, find_nests
 
     from .nest_progress import NestProgress
-
-    expect_room(asked.wanted, asked.spacing)
-    with NestProgress() as progress:
-        ranked = ranked_layouts(asked.wanted, asked.spacing, asked.effort, asked.engine, progress, tell_note)
-    if purpose == "density":
-        return Found(_sound(nests_from(ranked[0])), interrupted=progress.interrupted)
-    from kerfwise.jobs.nesting.weigh import alike, cheapest, weigh
-
     from .progress import ProgressLine
 
-    weighed: list[Weighed] = []
-    interrupted = progress.interrupted
-    for layout in alike(ranked, most):
-        if interrupted and weighed:
-            break
-        lines: list[ProgressLine] = []
-
-        def listener(name: str) -> ProgressLine:
-            lines.append(ProgressLine())  # noqa: B023 - called in this round only
-            return lines[-1]  # noqa: B023
-
-        weighed.append(weigh(_sound(nests_from(layout)), asked.plant, work, listener))
-        interrupted = interrupted or any(line.interrupted for line in lines)
-    return Found(cheapest(weighed).nested, tuple(weighed), interrupted)
+    try:
+        return find_nests(asked, NestProgress(), lambda name: ProgressLine(), tell_note)
+    except KeyboardInterrupt:
+        tell_note(NOTHING_LAID)
+        raise
 
 
-def _sound(nested: Nested) -> Nested:
-    if nested.faults:
-        raise InputError("the check refuses these nests; nothing was written", details=nested.faults)
-    return nested
-
-
-def tell_found(found: Found, plant: Profile) -> None:
-    """Print the table of the nests, and what was weighed."""
+def tell_found(nested: Nested, found: Found, plant: Profile) -> None:
+    """Print the table of the nests that are written, and what was weighed."""
     from kerfwise.jobs.nesting.table import as_text
 
-    click.echo(as_text(found.nested))
-    if found.weighed:
+    click.echo(as_text(nested))
+    if found.taken is not None:
         from kerfwise.jobs.nesting.weigh import weighed_text
 
-        taken = next(one for one in found.weighed if one.nested is found.nested)
-        click.echo(weighed_text(found.weighed, taken, plant))
+        click.echo(weighed_text(found.weighed, found.taken, plant))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -31,11 +31,12 @@ class Sheetful:
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """All sheets, in the order in which they were filled."""
+    """All sheets, in the order in which they were filled; `by` says what laid them so."""
 
     wanted: Wanted
     spacing: Spacing
     sheets: tuple[Sheetful, ...]
+    by: str = ""
 
     @cached_property
     def missing(self) -> tuple[int, ...]:
@@ -82,12 +83,14 @@ def allot(
     left: Mapping[int, int] | None = None,
     gone: Mapping[int, int] | None = None,
     buy: Sequence[int] = (),
+    seen: Callable[[Sheetful], None] = lambda sheet: None,
 ) -> Layout:
     """Fill sheet after sheet until every part lies on one, no stock is left, or what is left fits on none.
 
     `order` are the part types as they are laid, one after the other; `left` says how many of them are, all where it is
     not given, and `gone` how many sheets of each stock are used already. `buy` are numbers of stock that come
-    next after the remnants, in that order; only then sheets are chosen by what they hold.
+    next after the remnants, in that order; only then sheets are chosen by what they hold. `seen` is told each sheet
+    that was filled, whether it is taken or not.
     """
     left = {kind: wanted.types[kind].quantity if left is None else left[kind] for kind in order}
     used = [(gone or {}).get(number, 0) for number in range(len(wanted.stocks))]
@@ -100,6 +103,8 @@ def allot(
             room = Room(shapes, stock.sheet, spacing)
             placed = fill(room, order, left, taste, going)
             full = Sheetful(stock, number, tuple(placed))
+            if placed:
+                seen(full)
             if placed and (best is None or _better(full, best, wanted)):
                 best = full
             if stock.remnant and placed:

@@ -16,11 +16,16 @@ import numpy as np
 import shapely
 
 from kerfwise.arrays import Floats
+from kerfwise.encoder.nest import Part
 
 from .nofit import forbidden
 from .pose import Pose
 
 _SAME_DEG = 1e-6
+_SIDES = 4
+"""So many sides of a part that may be turned at will are laid along axes, the longest."""
+_PLACES = 6
+"""Places of each turn that are told."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +67,31 @@ def turns_to_try(fixed: shapely.Polygon, coming: shapely.Polygon) -> list[float]
     return [turn for turn in found if 360.0 - turn > _SAME_DEG or turn < _SAME_DEG]
 
 
+def sides_on_axes(part: Part) -> tuple[float, ...]:
+    """The turns, degrees, that lay one of the longest sides of a part's hull along an axis; the drawn one among them.
+
+    Examples
+    --------
+    >>> from kerfwise.encoder.by_hand import part
+    >>> sides_on_axes(part("A", [(0, 0), (40, 0), (0, 40)]))
+    (0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0)
+    """
+    hull = shapely.geometry.polygon.orient(part.outer.polygon.convex_hull)
+    ring = shapely.get_coordinates(hull.exterior)
+    lengths = np.hypot(*np.diff(ring, axis=0).T)
+    longest = np.argsort(-np.round(lengths, 6), kind="stable")[:_SIDES]
+    found = {0.0, 90.0, 180.0, 270.0}
+    for k in longest.tolist():
+        dx, dy = (ring[k + 1] - ring[k]).tolist()
+        along = -math.degrees(math.atan2(dy, dx))
+        found |= {round((along + axis) % 360.0, 9) % 360.0 for axis in (0.0, 90.0, 180.0, 270.0)}
+    kept: list[float] = []
+    for turn in sorted(found):
+        if not kept or turn - kept[-1] > _SAME_DEG:
+            kept.append(turn)
+    return tuple(turn for turn in kept if 360.0 - turn > _SAME_DEG)
+
+
 def best_beside(fixed: shapely.Polygon, coming: shapely.Polygon, turns_deg: Sequence[float] | None = None) -> Beside:
     """The place of the second part by which the rectangle around both is least; they may touch.
 
@@ -81,8 +111,19 @@ def best_beside(fixed: shapely.Polygon, coming: shapely.Polygon, turns_deg: Sequ
     >>> found.turn_deg, found.shift, round(found.area_mm2, 6)
     (180.0, (10.0, 10.0), 100.0)
     """
+    return places_beside(fixed, coming, turns_deg)[0]
+
+
+def places_beside(
+    fixed: shapely.Polygon, coming: shapely.Polygon, turns_deg: Sequence[float] | None = None
+) -> list[Beside]:
+    """The places that `best_beside` chooses from, the best of each turn first: least area, then least perimeter."""
     tried = turns_to_try(fixed, coming) if turns_deg is None else turns_deg
-    return min(_all_beside(fixed, coming, tried), key=lambda one: (round(one.area_mm2, 6), one.turn_deg, one.shift))
+    return sorted(_all_beside(fixed, coming, tried), key=_rank)
+
+
+def _rank(one: Beside) -> tuple[float, float, float, tuple[float, float]]:
+    return round(one.area_mm2, 6), round(one.width_mm + one.height_mm, 6), one.turn_deg, one.shift
 
 
 def _all_beside(fixed: shapely.Polygon, coming: shapely.Polygon, turns_deg: Sequence[float]) -> Iterator[Beside]:
@@ -94,9 +135,10 @@ def _all_beside(fixed: shapely.Polygon, coming: shapely.Polygon, turns_deg: Sequ
         a0, b0, a1, b1 = turned.bounds
         wide = np.maximum(x1, a1 + shifts[:, 0]) - np.minimum(x0, a0 + shifts[:, 0])
         high = np.maximum(y1, b1 + shifts[:, 1]) - np.minimum(y0, b0 + shifts[:, 1])
-        k = int(np.lexsort((shifts[:, 1], shifts[:, 0], np.round(wide * high, 6)))[0])
-        dx, dy = (round(float(by), 9) + 0.0 for by in shifts[k])
-        yield Beside(turn, (dx, dy), float(wide[k]), float(high[k]))
+        ranked = np.lexsort((shifts[:, 1], shifts[:, 0], np.round(wide + high, 6), np.round(wide * high, 6)))
+        for k in ranked[:_PLACES].tolist():
+            dx, dy = (round(float(by), 9) + 0.0 for by in shifts[k])
+            yield Beside(turn, (dx, dy), float(wide[k]), float(high[k]))
 
 
 def _where(touching: shapely.Geometry, coming: shapely.Polygon, fixed: shapely.Polygon) -> Floats:

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
 import shapely
 
+from .blocks import ALONE, Block, pair_of, twice
 from .nofit import forbidden
 from .outline import CHORD_MM, grown
-from .pairs import Pair, pair_of
 from .pose import Placed, Pose
-from .wanted import PartType
+from .wanted import Common, PartType
 
 Key = tuple[int, Pose]
-"""The number of a part type, and how it lies."""
+"""The number of a part type or of a block of it, and how it lies."""
+MOST_DOUBLED = 4
+"""Blocks with common edges are doubled so often: up to 16 copies."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -27,52 +28,89 @@ class Shape:
 
 
 class Shapes:
-    """Shapes by type and pose, and the shifts by which pairs overlap: each worked out once, when it is asked for."""
+    """Shapes by type and pose, and the shifts by which pairs overlap: each worked out once, when it is asked for.
 
-    def __init__(self, types: Sequence[PartType], gap_mm: float) -> None:
-        self.types, self.gap_mm = tuple(types), gap_mm
-        self._drawn = [grown(kind.part, gap_mm / 2) for kind in types]
+    Parameters
+    ----------
+    types
+        The part types; their numbers are those in this order.
+    gap_mm
+        Between any two parts.
+    common
+        How far edges lie apart that are cut once; without, blocks with such edges are not made.
+    more_mm
+        How much more than half the gap parts of some types take all round, by the number of the type.
+    doubled
+        How often blocks with common edges are doubled.
+    """
+
+    def __init__(
+        self,
+        types: Sequence[PartType],
+        gap_mm: float,
+        common: Common | None = None,
+        more_mm: Mapping[int, float] | None = None,
+        doubled: int = MOST_DOUBLED,
+    ) -> None:
+        self.types, self.gap_mm, self.common = tuple(types), gap_mm, common
+        self._doubled, more = doubled, more_mm or {}
+        self._drawn = [grown(kind.part, gap_mm / 2 + more.get(k, 0.0)) for k, kind in enumerate(types)]
         self._shapes: dict[Key, Shape] = {}
         self._pairs: dict[tuple[Key, Key], shapely.Geometry] = {}
         self._poses = [tuple(self._different(k)) for k in range(len(self.types))]
-        self._pair_of: dict[int, Pair | None] = {}
+        self._blocks: dict[int, Block | None] = {}
 
-    def poses(self, kind: int) -> tuple[Pose, ...]:
-        """The poses of a type that differ: a disc has one. Those of a pair leave both parts in poses of theirs."""
-        if kind < len(self.types):
-            return self._poses[kind]
-        pair = self.pair(kind - len(self.types))
-        return () if pair is None else pair.poses
+    def poses(self, number: int) -> tuple[Pose, ...]:
+        """The poses of a type that differ: a disc has one. Those of a block leave all its parts in poses of theirs."""
+        if number < len(self.types):
+            return self._poses[number]
+        block = self.block(number)
+        return () if block is None else block.poses
 
-    def pair(self, kind: int) -> Pair | None:
-        """How two of a type lie best together; None where a pair fills its rectangle no better than one part does.
+    def block(self, number: int) -> Block | None:
+        """Several of a type as one, by their number: that of the type, and that of all types times the kind of block.
 
-        As a key of shapes it has the number of the type and that of all types, added.
+        1 is a pair, where two fill their rectangle better than one does. 2, 3, 4… are two, four, eight… copies a kerf
+        apart along straight edges, where edges are cut once. None where there is no such block.
         """
-        if kind not in self._pair_of:
-            self._pair_of[kind] = pair_of(self.types[kind], self._drawn[kind])
-        return self._pair_of[kind]
+        if number not in self._blocks:
+            level, kind = divmod(number, len(self.types))
+            self._blocks[number] = self._made(kind, level)
+        return self._blocks[number]
+
+    def _made(self, kind: int, level: int) -> Block | None:
+        if level == 1:
+            return pair_of(self.types[kind], self._drawn[kind])
+        half = None if level == 2 else self.block(kind + (level - 1) * len(self.types))
+        if self.common is None or (level > 2 and half is None):
+            return None
+        return twice(self.types[kind], ALONE if half is None else half.members, self._drawn[kind], self.common)
+
+    def ways(self, kind: int, blocks: bool) -> Iterator[tuple[int, int]]:
+        """The numbers of a type's blocks, and of the type itself, with how many copies each is: the largest first."""
+        if blocks:
+            for level in (*range(self._doubled + 1, 1, -1), 1) if self.common is not None else (1,):
+                block = self.block(kind + level * len(self.types))
+                if block is not None:
+                    yield kind + level * len(self.types), len(block.members)
+        yield kind, 1
 
     def members(self, key: Key, dx_mm: float, dy_mm: float) -> list[Placed]:
-        """The parts that lie where one, or a pair, is laid."""
-        kind, pose = key
-        if kind < len(self.types):
-            return [Placed(kind, pose, dx_mm, dy_mm)]
-        pair = self.pair(kind - len(self.types))
-        assert pair is not None
-        dx, dy = pose.moved(np.array([pair.shift]), dx_mm, dy_mm).round(3)[0].tolist()
-        other = Pose((pose.turn_deg + pair.turn_deg) % 360.0)
-        kind -= len(self.types)
-        return [Placed(kind, pose, dx_mm, dy_mm), Placed(kind, other, dx, dy)]
+        """The parts that lie where one, or a block, is laid."""
+        number, pose = key
+        block = None if number < len(self.types) else self.block(number)
+        if block is None:
+            return [Placed(number, pose, dx_mm, dy_mm)]
+        return block.placed(number % len(self.types), pose, dx_mm, dy_mm)
 
     def shape(self, key: Key) -> Shape:
         """A type in a pose."""
         if key not in self._shapes:
             kind, pose = key
             if kind >= len(self.types):
-                pair = self.pair(kind - len(self.types))
-                assert pair is not None
-                return self._shapes.setdefault(key, Shape(shapely.transform(pair.taken, pose.moved), pair.taken))
+                block = self.block(kind)
+                assert block is not None
+                return self._shapes.setdefault(key, Shape(shapely.transform(block.taken, pose.moved), block.taken))
             taken = shapely.transform(self._drawn[kind], pose.moved)
             metal = shapely.transform(self.types[kind].part.polygon, pose.moved)
             self._shapes[key] = Shape(taken, metal)
@@ -82,7 +120,11 @@ class Shapes:
         """Every shift of the one that comes, from that of the one that lies, by which they overlap."""
         pair = (lying, coming)
         if pair not in self._pairs:
-            self._pairs[pair] = forbidden(self.shape(lying).taken, self.shape(coming).taken)
+            back = self._pairs.get((coming, lying))
+            if back is None:
+                self._pairs[pair] = forbidden(self.shape(lying).taken, self.shape(coming).taken)
+            else:
+                self._pairs[pair] = shapely.transform(back, lambda points: -points)
         return self._pairs[pair]
 
     def _different(self, kind: int) -> list[Pose]:

@@ -33,6 +33,8 @@ class PartType:
         The order that it is for.
     turns_deg
         How it may be turned, degrees.
+    free
+        Whether any other turn will do, too: then `turns_deg` are those that are tried.
     mirror
         Whether it may be turned over.
     file
@@ -47,6 +49,7 @@ class PartType:
     turns_deg: tuple[float, ...] = QUARTERS
     mirror: bool = False
     file: str = ""
+    free: bool = False
 
     @property
     def area_mm2(self) -> float:
@@ -95,11 +98,24 @@ class Stock:
 
 
 @dataclass(frozen=True, slots=True)
+class Common:
+    """How far straight edges lie apart that are cut once, mm, within a tolerance, and how long one is at least."""
+
+    apart_mm: float
+    shortest_mm: float
+    tolerance_mm: float = 0.05
+
+
+@dataclass(frozen=True, slots=True)
 class Spacing:
-    """How far parts lie from each other, and from the edge of the sheet, mm: outline to outline, at least."""
+    """How far parts lie from each other, and from the edge of the sheet, mm: outline to outline, at least.
+
+    Parts with a common edge are nearer, where `common` says how near.
+    """
 
     gap_mm: float
     edge_mm: float
+    common: Common | None = None
 
 
 @dataclass(frozen=True, eq=False)

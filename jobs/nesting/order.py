@@ -14,10 +14,12 @@ from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.readers.read import read_nest
 from kerfwise.encoder.readers.stock import read_sheet, without_place
 from kerfwise.jobs.given import Tell, silent
-from kerfwise.nesting.wanted import PartType, Stock, Wanted, turns_along
+from kerfwise.nesting.defining_line import sides_on_axes
+from kerfwise.nesting.wanted import QUARTERS, PartType, Stock, Wanted, turns_along
 
 from .part_list import PartList, is_list, read_list
 from .rows import MOST, PartRow, SheetRow
+from .turns import ANY
 
 
 def order_of(
@@ -98,12 +100,16 @@ def _types(row: PartRow, folder: Path, reading: ReadOptions, tell: Tell) -> Iter
     nest = without_place(_read(file, row, reading))
     for note in nest.notes:
         tell(f"{file}: {note.text}")
-    turns = row.rotations if row.grain is None else turns_along(row.grain, row.rotations)
+    free = row.rotations == ANY and row.grain is None
+    listed = row.rotations or QUARTERS
+    turns = listed if row.grain is None else turns_along(row.grain, listed)
     if not turns:
         raise _at(row, f"{row.part}: grain: {row.grain} leaves none of its rotations")
     for part in nest.parts:
         name = file.stem if len(nest.parts) == 1 else f"{file.stem}.{part.id}"
-        yield PartType(name, part, row.quantity, row.priority, row.order, turns, row.mirror, str(file))
+        if free:
+            turns = sides_on_axes(part)
+        yield PartType(name, part, row.quantity, row.priority, row.order, turns, row.mirror, str(file), free)
 
 
 def _read(file: Path, row: PartRow, reading: ReadOptions) -> Nest:

@@ -9,11 +9,10 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.nesting.allot import Layout
 from kerfwise.nesting.fitting import too_large
-from kerfwise.nesting.rounds import Effort, Told, best_layout
 from kerfwise.nesting.shapes import Shapes
 from kerfwise.nesting.wanted import Spacing, Wanted
 from kerfwise.nesting.written import nest_json, nests_of
-from kerfwise.postproc.check.nests import AskedPart, AskedSheet, AskedSpacing, nest_faults
+from kerfwise.postproc.check.nests import AskedCommon, AskedPart, AskedSheet, AskedSpacing, nest_faults
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -31,21 +30,9 @@ class Nested:
         return [f"sheet{k}" for k in range(1, len(self.nests) + 1)]
 
 
-def lay_out(wanted: Wanted, spacing: Spacing, effort: Effort, told: Told = lambda n, best: True) -> Nested:
-    """Lay the parts of an order on its sheets, and check what came of it.
-
-    Raises
-    ------
-    InputError
-        If a part fits on no sheet, not even on an empty one: all such parts, by name.
-    """
-    expect_room(wanted, spacing)
-    return nests_from(best_layout(wanted, spacing, effort, told))
-
-
 def expect_room(wanted: Wanted, spacing: Spacing) -> None:
     """Refuse an order with a part that fits on no sheet."""
-    shapes = Shapes(wanted.types, spacing.gap_mm)
+    shapes = Shapes(wanted.types, spacing.gap_mm, spacing.common)
     if never := too_large(wanted, shapes, spacing):
         raise InputError(
             f"{len(never)} of {len(wanted.types)} parts fit on no sheet, not even on an empty one, with "
@@ -71,9 +58,18 @@ def nests_from(layout: Layout) -> Nested:
 def faults_of(texts: Sequence[str], wanted: Wanted, spacing: Spacing, missing: Sequence[int]) -> list[str]:
     """What the check finds wrong in nests of an order; it is told what the order was, and nothing of the layout."""
     parts = [
-        AskedPart(kind.name, kind.part, kind.quantity, kind.turns_deg, kind.mirror, kind.quantity - lost)
+        AskedPart(
+            kind.name,
+            kind.part,
+            kind.quantity,
+            None if kind.free else kind.turns_deg,
+            kind.mirror,
+            kind.quantity - lost,
+        )
         for kind, lost in zip(wanted.types, missing, strict=True)
     ]
     sheets = [AskedSheet(stock.name, stock.sheet, stock.count) for stock in wanted.stocks]
     written = {f"sheet{k}": text.encode() for k, text in enumerate(texts, 1)}
-    return nest_faults(written, parts, sheets, AskedSpacing(spacing.gap_mm, spacing.edge_mm))
+    common = spacing.common
+    edges = None if common is None else AskedCommon(common.apart_mm, common.shortest_mm, common.tolerance_mm)
+    return nest_faults(written, parts, sheets, AskedSpacing(spacing.gap_mm, spacing.edge_mm, edges))

@@ -2,19 +2,42 @@
 
 from __future__ import annotations
 
-from kerfwise.nesting.wanted import Spacing
+from kerfwise.encoder.errors import InputError
+from kerfwise.nesting.wanted import Common, Spacing
 from kerfwise.rules.profile.profile import Profile
+
+BESIDE_MM = 0.02
+"""Metal that stays between the torch's kerf and the edge of the sheet, at the least: the torch runs on the sheet."""
 
 
 def spacing_of(profile: Profile, gap_mm: float | None = None, edge_mm: float | None = None) -> Spacing:
     """The distances of a profile; each may be given in its place.
 
+    Raises
+    ------
+    InputError
+        If the torch would run off the sheet, or along its edge: `solve` refuses that.
+
     Examples
     --------
     >>> from kerfwise.rules.profile.profile import load_profile
     >>> spacing_of(load_profile()), spacing_of(load_profile(), gap_mm=0.0)
-    (Spacing(gap_mm=7.5, edge_mm=10.0), Spacing(gap_mm=0.0, edge_mm=10.0))
+    (Spacing(gap_mm=7.5, edge_mm=10.0, common=None), Spacing(gap_mm=0.0, edge_mm=10.0, common=None))
     """
+    kerf_mm = profile.material.kerf_mm
     web_mm = profile.length_mm(profile.nesting.web_mm)
     edge = profile.length_mm(profile.nesting.edge_mm) if edge_mm is None else edge_mm
-    return Spacing(profile.material.kerf_mm + web_mm if gap_mm is None else gap_mm, edge)
+    least_mm = kerf_mm / 2 + BESIDE_MM
+    if edge < least_mm:
+        raise InputError(
+            f"{'nesting.edge' if edge_mm is None else '--edge'}: {edge:g} mm from parts to the edge of the sheet, and "
+            f"the torch runs half a kerf, {kerf_mm / 2:g} mm, beside each part: give {least_mm:g} mm or more",
+            file=(profile.file or None) if edge_mm is None else None,
+        )
+    return Spacing(kerf_mm + web_mm if gap_mm is None else gap_mm, edge, common_of(profile))
+
+
+def common_of(profile: Profile) -> Common | None:
+    """How far parts lie apart whose edges are cut once; None where the profile asks for no common cuts."""
+    asked = profile.common_options()
+    return None if asked is None else Common(profile.material.kerf_mm, asked.shortest_mm, asked.gap_mm)

@@ -14,25 +14,44 @@ from kerfwise.nesting.allot import Layout
 from kerfwise.nesting.wanted import Stock
 from kerfwise.rules.profile.profile import Profile
 
-from .programs import plan_sheet
+from .repair import planned
 from .run import Nested
 
 NEAR = 0.02
 """Layouts whose sheets are worth so much more, as a share, are weighed too."""
 
 
-def alike(ranked: Sequence[Layout], most: int) -> list[Layout]:
-    """The best layout, and those after it that lay as many parts on sheets worth about the same."""
-    missing, worth, _ = ranked[0].score
-    near = [layout for layout in ranked if layout.score[0] <= missing and layout.score[1] <= worth * (1 + NEAR)]
-    return near[:most]
+def alike(groups: Sequence[Sequence[Layout]], most: int) -> list[Layout]:
+    """The best layout, and others that lay as many parts on sheets worth about the same: of each group the best first.
+
+    Parameters
+    ----------
+    groups
+        Layouts of each way to lay parts, the best of each first.
+    most
+        How many at most.
+    """
+    every = sorted((layout for group in groups for layout in group), key=lambda layout: layout.score)
+    missing, worth, _ = every[0].score
+    firsts = [group[0] for group in groups if group]
+    near = [
+        layout
+        for layout in dict.fromkeys([every[0], *firsts, *every])
+        if layout.score[0] <= missing and layout.score[1] <= worth * (1 + NEAR)
+    ]
+    found: list[Layout] = []
+    for layout in near:
+        if all(layout.alike != other.alike for other in found):
+            found.append(layout)
+    return found[:most]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Weighed:
     """A layout, how its sheets are cut, and what that costs; `why` says why it has no plan, where it has none.
 
-    `price` is in the profile's currency, or in seconds where the profile has no prices.
+    `price` is in the profile's currency, or in seconds where the profile has no prices. `moved` says which sheets were
+    repaired, and how.
     """
 
     nested: Nested
@@ -42,24 +61,27 @@ class Weighed:
     pierces: int = 0
     idle_mm: float = 0.0
     why: str = ""
+    moved: tuple[str, ...] = ()
 
 
 def weigh(nested: Nested, profile: Profile, work: float, listener: Callable[[str], Listener]) -> Weighed:
-    """Plan every sheet of a layout, within `work` each, and add up what they cost."""
+    """Plan every sheet of a layout, within `work` each, and add up what they cost; repair sheets that have no plan."""
     plans: list[Finished] = []
     price, time_s, pierces, idle_mm = 0.0, 0.0, 0, 0.0
-    for name, text, sheet in zip(nested.names, nested.texts, nested.layout.sheets, strict=True):
+    moved: list[str] = []
+    for number, sheet in enumerate(nested.layout.sheets):
         try:
-            done = plan_sheet(name, text, priced(profile, sheet.stock), work, listener=listener(name))
+            nested, done, how = planned(nested, number, priced(profile, sheet.stock), work, listener)
         except (InputError, RulesConflict) as error:
-            return Weighed(nested, why=f"{name}: {str(error).splitlines()[0]}")
+            return Weighed(nested, why=f"{nested.names[number]}: {str(error).splitlines()[0]}")
+        moved += [how] if how else []
         times, totals = time_made(done.given, done.made.plan), done.made.plan.totals
         price += _price(times, profile)
         time_s += times.total_s
         pierces += totals.pierces
         idle_mm += totals.idle_mm
         plans.append(done)
-    return Weighed(nested, tuple(plans), price, time_s, pierces, idle_mm)
+    return Weighed(nested, tuple(plans), price, time_s, pierces, idle_mm, moved=tuple(moved))
 
 
 def _price(times: Times, profile: Profile) -> float:
@@ -93,12 +115,13 @@ def _lines(weighed: Sequence[Weighed], taken: Weighed, profile: Profile) -> Iter
     yield f"{titles} {unit:>10} {'a part':>9}"
     for number, one in enumerate(weighed, 1):
         layout = one.nested.layout
-        mark = "← taken" if one is taken else ""
+        mark = " ← taken" if one is taken else ""
         name = "densest" if number == 1 else f"layout {number}"
         head = f"{name:9} {len(layout.sheets):6} {layout.remnant_mm2 / 1e6:8.3f}"
+        said = "".join(f"; {moved}" for moved in one.moved)
         if one.price is None:
-            yield f"{head} no plan: {one.why} {mark}".rstrip()
+            yield f"{head} no plan: {one.why}{mark}"
             continue
         parts = sum(len(nest.parts) for nest in one.nested.nests)
         cut = f"{clock(one.time_s):>9} {one.pierces:7} {one.idle_mm / 1000:8.2f}"
-        yield f"{head} {cut} {one.price:10.2f} {one.price / parts:9.3f} {mark}".rstrip()
+        yield f"{head} {cut} {one.price:10.2f} {one.price / parts:9.3f}{mark}  {layout.by}{said}"

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 from pathlib import Path
 
 import pytest
 
 import kerfwise as package
+from kerfwise.arrays import Floats
 from kerfwise.commands.nest_progress import NestProgress
 from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.readers import read_nest
 from kerfwise.nesting.allot import Layout
+from kerfwise.nesting.pose import Placed
+from kerfwise.nesting.room import Room
+from kerfwise.nesting.shapes import Key
 from kerfwise.nesting.written import nest_dxf, nest_json
 from kerfwise.tests.commands.run_cli import kerfwise
 
@@ -103,6 +108,7 @@ def test_parts_that_did_not_fit_are_named(parts: Path) -> None:
         (["plate.json=0", "--sheet", "400x200"], "the quantity behind = is '0': expected a whole number from 1"),
         (["plate.json=two", "--sheet", "400x200"], "expected a whole number from 1"),
         (["plate.json", "--sheet", "50x50"], "plate is 60.0 × 30.0 mm: give a larger sheet"),
+        (["plate.json", "--sheet", "400x200", "--edge", "0"], "the torch runs half a kerf, 0.75 mm, beside each part"),
         (["plate.json", "--sheet", "400x200", "--edge", "90 mm"], "1 of 1 parts fit on no sheet"),
         (["plate.json", "--sheet", "400x200", "--edge", "150 mm"], "1 of 1 parts fit on no sheet"),
         (["plate.json"], "there is nothing to lay parts on"),
@@ -153,23 +159,23 @@ def test_the_cheapest_to_cut_is_taken_and_never_dearer_than_the_densest(parts: P
     weighing = ("--for", "cutting", "--weigh", "2", "--weigh-work", "0.2")
     ended = kerfwise("nest", *words, *weighing, "-o", parts / "out")
     assert ended.code == 0, ended.err
-    prices = [float(line.split()[-3 if "taken" in line else -2].replace("taken", "")) for line in _weighed(ended.out)]
-    [taken] = [k for k, line in enumerate(_weighed(ended.out)) if "taken" in line]
+    rows = re.findall(
+        r"^(?:densest|layout \d+) +1 +[\d.]+ +[\d:]+ +\d+ +[\d.]+ +([\d.]+) +[\d.]+( ← taken)?", ended.out, re.M
+    )
+    prices = [float(price) for price, _ in rows]
+    [taken] = [k for k, (_, mark) in enumerate(rows) if mark]
     assert prices[taken] == min(prices) <= prices[0]
     assert len(prices) == 2
 
 
-def _weighed(text: str) -> list[str]:
-    """The lines of what was weighed, the mark of the one that was taken as a word."""
-    lines = text.split("weighed ")[1].splitlines()[1:]
-    return [line.replace("← taken", "taken") for line in lines if line.startswith(("densest", "layout"))]
-
-
-def test_a_nest_without_room_for_a_pierce_is_said_to_have_no_plan(parts: Path) -> None:
-    words = (f"{parts / 'plate.json'}=4", "--sheet", "140x80", "--gap", "0.2", "--edge", "0.5", "--rounds", "1")
-    ended = kerfwise("nest", *words, "--for", "cutting", "-o", parts / "out")
+def test_a_nest_without_room_for_a_pierce_is_repaired_or_said_to_have_no_plan(parts: Path) -> None:
+    words = (f"{parts / 'plate.json'}=4", "--gap", "0.2", "--edge", "1 mm", "--rounds", "1", "--for", "cutting")
+    ended = kerfwise("nest", *words, "--sheet", "122.4x62.4", "-o", parts / "out")
     assert ended.code == 0, ended.err
     assert "no plan: sheet1:" in ended.out
+    wider = kerfwise("nest", *words, "--sheet", "140x80", "-o", parts / "out")
+    assert wider.code == 0, wider.err
+    assert "sheet1 repaired: " in wider.out
 
 
 def test_parts_become_programs_in_one_command(parts: Path) -> None:
@@ -186,7 +192,7 @@ def test_parts_become_programs_in_one_command(parts: Path) -> None:
 
 
 def test_where_a_sheet_has_no_plan_nothing_is_written(parts: Path) -> None:
-    words = (f"{parts / 'plate.json'}=4", "--sheet", "140x80", "--gap", "0.2", "--edge", "0.5", "--rounds", "1")
+    words = (f"{parts / 'plate.json'}=4", "--sheet", "122.4x62.4", "--gap", "0.2", "--edge", "1 mm", "--rounds", "1")
     ended = kerfwise("make", *words, "--work", "0.5", "-o", parts / "out")
     assert ended.code in (1, 2)
     assert "sheet1" in ended.err
@@ -204,6 +210,26 @@ def test_ctrl_c_keeps_the_best_nests(parts: Path, monkeypatch: pytest.MonkeyPatc
     words = (f"{parts / 'plate.json'}=20", "--sheet", "300x200", "--time-limit", "600")
     assert kerfwise("nest", *words, "-o", parts / "out").code == 130
     assert (parts / "out" / "sheet1.json").is_file()
+
+
+@pytest.mark.parametrize(("after", "laid"), [(0, False), (3, True)])
+def test_ctrl_c_in_the_first_round_keeps_what_is_laid_or_says_that_nothing_is(
+    parts: Path, monkeypatch: pytest.MonkeyPatch, after: int, laid: bool
+) -> None:
+    put, seen = Room.put, []
+
+    def press(room: Room, key: Key, shift: Floats) -> tuple[Placed, ...]:
+        seen.append(key)
+        if len(seen) == after + 1:
+            signal.raise_signal(signal.SIGINT)
+        return put(room, key, shift) if laid else ()
+
+    monkeypatch.setattr(Room, "put", press)
+    ended = kerfwise("nest", f"{parts / 'plate.json'}=20", "--sheet", "300x200", "-o", parts / "out")
+    assert ended.code == 130
+    assert (parts / "out" / "sheet1.json").is_file() == laid
+    assert ("did not fit" in ended.out) == laid
+    assert ("nothing was written" in ended.err) != laid
 
 
 def test_an_engine_that_is_not_installed_is_said_before_the_work(parts: Path, monkeypatch: pytest.MonkeyPatch) -> None:

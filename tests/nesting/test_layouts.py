@@ -6,17 +6,26 @@ import pytest
 
 from kerfwise.encoder.by_hand import circle, part, rect
 from kerfwise.encoder.nest import Part, Sheet
-from kerfwise.jobs.nesting.run import lay_out, nests_from
+from kerfwise.jobs.nesting.run import Nested, nests_from
+from kerfwise.nesting.allot import Layout, Sheetful, allot
 from kerfwise.nesting.bound import least_worth
+from kerfwise.nesting.cover import Patterns
+from kerfwise.nesting.defining_line import sides_on_axes
 from kerfwise.nesting.fill import LEFT, put_best
+from kerfwise.nesting.pose import Placed, Pose
 from kerfwise.nesting.room import Room
-from kerfwise.nesting.rounds import Effort, best_layout
+from kerfwise.nesting.rounds import Effort, best_layout, layouts
 from kerfwise.nesting.shapes import Shapes
+from kerfwise.nesting.squeeze import squeezed
 from kerfwise.nesting.wanted import PartType, Spacing, Stock, Wanted
 from kerfwise.tests.nesting.random_lists import random_order
 
 ONE = Effort(1)
 TOUCHING = Spacing(0.0, 0.0)
+
+
+def lay_out(asked: Wanted, spacing: Spacing, effort: Effort) -> Nested:
+    return nests_from(best_layout(asked, spacing, effort))
 
 
 def wanted(*types: PartType, stock: tuple[Stock, ...]) -> Wanted:
@@ -68,7 +77,7 @@ def test_sheets_are_bought_as_a_set_where_that_is_cheaper() -> None:
     """The large sheet is the cheapest for what it holds, and leaves one part; two small ones cost less."""
     stock = (sheet(300, 100, price=30.0), sheet(200, 100, price=21.0))
     asked = wanted(of(part("A", rect(0, 0, 100, 100)), 4), stock=stock)
-    first, second = (best_layout(asked, TOUCHING, Effort(rounds)) for rounds in (1, 2))
+    first, second = allot(asked, Shapes(asked.types, 0.0), TOUCHING, [0], LEFT), best_layout(asked, TOUCHING, ONE)
     assert [full.stock.name for full in first.sheets] == ["300x100", "200x100"]
     assert [full.stock.name for full in second.sheets] == ["200x100", "200x100"]
     assert second.score[1] == least_worth(asked, TOUCHING)
@@ -118,12 +127,63 @@ def test_the_best_so_far_is_kept_when_told_to_stop() -> None:
     assert seen == [1]
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_pavlov_s_method_lays_random_orders_without_a_fault(seed: int) -> None:
+    asked, spacing = random_order(seed)
+    assert nests_from(best_layout(asked, spacing, Effort(2, seed=seed, method="pavlov"))).faults == ()
+
+
+def test_a_part_that_may_be_turned_at_will_lies_where_no_quarter_turn_would_lay_it() -> None:
+    """A bar of 120 mm drawn at 45 degrees, on a sheet of 130 × 40 mm."""
+    slanted = part("bar", [(0, 0), (84.853, 84.853), (77.782, 91.924), (-7.071, 7.071)])
+    asked = wanted(of(slanted, 2, free=True, turns_deg=sides_on_axes(slanted)), stock=(sheet(130, 40, 1),))
+    nested = nests_from(best_layout(asked, Spacing(1.0, 1.0), Effort(1, method="pavlov")))
+    assert nested.layout.missing == (0,)
+    assert nested.faults == ()
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_the_check_finds_nothing_in_random_orders(seed: int) -> None:
     asked, spacing = random_order(seed)
     layout = best_layout(asked, spacing, Effort(1, seed=seed))
     assert nests_from(layout).faults == ()
     assert any(layout.missing) or layout.score[1] >= least_worth(asked, spacing)
+
+
+def test_the_last_sheet_is_squeezed_so_that_a_larger_rectangle_is_left() -> None:
+    """Two columns of five leave 100 × 1000 mm of the sheet, one row of ten leaves 1000 × 900 mm."""
+    kind = of(part("A", rect(0, 0, 100, 100)), 10)
+    asked = wanted(kind, stock=(sheet(1000, 1000),))
+    shapes = Shapes(asked.types, 0.0)
+    square = [Placed(0, Pose(), 100.0 * (k % 4), 100.0 * (k // 4)) for k in range(10)]
+    first = Layout(asked, TOUCHING, (Sheetful(asked.stocks[0], 0, tuple(square)),))
+    made = squeezed(first, shapes, 8, 1)
+    assert first.remnant_mm2 == 700_000
+    assert made.remnant_mm2 == 900_000
+    assert nests_from(made).faults == ()
+
+
+def test_sheets_of_several_rounds_are_combined_so_that_all_parts_lie_on_the_cheapest() -> None:
+    """No round has both the sheet of large parts and the sheet of small ones; the cover takes them together."""
+    large, small = of(part("L", rect(0, 0, 100, 100)), 1), of(part("S", rect(0, 0, 50, 100)), 3)
+    asked = wanted(large, small, stock=(sheet(150, 100, price=10.0), sheet(400, 100, price=90.0)))
+    stock, patterns = asked.stocks[0], Patterns(asked, Shapes(asked.types, 0.0), TOUCHING)
+    one = (Placed(0, Pose(), 0.0, 0.0), Placed(1, Pose(), 100.0, 0.0))
+    three = tuple(Placed(1, Pose(), 50.0 * k, 0.0) for k in range(3))
+    for placed in (one, three):
+        patterns.add(Sheetful(stock, 0, placed))
+    made = patterns.cover(Layout(asked, TOUCHING, ()), 1)
+    assert made.missing == (0, 0)
+    assert made.score[1] == 20.0 == best_layout(asked, TOUCHING, ONE).score[1]
+    assert nests_from(made).faults == ()
+
+
+def test_the_first_round_breaks_off_too_when_told_to_stop() -> None:
+    asked, spacing = random_order(3)
+    calls: list[int] = []
+    [made] = layouts(asked, spacing, Effort(10), stopped=lambda: calls.append(1) is None and len(calls) > 3)
+    assert any(made.missing)
+    assert nests_from(made).faults == ()
 
 
 def test_no_place_comes_of_rounding() -> None:
@@ -146,5 +206,5 @@ def test_no_place_comes_of_rounding() -> None:
 def copy(room: Room) -> Room:
     """The room, so that a part can be laid on trial."""
     made = Room(room.shapes, room.sheet, room.spacing)
-    made.lay(room.placed)
+    made.take(room.placed)
     return made

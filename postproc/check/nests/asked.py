@@ -9,12 +9,15 @@ from kerfwise.encoder.nest import Part, Sheet
 
 @dataclass(frozen=True, eq=False, slots=True)
 class AskedPart:
-    """A part as it is drawn, how many may be cut at most, and how it may lie; `count` is how many were promised."""
+    """A part as it is drawn, how many may be cut at most, and how it may lie; `count` is how many were promised.
+
+    `turns_deg` is None where any turn will do.
+    """
 
     name: str
     part: Part
     quantity: int
-    turns_deg: tuple[float, ...]
+    turns_deg: tuple[float, ...] | None
     mirror: bool = False
     count: int | None = None
 
@@ -29,8 +32,18 @@ class AskedSheet:
 
 
 @dataclass(frozen=True, slots=True)
+class AskedCommon:
+    """Edges that are cut once: so far apart, within a tolerance, and so long at least, mm."""
+
+    apart_mm: float
+    shortest_mm: float
+    tolerance_mm: float
+
+
+@dataclass(frozen=True, slots=True)
 class AskedSpacing:
-    """Least distances in mm: part to part, and part to the edge of the sheet."""
+    """Least distances in mm: part to part, and part to the edge of the sheet; nearer are parts with a common edge."""
 
     gap_mm: float
     edge_mm: float
+    common: AskedCommon | None = None

@@ -27,9 +27,10 @@ def wrong_copy(part: Part, asked: AskedPart) -> str | None:
         return "has other tabs than the drawing"
     if lost := _arcs_lost(part, asked.part):
         return lost
-    if any(_matches(part, laid) for laid in _ways(asked, asked.turns_deg, (False, True) if asked.mirror else (False,))):
+    turns = _any_turn(part, asked.part) if asked.turns_deg is None else asked.turns_deg
+    if any(_matches(part, laid) for laid in _ways(asked, turns, (False, True) if asked.mirror else (False,))):
         return None
-    if any(_matches(part, laid) for laid in _ways(asked, asked.turns_deg, (True,))):
+    if any(_matches(part, laid) for laid in _ways(asked, turns, (True,))):
         return "is mirrored, which is not allowed"
     if any(_matches(part, laid) for laid in _ways(asked, _any_turn(part, asked.part), (False, True))):
         return "is turned as it may not be"

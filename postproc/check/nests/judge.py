@@ -14,7 +14,7 @@ from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.validate import validated
 
-from .asked import AskedPart, AskedSheet, AskedSpacing
+from .asked import AskedCommon, AskedPart, AskedSheet, AskedSpacing
 from .copies import wrong_copy
 
 SLACK_MM = 0.01
@@ -63,21 +63,54 @@ def _of_nest(nest: Nest, asked: Mapping[str, AskedPart], spacing: AskedSpacing) 
             yield f"{part.id} is of no part that was asked for"
         elif wrong := wrong_copy(part, known):
             yield f"{part.id} {wrong}"
-    yield from _too_near(nest.parts, spacing.gap_mm)
+    yield from _too_near(nest.parts, spacing)
     yield from _off_the_edge(nest, spacing.edge_mm)
 
 
-def _too_near(parts: Sequence[Part], gap_mm: float) -> Iterator[str]:
+def _too_near(parts: Sequence[Part], spacing: AskedSpacing) -> Iterator[str]:
+    gap_mm, common = spacing.gap_mm, spacing.common
     metal = np.array([part.polygon for part in parts], dtype=object)
     one, other = shapely.STRtree(metal).query(metal, predicate="dwithin", distance=gap_mm)
     pairs = [(i, j) for i, j in zip(one.tolist(), other.tolist(), strict=True) if i < j]
-    for i, j in pairs:
-        apart_mm = shapely.distance(metal[i], metal[j])
+    apart_mm = {(i, j): float(shapely.distance(metal[i], metal[j])) for i, j in pairs}
+    groups = _groups(parts, apart_mm, common) if common else {}
+    for (i, j), mm in apart_mm.items():
         shared = shapely.intersection(metal[i], metal[j]).area
         if shared > SLACK_MM * min(metal[i].length, metal[j].length):
             yield f"{parts[i].id} and {parts[j].id} overlap by {shared:.3f} mm²"
-        elif apart_mm < gap_mm - SLACK_MM:
-            yield f"{parts[i].id} and {parts[j].id} are {apart_mm:.3f} mm apart, and {gap_mm:g} mm were asked for"
+        elif mm < gap_mm - SLACK_MM and not (common and _in_one_group(i, j, mm, groups, common)):
+            yield f"{parts[i].id} and {parts[j].id} are {mm:.3f} mm apart, and {gap_mm:g} mm were asked for"
+
+
+def _in_one_group(i: int, j: int, mm: float, groups: Mapping[int, int], common: AskedCommon) -> bool:
+    """Whether two parts that are nearer than the gap hang together by common edges, and are a kerf apart at least."""
+    return i in groups and groups.get(j) == groups[i] and mm >= common.apart_mm - common.tolerance_mm - SLACK_MM
+
+
+def _groups(parts: Sequence[Part], apart_mm: Mapping[tuple[int, int], float], common: AskedCommon) -> dict[int, int]:
+    """The number of each part's group: those that hang together by edges a kerf apart, one of them as long as asked."""
+    near_mm = common.apart_mm + common.tolerance_mm + SLACK_MM
+    edges = {
+        (i, j): mm
+        for (i, j), apart in apart_mm.items()
+        if abs(apart - common.apart_mm) <= near_mm - common.apart_mm
+        and (mm := _shared_mm(parts[i], parts[j], near_mm)) > 2 * near_mm
+    }
+    group = {k: k for pair in edges for k in pair}
+    longest: dict[int, float] = {}
+    for (i, j), mm in edges.items():
+        old, new = group[j], group[i]
+        longest[new] = max(mm, longest.get(new, 0.0), longest.get(old, 0.0))
+        group = {k: new if g == old else g for k, g in group.items()}
+    return {k: g for k, g in group.items() if longest[g] >= common.shortest_mm}
+
+
+def _shared_mm(one: Part, other: Part, near_mm: float) -> float:
+    """How long a straight edge of the one lies so near to the other, at the most."""
+    reach = other.outer.polygon.buffer(near_mm)
+    straight = (segment for segment in one.outer.curve.segments if not segment.is_arc)
+    sides = (shapely.LineString([segment.start, segment.end]) for segment in straight)
+    return max((float(shapely.intersection(side, reach).length) for side in sides), default=0.0)
 
 
 def _off_the_edge(nest: Nest, edge_mm: float) -> Iterator[str]:

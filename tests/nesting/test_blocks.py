@@ -1,0 +1,79 @@
+"""Blocks with common edges: a kerf apart along straight edges, cut once by what solve makes of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+
+from kerfwise.encoder.by_hand import circle, part, rect
+from kerfwise.encoder.nest import Part, Sheet
+from kerfwise.jobs.listening import Listener
+from kerfwise.jobs.nesting.repair import planned
+from kerfwise.jobs.nesting.run import nests_from
+from kerfwise.jobs.nesting.spacing import spacing_of
+from kerfwise.nesting.rounds import Effort, best_layout
+from kerfwise.nesting.shapes import Shapes
+from kerfwise.nesting.wanted import Common, PartType, Spacing, Stock, Wanted
+from kerfwise.rules.profile.cuts_section import Common as CommonCuts
+from kerfwise.rules.profile.cuts_section import Cuts
+from kerfwise.rules.profile.profile import load_profile
+
+PLATE = part("plate", rect(0, 0, 60, 30))
+HALF = part("half", [(0, 0), (120, 0), (0, 90)], [circle(30, 30, 5)])
+ROUND = part("round", circle(0, 0, 30))
+COMMON = Common(0.2, 20.0)
+
+
+def sizes(shape: Part, quantity: int) -> list[int]:
+    """How many copies each block of a part has, the part itself last."""
+    shapes = Shapes((PartType(shape.id, shape, quantity),), 2.2, COMMON)
+    return [size for _, size in shapes.ways(0, blocks=True)]
+
+
+def test_blocks_are_doubled_as_long_as_there_are_parts_for_them() -> None:
+    assert sizes(PLATE, 14) == [8, 4, 2, 1]
+    assert sizes(PLATE, 3) == [2, 1]
+    assert sizes(ROUND, 8) == [1]
+
+
+def test_two_triangles_are_a_kerf_apart_along_their_longest_side() -> None:
+    shapes = Shapes((PartType("half", HALF, 2),), 2.2, COMMON)
+    [number, *_] = [number for number, size in shapes.ways(0, blocks=True) if size == 2]
+    one, other = (lying.area(HALF.outer.polygon) for lying in shapes.members((number, shapes.poses(number)[0]), 0, 0))
+    assert shapely.distance(one, other) == pytest.approx(0.2, abs=2e-3)
+    along = shapely.intersection(one.boundary, other.buffer(0.21)).length
+    assert along == pytest.approx(150.0, abs=1.0)
+
+
+def test_plates_a_kerf_apart_pass_the_check_and_take_few_pierces() -> None:
+    plant = replace(load_profile("laser-st10kp-2mm"), cuts=Cuts(common=CommonCuts(shortest_mm=20.0)))
+    wanted = Wanted((PartType("plate", PLATE, 6),), (Stock("sheet", Sheet.rectangle(400, 200)),))
+    nested = nests_from(best_layout(wanted, spacing_of(plant), Effort(1)))
+    assert nested.faults == ()
+    _, done, moved = planned(nested, 0, plant, 0.5, lambda name: Listener())
+    assert moved == ""
+    assert done.made.verdict.ok
+    assert done.made.plan.totals.pierces == 2
+    assert done.made.plan.totals.cut_mm < 6 * 180
+
+
+def test_without_common_edges_the_check_refuses_parts_that_are_so_near() -> None:
+    wanted = Wanted((PartType("plate", PLATE, 4),), (Stock("sheet", Sheet.rectangle(300, 200)),))
+    layout = best_layout(wanted, Spacing(2.2, 10.0, COMMON), Effort(1))
+    assert nests_from(layout).faults == ()
+    said = nests_from(replace(layout, spacing=Spacing(2.2, 10.0))).faults
+    assert any("0.200 mm apart, and 2.2 mm were asked for" in fault for fault in said)
+    longer = replace(layout, spacing=Spacing(2.2, 10.0, Common(0.2, 80.0)))
+    assert nests_from(longer).faults
+
+
+def test_blocks_lie_apart_from_each_other() -> None:
+    wanted = Wanted((PartType("plate", PLATE, 6),), (Stock("sheet", Sheet.rectangle(300, 200)),))
+    layout = best_layout(wanted, Spacing(2.2, 10.0, COMMON), Effort(1))
+    areas = np.array(layout.metal_of(layout.sheets[0]), dtype=object)
+    apart = [float(areas[i].distance(areas[j])) for i in range(6) for j in range(i)]
+    assert {mm < 0.3 for mm in apart} == {True, False}
+    assert all(mm < 0.3 or mm > 2.19 for mm in apart)
