@@ -21,6 +21,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.compare import Comparison
 from kerfwise.jobs.listening import Reached
 from kerfwise.jobs.nest_job import Job
+from kerfwise.jobs.nesting.laid import Nests
 from kerfwise.jobs.no_plan import NoPlan
 from kerfwise.jobs.picture import Picture
 from kerfwise.jobs.resequenced import Resequenced
@@ -37,6 +38,7 @@ from kerfwise.rules.profile.profile import Profile
 
 from .comparing import compare
 from .judging import check, draw, explain, simulate, times
+from .nesting import make, nest
 from .planning import conflict, facts, solve, trade_off
 from .reading import load_profile, read_job, read_nest, read_plan
 from .reordering import resequence
@@ -51,6 +53,7 @@ __all__ = [
     "KerfwiseError",
     "Lock",
     "Nest",
+    "Nests",
     "NoPlan",
     "Offer",
     "Picture",
@@ -69,6 +72,8 @@ __all__ = [
     "explain",
     "facts",
     "load_profile",
+    "make",
+    "nest",
     "read_job",
     "read_nest",
     "read_plan",

@@ -9,10 +9,24 @@ import click
 from kerfwise.encoder.shown import shown
 
 from .nest_options import looked_for, nest_options, read_asked, tell_found
+from .terminal import expect_printed
+
+
+def _schema(context: click.Context, option: click.Parameter, asked: bool) -> None:
+    """Print the schema, and nothing else."""
+    if not asked:
+        return
+    from kerfwise.jobs.nesting.schema import schema_text
+
+    click.echo(schema_text(), nl=False)
+    expect_printed()
+    context.exit()
 
 
 @click.command()
 @nest_options
+@click.option("--schema", is_flag=True, is_eager=True, expose_value=False, callback=_schema,
+              help="Print the JSON Schema that editors complete lists of parts by.")  # fmt: skip
 @click.option("--picture", type=click.Choice(["svg", "png", "pdf"]), default="svg", show_default=True,
               help="Of what kind the pictures are.")  # fmt: skip
 def command(dxf: bool, picture: str, **options: Any) -> int:

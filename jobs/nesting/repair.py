@@ -94,7 +94,7 @@ def _moved(nested: Nested, number: int, refusal: str) -> Iterator[tuple[Nested, 
 
 
 def _named(nested: Nested, number: int, refusal: str) -> set[int]:
-    """The part types that a refusal speaks of."""
+    """The part types that a refusal is about."""
     words = set(re.findall(r"[^\s,;:()]+", refusal))
     said = {word.rsplit(".", 1)[0] for word in words} | words
     numbers = {kind.name: k for k, kind in enumerate(nested.layout.wanted.types)}

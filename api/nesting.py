@@ -1,0 +1,220 @@
+"""From a list of parts to nests, and on to programs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+
+from kerfwise.encoder.errors import InputError
+from kerfwise.jobs.given import ProfileLike, plant_of, reading
+from kerfwise.jobs.listening import Listener
+from kerfwise.jobs.nesting.engines import Engine, expect_engine
+from kerfwise.jobs.nesting.job import PURPOSES, WEIGH_WORK, WEIGHED, Asked, Found, Purpose, find_nests
+from kerfwise.jobs.nesting.laid import Nests, nests_of_job
+from kerfwise.jobs.nesting.made import made_of
+from kerfwise.jobs.nesting.order import order_of
+from kerfwise.jobs.nesting.spacing import spacing_of
+from kerfwise.jobs.solve_options import WORK
+from kerfwise.nesting.allot import Layout
+from kerfwise.nesting.rounds import Effort
+from kerfwise.rules.options.suggest import unknown
+from kerfwise.rules.profile.profile import DEFAULT
+
+Files = Mapping[str | Path, int] | Iterable[str | Path] | str | Path
+"""Files with how many of each, or words as on the command line, such as bracket.dxf=12, or the path of a list."""
+OnRound = Callable[[int, int], object]
+"""Called after each round with its number and how many sheets the best layout has; False ends the look."""
+
+
+def nest(
+    parts: Files,
+    profile: ProfileLike = DEFAULT,
+    *,
+    sheets: Files = (),
+    remnants: Files = (),
+    gap_mm: float | None = None,
+    edge_mm: float | None = None,
+    engine: Engine = "own",
+    purpose: Purpose = "density",
+    weigh: int = WEIGHED,
+    weigh_work: float = WEIGH_WORK,
+    rounds: int = 12,
+    time_s: float | None = None,
+    seed: int = 1,
+    units: str | None = None,
+    repair: bool = False,
+    on_round: OnRound | None = None,
+) -> Nests:
+    """Lay parts on sheets, remnants first, as `kerfwise nest` does. Nothing is written: see `Nests.save`.
+
+    Parameters
+    ----------
+    parts
+        Files of parts with quantities, such as {"bracket.dxf": 12}; words such as "bracket.dxf=12"; lists of parts.
+    profile
+        A profile, its name or its path.
+    sheets, remnants
+        Sizes such as "3000x1500", or files, each with how many there are: {"3000x1500": 4}, or "3000x1500=4".
+    gap_mm, edge_mm
+        Distances, mm, instead of those of the profile.
+    engine
+        "own", "pavlov" or "sparrow".
+    purpose
+        "density", or "cutting": plan several layouts that use the sheets alike, and take the cheapest to cut.
+    weigh, weigh_work
+        How many of them, and the limit of each plan.
+    rounds, time_s, seed
+        Orders that are tried; a limit by the clock in their place; the seed of random orders.
+    units, repair
+        As for `read_nest`.
+    on_round
+        Called after each round; if it answers False, the best nests so far are taken.
+
+    Returns
+    -------
+    Nests
+        `nests`, `missing`, `use`, `prices`; print it to read it.
+
+    Raises
+    ------
+    InputError
+        If something given cannot be used, a part fits on no sheet, or the check refuses the nests.
+    KeyboardInterrupt
+        If Ctrl-C was pressed before a part was laid.
+
+    Examples
+    --------
+    >>> import kerfwise
+    >>> folder = "examples/parts/"
+    >>> laid = kerfwise.nest({folder + "flange.json": 3, folder + "tag.json": 5}, sheets="1000x600", rounds=1)
+    >>> len(laid.nests), len(laid.nests[0].parts), laid.missing
+    (1, 8, {})
+    """
+    notes: list[str] = []
+    distances = (gap_mm, edge_mm)
+    effort = Effort(rounds, time_s, seed)
+    asked = _asked(
+        (parts, sheets, remnants), profile, distances, effort, engine, purpose, weigh, weigh_work, units, repair, notes
+    )
+    return nests_of_job(asked.plant, _found(asked, on_round, notes), None, seed, notes)
+
+
+def make(
+    parts: Files,
+    profile: ProfileLike = DEFAULT,
+    *,
+    sheets: Files = (),
+    remnants: Files = (),
+    gap_mm: float | None = None,
+    edge_mm: float | None = None,
+    engine: Engine = "own",
+    purpose: Purpose = "density",
+    weigh: int = WEIGHED,
+    weigh_work: float = WEIGH_WORK,
+    rounds: int = 12,
+    time_s: float | None = None,
+    seed: int = 1,
+    work: float = WORK,
+    relax: bool = False,
+    units: str | None = None,
+    repair: bool = False,
+    on_round: OnRound | None = None,
+) -> Nests:
+    """Lay parts on sheets, and turn every sheet into a checked program, as `kerfwise make` does.
+
+    Parameters
+    ----------
+    parts, profile, sheets, remnants, gap_mm, edge_mm, engine, purpose, weigh, weigh_work, rounds, seed, units, repair
+        As for `nest`.
+    time_s, on_round
+        As for `nest`: of laying parts, not of planning.
+    work, relax
+        As for `solve`, for each sheet.
+
+    Returns
+    -------
+    Nests
+        With `programs`; `save` writes programs, plans and remnants, too.
+
+    Raises
+    ------
+    InputError, RulesConflict
+        As `nest` and `solve` do: if one sheet has no plan, not even with its parts moved apart.
+
+    Examples
+    --------
+    >>> import kerfwise
+    >>> made = kerfwise.make("examples/parts/flange.json=2", sheets="600x400", rounds=1, work=0.5)
+    >>> made.programs[0].split(",")[0]
+    'sheet1.nc: 12 contours'
+    """
+    notes: list[str] = []
+    distances = (gap_mm, edge_mm)
+    effort = Effort(rounds, time_s, seed)
+    asked = _asked(
+        (parts, sheets, remnants), profile, distances, effort, engine, purpose, weigh, weigh_work, units, repair, notes
+    )
+    found = _found(asked, on_round, notes)
+    made = made_of(found.nested, asked.plant, work, relax, lambda name: Listener())
+    return nests_of_job(asked.plant, found, made, seed, notes)
+
+
+def _asked(
+    files: tuple[Files, Files, Files],
+    profile: ProfileLike,
+    distances_mm: tuple[float | None, float | None],
+    effort: Effort,
+    engine: Engine,
+    purpose: Purpose,
+    weigh: int,
+    weigh_work: float,
+    units: str | None,
+    repair: bool,
+    notes: list[str],
+) -> Asked:
+    if purpose not in PURPOSES:
+        raise InputError(unknown("purpose", str(purpose), PURPOSES))
+    for name, value in (("rounds", effort.rounds), ("weigh", weigh)):
+        if not isinstance(value, int) or value < 1:
+            raise InputError(f"{name}: expected a whole number from 1, got {value!r}")
+    for name, limit in (("time_s", effort.time_s), ("weigh_work", weigh_work)):
+        if limit is not None and not limit > 0:
+            raise InputError(f"{name}: expected a number over 0, got {limit!r}")
+    for name, mm in zip(("gap_mm", "edge_mm"), distances_mm, strict=True):
+        if mm is not None and not mm >= 0:
+            raise InputError(f"{name}: expected 0 or more, got {mm!r}")
+    plant = plant_of(profile)
+    expect_engine(engine)
+    spacing = spacing_of(plant, *distances_mm)
+    parts, sheets, remnants = (_words(named) for named in files)
+    wanted = order_of(parts, sheets, remnants, reading(plant, units=units, repair=repair), notes.append)
+    return Asked(plant, wanted, spacing, effort, engine, purpose, weigh, weigh_work)
+
+
+def _words(files: Files) -> list[str]:
+    if isinstance(files, str | Path):
+        return [str(files)]
+    if isinstance(files, Mapping):
+        return [f"{file}={count}" for file, count in files.items()]
+    return [str(file) for file in files]
+
+
+class _Watch(Listener):
+    """Tells a function of each round."""
+
+    def __init__(self, on_round: OnRound | None) -> None:
+        super().__init__()
+        self._on_round = on_round
+
+    def __call__(self, number: int, best: Layout) -> bool:  # type: ignore[override]
+        if self._on_round is not None and self._on_round(number, len(best.sheets)) is False:
+            self.stopped = True
+        return not self.stopped
+
+    def going(self, doing: str) -> bool:
+        """Whether to go on."""
+        return not self.stopped
+
+
+def _found(asked: Asked, on_round: OnRound | None, notes: list[str]) -> Found:
+    return find_nests(asked, _Watch(on_round), lambda name: Listener(), notes.append)
