@@ -1,14 +1,16 @@
 """How kerfwise fares on the field's own routing benchmarks.
 
 Usage: python benchmarks/routing.py FOLDER --best-known CSV [--time-limit S | --work W] [--seed N] [--also SET=S …]
-           [--only PATTERN …] [--remarks TEXT.md …] > docs/routing.md
+           [--only PATTERN …] [--together] [--remarks TEXT.md …] > docs/routing.md
 
 FOLDER holds a folder for every set, with `.pcglns` and `.sop` files in it, gzipped or not; the CSV has columns set,
 instance and best_upper. Prints the page: every instance run once by the default engine, judged, beside the best cost
 known; what is worse than that comes first, then remarks that people wrote, and what
 `sparse_orders.py` printed. `--also cnc=1` runs a set once more, with another limit. `--only soplib/R.*.1` runs the
-instances alone whose set and name fit one of the patterns. With `--work` the limits are deterministic, so that other
-programs on the machine change no cost and no bound, and what they took is counted in seconds of processor.
+instances alone whose set and name fit one of the patterns; sets run again do not heed it. With `--together` all run in
+one process, which saves that of each its start; memory is then the most until then. With `--work` the limits are
+deterministic, so that other programs on the machine change no cost and no bound, and what they took is counted in
+seconds of processor.
 """
 
 from __future__ import annotations
@@ -27,6 +29,7 @@ from pathlib import Path
 
 import kerfwise
 from kerfwise.jobs.bench import BenchJob, BenchResult, BestKnown, gap_to, measure, read_best_known, results_in_all
+from kerfwise.jobs.bench.child import run_in_child
 from kerfwise.models.routing import is_instance
 
 PAGE = """\
@@ -38,12 +41,13 @@ cluster the sequential ordering problem. These are the field's instances, run by
     python benchmarks/routing.py FOLDER --best-known CSV {limit} --seed {seed}{also}
 
 on {date}, kerfwise {kerfwise} at commit {commit}, Python {python}, numba {numba}, OR-Tools {ortools}, {machine}.
-Every instance has a process of its own; its clock runs from the file read to the answer, with compiled kernels loaded.
+{process} The clock runs from the file read to the answer, with compiled kernels loaded.
 {counted}
 Tours are judged by code that shares nothing with the engines. A cost is proven where the engine showed that no tour
 is cheaper; elsewhere the bound that it did prove stands beside it, and how far the cost is above that. Where no best
 known cost is published, the cost that a longer run on this page proved stands for it. Memory is the most that the
-process held, some {base:.0f} MB of it the interpreter and its libraries. One instance: `kerfwise bench FILE {limit}`.
+process held{so_far}, some {base:.0f} MB of it the interpreter and its libraries.
+One instance: `kerfwise bench FILE {limit}`.
 
 {summary}
 
@@ -53,6 +57,7 @@ process held, some {base:.0f} MB of it the interpreter and its libraries. One in
 {remarks}
 {sets}
 """
+APART, TOGETHER = "Every instance has a process of its own.", "All instances run in one process, one after the other."
 BY_CLOCK = "Limits are seconds by the clock; seconds of processor are those of all threads together."
 BY_WORK = """\
 Limits are in work, which is deterministic: other programs on the machine change no cost and no bound, but they do
@@ -99,7 +104,7 @@ HEAD = (
 class Limits:
     """For every instance of every set, seconds by the clock or `work`; `also`: sets to run again, with how much.
 
-    `only` are patterns of SET/INSTANCE.
+    `only` are patterns of SET/INSTANCE. `together` has all run in this process.
     """
 
     limit: float
@@ -107,6 +112,7 @@ class Limits:
     also: tuple[tuple[str, float], ...] = ()
     by_work: bool = False
     only: tuple[str, ...] = ()
+    together: bool = False
 
     @property
     def option(self) -> str:
@@ -127,10 +133,10 @@ class Limits:
 
 def run_set(name: str, folder: Path, best: BestKnown, limit: float, limits: Limits) -> list[Run]:
     """Every instance of a folder that is wanted, as a set of that name."""
-    runs = []
+    run, runs = run_in_child if limits.together else measure, []
     for path in sorted(folder.iterdir()):
         if limits.wanted(path):
-            runs.append(Run(name, measure(limits.job(path, limit)), best.of(path)))
+            runs.append(Run(name, run(limits.job(path, limit)), best.of(path)))
             print(runs[-1], file=sys.stderr, flush=True)
     return runs
 
@@ -151,7 +157,10 @@ def page(runs: Sequence[Run], limits: Limits, remarks: Sequence[Path] = ()) -> s
         seed=limits.seed,
         also="".join(f" --also {name}={amount:g}" for name, amount in limits.also)
         + "".join(f" --only {pattern}" for pattern in limits.only)
+        + (" --together" if limits.together else "")
         + (f" --remarks {' '.join(text.name for text in remarks)}" if remarks else ""),
+        process=TOGETHER if limits.together else APART,
+        so_far=" until then" if limits.together else "",
         counted=BY_WORK if limits.by_work else BY_CLOCK,
         remarks="".join(f"\n{text.read_text(encoding='utf-8')}" for text in remarks),
         date=datetime.date.today().isoformat(),
@@ -197,16 +206,17 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--also", type=_set_and_amount, action="append", default=[], metavar="SET=S")
     parser.add_argument("--only", action="append", default=[], metavar="PATTERN")
+    parser.add_argument("--together", action="store_true")
     parser.add_argument("--remarks", type=Path, nargs="+", default=[], metavar="TEXT.md")
     given = parser.parse_args()
     best = read_best_known(given.best_known)
     by_work = given.work is not None
     amount = given.work if by_work else given.time_limit
-    limits = Limits(amount, given.seed, tuple(given.also), by_work, tuple(given.only))
+    limits = Limits(amount, given.seed, tuple(given.also), by_work, tuple(given.only), given.together)
     runs = []
     for name, less in limits.also:
         title = f"{name} with {less:g} of work" if by_work else f"{name} in {less:g} s"
-        runs += run_set(title, given.folder / name, best, less, limits)
+        runs += run_set(title, given.folder / name, best, less, replace(limits, only=()))
     for folder in sorted(path for path in given.folder.iterdir() if path.is_dir()):
         runs += run_set(folder.name, folder, best, limits.limit, limits)
     print(page(with_proven(runs), limits, given.remarks), end="")

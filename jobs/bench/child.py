@@ -6,6 +6,7 @@ import json
 import sys
 import time
 from dataclasses import asdict
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -78,6 +79,7 @@ def _route(job: BenchJob, options: SolveOptions) -> _Outcome:
     return _Outcome(instance.name, cost, answer.bound, answer.proven, fault, answer.tour, *taken)
 
 
+@cache
 def _load_kernels(options: SolveOptions) -> None:
     """Solve something small with every engine that has kernels, so that they are loaded when the clock starts."""
     load_kernels(_small().problem)
