@@ -1,12 +1,14 @@
 """The portfolio: search finds, the ideals prove where they fit, CP-SAT carries what a state cannot hold.
 
 Members share incumbents and bounds, run one after the other (each may use every core) and stop as soon as the best
-plan is proven.
+plan is proven. Only where a large nest is bounded by flows, on one core, is its plan improved meanwhile.
 """
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import replace
+from threading import Event
 from typing import TYPE_CHECKING
 
 from kerfwise.models.engines.ideals.windows import polish
@@ -36,14 +38,20 @@ LOOKS, SEEDS_APART = 6, 1_000_003
 DENSE = 0.15
 """Share of the pairs of contours that hard orders decide, from which on the sets that can occur are few."""
 BEAM_DENSE, BEAM_SPARSE = 0.5, 0.1
-"""Share of what is left for the beam, which proves where orders are dense and guides where they are not."""
+"""Share of what is left for the beam, which proves where orders are dense and guides where they are not, or where a
+nest is large."""
 FLOW_FIRST, FLOW_FEW, FLOW_CARRIED, FLOW_PLAIN = 0.15, 80, 0.4, 0.15
 """Share of what is left, where nothing is proven, for the bound by flows, before more search: where contours are no
 more than so many, as it may prove the plan at once; where CP-SAT alone holds all that is asked; and where only orders
 bind, or where there are so many sites that it does not come near the plan anyway."""
 SEARCH_NEST, WINDOWS_NEST, FLOW = 0.3, 0.1, 0.95
-"""For nests share of what is left for more search, then for windows of the plan, and then for the bound: the better the
-plan, the more it closes."""
+"""For small nests share of what is left for more search, then for windows of the plan, and then for the bound: the
+better the plan, the more it closes."""
+SEARCH_ALONE, SEARCH_BESIDE, WINDOWS_BESIDE, FLOW_BESIDE = 0.1, 0.4, 0.05, 0.95
+"""For larger ones share of what is left for search alone, and then for search and windows at the same time as the
+bound, which keeps one core busy: the search has what that leaves of two."""
+NEWS_S = 0.1
+"""How often it is told what the bound has reached, while it is waited for."""
 SEARCH, SEARCH_PLAIN = 0.6, 0.9
 """Share of what is left, where nothing is proven, for more search; CP-SAT has the rest.
 
@@ -113,7 +121,8 @@ class _Run:
             share = PROOF_SMALL if self.problem.n <= LONGEST else PROOF
             self._ideals(self._left() * (1.0 if self.options.member else share))
         if not self._over() and self._beam_applies():
-            share = BEAM_DENSE if self._density() >= DENSE else BEAM_SPARSE
+            dense = self._density() >= DENSE and not self._bounded_beside()
+            share = BEAM_DENSE if dense else BEAM_SPARSE
             self._beam(self._left() * (1.0 if self.options.member else share))
         if not self._over() and self.options.member is None:
             self._improve_and_bound()
@@ -124,6 +133,11 @@ class _Run:
     def _improve_and_bound(self) -> None:
         """A better plan and a higher bound, where nothing is proven yet."""
         well = self._bounded_well() and not self._carried()
+        if self._bounded_beside():
+            self._search(self._left() * SEARCH_ALONE)
+            if not self._over():
+                self._improve_while_bounded()
+            return
         few = FLOW_FIRST if self.problem.n <= FLOW_FEW else 0.0
         self._flow(self._left() * (few if well else FLOW_CARRIED if self._bounded_well() else FLOW_PLAIN))
         if not self._over():
@@ -132,6 +146,33 @@ class _Run:
             self._windows(self._left() * (WINDOWS_NEST if well else WINDOWS))
         if well and not self._over():
             self._flow(self._left() * FLOW)
+
+    def _improve_while_bounded(self) -> None:
+        """A better plan, and at the same time a higher bound by a thread of its own that knows today's plan alone.
+
+        So neither depends on how far the other has come. A gap that is enough would: then one follows the other.
+        """
+        plan, left, began = self.known.incumbent, self._left(), self.known.work
+        assert plan is not None
+        reached, within = Event(), self._within(FLOW_BESIDE * left, lambda *_: not self.watch.stopped)
+
+        def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
+            self.watch.overhear(bound_um)
+            return not reached.is_set() and within(engine, cost_um, bound_um)
+
+        with ThreadPoolExecutor(1) as thread:
+            bounding = thread.submit(bounds.flow_bound, self.problem, plan, FLOW_BESIDE * left, going, self.most_bytes)
+            try:
+                self._search(SEARCH_BESIDE * left)
+                self._windows(WINDOWS_BESIDE * left)
+                while not wait([bounding], NEWS_S).done:
+                    if not self.watch("bound", plan.cost, None):
+                        reached.set()
+            finally:
+                reached.set()
+        found = bounding.result()
+        self.known.work = began + max(found.work, self.known.work - began + found.work / 2)
+        self._bounded(found.bound)
 
     def _takes(self, member: Member, why: str) -> bool:
         forced = self.options.member
@@ -259,6 +300,10 @@ class _Run:
         """Whether the bound by flows is worth its time: a nest, with all its sites in it."""
         return self.problem.m <= bounds.MOST_SITES and bool(self.problem.conditions or self.problem.lags)
 
+    def _bounded_beside(self) -> bool:
+        """Whether the bound by flows is looked for at the same time as a better plan."""
+        return self._bounded_well() and not self._carried() and self.problem.n > FLOW_FEW and self.options.gap is None
+
     def _carried(self) -> bool:
         """Whether CP-SAT alone can hold all that is asked."""
         return bool(beam.unfit(self.problem))
@@ -287,9 +332,12 @@ class _Run:
         within = self._within(share)
         found = bounds.flow_bound(self.problem, self.known.incumbent, share, within, self.most_bytes)
         self.known.work += found.work
-        if found.bound > 0:
+        self._bounded(found.bound)
+
+    def _bounded(self, bound_um: int) -> None:
+        if bound_um > 0:
             self.known.notes.append("flow: a bound by linear programming")
-            self.known.raise_bound(found.bound, "flow")
+            self.known.raise_bound(bound_um, "flow")
 
     def _windows(self, share: float) -> None:
         if self.known.incumbent is None or self._over():
@@ -298,12 +346,13 @@ class _Run:
         self.known.offer(polished.incumbent, "windows")
         self.known.work += polished.work
 
-    def _within(self, share: float) -> Progress:
+    def _within(self, share: float, asked: Progress | None = None) -> Progress:
         """To be asked whether to go on, no longer than so many seconds where seconds are counted."""
         limited, until_s = self.options.time_s is not None, self.watch.seconds + share
+        asked = asked or self.watch
 
         def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
-            return self.watch(engine, cost_um, bound_um) and not (limited and self.watch.seconds >= until_s)
+            return asked(engine, cost_um, bound_um) and not (limited and self.watch.seconds >= until_s)
 
         return going
 

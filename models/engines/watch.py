@@ -58,6 +58,10 @@ class Watch:
         self.stopped = self.stopped or not heard or self._late() or self._enough()
         return not self.stopped
 
+    def overhear(self, bound_um: int | None) -> None:
+        """Note a bound from another thread: it is passed on with whatever is told next."""
+        self._bound = max(self._bound, bound_um or 0)
+
     def _late(self) -> bool:
         return self._options.time_s is not None and self.seconds >= self._options.time_s
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 
 from kerfwise.arrays import Bools, Float32s, Floats, Ints
+from kerfwise.models.kernels import cores
 from kerfwise.models.problem.problem import Problem
 
 from .moves import Moves
@@ -13,25 +17,52 @@ WIDE = 2000
 """With more sites what moves cost is kept in half the bytes, rounded down."""
 ROWS = 100
 """Sites from which all moves are worked out at once."""
+TURNS = 4
+"""Turns of every thread from one question whether to go on to the next."""
 
 
-def costs_of(problem: Problem, sites: Ints, split: Problem, sooner: Bools, later: Bools) -> Floats | Float32s:
+def costs_of(
+    problem: Problem, sites: Ints, split: Problem, sooner: Bools, later: Bools, go: Callable[[], bool] = lambda: True
+) -> Floats | Float32s:
     """What every move costs, as `Network` says.
 
-    `sites` are those of the problem that the sites of the `split` one stand for.
+    `sites` are those of the problem that the sites of the `split` one stand for; `go` is asked now and then.
     """
     m, moves = split.m, Moves(problem)
     cost = empty_costs(m)
     ends, charged = np.append(sites, problem.m), np.append(split.site_cost, 0)
     wants_out, wants_in = sooner.astype(np.float32).T, later.astype(np.float32)
-    for start in range(0, m + 1, ROWS):
+
+    def work_out(start: int) -> None:
         rows = np.arange(start, min(start + ROWS, m + 1))
         part = moves.between(ends[rows], ends) + charged
         part[~_lawful(rows, split.site_contour, sooner, later, wants_in[rows] @ wants_out)] = np.inf
         cost[rows] = part
         if (above := cost[rows] > part).any():
             cost[rows] = np.where(above, np.nextafter(cost[rows], np.float32(-np.inf)), cost[rows])
+
+    by_threads(work_out, range(0, m + 1, ROWS), go)
     return cost
+
+
+class Stopped(Exception):
+    """There is no time left for what was begun."""
+
+
+def by_threads(work_out: Callable[[int], None], starts: Sequence[int], go: Callable[[], bool]) -> None:
+    """Call it for all of these, on all cores.
+
+    Raises
+    ------
+    Stopped
+        If `go`, asked now and then, says no before the end.
+    """
+    at_once = TURNS * cores()
+    with ThreadPoolExecutor(cores()) as threads:
+        for first in range(0, len(starts), at_once):
+            if not go():
+                raise Stopped
+            list(threads.map(work_out, starts[first : first + at_once]))
 
 
 def empty_costs(m: int) -> Floats | Float32s:

@@ -10,6 +10,7 @@ over all moves, so that it holds however good they are.
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,8 +20,9 @@ from kerfwise.models.problem.problem import Problem
 
 from .between import Between
 from .branching import MOST_BRANCHED, branch
+from .costs import Stopped
 from .demands import DemandColumns
-from .flow_program import FlowProgram
+from .flow_program import FlowProgram, sets_out_s
 from .inequalities import Inequalities, block_inequalities
 from .merged import merged
 from .network import Network, network_of
@@ -41,8 +43,8 @@ MOST_SITES, MOST_CONTOURS = 9000, 1500
 """With more sites contours stand for all of theirs; with more contours there is no bound (it takes too long)."""
 BYTES_A_MOVE = 14.0
 """What is kept of every move, and needed while they are gone through."""
-FEW_SITES, WORK_MANY = 3000, 30.0
-"""Where there is less work than that, contours stand for their sites from so many on: a round takes some seconds."""
+SETTING_OUT = 0.75
+"""Share of the work that may go before the first bound; where it takes more, contours stand for all of their sites."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,16 +77,23 @@ def flow_bound(
     """
     if not 0 < problem.n <= MOST_CONTOURS:
         return FlowBound(0, 0.0)
-    many = max(FEW_SITES, min(MOST_SITES, math.sqrt(most_bytes / BYTES_A_MOVE))) if work >= WORK_MANY else FEW_SITES
-    most_sites = int(min(MOST_SITES, many))
-    if problem.m > most_sites:
+    most_sites = int(min(MOST_SITES, math.sqrt(most_bytes / BYTES_A_MOVE)))
+    if problem.m > most_sites or sets_out_s(problem.n, problem.m) > SETTING_OUT * work:
         plan = Incumbent(tuple(int(problem.site_contour[s]) for s in plan.route), plan.cost)
         problem = merged(problem)
-    network = network_of(problem, plan.route, plan.cost, most_sites)
+
+    def go() -> bool:
+        return progress is None or progress("bound", plan.cost, None)
+
+    try:
+        network = network_of(problem, plan.route, plan.cost, most_sites, go)
+    except Stopped:
+        return FlowBound(0, sets_out_s(problem.n, problem.m))
     loop = CutLoop(network, plan, work, progress)
-    loop.run(PATIENCE, LEAST_GAIN)
-    if loop.stalled and network.problem.m <= MOST_BRANCHED:
-        loop.best = max(loop.best, branch(loop))
+    with suppress(Stopped):
+        loop.run(PATIENCE, LEAST_GAIN)
+        if loop.stalled and network.problem.m <= MOST_BRANCHED:
+            loop.best = max(loop.best, branch(loop))
     return FlowBound(max(0, min(plan.cost, _whole(loop.best))), loop.flow.work)
 
 
@@ -101,7 +110,7 @@ class CutLoop:
         demands = DemandColumns(problem)
         self._separation = Separation(network, demands)
         blocks = block_inequalities(problem, len(demands.cost))
-        self.flow = FlowProgram(network, blocks, demands.cost, plan.cost)
+        self.flow = FlowProgram(network, blocks, demands.cost, plan.cost, self._in_time)
         self._kept, self._most = len(blocks), CROWD * problem.n
         self._every = EVERY_WIDE if problem.m > WIDE else EVERY
         self.best, self.stalled, self._dropped_at = 0.0, False, 0.0
@@ -151,6 +160,10 @@ class CutLoop:
         if self.flow.work > self._work:
             return False
         return self._progress is None or self._progress("bound", self._plan.cost, _whole(self.best))
+
+    def _in_time(self) -> bool:
+        """Whether the clock leaves time; all work is counted afterwards."""
+        return self._progress is None or self._progress("bound", self._plan.cost, None)
 
     def _note(self, bound: float) -> None:
         """What is proven of all plans, unless only some moves are open."""

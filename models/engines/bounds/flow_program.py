@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.sparse import csr_matrix, hstack, vstack
 
@@ -13,14 +15,31 @@ from .network import Network
 from .pricing import AllMoves, Multipliers, whole
 from .restricted_master import restricted_master
 
-ADDITIONS_PER_S = 3.6e7
-"""Moves times rounds of the simplex method that a second is counted for."""
+ROWS_PER_S = 1e7
+"""Rows times rounds of the simplex method that a second is counted for, where there are half as many cuts as contours
+or more."""
+FREE = 0.2
+"""Share of that which a round takes without cuts."""
+AT_ONCE_S = 1.0
+"""Deterministic seconds from one question whether there is time left to the next."""
 FEW = 1000
 """Rounds of the simplex method that there is always time for."""
-PRODUCTS_PER_S = 1.2e10
-"""Of multipliers and moves, in the same way."""
+PRODUCTS_PER_S, BESIDE = 2.5e10, 650
+"""Of multipliers above 0 and moves, in the same way; and so many multipliers take as long as all else with a move."""
+MADE_PER_S = 4e6
+"""Moves whose costs are worked out, and that are gone through for the first ones."""
 NARROW = 24
 """Binary digits that narrow numbers hold."""
+
+
+def sets_out_s(contours: int, sites: int) -> float:
+    """About how many deterministic seconds the first bound takes, that of a program without cuts.
+
+    Such a program takes about three rounds of the simplex method for every site, twice, and two looks at all moves.
+    """
+    rows = contours + sites
+    look_s = BESIDE * sites**2 / PRODUCTS_PER_S
+    return sites**2 / MADE_PER_S + 2 * look_s + 6 * sites * rows * FREE / ROWS_PER_S
 
 
 class FlowProgram:
@@ -30,10 +49,17 @@ class FlowProgram:
     then the inequalities.
     """
 
-    def __init__(self, network: Network, inequalities: Inequalities, beside: Floats, plan_um: int) -> None:
+    def __init__(
+        self,
+        network: Network,
+        inequalities: Inequalities,
+        beside: Floats,
+        plan_um: int,
+        in_time: Callable[[], bool] = lambda: True,
+    ) -> None:
         problem = network.problem
         n, m = problem.n, problem.m
-        self._n, self._m = n, m
+        self._n, self._m, self._in_time = n, m, in_time
         self.owner = np.append(problem.site_contour, n)
         self.plan_um, self._moves = plan_um, AllMoves(network, plan_um)
         self._leave, self._reach = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
@@ -44,18 +70,27 @@ class FlowProgram:
         self._inequalities = inequalities.only(np.zeros(len(inequalities), dtype=np.bool_))
         self._use(*self._moves.nearest())
         self.ask(inequalities)
-        self.work, self.bound, self.value, self.complete, self.restricted = 0.0, 0.0, 0.0, False, False
+        self.work = self._moves.open.size / MADE_PER_S
+        self.bound, self.value, self.complete, self.restricted = 0.0, 0.0, False, False
         self._idle = np.zeros(0, dtype=np.bool_)
         self._multipliers: Multipliers | None = None
 
     def solve(self, work: float) -> bool:
         """Find the cheapest flow over the moves in use. False where it cannot be found within that work."""
-        left = max(0.0, work - self.work) * ADDITIONS_PER_S / len(self._leave)
-        solved = self._program.solve(FEW + int(left))
-        if solved is None:
-            return False
-        n = self._n
-        self.work += len(self._leave) * (solved.iterations + 1) / ADDITIONS_PER_S
+        n, cuts = self._n, len(self._inequalities)
+        round_s = (n + self._m + 2 + cuts) * min(1.0, FREE + cuts / (2 * n)) / ROWS_PER_S
+        left = FEW + int(max(0.0, work - self.work) / round_s)
+        at_once = 1 + int(AT_ONCE_S / round_s) if self._program.goes_on else left
+        solved = None
+        while solved is None:
+            asked = min(at_once, left)
+            if asked <= 0 or not self._in_time():
+                return False
+            solved = self._program.solve(asked)
+            self.work += (self._program.iterations + 1) * round_s
+            left -= self._program.iterations
+            if solved is None and self._program.iterations < asked:
+                return False
         paid = np.maximum(solved.multiplier[n + self._m + 2 :], 0.0)
         self._idle = paid <= 1e-9
         columns = len(self._beside_cost)
@@ -73,7 +108,8 @@ class FlowProgram:
         """
         if self._multipliers is None:
             return False
-        self.work += (len(self._multipliers.paid) + 10) * self._moves.open.size / PRODUCTS_PER_S
+        paying = int((self._multipliers.paid > 0).sum())
+        self.work += (paying + BESIDE) * self._moves.open.size / PRODUCTS_PER_S
         self._learn(self._multipliers)
         self._multipliers = None
         return True
@@ -121,7 +157,7 @@ class FlowProgram:
         """The bound that these multipliers prove over all moves, and the moves that are missing."""
         moves = self._moves
         by = whole(by, NARROW) if moves.narrow else by
-        least, missing = moves.look(by, (self._leave, self._reach))
+        least, missing = moves.look(by, (self._leave, self._reach), self._in_time)
         beside = self._beside_cost - by.inequalities.beside.T @ by.paid  # between 0 and 1 each
         self.bound = least + float(by.paid @ by.inequalities.least + np.minimum(beside, 0.0).sum())
         self.complete = missing is None

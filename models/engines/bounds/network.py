@@ -7,7 +7,7 @@ condition can be paid for, its site is there twice: once as it asks, once paid.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -54,10 +54,12 @@ class _Split:
     """Conditions that its orders do not decide."""
 
 
-def network_of(problem: Problem, route: Sequence[int], most: int, most_sites: int) -> Network:
+def network_of(
+    problem: Problem, route: Sequence[int], most: int, most_sites: int, go: Callable[[], bool] = lambda: True
+) -> Network:
     """The network of a problem; no plan of it that costs more than `most`, µm, is wanted.
 
-    `route` is a lawful route. No site is split where there would be more than `most_sites`.
+    `route` is a lawful route. No site is split where there would be more than `most_sites`. `go` is asked now and then.
     """
     asked: list[list[Condition]] = [[] for _ in range(problem.m)]
     for condition in problem.conditions:
@@ -87,7 +89,7 @@ def network_of(problem: Problem, route: Sequence[int], most: int, most_sites: in
     none = np.zeros((1, problem.n), dtype=np.bool_)
     sooner = np.vstack([*(split.sooner[None] for split in splits), none])
     later = np.vstack([*(split.later[None] for split in splits), none])
-    cost = costs_of(problem, sites, split_problem, sooner, later)
+    cost = costs_of(problem, sites, split_problem, sooner, later, go)
     return Network(split_problem, cost, sooner, later, tuple(_on(splits, route, problem)))
 
 

@@ -7,12 +7,14 @@ holds whatever the multipliers are.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from kerfwise.arrays import Bools, Float32s, Floats, Ints
 
+from .costs import by_threads
 from .inequalities import Inequalities
 from .network import Network
 
@@ -87,10 +89,12 @@ class AllMoves:
             cost[np.isin(leave * len(self._owner) + reach, forced)] += self._plan_um
         return cost
 
-    def look(self, by: Multipliers, in_use: tuple[Ints, Ints]) -> tuple[float, tuple[Ints, Ints] | None]:
+    def look(
+        self, by: Multipliers, in_use: tuple[Ints, Ints], go: Callable[[], bool] = lambda: True
+    ) -> tuple[float, tuple[Ints, Ints] | None]:
         """What coming to every contour costs at least by these multipliers, in sum; and the moves most missing.
 
-        None where none is missing; `in_use` are the moves of the program.
+        None where none is missing; `in_use` are the moves of the program, and `go` is asked now and then.
         """
         owner, paying = self._owner, by.paid > 0.0
         paid, some = by.paid[paying], by.inequalities.only(paying)
@@ -99,8 +103,10 @@ class AllMoves:
         heads, each = some.head.astype(kind), paid.astype(kind)
         if not self._left.size:
             self._left = np.empty_like(self._cost)
-        left, least_in = self._left, np.full(len(owner), np.inf)
-        for start in range(0, len(owner), ROWS):
+        left, starts = self._left, range(0, len(owner), ROWS)
+        least_in = np.empty((len(starts), len(owner)))
+
+        def look_from(start: int) -> None:
             rows = slice(start, start + ROWS)
             part = self._cost[rows] - ((some.tail[:, rows].T * each) @ heads).astype(np.float64)
             part += by.price[rows, None]
@@ -109,9 +115,11 @@ class AllMoves:
                 if start <= row < start + ROWS:
                     part[row - start, column] += self._plan_um
             part[~self.open[rows]] = np.inf
-            np.minimum(least_in, part.min(axis=0), out=least_in)
+            least_in[start // ROWS] = part.min(axis=0)
             left[rows] = part
-        self._least: Floats = np.minimum.reduceat(least_in, self._first)
+
+        by_threads(look_from, starts, go)
+        self._least: Floats = np.minimum.reduceat(least_in.min(axis=0), self._first)
         return float(self._least.sum()), self._missing(*in_use)
 
     def _missing(self, leave: Ints, reach: Ints) -> tuple[Ints, Ints] | None:

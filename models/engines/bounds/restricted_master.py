@@ -20,21 +20,30 @@ try:
 except ImportError:  # pragma: no cover - a later scipy
     highs = None
 
+DUAL, PRIMAL = 1, 4
+"""Ways of the simplex method, as HiGHS numbers them. Where nothing but columns came, the last solution is still lawful,
+and the primal one goes on from it in a third of the time."""
 MOST_ROUNDS = 2**31 - 1
 """The highest limit of rounds that HiGHS takes."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class MasterSolution:
-    """A solution: the value of every column, the multiplier of every row, and the simplex iterations it took."""
+    """A solution: the value of every column and the multiplier of every row."""
 
     value: Floats
     multiplier: Floats
-    iterations: int
 
 
 class RestrictedMaster(Protocol):
-    """Minimises over columns between 0 and a most, under equations with given right sides, and then inequalities."""
+    """Minimises over columns between 0 and a most, under equations with given right sides, and then inequalities.
+
+    `iterations` are those of the simplex method that the last call of `solve` took, and `goes_on` says whether the next
+    one goes on from where it ended.
+    """
+
+    iterations: int
+    goes_on: bool
 
     def add_columns(self, cost: Floats, entries: csr_matrix, most: float = np.inf) -> None:
         """Add columns of at most `most`; `entries` is (rows, columns)."""
@@ -74,8 +83,11 @@ def restricted_master(right: Floats) -> RestrictedMaster:
 class GoesOn:
     """Solved on from the last basis."""
 
+    goes_on = True
+
     def __init__(self, right: Floats) -> None:
         self._highs = highs._Highs()
+        self._lawful, self._value, self.iterations = False, np.zeros(0), 0
         for option, value in {"output_flag": False, "solver": "simplex", "presolve": "off", "threads": 1}.items():
             self._highs.setOptionValue(option, value)
         self._add_rows(csr_matrix((len(right), 0)), right, right)
@@ -83,6 +95,7 @@ class GoesOn:
     def add_columns(self, cost: Floats, entries: csr_matrix, most: float = np.inf) -> None:
         by_column = entries.tocsc()
         none, all_of_it = np.zeros(len(cost)), np.full(len(cost), most)
+        self._value = np.append(self._value, none)
         self._told(self._highs.addCols(len(cost), cost, none, all_of_it, *_sparse(by_column)))
 
     def add_rows(self, entries: csr_matrix, least: Floats) -> None:
@@ -94,6 +107,7 @@ class GoesOn:
 
     def limit(self, columns: Ints, most: Floats) -> None:
         if len(columns):
+            self._lawful = self._lawful and bool((self._value[columns] <= most).all())
             chosen, none = columns.astype(np.int32), np.zeros(len(columns))
             self._told(self._highs.changeColsBounds(len(columns), chosen, none, most))
 
@@ -103,15 +117,19 @@ class GoesOn:
 
     def solve(self, most: int) -> MasterSolution | None:
         self._highs.setOptionValue("simplex_iteration_limit", min(most, MOST_ROUNDS))
+        self._highs.setOptionValue("simplex_strategy", PRIMAL if self._lawful else DUAL)
         self._highs.run()
+        self.iterations = int(self._highs.getInfo().simplex_iteration_count)
         if self._highs.getModelStatus() != highs.HighsModelStatus.kOptimal:
             return None
+        self._lawful = True
         found = self._highs.getSolution()
-        rounds = int(self._highs.getInfo().simplex_iteration_count)
-        return MasterSolution(np.array(found.col_value), np.array(found.row_dual), rounds)
+        self._value = np.array(found.col_value)
+        return MasterSolution(self._value, np.array(found.row_dual))
 
     def _add_rows(self, entries: csr_matrix, least: Floats, most: Floats) -> None:
         if len(least):
+            self._lawful = False
             self._told(self._highs.addRows(len(least), least, most, *_sparse(entries)))
 
     def _told(self, status: object) -> None:
@@ -123,8 +141,10 @@ class GoesOn:
 class Anew:
     """Solved from nothing each time."""
 
+    goes_on = False
+
     def __init__(self, right: Floats) -> None:
-        self._right = right
+        self._right, self.iterations = right, 0
         self._cost: Floats = np.zeros(0)
         self._most: Floats = np.zeros(0)
         self._least: Floats = np.zeros(0)
@@ -163,10 +183,11 @@ class Anew:
             method="highs",
             options={"maxiter": most},
         )
+        self.iterations = int(solved.nit)
         if solved.x is None or solved.status != 0:
             return None
         paid = -solved.ineqlin.marginals if many else self._least
-        return MasterSolution(solved.x, np.append(solved.eqlin.marginals, paid), int(solved.nit))
+        return MasterSolution(solved.x, np.append(solved.eqlin.marginals, paid))
 
 
 def _sparse(entries: csr_matrix) -> tuple[int, Ints, Ints, Floats]:
