@@ -306,7 +306,7 @@ class _Run:
 
     def _carried(self) -> bool:
         """Whether CP-SAT alone can hold all that is asked."""
-        return bool(beam.unfit(self.problem))
+        return self.problem.further_back is not None
 
     def _beam_applies(self) -> bool:
         if self.options.member not in (None, "beam"):
