@@ -31,14 +31,14 @@ def costs_of(
     m, moves = split.m, Moves(problem)
     cost = empty_costs(m)
     ends, charged = np.append(sites, problem.m), np.append(split.site_cost, 0)
-    wants_out, wants_in = sooner.astype(np.float32).T, later.astype(np.float32)
+    lawful, kind = _lawful(split.site_contour, sooner, later)
 
     def work_out(start: int) -> None:
         rows = np.arange(start, min(start + ROWS, m + 1))
         part = moves.between(ends[rows], ends) + charged
-        part[~_lawful(rows, split.site_contour, sooner, later, wants_in[rows] @ wants_out)] = np.inf
+        part[~lawful[kind[rows]][:, kind]] = np.inf
         cost[rows] = part
-        if (above := cost[rows] > part).any():
+        if cost.dtype != part.dtype and (above := cost[rows] > part).any():
             cost[rows] = np.where(above, np.nextafter(cost[rows], np.float32(-np.inf)), cost[rows])
 
     by_threads(work_out, range(0, m + 1, ROWS), go)
@@ -72,15 +72,20 @@ def empty_costs(m: int) -> Floats | Float32s:
     return np.empty((m + 1, m + 1), dtype=np.float64)
 
 
-def _lawful(rows: Ints, contours: Ints, sooner: Bools, later: Bools, between: Float32s) -> Bools:
+def _lawful(contours: Ints, sooner: Bools, later: Bools) -> tuple[Bools, Ints]:
     """Which site may follow some: none that is to be out before, or after something that is to be between them.
 
-    `between` (rows, m + 1) counts the contours that are.
+    Most sites of a contour want the same: the table is that of the kinds of sites, and the kind of each, home last.
     """
-    never = between > 0.5
-    home = len(contours)
-    never[rows == home] = sooner.any(axis=1)
-    never[:, home] = later[rows].any(axis=1)
-    never[:, :home] |= sooner[rows][:, contours]
-    never |= np.where((rows < home)[:, None], later[:, contours[np.minimum(rows, home - 1)]].T, False)
-    return np.asarray(~never)
+    n = sooner.shape[1]
+    owner = np.append(contours, n)
+    asked = np.concatenate([owner[:, None].view(np.uint8), np.packbits(np.hstack([sooner, later]), axis=1)], axis=1)
+    _, of_kind, kind = np.unique(asked, axis=0, return_index=True, return_inverse=True)
+    owner, sooner, later = owner[of_kind], sooner[of_kind], later[of_kind]
+    home, inside = np.flatnonzero(owner == n), np.flatnonzero(owner < n)
+    never = later.astype(np.float32) @ sooner.astype(np.float32).T > 0.5
+    never[home] = sooner.any(axis=1)
+    never[:, home] = later.any(axis=1)[:, None]
+    never[:, inside] |= sooner[:, owner[inside]]
+    never[inside] |= later[:, owner[inside]].T
+    return ~never, kind.reshape(-1)

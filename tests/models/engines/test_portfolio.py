@@ -13,6 +13,7 @@ from kerfwise.models.engines.names import Member
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.solution import Incumbent, SolveOptions
 from kerfwise.models.engines.watch import Watch
+from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import AtLeast, Lag, Pick
 from kerfwise.tests.models.brute import cheapest
@@ -154,3 +155,29 @@ def test_with_little_memory_other_members_take_over() -> None:
     assert proven.incumbent is not None
     assert found.incumbent.cost == proven.incumbent.cost
     assert found.proved_by != "ideals"
+
+
+def test_a_plan_that_is_improved_while_it_is_bounded_is_the_same_each_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bound and search run at the same time, and neither sees how far the other is."""
+    monkeypatch.setattr(portfolio, "FLOW_FEW", 10)
+    held = [Condition(k, (k + 1,), (-1,), 0, ABOUT, cost=90_000) for k in range(0, 40, 5)]
+    many = replace(scattered(1, contours=42, sites=2, pairs=40), conditions=tuple(held))
+    first, again = (found(many, work=1.0) for _ in range(2))
+    assert "flow: a bound by linear programming" in first.notes
+    assert (first.incumbent, first.bound_um, first.work, first.notes) == (
+        again.incumbent,
+        again.bound_um,
+        again.work,
+        again.notes,
+    )
+    assert first.incumbent is not None
+    assert 0 < first.bound_um <= first.incumbent.cost
+
+
+def test_what_a_bound_has_reached_in_another_thread_is_told_with_the_next_news() -> None:
+    told = []
+    watch = Watch(SolveOptions(), lambda engine, cost, bound: told.append((engine, cost, bound)) is None)
+    watch.overhear(70)
+    watch.overhear(60)
+    assert watch("search", 100, None)
+    assert told == [("search", 100, 70)]

@@ -81,3 +81,32 @@ def test_no_optimum_within_the_rounds_is_said() -> None:
     program.add_columns(random.random(200), csr_matrix(np.hstack([np.eye(30), random.random((30, 170))])))
     assert program.solve(1) is None
     assert program.solve(1000) is not None
+
+
+def test_what_was_broken_off_is_gone_on_with() -> None:
+    """By the dual way after rows and by the primal one after columns alone, a few rounds at a time."""
+    random = np.random.default_rng(2)
+    right = random.integers(1, 5, 20).astype(np.float64)
+    apart, whole = GoesOn(right), GoesOn(right)
+    for turn in range(4):
+        columns = np.hstack([np.eye(20), random.integers(-1, 2, (20, 60))])
+        rows = random.integers(0, 2, (2 * turn, 80))
+        cost = random.integers(1, 50, 80).astype(np.float64)
+        for program in (apart, whole):
+            program.add_columns(cost, csr_matrix(np.vstack([columns, rows])))
+        if turn != 2:
+            assert _in_steps(apart) == pytest.approx(_in_steps(whole, 10**6))
+        asked = random.integers(0, 2, (2, 80 * (turn + 1))).astype(np.float64)
+        for program in (apart, whole):
+            program.add_rows(csr_matrix(asked), np.ones(2))
+        assert _in_steps(apart) == pytest.approx(_in_steps(whole, 10**6))
+
+
+def _in_steps(program: GoesOn, most: int = 3) -> float:
+    """The optimum, by the multipliers of all rows, of a program whose rounds are taken so many at a time."""
+    for _ in range(10_000):
+        solved = program.solve(most)
+        if solved is not None:
+            return float(program._highs.getInfo().objective_function_value)
+        assert program.iterations == most
+    raise AssertionError("no end")
