@@ -83,7 +83,7 @@ def _lawful(contours: Ints, sooner: Bools, later: Bools) -> tuple[Bools, Ints]:
     _, of_kind, kind = np.unique(asked, axis=0, return_index=True, return_inverse=True)
     owner, sooner, later = owner[of_kind], sooner[of_kind], later[of_kind]
     home, inside = np.flatnonzero(owner == n), np.flatnonzero(owner < n)
-    never = later.astype(np.float32) @ sooner.astype(np.float32).T > 0.5
+    never: Bools = np.asarray(later.astype(np.float32) @ sooner.astype(np.float32).T > 0.5)
     never[home] = sooner.any(axis=1)
     never[:, home] = later.any(axis=1)[:, None]
     never[:, inside] |= sooner[:, owner[inside]]
