@@ -84,8 +84,8 @@ def _lawful(contours: Ints, sooner: Bools, later: Bools) -> tuple[Bools, Ints]:
     owner, sooner, later = owner[of_kind], sooner[of_kind], later[of_kind]
     home, inside = np.flatnonzero(owner == n), np.flatnonzero(owner < n)
     never: Bools = np.asarray(later.astype(np.float32) @ sooner.astype(np.float32).T > 0.5)
-    never[home] = sooner.any(axis=1)
-    never[:, home] = later.any(axis=1)[:, None]
+    never[home] = np.asarray(sooner.any(axis=1))
+    never[:, home] = np.asarray(later.any(axis=1)).reshape(-1, 1)
     never[:, inside] |= sooner[:, owner[inside]]
     never[inside] |= later[:, owner[inside]].T
     return ~never, kind.reshape(-1)
