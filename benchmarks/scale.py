@@ -1,10 +1,12 @@
-"""How fast plans of large nests come, how good they are after a while, and how memory and time grow.
+"""How good plans of large nests are with zones and without, what is proven of them, and what time and memory they take.
 
-Usage: python benchmarks/scale.py [--contours 115 308 1000 10000] [--seconds 10 30 120] > docs/scale.md
+Usage: python benchmarks/scale.py [--plates 115:5,25 308:5,25 1000:10,55 10000:10] [--seed 1] --into docs/scale.md
 
-Made plates (examples/gen_sheet.py, seed 1) under the default profile, which cuts zone after zone, and without zones.
-All order rules are on. No-tip-travel, which looks at every single move, is off. The clock of `first plan` runs from
-the nest read: facts, statements, problem and search. Every plate has a process of its own.
+Made plates (examples/gen_sheet.py) under the default profile without no-tip-travel, which looks at every single move:
+cut zone after zone, and without zones. Each plate of so many contours is planned within every amount of work named,
+from the start each time, in a process of its own. Work is counted in deterministic seconds, so that other programs on
+the machine change no plan; what it took of the processor is beside it. The page takes the place of the one there, but
+for what another command made of it.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import kerfwise
 from kerfwise.encoder.readers import ReadOptions
@@ -24,141 +27,170 @@ from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.bench.memory import peak_mb
-from kerfwise.models.engines.portfolio import run_portfolio
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.engines.watch import Watch
-from kerfwise.models.physics.timing.choose import feeds_of
-from kerfwise.models.problem.compile import make_problem
-from kerfwise.models.problem.simplify import simplify
+from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.zones_moved import planned_by_zones
+from kerfwise.models.engines.rounds import solve
+from kerfwise.models.engines.warm_up import load_kernels
 from kerfwise.rules.profile.profile import load_profile
+from kerfwise.rules.statements import EXEMPTION_MM
+from kerfwise.rules.stating.lazy import afterthoughts
 
+OTHERS = "## Beside the planning"
+"""The heading from which on the page is another command's."""
 PAGE = """\
 # Large nests
 
-Made by `python benchmarks/scale.py --contours {contours} --seconds {seconds} > docs/scale.md` with kerfwise {kerfwise},
-Python {python}, {system}, plates of `examples/gen_sheet.py`, seed 1, kernels compiled beforehand. Costs are objectives
-in m: idle travel, what soft rules cost, and 1000 m for every excuse.
-All order rules are hard; no-tip-travel is off.
+Made by `python benchmarks/scale.py --plates {plates} --seed {seed} --into docs/scale.md` with kerfwise {kerfwise},
+Python {python}, {system}, plates of `examples/gen_sheet.py` under the default profile without no-tip-travel. Costs are
+in m: idle travel and what soft rules cost, with the number of excuses beside it.
 
-Zone after zone a plan is proven in the time that its sets take, which grows with the number of zones. Without zones the
-sets are too many, and what is not proven is bounded by flows. Their linear programs take the longer the more sites
-there are; beyond 9000 sites, or 3000 with less than 30 s for them, a contour stands for all of its own, what rules ask
-of the metal that holds a part is left out, and the bound stays far below. [Where the gap comes from](gap.md) shows what
-is left as statements go.
-
-| plate | facts to problem, s | first plan, s | {heads} | bound after {last:g} s | gap | proven, s | memory, MB |
-|---|---:|---:|{rules}---:|---:|---:|---:|
+| plate | facts, processor s | work | processor s | plan | proven | bound | gap | memory, MB |
+|---|---:|---:|---:|---:|---|---:|---:|---:|
 {rows}
+
+Work is in deterministic seconds, so that other programs on the machine change no plan. What it took of the processor,
+all threads together, is beside it, and so are the facts, which are made before. A plan with zones is proven within its
+zones, with the ways to cut that are offered: others may be better. What it took includes looking for a plan without
+zones, and moving the zones along it ([what zones cost](zones.md)); beyond {most} contours zones stay as geometry makes
+them. Without zones the sets of contours that may be out are too many for a proof, and what is not proven is bounded by
+flows: [where that gap comes from](gap.md). Where a plan is proven, more work is not tried.
+
 """
 
 
 @dataclass(frozen=True)
 class Job:
-    """A plate, with or without zones, and the times to look at it, s after the search began."""
+    """A plate, with or without zones, and the works to plan it within, from less to more."""
 
     contours: int
     zones: bool
-    seconds: tuple[float, ...]
+    works: tuple[float, ...]
+    seed: int = 1
 
 
 @dataclass(frozen=True)
 class Seen:
-    """What came of it: costs in m at the times asked for, None where there was no plan yet."""
+    """What came of one work: costs in mm, with the weight of excuses; seconds of the processor."""
 
     contours: int
-    posed_s: float
-    first_s: float | None
-    costs_m: tuple[float | None, ...]
-    bound_m: float | None
-    proven_s: float | None
+    facts_s: float
+    work: float
+    planned_s: float
+    cost_mm: float
+    bound_mm: float | None
+    proven: bool
     memory_mb: float
 
 
-def run(job: Job) -> Seen:
-    """Plan one plate for as long as the last of the times."""
+def run(job: Job) -> list[Seen]:
+    """Plan one plate within every work, until it is proven."""
     profile = load_profile()
     off = ["no-tip-travel"] + ([] if job.zones else ["zone-order"])
     rules = {name: replace(profile.rules[name], strength="off", weight=None) for name in off}
     profile = replace(profile, rules={**profile.rules, **rules})
-    nest = read_json(json.dumps(make_sheet(1, job.contours)).encode(), ReadOptions())
-    started = time.perf_counter()
+    nest = read_json(json.dumps(make_sheet(job.seed, job.contours)).encode(), ReadOptions())
+    began_s = time.process_time()
     asked = ask(facts_of(nest, profile), profile)
-    problem = simplify(
-        make_problem(asked.facts, asked.stated.statements, profile.home_on(asked.facts.nest), feeds_of(profile))
-    )
-    posed = time.perf_counter()
-    seen: list[tuple[float, int]] = []
+    facts_s = time.process_time() - began_s
+    found: list[Seen] = []
+    for work in job.works:
+        limits = options_for(nest, profile, work=work)
+        began_s = time.process_time()
+        if job.zones:
+            _, solution, _ = planned_by_zones(asked, profile, limits)
+        else:
+            solution = solve(asked.facts, asked.stated.statements, limits, None, afterthoughts(asked.facts, profile))
+        found.append(
+            Seen(
+                asked.facts.n,
+                facts_s,
+                work,
+                time.process_time() - began_s,
+                solution.objective,
+                solution.bound,
+                solution.status == "optimal",
+                peak_mb(),
+            )
+        )
+        if found[-1].proven:
+            break
+    return found
 
-    def note(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
-        if cost_um is not None and (not seen or cost_um < seen[-1][1]):
-            seen.append((time.perf_counter(), cost_um))
-        return True
 
-    options = SolveOptions(time_s=job.seconds[-1])
-    known = run_portfolio(problem, options, Watch(options, note))
-    ended = time.perf_counter()
-    if known.incumbent is not None:
-        note("", known.incumbent.cost, None)
-    costs = [[cost for at, cost in seen if at - posed <= s] for s in job.seconds[:-1]]
-    costs.append([cost for _, cost in seen])
-    return Seen(
-        asked.facts.n,
-        posed - started,
-        seen[0][0] - started if seen else None,
-        tuple(min(before) / 1e6 if before else None for before in costs),
-        known.bound_um / 1e6 if known.proved_by else None,
-        ended - posed if known.proven else None,
-        peak_mb(),
-    )
+def cost(objective_mm: float) -> str:
+    """In m, and how many excuses.
+
+    Examples
+    --------
+    >>> cost(12_340.0), cost(2 * EXEMPTION_MM + 12_340.0)
+    ('12.34', '12.34 + 2')
+    """
+    excuses = int(objective_mm // EXEMPTION_MM)
+    return f"{objective_mm % EXEMPTION_MM / 1000:.2f}{f' + {excuses}' if excuses else ''}"
 
 
 def row(job: Job, seen: Seen) -> str:
     """One line of the table."""
-    cost, bound = seen.costs_m[-1], seen.bound_m
-    gap = "" if cost is None or bound is None else f"{(cost - bound) / cost:.2%}"
+    bound_mm = seen.bound_mm
     cells = [
         f"{seen.contours} contours{'' if job.zones else ', no zones'}",
-        f"{seen.posed_s:.1f}",
-        "none" if seen.first_s is None else f"{seen.first_s:.1f}",
-        *("none" if c is None else f"{c:.2f}" for c in seen.costs_m),
-        "" if bound is None else f"{bound:.2f}",
-        gap,
-        "" if seen.proven_s is None else f"{seen.proven_s:.1f}",
+        f"{seen.facts_s:.1f}",
+        f"{seen.work:g}",
+        f"{seen.planned_s:.0f}",
+        cost(seen.cost_mm),
+        "yes" if seen.proven else "no",
+        "" if bound_mm is None else f"{bound_mm / 1000:.2f}",
+        "" if bound_mm is None else f"{(seen.cost_mm - bound_mm) / seen.cost_mm:.1%}",
         f"{seen.memory_mb:.0f}",
     ]
     return f"| {' | '.join(cells)} |"
 
 
-def page(jobs: Sequence[Job], seen: Sequence[Seen]) -> str:
-    """The whole page."""
-    seconds = jobs[0].seconds
+def page(jobs: Sequence[Job], rows: Sequence[str], most: int) -> str:
+    """The page, up to what another command makes of it."""
+    plates = {job.contours: ",".join(f"{work:g}" for work in job.works) for job in jobs}
     return PAGE.format(
-        contours=" ".join(str(c) for c in dict.fromkeys(job.contours for job in jobs)),
-        seconds=" ".join(f"{s:g}" for s in seconds),
+        plates=" ".join(f"{contours}:{works}" for contours, works in plates.items()),
+        seed=jobs[0].seed,
         kerfwise=kerfwise.__version__,
         python=platform.python_version(),
         system=f"{platform.system()} {platform.machine()}, {multiprocessing.cpu_count()} cores",
-        heads=" | ".join(f"after {s:g} s" for s in seconds),
-        last=seconds[-1],
-        rules="---:|" * (len(seconds) + 1),
-        rows="\n".join(row(job, s) for job, s in zip(jobs, seen, strict=True)),
+        most=most,
+        rows="\n".join(rows),
     )
 
 
+def with_others(text: str, before: str) -> str:
+    """The page, with what another command made of the one before."""
+    at = before.find(OTHERS)
+    return text.rstrip() + "\n" if at < 0 else text + before[at:]
+
+
 def main() -> None:
-    """Print the page."""
+    """Write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--contours", type=int, nargs="+", default=[115, 308, 1000, 10_000])
-    parser.add_argument("--seconds", type=float, nargs="+", default=[10.0, 30.0, 120.0])
+    plates = ["115:5,25", "308:5,25", "1000:10,55", "10000:10"]
+    parser.add_argument("--plates", nargs="+", default=plates, help="contours:work,work…")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--into", type=Path, required=True)
     given = parser.parse_args()
-    jobs = [Job(c, zones, tuple(given.seconds)) for c in given.contours for zones in (True, False)]
-    seen = []
+    jobs = []
+    for plate in given.plates:
+        contours, works = plate.split(":")
+        amounts = tuple(float(work) for work in works.split(","))
+        jobs += [Job(int(contours), zones, amounts, given.seed) for zones in (True, False)]
+    load_kernels()  # compiled beforehand, where that was never done
+    rows = []
     context = multiprocessing.get_context("spawn")
-    for job in [Job(20, True, (2.0,)), *jobs]:  # the first compiles kernels where that was never done
+    for job in jobs:
         with context.Pool(1) as pool:
-            seen.append(pool.apply(run, (job,)))
-            print(row(job, seen[-1]), file=sys.stderr, flush=True)
-    print(page(jobs, seen[1:]), end="")
+            for seen in pool.apply(run, (job,)):
+                rows.append(row(job, seen))
+                print(rows[-1], file=sys.stderr, flush=True)
+    from kerfwise.jobs.zones_cost import MOST_CONTOURS
+
+    before = given.into.read_text(encoding="utf-8") if given.into.exists() else ""
+    given.into.write_text(with_others(page(jobs, rows, MOST_CONTOURS), before), encoding="utf-8")
 
 
 if __name__ == "__main__":

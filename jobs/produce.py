@@ -29,7 +29,8 @@ from .ask import Asked
 from .costs import cost_of_plan
 from .pierce_pass import with_pierces
 from .torches import with_further_torches
-from .zones_cost import SHARE, along, look_for, once_more, without_zones, zoned_by, zones_cost
+from .zones_cost import SHARE, zoned_by, zones_cost
+from .zones_moved import better_zones
 
 if TYPE_CHECKING:
     from kerfwise.models.heat_prices.cooler_orders import CoolerOrders
@@ -134,16 +135,13 @@ def produce(
         plan = planned(solution)
     if and_zones:
         ends_s = None if whole.time_s is None else started_s + whole.time_s
-        free_s, looked = running_s(), look_for(facts, whole, ends_s)
-        free = without_zones(asked, seen_in(solution.route), profile, solution, looked, progress)
-        beside_s = running_s() - free_s - (looked.time_s or 0.0)  # other zones take as long to be stated, at least
-        in_time = ends_s is None or running_s() + beside_s < ends_s
-        if free is not None and limit is None and cool is None and in_time:
-            better = along(asked, profile, solution, free, once_more(whole, ends_s), progress)
-            if better is not None:
-                asked, solution = better
-                facts = asked.facts
-                plan = planned(solution)
+        stays, first = limit is not None or cool is not None, solution
+        asked, solution, free = better_zones(
+            asked, seen_in(solution.route), profile, solution, whole, ends_s, progress, may_move=not stays
+        )
+        if solution is not first:
+            facts = asked.facts
+            plan = planned(solution)
         if free is not None:
             plan = replace(plan, zones_cost=zones_cost(asked, solution, free, limits))
     began_s = running_s()

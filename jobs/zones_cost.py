@@ -1,4 +1,4 @@
-"""What zones cost a plan, and zones that cost it less: the search goes on from it without the orders of zones."""
+"""What zones cost a plan: the search goes on from it without the orders of zones."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.facts.zone_runs import movable, zones_along
 from kerfwise.encoder.geometry.microns import UM_PER_MM
 from kerfwise.models.engines.solution import Progress, Solution, SolveOptions
 from kerfwise.models.kernels import running_s
@@ -20,7 +19,7 @@ from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import EXEMPTION_MM, Statement
 from kerfwise.rules.stating.lazy import afterthoughts
-from kerfwise.rules.stating.state_rules import Stated, state_rules
+from kerfwise.rules.stating.state_rules import Stated
 
 from .ask import Asked
 
@@ -86,6 +85,7 @@ def without_zones(
     solution: Solution,
     limits: SolveOptions,
     progress: Progress | None = None,
+    instead: Sequence[Statement] = (),
 ) -> Free | None:
     """The best plan that is found without zones, from a planned one on.
 
@@ -101,6 +101,8 @@ def without_zones(
         How long to look: `work`, or `time_s` where that is given.
     progress
         Asked now and then whether to go on.
+    instead
+        What is asked in place of zones.
 
     Returns
     -------
@@ -114,7 +116,7 @@ def without_zones(
     if not names or not solution.route or relaxed or (progress is not None and not progress("zones", None, None)):
         return None
     moves_too = facts.n <= MOST_MOVES
-    left = [s for s in (*asked.stated.statements, *further) if s.about.rule not in names]
+    left = [s for s in (*asked.stated.statements, *further) if s.about.rule not in names] + list(instead)
     kept, unasked = (left, frozenset[str]()) if moves_too else without_moves(left)
     stated = Stated(tuple(kept), (), asked.stated.exempt)
     began_s = running_s()
@@ -126,44 +128,6 @@ def without_zones(
     aside = unasked | {r for r, _ in found.left_out}
     spent_s = found.seconds if limits.time_s is None else running_s() - began_s
     return Free(stated, found, spent_s, tuple(sorted(aside)))
-
-
-def along(
-    asked: Asked,
-    profile: Profile,
-    solution: Solution,
-    free: Free,
-    limits: SolveOptions,
-    progress: Progress | None = None,
-) -> tuple[Asked, Solution] | None:
-    """A better plan, by zones along the one without; None where the plant decides on zones, or none is found.
-
-    They are as large as a proof bears, so a proof alone is tried. A plan that is proven gives way to none that is not.
-    """
-    from kerfwise.models.engines.rounds import solve
-
-    facts = asked.facts
-    if not movable(facts) or free.cost_mm(asked, solution, limits) <= free.solution.objective:
-        return None
-    zone = zones_along(facts, [facts.candidates[c].contour for c in free.solution.route])
-    if zone is None:
-        return None
-    moved = replace(facts, zone=zone)
-    try:
-        stated = state_rules(moved, profile)
-        limits = replace(limits, member="ideals", gap=None, no_improvement_s=None)
-        found = solve(
-            moved, stated.statements, limits, progress, afterthoughts(moved, profile), start=free.solution.route
-        )
-    except RulesConflict:
-        return None
-    if found.left_out != solution.left_out:  # the one is not asked for what the other pays for
-        return None
-    if found.objective >= solution.objective or (solution.status == "optimal" != found.status):
-        return None
-    spent = solution.seconds + free.seconds + found.seconds
-    notes = (*solution.notes, "zones: moved along the best plan known without them", *found.notes)
-    return Asked(moved, stated), replace(found, seconds=spent, notes=notes)
 
 
 def zones_cost(asked: Asked, solution: Solution, free: Free, limits: SolveOptions) -> ZonesCost:

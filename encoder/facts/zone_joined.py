@@ -25,22 +25,7 @@ def joined(zone: Ints, units: Units, most_sets: float, heat_kj: Floats, budget_k
     >>> joined(np.array([1, 2]), two, 4.0, np.zeros(2)), joined(np.array([1, 2]), two, 3.0, np.zeros(2))
     (array([1, 1]), array([1, 2]))
     """
-    cut = units.of >= 0
-    of_unit = np.zeros(len(units.inner), dtype=np.int64)
-    of_unit[units.of[cut]] = zone[cut]
-    by_zone = np.argsort(of_unit, kind="stable")
-    ends = np.arange(1, len(heat_kj) + 2)
-    first = np.searchsorted(of_unit[by_zone], ends)
-    pairs = units.pairs[np.argsort(of_unit[units.pairs[:, 0]], kind="stable")]
-    pairs_from = np.searchsorted(of_unit[pairs[:, 0]], ends)
-    most_kj = np.inf if budget_kj is None else budget_kj
-
-    def bears(begin: int, end: int) -> bool:
-        """Whether the zones begin + 1 … end may be one."""
-        within = replace(units, pairs=pairs[pairs_from[begin] : pairs_from[end]])
-        few = sets_within(by_zone[first[begin] : first[end]], within, most_sets) <= most_sets
-        return few and float(heat_kj[begin:end].sum()) <= most_kj
-
+    bears = Bearing(zone, units, most_sets, heat_kj, budget_kj)
     number = np.ones(len(heat_kj) + 1, dtype=np.int64)
     begin = 0
     for end in range(2, len(heat_kj) + 1):
@@ -48,3 +33,29 @@ def joined(zone: Ints, units: Units, most_sets: float, heat_kj: Floats, budget_k
             begin = end - 1
         number[end] = number[end - 1] + (begin == end - 1)
     return number[zone]
+
+
+class Bearing:
+    """Whether zones that follow each other may be one, as `joined` makes them."""
+
+    def __init__(
+        self, zone: Ints, units: Units, most_sets: float, heat_kj: Floats, budget_kj: float | None = None
+    ) -> None:
+        cut = units.of >= 0
+        of_unit = np.zeros(len(units.inner), dtype=np.int64)
+        of_unit[units.of[cut]] = zone[cut]
+        self._by_zone = np.argsort(of_unit, kind="stable")
+        ends = np.arange(1, len(heat_kj) + 2)
+        self._first = np.searchsorted(of_unit[self._by_zone], ends)
+        self._pairs = units.pairs[np.argsort(of_unit[units.pairs[:, 0]], kind="stable")]
+        self._pairs_from = np.searchsorted(of_unit[self._pairs[:, 0]], ends)
+        self._units, self._most_sets = units, most_sets
+        self._heat_kj, self._most_kj = heat_kj, np.inf if budget_kj is None else budget_kj
+
+    def __call__(self, begin: int, end: int) -> bool:
+        """Whether the zones begin + 1 … end may be one."""
+        if float(self._heat_kj[begin:end].sum()) > self._most_kj:
+            return False
+        within = replace(self._units, pairs=self._pairs[self._pairs_from[begin] : self._pairs_from[end]])
+        members = self._by_zone[self._first[begin] : self._first[end]]
+        return sets_within(members, within, self._most_sets) <= self._most_sets

@@ -2,23 +2,24 @@
 
 Borders that geometry draws cut across the ways that a torch would take. An order that was found without them goes over
 the sheet in much the same way, and runs of it make zones that cost next to nothing. They are zones in the sense of the
-rule as long as what is left of the sheet stays about as square as after the zones that geometry has made, each lies as
-much together as those do, and the first is at the start side.
+rule as long as they are no more than geometry has made, or than a proof bears, what is left of the sheet stays about as
+square as after those, each lies as much together as they do, and the first is at the start side.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from kerfwise.arrays import Ints
+from kerfwise.arrays import Floats, Ints
 
 from .facts import Facts
 from .outlines import outlines_of
 from .sides import AWAY, AXIS
 from .zone_blocks import Blocks, blocks_of, locked_pairs
-from .zone_joined import joined
+from .zone_borders import divisions
+from .zone_joined import Bearing
 from .zone_sets import units_of
 from .zone_strips import side_ratio
 from .zones import most_sets, respected_orders
@@ -29,6 +30,9 @@ LESS_SQUARE, LESS_TOGETHER = 1.05, 1.5
 """How many times as long and narrow what is left may be, on an average, and how many times as large the rectangles
 around all zones, as they are with zones made by geometry."""
 
+SQUARENESS = 0.9, 0.5
+"""How much the one weighs and how much the other, where zones are made; the first goes first."""
+
 
 def movable(facts: Facts) -> bool:
     """Whether geometry alone has made the zones: no number, lock or budget of the plant has, nothing is cut yet, and no
@@ -38,10 +42,10 @@ def movable(facts: Facts) -> bool:
     return not decided and facts.past is None and not facts.nest.scrap
 
 
-def zones_along(facts: Facts, order: Sequence[int]) -> Ints | None:
+def zones_along(facts: Facts, order: Sequence[int]) -> Iterator[Ints]:
     """Zones of all contours (n,) as runs of an order (n,) of them that keeps the hard orders, but for those of zones.
 
-    They are as large as a proof bears. None where such zones would not do what zones are for.
+    Those come first that are the largest that a proof bears, then smaller ones; each does what zones are for.
     """
     outlines, options = outlines_of(facts.nest), facts.options
     respected = respected_orders(facts.contains, facts.level_ahead, facts.in_hull, options)
@@ -53,8 +57,56 @@ def zones_along(facts: Facts, order: Sequence[int]) -> Ints | None:
     units = units_of(outlines.own_outer, outlines.is_mark, kept, options.parts_in_one_go)
     small = _of_whole_blocks(blocks.of, np.array(order, dtype=np.int64))
     sizes = np.bincount(small - 1).astype(np.float64)  # here the number of contours is what joined zones must not pass
-    zone = joined(small, units, most_sets(facts.n), sizes, MOST_CONTOURS)
-    return zone if _do_what_zones_do(zone, facts, blocks) else None
+    bears = Bearing(small, units, most_sets(facts.n), sizes, MOST_CONTOURS)
+    found = [zone[small - 1] for zone in _drawn(small, blocks, facts, bears)]
+    for zone in sorted(np.unique(found, axis=0), key=lambda zone: int(zone.max())):
+        if _do_what_zones_do(zone, facts, blocks):
+            yield zone
+
+
+def _drawn(small: Ints, blocks: Blocks, facts: Facts, bears: Bearing) -> Iterator[Ints]:
+    """Zones of the runs `small`, (n,) from 1, by the prices of what is asked of zones: the zone of every run."""
+    count = int(small.max(initial=0))
+    of_run = [np.unique(blocks.of[small == k + 1]) for k in range(count)]
+    runs = _Runs(np.array([_around(blocks.bounds_mm[chosen]) for chosen in of_run]))
+    share = np.array([blocks.contours[chosen].sum() for chosen in of_run]) / max(1, blocks.contours.sum())
+    up_to = np.append(0.0, np.cumsum(share))
+    given = _by_block(facts.zone, blocks)
+    most_ratio, most_mm2 = LESS_SQUARE * _ratio(given, blocks), LESS_TOGETHER * _around_mm2(given, blocks)
+    for square in SQUARENESS:
+
+        def price(begins: Ints, end: int, square: float = square) -> Floats:
+            apart = runs.around_mm2(begins, end) / most_mm2
+            narrow: Floats = (up_to[end] - up_to[begins]) * runs.ratio(end) / most_ratio
+            return (1 - square) * apart + square * narrow
+
+        yield from divisions(count, price, bears, int(facts.zone.max()))
+
+
+class _Runs:
+    """Pieces of an order, with the bounds of each, (k, 4)."""
+
+    def __init__(self, bounds_mm: Floats) -> None:
+        self._bounds_mm = bounds_mm
+        behind = bounds_mm[::-1]
+        low, high = np.minimum.accumulate(behind[:, :2])[::-1], np.maximum.accumulate(behind[:, 2:])[::-1]
+        self._left_mm = np.hstack([low, high])
+
+    def around_mm2(self, begins: Ints, end: int) -> Floats:
+        """The areas of the rectangles around the pieces begin + 1 … end, of begins that follow each other up to it."""
+        back = self._bounds_mm[begins[0] : end][::-1]
+        low, high = np.minimum.accumulate(back[:, :2])[::-1], np.maximum.accumulate(back[:, 2:])[::-1]
+        area: Floats = (high - low).prod(axis=1)
+        return area
+
+    def ratio(self, end: int) -> float:
+        """Long side by short side of the rectangle around the pieces after `end`."""
+        return side_ratio(self._left_mm[end : end + 1])
+
+
+def _around(bounds_mm: Floats) -> Floats:
+    """The bounds of some, (4,)."""
+    return np.append(bounds_mm[:, :2].min(axis=0), bounds_mm[:, 2:].max(axis=0))
 
 
 def _of_whole_blocks(block: Ints, order: Ints) -> Ints:
@@ -95,5 +147,5 @@ def _ratio(zone: Ints, blocks: Blocks) -> float:
 
 def _around_mm2(zone: Ints, blocks: Blocks) -> float:
     """The area of the rectangles around all zones: more than that of the sheet, as far as zones reach into others."""
-    boxes = (blocks.bounds_mm[zone == k] for k in range(1, int(zone.max(initial=0)) + 1))
-    return sum(float((box[:, 2:].max(axis=0) - box[:, :2].min(axis=0)).prod()) for box in boxes)
+    boxes = (_around(blocks.bounds_mm[zone == k]) for k in range(1, int(zone.max(initial=0)) + 1))
+    return sum(float((box[2:] - box[:2]).prod()) for box in boxes)

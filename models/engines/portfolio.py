@@ -243,7 +243,7 @@ class _Run:
 
     def _at_once(self) -> bool:
         count, most_s = self.count, min(AT_ONCE_S, AT_ONCE * self._left())
-        if count is None or not (self.options.member or (count.fits(self.most_bytes) and count.seconds <= most_s)):
+        if count is None or not count.fits(self.most_bytes) or not (self.options.member or count.seconds <= most_s):
             return False
         self.known.notes.append(f"ideals: {'swept at once' if self.options.member is None else 'asked for'}, {count}")
         self.tried = True
@@ -254,7 +254,7 @@ class _Run:
             return False
         longest = self.count.longest
         few = longest <= LONGEST or (longest <= LONGEST_ZONE and longest <= self.problem.n / 2)
-        if not self._sure() and not few:
+        if not (self.options.member or self._sure() or few):
             self.known.notes.append(f"ideals: left to the others, {self.count}")
             return False
         self.known.notes.append(f"ideals: {self.count}")

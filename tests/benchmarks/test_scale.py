@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from kerfwise.benchmarks.scale import Job, page, row, run
+import pytest
+
+from kerfwise.benchmarks.scale import OTHERS, Job, cost, page, row, run, with_others
 
 
-def test_a_small_plate_is_proven_and_told() -> None:
-    job = Job(20, True, (0.5, 2.0))
-    seen = run(job)
-    assert seen.proven_s is not None
-    assert seen.first_s is not None
-    assert seen.posed_s <= seen.first_s
-    first, last = seen.costs_m
-    assert last == seen.bound_m
-    assert first is None or first >= last
-    text = page([job], [seen])
-    assert row(job, seen) in text
-    assert "| plate | facts to problem, s | first plan, s | after 0.5 s | after 2 s | bound after 2 s |" in text
+@pytest.mark.parametrize("zones", [True, pytest.param(False, marks=pytest.mark.slow)])
+def test_a_small_plate_is_proven_and_told(zones: bool) -> None:
+    job = Job(20, zones, (2.0, 5.0))
+    (seen,) = run(job)  # more work is not tried
+    assert seen.proven
+    assert seen.bound_mm == seen.cost_mm
+    line = row(job, seen)
+    assert line.startswith(f"| 20 contours{'' if zones else ', no zones'} | ")
+    assert f" | {cost(seen.cost_mm)} | yes | " in line
+    text = page([job], [line], 2500)
+    assert line in text
+    assert "--plates 20:2,5 --seed 1" in text
+
+
+def test_what_another_command_made_of_the_page_stays() -> None:
+    assert with_others("new\n\n", f"old\n\n{OTHERS}\n\nphases\n") == f"new\n\n{OTHERS}\n\nphases\n"
+    assert with_others("new\n\n", "old\n") == "new\n"

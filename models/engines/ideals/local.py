@@ -88,6 +88,17 @@ def orders_of(problem: Problem, contours: tuple[int, ...]) -> OrderSets:
     )
 
 
+def in_line(orders: OrderSets) -> OrderSets:
+    """The same contours, one after the other as they are numbered."""
+    k = len(orders.size)
+    return orders._replace(
+        needs=masks_of([range(i) for i in range(k)], k),
+        open_from=np.minimum(np.arange(k + 1), k - 1),
+        opens=np.arange(1, k),
+        block=np.full(k, -1, dtype=np.int64),
+    )
+
+
 def localise(problem: Problem, contours: tuple[int, ...], earlier: frozenset[int]) -> Local:
     """Translate the group `contours`, of which all of `earlier` are cut before and all others after."""
     k = len(contours)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -14,10 +14,13 @@ from kerfwise.models.engines.solution import Incumbent, Progress
 from kerfwise.models.kernels import running_s
 from kerfwise.models.problem.problem import Problem
 
+from .ahead import Ahead, look_ahead
 from .budget import TABLE_BYTES, SweepBudget, TooLarge
 from .lattice import THREADS
+from .missed import missed_in
+from .prune import least_in, least_rest, walked_rest
 from .series import series
-from .sweep import sweep_through
+from .sweep import Rests, sweep_through
 
 if TYPE_CHECKING:
     from kerfwise.models.engines.bounds import Completion
@@ -93,7 +96,8 @@ def prove(
         return progress is None or progress("ideals", known, None)
 
     rounds = _Rounds(problem, known, work, go, most_bytes)
-    if not stages or known is None or problem.m > MOST_SITES_BOUND:
+    apart = len(series(problem)) > 1
+    if not stages or incumbent is None or known is None or (not apart and problem.m > MOST_SITES_BOUND):
         return rounds.sweep(None, work)
     for share in stages:
         until_s = np.inf if time_s is None else running_s() + share * time_s
@@ -101,13 +105,35 @@ def prove(
         def pricing(engine: str, cost_um: int | None, bound_um: int | None, until_s: float = until_s) -> bool:
             return go() and running_s() < until_s
 
-        bound = bounds.complete(problem, float(known), share * work, pricing, most_bytes=most_bytes)
+        bound: Completion | _Apart
+        if apart:
+            bound = _Apart(look_ahead(problem, incumbent.route, share * work, pricing, most_bytes), incumbent)
+        else:
+            bound = bounds.complete(problem, float(known), share * work, pricing, most_bytes=most_bytes)
         rounds.left -= bound.work
         last = share == stages[-1] or bound.work <= AS_GOOD_AS_IT_GETS * share * work
         proof = rounds.sweep(bound, rounds.left if last else min(rounds.left, share * work))
         if proof is not None or last or not go():
             return proof
     return None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Apart:
+    """Bounds of every stretch, and a lawful plan."""
+
+    ahead: list[Ahead]
+    plan: Incumbent
+
+    @property
+    def work(self) -> float:
+        """Deterministic seconds that they took."""
+        return sum(stretch.bound.work for stretch in self.ahead)
+
+    def rests(self, problem: Problem, budget: SweepBudget, threads: Executor) -> Rests:
+        """What a sweep of all stretches needs of them, sharpened by what they miss; `TooLarge` over the budget."""
+        missed = missed_in(problem, self.ahead, self.plan.route, self.plan.cost, budget, threads)
+        return lambda number, local, earlier: self.ahead[number].rests(local, sum(missed[number + 1 :]))
 
 
 @dataclass(slots=True)
@@ -124,16 +150,31 @@ class _Rounds:
     def __post_init__(self) -> None:
         self.left = self.work
 
-    def sweep(self, bound: Completion | None, most: float) -> Proof | None:
+    def sweep(self, bound: Completion | _Apart | None, most: float) -> Proof | None:
         """What a sweep of no more than so many seconds proves."""
-        held = 0 if bound is None else bound.to_go.nbytes
-        budget = SweepBudget.of(max(0.0, most), self.go, self.most_bytes - held)
+        budget = SweepBudget.of(max(0.0, most), self.go, self.most_bytes - _held(bound))
         best: Incumbent | None = None
         with ThreadPoolExecutor(THREADS) as threads:
             try:
-                best = sweep_through(self.problem, self.known, bound, budget, threads)
+                rests = self._rests(bound, budget, threads)
+                best = sweep_through(self.problem, self.known, rests, budget, threads)
                 swept = True
             except TooLarge:
                 swept = False
         self.left -= most - max(0.0, budget.work.left)
         return Proof(best, self.work - self.left) if swept else None
+
+    def _rests(self, bound: Completion | _Apart | None, budget: SweepBudget, threads: Executor) -> Rests:
+        if isinstance(bound, _Apart):
+            return bound.rests(self.problem, budget, threads)
+        if bound is not None:
+            return lambda number, local, earlier: walked_rest(local, earlier, bound)
+        least = least_in(self.problem)
+        return lambda number, local, earlier: least_rest(local, earlier, least)
+
+
+def _held(bound: Completion | _Apart | None) -> int:
+    """Bytes that a bound takes."""
+    if isinstance(bound, _Apart):
+        return sum(stretch.bound.to_go.nbytes for stretch in bound.ahead)
+    return 0 if bound is None else bound.to_go.nbytes

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import Executor
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,32 +13,30 @@ from kerfwise.models.problem.problem import Problem
 from .budget import SweepBudget
 from .by_contour import ByContour
 from .crossed import HOME
+from .kernels import RestBound
 from .lattice import SweptLayer, SweptStretch, sweep_layers, walk_back
-from .local import localise
-from .prune import least_in, least_rest, walked_rest
+from .local import Local, localise
 from .series import series
 from .stretches import dearest, entrance_of, home_from, make_moves, never
 
-if TYPE_CHECKING:
-    from kerfwise.models.engines.bounds import Completion
+Rests = Callable[[int, Local, frozenset[int]], Callable[[int], RestBound]]
+"""Of a stretch, by its number, what it is and what comes before it: what plans still cost after so many cuts of it."""
 
 
 def sweep_through(
-    problem: Problem, known: int | None, bound: Completion | None, budget: SweepBudget, threads: Executor
+    problem: Problem, known: int | None, rests: Rests, budget: SweepBudget, threads: Executor
 ) -> Incumbent | None:
     """The best route of all that cost no more than `known`, None where there is none; `TooLarge` over the budget."""
     limit = dearest(problem) if known is None else known
-    least = least_in(problem) if bound is None else []
     swept: list[tuple[SweptStretch, list[SweptLayer]]] = []
     ways, costs, earlier = np.array([HOME]), entrance_of([0], limit), frozenset[int]()
     total = None
     parts = ByContour(problem)
-    for group in series(problem):
+    for number, group in enumerate(series(problem)):
         inside = parts.of(group)
         local = localise(inside, group, earlier)
         moves = make_moves(inside, local, earlier, ways, limit)
-        rests = least_rest(local, earlier, least) if bound is None else walked_rest(local, earlier, bound)
-        stretch = SweptStretch(local, moves, rests, limit, never(limit))
+        stretch = SweptStretch(local, moves, rests(number, local, earlier), limit, never(limit))
         layers = sweep_layers(stretch, costs, budget, threads)
         swept.append((stretch, layers))
         earlier |= frozenset(group)

@@ -13,7 +13,6 @@ import numpy as np
 
 from kerfwise.arrays import Ints
 from kerfwise.models.engines.solution import Incumbent, Progress
-from kerfwise.models.problem.bits import masks_of
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 
@@ -21,7 +20,7 @@ from .budget import SweepBudget, TooLarge
 from .by_contour import ByContour
 from .crossed import HOME, add_settled
 from .lattice import SweptLayer, SweptStretch, sweep_layers, walk_back
-from .local import Local, OrderSets, localise
+from .local import Local, in_line, localise
 from .prove import applies
 from .prune import least_in, least_rest
 from .stretches import dearest, entrance_of, make_moves, never, travel_between
@@ -89,7 +88,7 @@ class _Windows:
         local = localise(inside, group, earlier)
         before = np.array([route[start - 1] if start else HOME])
         after = np.array([route[stop] if stop < problem.n else HOME])
-        stays = replace(local, orders=_in_line(local.orders))
+        stays = replace(local, orders=in_line(local.orders))
         known = self._sweep(inside, stays, earlier, before, after, self._dearest)
         if known is None:
             return None
@@ -127,14 +126,3 @@ class _Windows:
         onward = travel_between(self._problem, ways, after)
         add_settled(self._problem, earlier | frozenset(local.contours), ways, after, onward)
         return onward[:, 0]
-
-
-def _in_line(orders: OrderSets) -> OrderSets:
-    """The same contours, one after the other as they are numbered."""
-    k = len(orders.size)
-    return orders._replace(
-        needs=masks_of([range(i) for i in range(k)], k),
-        open_from=np.minimum(np.arange(k + 1), k - 1),
-        opens=np.arange(1, k),
-        block=np.full(k, -1, dtype=np.int64),
-    )

@@ -1,0 +1,144 @@
+"""Bounds by walks for every stretch apart, from the last to the first: what is ahead of a stretch is settled before it.
+
+A stretch is a problem of its own, between a home that stands for whatever comes before it and one for whatever comes
+after. It ends at what the next stretch still costs at least from there on, so that the bounds of all stretches add up,
+and each is found in tables of its own sites and places alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kerfwise.arrays import Ints
+from kerfwise.models.engines import bounds
+from kerfwise.models.engines.bounds import Completion
+from kerfwise.models.engines.solution import Progress
+from kerfwise.models.problem.crossings import Crossings
+from kerfwise.models.problem.links import Links
+from kerfwise.models.problem.problem import Problem
+
+from .crossed import HOME
+from .kernels import RestBound
+from .local import Local
+from .series import series
+from .stretches import travel_between
+
+FAR = 1 << 38
+"""µm: what an unlawful way out of a stretch costs in a bound, more than any plan; sums stay exact in doubles."""
+MOST_NEIGHBOURS, SHARE, BYTES_A_NUMBER = 6, 0.25, 8
+"""What a walk remembers at the most, and the share of the bytes given that the tables of all stretches may take."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Ahead:
+    """A stretch and what is ahead in it: `sites` of its contours, those it may begin (`into`) and end with (`out_of`).
+
+    `bound` is what a plan costs from a state on to its end at least; `onward` (len(out_of),) from the end of the
+    stretch on.
+    """
+
+    group: tuple[int, ...]
+    sites: Ints
+    into: Ints
+    out_of: Ints
+    onward: Ints
+    bound: Completion
+
+    def rests(self, local: Local, missed: int) -> Callable[[int], RestBound]:
+        """The same for the sweep of this stretch; later ones cost `missed` more than their bounds say."""
+        near = np.where(self.bound.near < 0, -1, self.bound.near)
+
+        def after(depth: int) -> RestBound:
+            return RestBound(np.ascontiguousarray(self.bound.to_go[depth]), near, self.bound.price, float(missed))
+
+        return after
+
+
+def look_ahead(
+    problem: Problem, route: Sequence[int], work: float, progress: Progress | None, most_bytes: float
+) -> list[Ahead]:
+    """What is ahead in every stretch of a problem, in their order.
+
+    Each has its share of the work. `route` is a lawful one: what it costs is what a bound may rise to.
+    """
+    groups = series(problem)
+    sites = [np.concatenate([np.arange(problem.first[c], problem.first[c + 1]) for c in group]) for group in groups]
+    ends = [_ends(problem, group) for group in groups]
+    weight = np.array([float(len(of)) ** 2 * len(group) for of, group in zip(sites, groups, strict=True)])
+    numbers = sum((len(group) + 1) * len(of) for of, group in zip(sites, groups, strict=True))
+    remembered = int(np.log2(max(1.0, SHARE * most_bytes / BYTES_A_NUMBER / max(1, numbers))))
+    until = np.cumsum([len(group) for group in groups]).tolist()
+    found: list[Ahead] = []
+    for k in reversed(range(len(groups))):
+        before = ends[k - 1][1] if k else np.array([HOME])
+        onward = _onward(problem, ends[k][1], found[-1] if found else None)
+        enter = travel_between(problem, before, sites[k]).min(axis=0)
+        alone = _alone(problem, groups[k], sites[k], enter, ends[k][1], onward)
+        own = list(route[until[k] - len(groups[k]) : until[k]])
+        known = int(problem.legs(own[:-1], own[1:]).sum() + problem.site_cost[own].sum() + enter[sites[k] == own[0]][0])
+        known += int(onward[ends[k][1] == own[-1]][0])
+        share = work * float(weight[k] / weight.sum())
+        bound = bounds.complete(alone, known, share, progress, min(MOST_NEIGHBOURS, remembered), most_bytes)
+        found.append(Ahead(groups[k], sites[k], *ends[k], onward, bound))
+    return found[::-1]
+
+
+def _ends(problem: Problem, group: tuple[int, ...]) -> tuple[Ints, Ints]:
+    """Sites of the contours that a group may begin with, and of those that it may end with."""
+    within = problem.before[np.ix_(group, group)]
+    chosen = np.array(group)
+    into, out_of = (
+        np.concatenate([np.arange(problem.first[c], problem.first[c + 1]) for c in chosen[~within.any(axis=axis)]])
+        for axis in (0, 1)
+    )
+    return into, out_of
+
+
+def _onward(problem: Problem, leave: Ints, following: Ahead | None) -> Ints:
+    """What plans cost from the end of a stretch at least, by the site that they leave it from."""
+    if following is None:
+        return np.minimum(travel_between(problem, leave, np.array([HOME]))[:, 0], FAR)
+    bound, size = following.bound, np.diff(problem.first)[list(following.group)]
+    contour = np.repeat(np.arange(len(size)), size)
+    memory = ((bound.near >= 0) << np.arange(bound.near.shape[1])).sum(axis=1)[contour]
+    rest = bound.to_go[1, memory, np.arange(len(contour))] + bound.price.sum() - bound.price[contour]
+    whole = np.floor(np.minimum(rest + problem.site_cost[following.sites], FAR)).astype(np.int64)
+    first = np.isin(following.sites, following.into)
+    least: Ints = (travel_between(problem, leave, following.into) + whole[first]).min(axis=1)
+    return np.minimum(least, FAR)
+
+
+def _alone(problem: Problem, group: tuple[int, ...], sites: Ints, enter: Ints, leave: Ints, onward: Ints) -> Problem:
+    """A stretch as a problem, entered from home at `enter` (sites,), left from `leave` at `onward`."""
+    size = np.diff(problem.first)[list(group)]
+    matrix = np.full((len(sites) + 1, len(sites) + 1), FAR, dtype=np.int64)
+    matrix[:-1, :-1] = problem.travel(sites, sites)
+    matrix[-1, :-1] = np.minimum(enter, FAR)
+    matrix[:-1, -1][np.searchsorted(sites, leave)] = onward
+    number = {c: k for k, c in enumerate(group)}
+    lags = (lag for lag in problem.lags if lag.first in number and lag.second in number)
+    return replace(
+        problem,
+        n=len(group),
+        first=np.append(0, np.cumsum(size)),
+        site_contour=np.repeat(np.arange(len(group)), size),
+        site_candidate=problem.site_candidate[sites],
+        candidate_site=np.arange(len(sites)),
+        pierce_um=problem.pierce_um[sites],
+        end_um=problem.end_um[sites],
+        site_cost=problem.site_cost[sites],
+        before=np.ascontiguousarray(problem.before[np.ix_(group, group)]),
+        block=np.unique(problem.block[list(group)], return_inverse=True)[1],
+        conditions=(),
+        soft_groups=(),
+        lags=tuple(replace(lag, first=number[lag.first], second=number[lag.second]) for lag in lags),
+        general=(),
+        ids=tuple(problem.ids[c] for c in group),
+        crossings=Crossings(),
+        links=Links(),
+        matrix=matrix,
+        orders=b"",
+    )

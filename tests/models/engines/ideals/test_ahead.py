@@ -1,0 +1,114 @@
+"""Bounds of stretches apart against brute force: never above what any lawful plan costs, from any state on."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kerfwise.models.engines.ideals import prove
+from kerfwise.models.engines.ideals.ahead import Ahead, look_ahead
+from kerfwise.models.engines.ideals.budget import SweepBudget, TooLarge
+from kerfwise.models.engines.ideals.missed import missed_in
+from kerfwise.models.engines.ideals.series import series
+from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.problem.evaluate import route_cost
+from kerfwise.models.problem.problem import Problem
+from kerfwise.tests.models.brute import cheapest, lawful
+from kerfwise.tests.models.problems import problem, problems, scattered
+
+
+@st.composite
+def in_zones(draw: st.DrawFn, contours: int = 6) -> Problem:
+    """A tiny problem, the contours of which are cut zone after zone."""
+    tiny = draw(problems(contours))
+    zone = np.array(sorted(draw(st.lists(st.integers(0, 2), min_size=tiny.n, max_size=tiny.n))))
+    for a in range(tiny.n):  # what is tied together shares a zone
+        tied = (tiny.before[a] | tiny.before[:, a] | (tiny.block == tiny.block[a])) & (np.arange(tiny.n) < a)
+        zone[a] = zone[tied].max(initial=zone[a])
+    before = tiny.before | (zone[:, None] < zone[None, :])
+    whole = all(len(np.unique(zone[tiny.block == block])) == 1 for block in tiny.block)
+    fits = whole and not (before & before.T).any()
+    return replace(tiny, before=before if fits else tiny.before, general=(), lags=())
+
+
+def still(ahead: list[Ahead], missed: list[int], tiny: Problem, route: tuple[int, ...], k: int) -> float:
+    """What a plan still costs at least after the first k sites of a route."""
+    ends = np.cumsum([len(here.group) for here in ahead])
+    number = int(np.searchsorted(ends, k))
+    here, done = ahead[number], int(ends[number]) - len(ahead[number].group)
+    left = {int(tiny.site_contour[s]) for s in route[k:]} & set(here.group)
+    own, bound = here.group.index(int(tiny.site_contour[route[k - 1]])), here.bound
+    free = sum(1 << j for j, c in enumerate(bound.near[own].tolist()) if c >= 0 and here.group[c] in left)
+    column = int(np.searchsorted(here.sites, route[k - 1]))
+    rest = bound.to_go[k - done, free, column] + sum(bound.price[here.group.index(c)] for c in left)
+    return float(rest) + sum(missed[number + 1 :])
+
+
+@pytest.mark.slow
+@settings(max_examples=40, deadline=None)
+@given(in_zones())
+def test_no_plan_costs_less_from_any_state_on(tiny: Problem) -> None:
+    best = cheapest(tiny)
+    if best is None:
+        return
+    ahead = look_ahead(tiny, best.route, 0.001, None, 1e9)
+    assert [here.group for here in ahead] == series(tiny)
+    with ThreadPoolExecutor(1) as thread:
+        missed = missed_in(tiny, ahead, best.route, best.cost, SweepBudget.of(1.0, lambda: True), thread)
+    assert min(missed) >= 0
+    assert ahead[0].bound.root + sum(missed) <= best.cost
+    for number, route in enumerate(lawful(tiny)):
+        if number == 50:
+            break
+        cost = route_cost(tiny, route)
+        for k in range(1, tiny.n + 1):
+            sites = list(route[:k])
+            spent = int(tiny.legs([tiny.m, *sites[:-1]], sites).sum() + tiny.site_cost[sites].sum())
+            assert spent + still(ahead, missed, tiny, route, k) <= cost
+
+
+@pytest.mark.slow
+@settings(max_examples=40, deadline=None)
+@given(in_zones())
+def test_the_best_plan_zone_after_zone_is_found_with_bounds_and_without(tiny: Problem) -> None:
+    free, best = prove(tiny, None, work=10), cheapest(tiny)
+    assert free is not None
+    assert (free.incumbent is None) == (best is None)
+    if best is None or free.incumbent is None:
+        return
+    assert free.incumbent.cost == best.cost
+    worst = max(lawful(tiny), key=lambda route: route_cost(tiny, route))
+    bounded = prove(tiny, Incumbent(worst, route_cost(tiny, worst)), work=10)
+    assert bounded is not None
+    assert bounded.incumbent is not None
+    assert bounded.incumbent.cost == best.cost
+
+
+def rows(zones: int, contours: int, sites: int) -> Problem:
+    """Zones from left to right, contours strewn in each."""
+    bare, count = scattered(3, zones * contours, sites), zones * contours
+    where = [[(x / 1000, y / 1000) for x, y in bare.pierce_um[list(bare.sites(i))].tolist()] for i in range(count)]
+    ranked = [(i, j) for i in range(count) for j in range(count) if i // contours + 1 == j // contours]
+    return problem(where, pairs=ranked)
+
+
+def test_what_is_missed_is_not_looked_for_a_second_time() -> None:
+    """The last of three zones cannot be left as cheaply as its bound says: the sweep of the first knows."""
+    three = rows(3, 5, 2)
+    best = prove(three, None, work=10)
+    assert best is not None
+    assert best.incumbent is not None
+    ahead = look_ahead(three, best.incumbent.route, 0.0, None, 0.0)  # one round of walks that remember nothing
+    with ThreadPoolExecutor(1) as thread:
+        budget = SweepBudget.of(1.0, lambda: True)
+        missed = missed_in(three, ahead, best.incumbent.route, best.incumbent.cost, budget, thread)
+        with pytest.raises(TooLarge):
+            missed_in(three, ahead, best.incumbent.route, best.incumbent.cost, SweepBudget.of(0.0, bool), thread)
+    assert missed[0] == 0
+    assert sum(missed) > 0
+    assert ahead[0].bound.root + sum(missed) <= best.incumbent.cost
