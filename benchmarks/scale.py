@@ -190,7 +190,7 @@ def main() -> None:
     from kerfwise.jobs.zones_cost import MOST_CONTOURS
 
     before = given.into.read_text(encoding="utf-8") if given.into.exists() else ""
-    given.into.write_text(with_others(page(jobs, rows, MOST_CONTOURS), before), encoding="utf-8")
+    given.into.write_text(with_others(page(jobs, rows, MOST_CONTOURS), before), encoding="utf-8", newline="\n")
 
 
 if __name__ == "__main__":

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kerfwise.arrays import Ints
 from kerfwise.models.engines import bounds
-from kerfwise.models.engines.bounds import Completion
 from kerfwise.models.engines.solution import Progress
 from kerfwise.models.problem.crossings import Crossings
 from kerfwise.models.problem.links import Links
@@ -25,6 +25,9 @@ from .kernels import RestBound
 from .local import Local
 from .series import series
 from .stretches import travel_between
+
+if TYPE_CHECKING:
+    from kerfwise.models.engines.bounds import Completion
 
 FAR = 1 << 38
 """µm: what an unlawful way out of a stretch costs in a bound, more than any plan; sums stay exact in doubles."""
