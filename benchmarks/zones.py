@@ -23,7 +23,7 @@ from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.ask import Asked, ask, facts_of
 from kerfwise.jobs.solve_options import options_for
-from kerfwise.jobs.zones_cost import zones_cost
+from kerfwise.jobs.zones_cost import zoned_by, zones_cost
 from kerfwise.jobs.zones_moved import better_zones
 from kerfwise.models.engines.rounds import solve
 from kerfwise.models.engines.solution import Solution, SolveOptions
@@ -123,8 +123,8 @@ def searched(
     asked: Asked, profile: Profile, solution: Solution, limits: SolveOptions, work: float
 ) -> tuple[Solution, Solution]:
     """Plans that need not keep to zones, searched for from a planned one on and from nothing."""
-    book = profile.rulebook()
-    statements = tuple(s for s in asked.stated.statements if not book[s.about.rule].makes_zones)
+    names = zoned_by(asked, profile)
+    statements = tuple(s for s in asked.stated.statements if s.about.rule not in names)
     limits = replace(limits, work=work / 2, member="search")
     from_here, from_nothing = (
         solve(asked.facts, statements, limits, None, afterthoughts(asked.facts, profile), start=start)
