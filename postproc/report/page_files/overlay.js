@@ -8,7 +8,7 @@ import { Outlines } from "./outlines.js";
 import { momentAt, startOf } from "./timeline.js";
 import { placeOn } from "./way.js";
 
-const TAIL = 12;
+const TAIL = 12, MANY = 40;
 
 /**
  * What moves: the torch, its way in this cut, its last moves, and what is selected.
@@ -105,7 +105,7 @@ function paintMarks(context, camera, palette, scenery, state) {
     pen(context, colour, width);
     context.stroke();
   };
-  state.marked.forEach(contour => line(contour, ink.alert, 3));
+  state.marked.forEach(contour => line(contour, ink.alert, state.marked.length > MANY ? 1.8 : 3));
   line(state.hovered, ink.select, 1.5);
   line(state.selected, ink.halo, 5.5);
   line(state.selected, ink.select, 3);

@@ -2,6 +2,7 @@
 import { Camera } from "./camera.js";
 import { byId, make } from "./elements.js";
 import { palette } from "./palette.js";
+import { notHeld } from "./rules.js";
 import { clock, counted, metres, millimetres, placeText } from "./words.js";
 
 const PAPER_PX = 2200, MOST_HIGH = 1700, PAPER_FONT_PX = 22;
@@ -48,8 +49,7 @@ function drawing(app) {
 /** @type {(app: App) => HTMLElement[]} */
 function notKept(app) {
   const lines = [
-    ...app.side.rules.flatMap(rule => rule.excused.map(one => `${rule.id}: ${one.text || one.contours.join(", ")} – ${one.why}`)),
-    ...app.side.dropped.map(one => `${one.rule}: ${one.contours.join(" before ")} – ${one.why}`),
+    ...notHeld(app.side).map(one => `${one.text} – ${one.why}`),
     ...app.side.rules.filter(rule => rule.breaches.length).map(rule => `${rule.id} (${rule.strength}): ${counted(rule.breaches.length, "place")} where it does not hold`),
   ];
   return lines.length ? [make("h2", {}, "Not kept"), make("ul", {}, ...lines.map(text => make("li", {}, text)))] : [];

@@ -1,5 +1,5 @@
 /** @import { App } from "./app.js" */
-/** @import { Place, RuleData } from "./types.js" */
+/** @import { Place, RuleData, SideData } from "./types.js" */
 import { byId, make } from "./elements.js";
 import { metres } from "./words.js";
 
@@ -16,15 +16,12 @@ export function rulesPanel(app) {
       panel.replaceChildren(make("p", { class: "hint" }, "No plan, no verdict."));
       return;
     }
-    const { rules, dropped, warnings } = app.side;
-    const excused = rules.flatMap(rule => rule.excused.map(place => ({ rule, place })));
+    const { rules, warnings } = app.side, unkept = notHeld(app.side);
     panel.replaceChildren(
       verdict(app),
       ...(warnings ?? []).map(text => make("p", { class: "warn" }, text)),
-      excused.length || dropped.length ? make("section", { class: "kept-open" },
-        make("h3", {}, `Excused and dropped: ${excused.length + dropped.length}`),
-        ...excused.map(({ rule, place }) => spot(app, place, `${rule.id}: ${place.text || place.contours.join(", ")}`, place.why)),
-        ...dropped.map(one => spot(app, { contours: one.contours, text: "" }, `${one.rule}: ${one.contours.join(" before ")}`, one.why)))
+      unkept.length ? make("section", { class: "kept-open" }, make("h3", {}, `Excused and dropped: ${unkept.length}`),
+        ...unkept.map(place => spot(app, place, place.text, place.why)))
         : make("p", { class: "hint" }, "Nothing was excused, and no statement was dropped."),
       make("table", { class: "score" },
         make("thead", {}, make("tr", {}, ...["rule", "strength", "breaches", "cost"].map(text => make("th", { scope: "col" }, text)))),
@@ -39,6 +36,19 @@ export function rulesPanel(app) {
   show();
   app.renewed(() => { open = ""; show(); });
   app.on((_, changes) => { if (changes.side !== undefined) { open = ""; show(); } });
+}
+
+/**
+ * What was excused, and what was dropped; a statement that was dropped and broken then is told once, where it is broken.
+ *
+ * @param {SideData} side
+ * @returns {Place[]}
+ */
+export function notHeld(side) {
+  const excused = side.rules.flatMap(rule => rule.excused.map(({ contours, text, why }) => ({ rule: rule.id, contours, text: `${rule.id}: ${text || contours.join(", ")}`, why })));
+  const told = new Set(excused.map(one => JSON.stringify([one.rule, [...one.contours].sort()])));
+  const dropped = side.dropped.filter(one => !told.has(JSON.stringify([one.rule, [...one.contours].sort()])));
+  return [...excused, ...dropped.map(({ rule, contours, why }) => ({ contours, text: `${rule}: ${contours.join(" before ")}`, why }))];
 }
 
 /** @type {(app: App) => HTMLElement} */

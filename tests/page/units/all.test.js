@@ -5,6 +5,8 @@ import test from "node:test";
 import { Camera } from "../page_files/camera.js";
 import { boundsOf, distanceTo, flattened, inside, simplified } from "../page_files/geometry.js";
 import { Outlines } from "../page_files/outlines.js";
+import { paintNumbers } from "../page_files/route.js";
+import { notHeld } from "../page_files/rules.js";
 import { found } from "../page_files/search.js";
 import { countUpTo, momentAt, timelineOf, zonesOf } from "../page_files/timeline.js";
 import { clock, millimetres } from "../page_files/words.js";
@@ -162,4 +164,29 @@ test("a number of the order comes first, then an id, then a part, then what hold
 test("times and lengths for people", () => {
   assert.deepEqual([0, 59.9, 61, 3725].map(clock), ["0:00", "0:59", "1:01", "1:02:05"]);
   assert.deepEqual([12.34, 567.8, 12345].map(millimetres), ["12.3 mm", "568 mm", "12.345 m"]);
+});
+
+test("what was dropped and is broken therefore is told once", () => {
+  const rule = { id: "hull-before", breaches: [], excused: [{ contours: ["A", "B"], text: "A after B", why: "they clash" }] };
+  const dropped = [{ rule: "hull-before", contours: ["B", "A"], why: "cycle" }, { rule: "hull-before", contours: ["C", "D"], why: "cycle" }];
+  const told = notHeld({ ...SIDE, rules: [rule], dropped }).map(({ text, why }) => `${text} – ${why}`);
+  assert.deepEqual(told, ["hull-before: A after B – they clash", "hull-before: C before D – cycle"]);
+});
+
+test("numbers of the drawing never overlap", () => {
+  const written = [];
+  const context = { setLineDash: () => {}, strokeText: () => {}, fillText: (text, x, y) => written.push([text, x, y]) };
+  const cuts = Array.from({ length: 200 }, (_, k) => ({ ...CUT, contour: k, path: [(k * 37) % 300, (k * 53) % 200, 0, 0, 0, 0] }));
+  const contours = cuts.map((_, k) => ({ id: `P${k}`, part: k, kind: "outer" }));
+  const scenery = {
+    data: { nest: { contours, parts: [] } }, side: { ...SIDE, cuts }, cuts, cutOf: new Map(cuts.map((_, k) => [k, k])),
+    outlines: { bounds: contours.map(() => [0, 0, 50, 50]) },
+  };
+  const ink = { text: "#000", halo: "#fff" };
+  paintNumbers(context, new Camera(), { ink, zones: [] }, scenery, contours.map((_, k) => k), 11);
+  assert.ok(written.length > 60 && written.length < 200, `${written.length} numbers`);
+  const boxes = written.map(([text, x, y]) => [x - 3.3 * text.length, y - 5, x + 3.3 * text.length, y + 5]);
+  for (const [k, a] of boxes.entries()) {
+    for (const b of boxes.slice(k + 1)) assert.ok(a[0] >= b[2] || b[0] >= a[2] || a[1] >= b[3] || b[1] >= a[3], "two numbers meet");
+  }
 });
