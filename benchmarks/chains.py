@@ -1,9 +1,11 @@
 """What links save: the best plan with them against the plain one, by what a pierce takes.
 
-Usage: python -m kerfwise.benchmarks.chains [--contours 115 308] [--pierce 0.5 1 2] [--work 20] [--kept FOLDER]
+Usage: python -m kerfwise.benchmarks.chains [--contours 115 308] [--large 1000] [--pierce 0.5 1 2] [--work 20]
+       [--nests FILE …] [--kept FOLDER]
 
-Made plates (examples/gen_sheet.py, seed 1) under the default profile, plasma, once as it is and once with
-`cuts: {links: {longest: 100 mm}}`. Each program is checked; one that fails ends the run.
+Made plates (examples/gen_sheet.py, seed 1), and nests of files, under the default profile, plasma, and under a laser's,
+once as it is and once with `cuts: {links: {longest: 100 mm}}`. The large ones and those of files are planned for the
+longest pierce and for the laser alone. Each program is checked; one that fails ends the run.
 With --kept rows are kept in a folder, and one that stands there is not run again.
 """
 
@@ -14,7 +16,7 @@ import json
 import platform
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -22,7 +24,7 @@ from pathlib import Path
 import kerfwise
 from kerfwise.benchmarks.checked_plan import checked_plan
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.readers import ReadOptions
+from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.models.plan.plan import Plan
@@ -30,21 +32,24 @@ from kerfwise.rules.profile.cuts_section import Cuts, Links
 from kerfwise.rules.profile.profile import Profile, load_profile
 
 LONGEST_MM = 100.0
+LASER = "laser-st10kp-2mm"
+PROFILES = {"plasma": "plasma-carbon-steel", "laser": LASER}
+LASER_PIERCE_S = 0.3
 PAGE = """\
 # What chains save
 
-Made by `python -m kerfwise.benchmarks.chains --contours {contours} --pierce {pierce} --work {work:g} > docs/chains.md`
-with kerfwise {kerfwise}, Python {python}: plates of `examples/gen_sheet.py`, seed 1, under the default profile (plasma,
-feed 2.5 m/min, travel 15 m/min), once as it is and once with links of up to {longest:g} mm ([chains](links.md)),
-straight or round one corner.
+Made by `python -m kerfwise.benchmarks.chains {asked} > docs/chains.md`
+with kerfwise {kerfwise}, Python {python}: plates of `examples/gen_sheet.py`, seed 1{files}, under the default
+profile (plasma, feed 2.5 m/min, travel 15 m/min) and under `{laser}` (0.3 s a pierce), once as they are and once
+with links of up to {longest:g} mm ([chains](links.md)), straight or round one corner.
 
 A plan without links has the least idle travel; one with links has the least time. Beside the time of the whole
-program stands the part of it that plans differ in by pierces and ways: idle travel, pierces and links, leads left out.
+program stands what lies *between* the cuts, by which plans differ most: idle travel, pierces and links, leads left out.
 The gap is what is not proven, of a plan's own cost. The processor's seconds are those of the whole run: facts, plan,
 program and check.
 
-| plate | pierce, s | links | pierces | cut, m | idle, m | idle, pierces, links, s | program, s | gap | processor, s |
-|---|---:|---|---:|---:|---:|---:|---:|---:|---:|
+| nest | process | pierce, s | links | pierces | cut, m | idle, m | between, s | program, s | gap | processor, s |
+|---|---|---:|---|---:|---:|---:|---:|---:|---:|---:|
 {rows}
 """
 
@@ -54,6 +59,7 @@ class Row:
     """One plan: what it is of, and what it comes to."""
 
     plate: str
+    process: str
     pierce_s: float
     links: int | None
     pierces: int
@@ -66,16 +72,17 @@ class Row:
 
     def __str__(self) -> str:
         cells = (
-            self.plate, f"{self.pierce_s:g}", "–" if self.links is None else str(self.links), str(self.pierces),
+            self.plate, self.process, f"{self.pierce_s:g}", "–" if self.links is None else str(self.links),
+            str(self.pierces),
             f"{self.cut_mm / 1000:.2f}", f"{self.idle_mm / 1000:.2f}", f"{self.between_s:.1f}", f"{self.program_s:.0f}",
             "–" if self.gap is None else "0" if self.gap == 0 else f"{self.gap:.2%}", f"{self.spent_s:.0f}",
         )  # fmt: skip
         return f"| {' | '.join(cells)} |"
 
 
-def plant(pierce_s: float, linked: bool) -> Profile:
-    """The default profile with a pierce of so many seconds."""
-    profile = load_profile()
+def plant(process: str, pierce_s: float, linked: bool) -> Profile:
+    """The profile of a process with a pierce of so many seconds."""
+    profile = load_profile(PROFILES[process])
     cuts = Cuts(links=Links(longest_mm=LONGEST_MM)) if linked else Cuts()
     return replace(profile, machine=replace(profile.machine, pierce_time_s=pierce_s), cuts=cuts)
 
@@ -88,7 +95,7 @@ def between_s(plan: Plan, profile: Profile) -> float:
     return plan.totals.idle_mm / machine.travel_mm_s + pierces_s + links_mm / machine.cut_feed_mm_s
 
 
-def row(nest: Nest, name: str, pierce_s: float, linked: bool, work: float) -> Row:
+def row(nest: Nest, name: str, process: str, pierce_s: float, linked: bool, work: float) -> Row:
     """Plan and check a plate.
 
     Raises
@@ -96,11 +103,12 @@ def row(nest: Nest, name: str, pierce_s: float, linked: bool, work: float) -> Ro
     SystemExit
         If its program does not pass the check.
     """
-    profile, began_s = plant(pierce_s, linked), time.process_time()
+    profile, began_s = plant(process, pierce_s, linked), time.process_time()
     made = checked_plan(name, nest, profile, work, and_zones=True)
     plan = made.plan
     return Row(
         name,
+        process,
         pierce_s,
         sum(p.cut.linked for p in plan.cuts) if linked else None,
         plan.totals.pierces,
@@ -126,32 +134,52 @@ def kept(file: Path | None, made: Callable[[], Row]) -> Row:
 def main() -> None:
     """Print the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--contours", type=int, nargs="+", default=[115, 308])
+    parser.add_argument("--contours", type=int, nargs="*", default=[115, 308])
+    parser.add_argument("--large", type=int, nargs="*", default=[])
     parser.add_argument("--pierce", type=float, nargs="+", default=[0.5, 1.0, 2.0])
+    parser.add_argument("--nests", type=Path, nargs="*", default=[], metavar="FILE")
     parser.add_argument("--work", type=float, default=20.0)
     parser.add_argument("--kept", type=Path, metavar="FOLDER")
     given = parser.parse_args()
     if given.kept is not None:
         given.kept.mkdir(parents=True, exist_ok=True)
     rows = []
-    for contours in given.contours:
-        nest = read_json(json.dumps(make_sheet(1, contours)).encode(), ReadOptions())
-        for pierce_s in given.pierce:
+    for what, nest, pierces_s in _nests(given):
+        name = what if given.nests and what in {file.stem for file in given.nests} else f"{len(nest.contours)} contours"
+        plans = [*(("plasma", s) for s in pierces_s), ("laser", LASER_PIERCE_S)]
+        for process, pierce_s in plans:
             for linked in (False, True):
-                name = f"{len(nest.contours)} contours"
-                file = given.kept and given.kept / f"{contours}.{pierce_s:g}.{'links' if linked else 'plain'}.json"
-                rows.append(str(kept(file, partial(row, nest, name, pierce_s, linked, given.work))))
+                stem = f"{what}.{process}.{pierce_s:g}.{'links' if linked else 'plain'}"
+                file = given.kept and given.kept / f"{stem}.json"
+                rows.append(str(kept(file, partial(row, nest, name, process, pierce_s, linked, given.work))))
                 print(rows[-1], file=sys.stderr, flush=True)
     page = PAGE.format(
-        contours=" ".join(map(str, given.contours)),
-        pierce=" ".join(f"{p:g}" for p in given.pierce),
-        work=given.work,
+        asked=_asked(given),
+        files=", and packed nests" if given.nests else "",
+        laser=LASER,
         longest=LONGEST_MM,
         kerfwise=kerfwise.__version__,
         python=platform.python_version(),
         rows="\n".join(rows),
     )
     print(page, end="")
+
+
+def _nests(given: argparse.Namespace) -> Iterator[tuple[str, Nest, list[float]]]:
+    """What each nest is called, the nest, and the times to pierce that it is planned for."""
+    for contours in (*given.contours, *given.large):
+        nest = read_json(json.dumps(make_sheet(1, contours)).encode(), ReadOptions())
+        yield str(contours), nest, [max(given.pierce)] if contours in given.large else given.pierce
+    for file in given.nests:
+        yield file.stem, read_nest(file), [max(given.pierce)]
+
+
+def _asked(given: argparse.Namespace) -> str:
+    words = ["--contours", *map(str, given.contours)]
+    words += ["--large", *map(str, given.large)] if given.large else []
+    words += ["--pierce", *(f"{s:g}" for s in given.pierce), "--work", f"{given.work:g}"]
+    words += ["--nests", *(file.name for file in given.nests)] if given.nests else []
+    return " ".join(words)
 
 
 if __name__ == "__main__":

@@ -239,7 +239,10 @@ def _lines(leads: Iterable[Curve | None]) -> list[shapely.LineString]:
 
 
 def _without_meetings(leave: Places, reach: Places, groups: Sequence[LinkLines], kerf_mm: float) -> list[Ints]:
-    """The numbers of links in each group, of which no two can meet in one plan, the shorter before the longer."""
+    """The numbers of links in each group, of which no two can meet in one plan.
+
+    Straight ones go before those round a corner, and the shorter before the longer: a corner takes none of them away.
+    """
     one = np.concatenate([links.one for links in groups])
     other = np.concatenate([links.other for links in groups])
     of, to = leave.contour[one], reach.contour[other]
@@ -264,7 +267,8 @@ def _without_meetings(leave: Places, reach: Places, groups: Sequence[LinkLines],
             rivals[b].add(a)
     length_mm = np.concatenate([links.length_mm for links in groups])
     kept: set[int] = set()
-    for k in np.lexsort((np.arange(len(lines)), length_mm)).tolist():
+    bent = np.concatenate([np.full(len(links), links.bent) for links in groups])
+    for k in np.lexsort((np.arange(len(lines)), length_mm, bent)).tolist():
         if rivals[k].isdisjoint(kept):
             kept.add(k)
     first = np.cumsum([0, *(len(links) for links in groups)])

@@ -14,16 +14,16 @@ from kerfwise.examples.gen_sheet import make_sheet
 
 
 def test_a_row_tells_plain_plans_and_gaps_apart() -> None:
-    plain = Row("plate", 2.0, None, 12, 20_500.0, 4_250.0, 41.04, 512.3, 0.0, 1.4)
-    assert str(plain) == "| plate | 2 | – | 12 | 20.50 | 4.25 | 41.0 | 512 | 0 | 1 |"
-    assert " | 3 | " in str(Row("plate", 0.5, 3, 9, 1.0, 1.0, 1.0, 1.0, 0.0123, 1.0))
-    assert " | 1.23% | " in str(Row("plate", 0.5, 3, 9, 1.0, 1.0, 1.0, 1.0, 0.0123, 1.0))
+    plain = Row("plate", "laser", 2.0, None, 12, 20_500.0, 4_250.0, 41.04, 512.3, 0.0, 1.4)
+    assert str(plain) == "| plate | laser | 2 | – | 12 | 20.50 | 4.25 | 41.0 | 512 | 0 | 1 |"
+    assert " | 3 | " in str(Row("plate", "plasma", 0.5, 3, 9, 1.0, 1.0, 1.0, 1.0, 0.0123, 1.0))
+    assert " | 1.23% | " in str(Row("plate", "plasma", 0.5, 3, 9, 1.0, 1.0, 1.0, 1.0, 0.0123, 1.0))
 
 
 def test_a_row_that_is_kept_is_not_made_again(tmp_path: Path) -> None:
     made = [
-        Row("one", 2.0, None, 12, 20_500.0, 4_250.0, 41.04, 512.3, None, 1.4),
-        Row("two", 2.0, 1, 1, 1, 1, 1, 1, 0, 1),
+        Row("one", "plasma", 2.0, None, 12, 20_500.0, 4_250.0, 41.04, 512.3, None, 1.4),
+        Row("two", "plasma", 2.0, 1, 1, 1, 1, 1, 1, 0, 1),
     ]
     file, waiting = tmp_path / "115.2.plain.json", iter(made)
     assert kept(file, lambda: next(waiting)) == kept(file, lambda: next(waiting)) == made[0]
@@ -33,7 +33,7 @@ def test_a_row_that_is_kept_is_not_made_again(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_links_save_pierces_and_time() -> None:
     nest = read_json(json.dumps(make_sheet(1, 30)).encode(), ReadOptions())
-    plain, linked = (row(nest, "plate", 2.0, on, 2.0) for on in (False, True))
+    plain, linked = (row(nest, "plate", "plasma", 2.0, on, 2.0) for on in (False, True))
     assert plain.gap == linked.gap == 0
     assert linked.links
     assert linked.pierces == plain.pierces - linked.links

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 from itertools import combinations
 from typing import Literal
 
+import numpy as np
 import pytest
 import shapely
 from shapely.ops import substring
@@ -14,11 +16,14 @@ from shapely.ops import substring
 from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.cut import Cut
-from kerfwise.encoder.facts import FactOptions, compute_facts
+from kerfwise.encoder.facts import FactOptions, compute_facts, links
 from kerfwise.encoder.facts.facts import Facts, LinkPath
 from kerfwise.encoder.facts.links import LinkOptions, join_of, with_links
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.readers import ReadOptions
+from kerfwise.encoder.readers.json_nest import read_json
+from kerfwise.examples.gen_sheet import make_sheet
 
 KERF_MM = 1.5
 A, B = part("A", rect(10, 10, 40, 40)), part("B", rect(62, 10, 40, 40))
@@ -95,6 +100,16 @@ def test_where_no_straight_link_is_free_one_goes_round_a_corner() -> None:
 
 def test_parts_with_a_straight_link_have_none_round_a_corner() -> None:
     assert all(len(link.path) == 2 for link in facts(PAIR).links)
+
+
+def test_a_corner_takes_no_straight_link_away(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of links that would meet the straight ones stay, however short those round a corner are."""
+    sheet = read_json(json.dumps(make_sheet(1, 40)).encode(), ReadOptions())
+    both = {link.path for link in facts(sheet, 90.0).links}
+    monkeypatch.setattr(links, "round_corners", lambda asked, straight, *_: straight.take(np.zeros(0, dtype=np.int64)))
+    straight = {link.path for link in facts(sheet, 90.0).links}
+    assert straight == {path for path in both if len(path) == 2}
+    assert len(both) > len(straight)
 
 
 def test_only_outers_in_the_same_metal_are_linked() -> None:
