@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 import shapely
@@ -48,6 +50,29 @@ def copies_of(nest: Nest, step: Point, count: int) -> list[tuple[int, ...]]:
             row.append(following[row[-1]])
         found += [tuple(row[k : k + count]) for k in range(0, len(row), count) if len(row) > k + 1]
     return sorted(found)
+
+
+def spacings_of(nest: Nest, axis: Literal["x", "y"], least_mm: float, most_mm: float) -> list[float]:
+    """Distances along an axis by which parts are copies of each other by their sizes, those of most parts first.
+
+    Examples
+    --------
+    >>> from kerfwise.encoder.by_hand import nest, part, rect
+    >>> row = [part(name, rect(10 + 100 * k, 10, 80, 80)) for k, name in enumerate("ABCD")]
+    >>> spacings_of(nest(500, 100, *row), "x", 50.0, 250.0)
+    [100.0, 200.0]
+    """
+    boxes = shapely.bounds([part.outer.line for part in nest.parts if not part.marks]).reshape(-1, 4)
+    along, across = (0, 1) if axis == "x" else (1, 0)
+    middles, sizes = (boxes[:, :2] + boxes[:, 2:]) / 2, boxes[:, 2:] - boxes[:, :2]
+    alike = np.round(np.column_stack([sizes, middles[:, across]]) / (2 * COPY_MM)).astype(np.int64)
+    counts: Counter[float] = Counter()
+    _, row = np.unique(alike, axis=0, return_inverse=True)
+    for k in range(int(row.max(initial=-1)) + 1):
+        places = np.sort(middles[row == k, along])
+        apart = np.round(places[None, :] - places[:, None], 3)
+        counts.update(apart[(apart >= least_mm) & (apart <= most_mm)].tolist())
+    return sorted(counts, key=lambda mm: (-counts[mm], mm))
 
 
 def _following(nest: Nest, step: Point) -> Iterable[tuple[int, int]]:
@@ -126,6 +151,21 @@ def drawn_alike(nest: Nest, groups: Iterable[Group], step: Point) -> Nest:
     return with_parts(nest, parts)
 
 
+def entries_of_copies(
+    nest: Nest, entries: Mapping[str, Point], groups: Iterable[Group], step: Point
+) -> dict[str, Point]:
+    """Entries asked for, by contour id, with those at the same place of all that is cut together with these."""
+    found = dict(entries)
+    for group in groups:
+        names = [nest.contours[k].id for k in group.contours]
+        asked = next((k for k, name in enumerate(names) if name in entries), None)
+        if asked is not None:
+            x, y = entries[names[asked]]
+            for k, name in enumerate(names):
+                found.setdefault(name, (x + step[0] * (k - asked), y + step[1] * (k - asked)))
+    return found
+
+
 def alike(candidates: Sequence[Candidate], groups: Iterable[Group], step: Point) -> tuple[list[int], list[Group]]:
     """Numbers of the candidates that are left, and the groups without any: all torches of a group make the same cut.
 
@@ -156,9 +196,11 @@ def _one_cut(candidates: Sequence[Candidate], step: Point) -> bool:
     """Whether these are one cut, each a step behind the one before."""
     first = candidates[0]
     for k, other in enumerate(candidates[1:], 1):
-        if (first.edge_start, first.leaves, first.tabs) != (other.edge_start, other.leaves, other.tabs):
+        if (first.edge_start, first.leaves, len(first.tabs)) != (other.edge_start, other.leaves, len(other.tabs)):
             return False
-        rows = [np.array([c.pierce, c.entry, c.end]) for c in (first, other)]
+        if any(abs(a.width_mm - b.width_mm) > _SAME_MM for a, b in zip(first.tabs, other.tabs, strict=True)):
+            return False
+        rows = [np.array([c.pierce, c.entry, c.end, *(tab.at for tab in c.tabs)]) for c in (first, other)]
         if (np.abs(rows[1] - rows[0] - np.array(step) * k) > _SAME_MM * 1000).any():
             return False
         for a, b in ((first.lead_in, other.lead_in), (first.lead_out, other.lead_out)):

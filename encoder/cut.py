@@ -165,6 +165,11 @@ class CutSequence(Sequence[Cut]):
                 found.setdefault(cut.torch, shift)
         return found
 
+    def spacing_mm(self, axis: Literal["x", "y"]) -> float | None:
+        """How far each torch that cuts is from the one before; None where one cuts alone."""
+        apart = [shift[axis == "y"] / (torch - 1) for torch, shift in sorted(self.shifts.items())]
+        return round(apart[0], 3) if apart else None
+
     def moments(self) -> dict[str, int]:
         """Contour id → when it is cut, counted from 1: what several torches cut together has one number."""
         of_first: dict[str, int] = {}

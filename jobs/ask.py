@@ -8,7 +8,7 @@ from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
 from kerfwise.encoder.candidates import build_with_older_kerfs
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
-from kerfwise.encoder.copies import Group, alike, drawn_alike
+from kerfwise.encoder.copies import Group, alike, drawn_alike, entries_of_copies
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import MOST_DETAILS, InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
@@ -34,7 +34,7 @@ from kerfwise.rules.stating.state_rules import (
 )
 
 from .one_torch import expect_torches
-from .torches import facts_of_torches, first_groups, of_parts
+from .torches import at_best_spacing, facts_of_torches, first_groups, of_parts
 
 RELAX = 0.5
 """Share of a limit in seconds in which what gives way is to be found; a plan is to be made in the rest."""
@@ -82,10 +82,13 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT) ->
         had = f"the plan says of contours that {nest.file or 'the nest'} does not have that they are cut already"
         raise InputError(f"{had}: it was made from another nest", details=tuple(unknown))
     loose = loose_in(nest, already.contours)
+    profile = at_best_spacing(nest, profile)
     groups, step = first_groups(nest, profile), profile.machine.torches.step
     try:
         drawn = drawn_alike(nest, groups, step) if groups else nest
-        candidates, met = build_with_older_kerfs(drawn, profile.lead_options(nest), already, loose)
+        leads = profile.lead_options(nest)
+        leads = replace(leads, entry_points=entries_of_copies(drawn, leads.entry_points, groups, step))
+        candidates, met = build_with_older_kerfs(drawn, leads, already, loose)
     except InputError as error:
         unheated = replace(profile.fact_options(nest), zone_heat_kj=None)  # without candidates no heat is known
         if alone := hopeless_anyway(_left(compute_facts(nest, unheated, ()), already), profile):

@@ -26,21 +26,15 @@ def expect_torches(profile: Profile, nest: Nest, resumes: bool) -> None:
 
 
 def _why_not(profile: Profile, nest: Nest, resumes: bool) -> Iterator[str]:
-    cuts, tabs, limit = profile.cuts, profile.tabs(), profile.temperature_limit()
+    cuts, limit = profile.cuts, profile.temperature_limit()
     if resumes:
         yield "a program that goes on after a stop is planned for one torch: cut the rest with one"
-    if profile.locks:
-        yield "locks are not planned together with several torches: take them out"
     if profile.link_options() is not None:
         yield "links are not planned together with several torches: say cuts.links.longest: 0 mm"
     if profile.common_options() is not None:
         yield "common cuts are not planned together with several torches: say cuts.common.shortest: off"
     if cuts.pierce_pass is not None:
         yield "a pierce pass is not planned together with several torches: say cuts.pierce_pass: off"
-    if nest.scrap:
-        yield "scrap lines are not planned together with several torches: take them out"
-    if tabs is not None and any(tabs.reason(part) is not None for part in nest.parts):
-        yield "tabs are not planned together with several torches: turn them off"
     if limit is not None:
         yield f"{limit.rule} simulates the heat of one torch: turn it off"
     if profile.objective.heat and profile.heat.absorbed_power_w:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from kerfwise.encoder.copies import Group, copies_of, groups_of
-from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.copies import Group, copies_of, groups_of, spacings_of
+from kerfwise.encoder.cut import Cut, Tab
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Copies, Facts
 from kerfwise.encoder.facts.first_torch import of_first_torch, with_zones_of_first
@@ -17,6 +17,9 @@ from kerfwise.models.plan.excused import excused
 from kerfwise.models.plan.plan import Plan, PlannedCut
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import Stated, too_much_at_once
+
+_LOOKED_AT = 40
+"""Distances between copies that are tried for torches, at the most."""
 
 
 def first_groups(nest: Nest, profile: Profile) -> list[Group]:
@@ -32,13 +35,47 @@ def first_groups(nest: Nest, profile: Profile) -> list[Group]:
         return []
     found = groups_of(nest, copies_of(nest, torches.step, torches.count), torches.step)
     if not found and nest.contours:
-        where = f"{torches.spacing_mm:g} mm along {torches.axis}"
+        most = "" if torches.up_to_mm is None else f" to {torches.up_to_mm:g}"
+        where = f"{torches.spacing_mm:g}{most} mm along {torches.axis}"
         raise InputError(
             f"machine.torches.spacing: no part of {nest.file or 'the nest'} has a copy {where} from it, so that no two "
             "torches could cut together (parts with marks count for none): say another spacing, or count: 1",
             file=profile.file or None,
         )
-    return found
+    return _without_placed(nest, profile, found)
+
+
+def at_best_spacing(nest: Nest, profile: Profile) -> Profile:
+    """The profile with its torches as far apart as leaves the fewest cuts, where they can be moved; the least of such.
+
+    By outlines alone: what rules have cut by itself is not known yet. Of distances those are looked at that most parts
+    are apart by.
+    """
+    torches = profile.machine.torches
+    if not torches.several or torches.up_to_mm is None:
+        return profile
+    best: tuple[int, float] | None = None
+    for spacing_mm in spacings_of(nest, torches.axis, torches.spacing_mm, torches.up_to_mm)[:_LOOKED_AT]:
+        step = profile.at_spacing(spacing_mm).machine.torches.step
+        groups = groups_of(nest, copies_of(nest, step, torches.count), step)
+        saved = sum(len(group.contours) - 1 for group in groups)
+        best = min(best or (0, spacing_mm), (-saved, spacing_mm))
+    return profile if best is None else profile.at_spacing(best[1])
+
+
+def _without_placed(nest: Nest, profile: Profile, groups: list[Group]) -> list[Group]:
+    """The groups without parts that a lock gives a place, or an order: these are cut by themselves."""
+    placed = [lock for lock in profile.locks if lock.contour and (lock.before is not None or lock.position is not None)]
+    names = {name for lock in placed for name in (lock.contour, lock.before) if name in nest.index}
+    parts = {nest.contour(name).part for name in names if name is not None}
+    left = [group for group in groups if parts.isdisjoint(nest.parts[k].id for k in group.parts)]
+    if groups and not left:
+        raise InputError(
+            "machine.torches: all parts that torches could cut together have locks of an order or a place, and are cut "
+            "one by one: take locks out, or say machine: {torches: {count: 1}}",
+            file=profile.file or None,
+        )
+    return left
 
 
 def of_parts(groups: Sequence[Group], without: Sequence[Group]) -> list[Group]:
@@ -123,6 +160,7 @@ def _of_torch(
         first.start_s,
         first.end_s,
         excuses.get(of.id, ()),
+        tabs=tuple(Tab((tab.at[0] + x, tab.at[1] + y), tab.width_mm) for tab in first.tabs),
         torch=torch,
         together=first.contour,
     )

@@ -107,6 +107,7 @@ def programs_made(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatc
 
     def noted(plan: Plan, nest: Nest, profile: Profile) -> str:
         program = write(plan, nest, profile)
+        profile = profile.at_spacing(plan.sequence().spacing_mm(profile.machine.torches.axis))
         made.append((nest, profile, program, write(before(plan), nest, profile) if plan.already_cut else None, plan))
         return program
 

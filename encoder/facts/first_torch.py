@@ -13,7 +13,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 
 from .compute import compute_facts
-from .facts import Copies, Facts
+from .facts import Copies, FactOptions, Facts
 from .narrowed import kept_candidates, narrowed, numbered
 
 
@@ -25,13 +25,35 @@ def nest_of_first(nest: Nest, groups: Sequence[Group]) -> Nest:
 def with_zones_of_first(whole: Facts, groups: Sequence[Group]) -> Facts:
     """The facts of the whole, where zones are those of what the first torch cuts, and copies are in the same zones."""
     nest = nest_of_first(whole.nest, groups)
-    zones = compute_facts(nest, replace(whole.options, start_side=whole.start_side)).zone
+    options = replace(_of_leaders(whole, groups, len(nest.contours)), start_side=whole.start_side)
+    zones = compute_facts(nest, options).zone
     found = np.ones(whole.n, dtype=np.int64)
     for contour, zone in zip(nest.contours, zones.tolist(), strict=True):
         found[whole.nest.index[contour.id]] = zone
     for group in groups:
         found[list(group.contours)] = found[group.contours[0]]
     return replace(whole, zone=found)
+
+
+def _of_leaders(whole: Facts, groups: Sequence[Group], left: int) -> FactOptions:
+    """The options, where what a further torch cuts is named by what it is cut with; `left` contours are the first's.
+
+    A place among all contours is one as far along among these.
+    """
+    contours, parts = whole.nest.contours, whole.nest.parts
+    leader = {contours[k].id: contours[group.contours[0]].id for group in groups for k in group.contours}
+    head = {parts[k].id: parts[group.parts[0]].id for group in groups for k in group.parts}
+    pairs = ((leader.get(a, a), leader.get(b, b)) for a, b in whole.options.zone_pairs)
+    places: dict[str, int] = {}
+    for part, place in whole.options.zone_places:
+        places.setdefault(head.get(part, part), 1 + (place - 1) * left // whole.n if place < whole.n else left)
+    fixed = dict.fromkeys((head.get(part, part), zone) for part, zone in whole.options.zone_fixed)
+    return replace(
+        whole.options,
+        zone_pairs=tuple(dict.fromkeys((a, b) for a, b in pairs if a != b)),
+        zone_places=tuple(places.items()),
+        zone_fixed=tuple(fixed),
+    )
 
 
 def of_first_torch(whole: Facts, groups: Sequence[Group], step: Point) -> Facts:

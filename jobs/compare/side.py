@@ -22,6 +22,7 @@ from kerfwise.models.plan.reader import read_plan
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.check.reader.program import Burn, of_all_torches
 from kerfwise.postproc.check.rebuild import rebuild
+from kerfwise.postproc.check.torches import stated_spacing
 from kerfwise.postproc.nc.plan_paths import toolpaths
 from kerfwise.rules.profile.profile import Profile
 
@@ -137,6 +138,7 @@ def _of_plan(
     asked: SideAsked, plan: Plan, given: Given, judge: Any, made: Kind, heat: bool, tell: Tell, broken: bool = False
 ) -> Side:
     profile = given.profile.at_origin(plan.origin)
+    profile = profile.at_spacing(plan.sequence().spacing_mm(profile.machine.torches.axis))
     paths = toolpaths(plan, given.nest, profile)  # refuses the plan of another nest
     shift = profile.machine.torches.shift
     burns = tuple(
@@ -157,7 +159,10 @@ def _of_plan(
 
 def _of_program(asked: SideAsked, file: str, heat: bool, tell: Tell) -> Side:
     given = asked.given
-    program = of_all_torches(read_program_of(file, given, tell), given.profile.machine.torches.shift)
+    program = read_program_of(file, given, tell)
+    torches = given.profile.machine.torches
+    torches = given.profile.at_spacing(stated_spacing(program, None, torches)).machine.torches
+    program = of_all_torches(program, torches.shift)
     profile = given.profile.at_origin(program.origin or given.profile.machine.origin)
     home = profile.home_on(given.nest)
     built = rebuild(given.nest, program, profile.material.kerf_mm, home, tabs_asked=profile.tabs())

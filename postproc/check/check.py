@@ -41,7 +41,7 @@ from .skeleton_pieces import wrong_pieces
 from .slits import Slots, misplaced, passes_of_cuts, passes_of_program, slits_of_made, told_of_slots, with_passes
 from .small_holes import Judged, judged_nest, small_holes, told_of_small_holes
 from .torch_run import TorchRun
-from .torches import most_at_once, not_together, stricter, wrong_spacing
+from .torches import most_at_once, not_together, stated_spacing, stricter, wrong_spacing
 from .totals import Claims, claims_kept, idle_mm, totals
 from .travel import beyond_travel, rapids_beyond_travel
 from .uncut import features_lost
@@ -145,6 +145,8 @@ def _judge_program(
     nest = judged_by.nest
     told = [*other_origin(program, profile), *_coarse(program, profile)]
     profile = on_its_origin(program, profile)
+    of_torches = list(wrong_spacing(program, profile, planned is not None))
+    profile = profile.at_spacing(stated_spacing(program, planned, profile.machine.torches))
     torches = profile.machine.torches
     burnt = of_all_torches(program, torches.shift, turned)
     nest, slots = with_passes(nest, passes_of_program(nest, burnt, profile), profile)
@@ -160,7 +162,6 @@ def _judge_program(
     judged, warnings = _judge_paths(
         judged_by, slots, built.cuts, built.runs, built.violations, profile, relaxed, astray, tabs
     )
-    of_torches = list(wrong_spacing(program, profile, planned is not None))
     if torches.several or of_torches:
         judged.append(judgement("torches", of_torches))
     if planned is not None and not turned:

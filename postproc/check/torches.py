@@ -16,6 +16,7 @@ from kerfwise.rules.profile.machine_section import Torches
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Violation
 
+from .planned import Planned
 from .program_rules import tolerance_mm
 from .result import Judgement
 
@@ -91,11 +92,13 @@ def wrong_spacing(program: NcProgram, profile: Profile, told_by_plan: bool) -> I
     One that says nothing may have a plan, which the program is held against.
     """
     torches = profile.machine.torches
-    has = f"{torches.count} {torches.spacing_mm:g} mm apart along {torches.axis.upper()}" if torches.several else "one"
-    told = [found for found in map(_TOLD.fullmatch, program.comments) if found]
+    has = f"{torches.count} {torches.apart}" if torches.several else "one"
+    told = _told(program)
     for words in told:
         spacing_mm, axis = float(words["spacing"]), words["axis"].lower()
-        same = abs(spacing_mm - torches.spacing_mm) <= 1e-3 and axis == torches.axis
+        there = profile.at_spacing(spacing_mm).machine.torches
+        same = abs(spacing_mm - there.spacing_mm) <= 1e-3 and axis == there.axis and there.up_to_mm is None
+        same = same and words["spacing"] == told[0]["spacing"]
         if not same or int(words["count"]) != torches.count:
             says = f"{words['count']} torches {spacing_mm:g} mm apart along {axis.upper()}"
             yield Violation(_RULE, (), f"the program is for {says}, the profile has {has}")
@@ -105,5 +108,17 @@ def wrong_spacing(program: NcProgram, profile: Profile, told_by_plan: bool) -> I
         yield Violation(_RULE, (), f"{text}expected {_comment(torches)}, or --plan")
 
 
+def stated_spacing(program: NcProgram, planned: Planned | None, torches: Torches) -> float | None:
+    """How far torches stand apart by the program's comment, else by its plan; None where neither says."""
+    for words in _told(program):
+        return float(words["spacing"])
+    return None if planned is None else planned.cuts.spacing_mm(torches.axis)
+
+
+def _told(program: NcProgram) -> list[re.Match[str]]:
+    return [found for found in map(_TOLD.fullmatch, program.comments) if found]
+
+
 def _comment(torches: Torches) -> str:
-    return f"(TORCHES {torches.count}, {torches.spacing_mm:g} MM APART ALONG {torches.axis.upper()})"
+    spacing = f"{torches.spacing_mm:g}" if torches.up_to_mm is None else "…"
+    return f"(TORCHES {torches.count}, {spacing} MM APART ALONG {torches.axis.upper()})"

@@ -38,7 +38,7 @@ def write_program(plan: Plan, nest: Nest, profile: Profile, dialect: Dialect | N
     """
     dialect = dialect or fitting_dialect(profile)
     expect_words(nest, profile, dialect, bool(plan.already))
-    profile = profile.at_origin(plan.origin)
+    profile = profile.at_origin(plan.origin).at_spacing(plan.sequence().spacing_mm(profile.machine.torches.axis))
     names = program_names(profile.as_cut(nest), dialect)
     paths, first = toolpaths(plan, nest, profile), plan.resumed_after + 1
     body = _body(paths, names, nest, profile, dialect, first, plan.pierces)

@@ -46,7 +46,7 @@ def check_plan(nest: Nest, plan: Plan, profile: Profile) -> CheckResult:
     )
     relaxed = _relaxed_of(plan)
     thermometer = thermometer_of(nest, profile)
-    profile = profile.at_origin(plan.origin)
+    profile = profile.at_origin(plan.origin).at_spacing(plan.sequence().spacing_mm(profile.machine.torches.axis))
     return check_cuts(nest, plan.sequence(profile.home_on(nest)), profile, claims, relaxed, thermometer)
 
 

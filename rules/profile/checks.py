@@ -57,6 +57,12 @@ def check_together(given: dict[str, Any], root: yaml.Node, problems: Problems) -
             deepest(root, "machine", "torches"),
             f"machine.torches.spacing: {machine.torches.count} torches stand apart: say how far, such as 500 mm",
         )
+    if machine.torches.up_to_mm is not None and machine.torches.up_to_mm < machine.torches.spacing_mm:
+        problems.add(
+            deepest(root, "machine", "torches", "up_to"),
+            f"machine.torches.up_to: {machine.torches.up_to_mm:g} mm is less than the least spacing, "
+            f"{machine.torches.spacing_mm:g} mm",
+        )
     for key, span, at_mm in zip("xy", (machine.travel_x_mm, machine.travel_y_mm), machine.home, strict=True):
         if span is not None and not span[0] <= at_mm <= span[1]:
             problems.add(

@@ -9,7 +9,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.rules.options.members import Members
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.plain_values import Choice, Flag, Number
-from kerfwise.rules.options.quantities import DURATION, LENGTH, SPEED, LengthSpan, PointXY
+from kerfwise.rules.options.quantities import DURATION, LENGTH, SPEED, LengthSpan, OrWord, PointXY, over_zero
 
 from .dialect_kind import DialectName
 
@@ -35,6 +35,18 @@ class Torches:
     count: int = field(default=1, metadata=option(Number(1, 8, whole=True), "torches on the gantry"))
     spacing_mm: float = field(default=0.0, metadata=option(LENGTH, "from each torch to the next"))
     axis: Axis = field(default="y", metadata=option(Choice(("x", "y")), "the axis along which they stand, upwards"))
+    up_to_mm: float | None = field(
+        default=None,
+        metadata=option(
+            OrWord(over_zero(LENGTH), "spacing"), "where torches can be moved: the greatest spacing, spacing the least"
+        ),
+    )
+
+    @property
+    def apart(self) -> str:
+        """How far they stand apart, as a person says it, and along which axis."""
+        most = "" if self.up_to_mm is None else f" to {self.up_to_mm:g}"
+        return f"{self.spacing_mm:g}{most} mm apart along {self.axis.upper()}"
 
     @property
     def several(self) -> bool:

@@ -59,6 +59,8 @@ from .time_section import Time
 DEFAULT = "plasma-carbon-steel"
 """The shipped profile that is used where none is named."""
 
+_STEP_MM = 1e-3
+
 
 @dataclass(frozen=True)
 class Profile:
@@ -195,6 +197,19 @@ class Profile:
             if origin == self.machine.origin
             else dataclasses.replace(self, machine=dataclasses.replace(self.machine, origin=origin))
         )
+
+    def at_spacing(self, spacing_mm: float | None) -> Profile:
+        """The profile with torches where a plan or program says that they stand, where they can be moved there."""
+        torches = self.machine.torches
+        most_mm = torches.up_to_mm
+        if (
+            spacing_mm is None
+            or most_mm is None
+            or not torches.spacing_mm - _STEP_MM <= spacing_mm <= most_mm + _STEP_MM
+        ):
+            return self
+        moved = dataclasses.replace(torches, spacing_mm=spacing_mm, up_to_mm=None)
+        return dataclasses.replace(self, machine=dataclasses.replace(self.machine, torches=moved))
 
     def length_mm(self, length: ByThickness) -> float:
         """A length that may go with the thickness, as it is for the profile's material."""

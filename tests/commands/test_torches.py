@@ -297,13 +297,11 @@ REFUSED = [
         "common cuts are not planned together with several torches",
     ),
     ({"text": "cuts: {pierce_pass: zone}\n"}, "a pierce pass is not planned together with several torches"),
-    ({"text": "cuts: {scrap: {grid: 100 mm}}\n"}, "scrap lines are not planned together with several torches"),
     ({"text": "rules: {t-max: hard}\n"}, "t-max simulates the heat of one torch"),
-    ({"text": "rules: {hold-small-parts: hard}\n"}, "tabs are not planned together with several torches"),
     ({"text": "rules: {zone-order: {zone_heat: 100 kJ}}\n"}, "the heat of zones is counted for one torch"),
     (
-        {"text": "locks:\n  - {contour: A.outer, position: first}\n"},
-        "locks are not planned together with several torches",
+        {"text": "locks:\n  - {contour: A.outer, position: first}\n  - {contour: D.outer, before: S.outer}\n"},
+        "all parts that torches could cut together have locks of an order or a place, and are cut one by one",
     ),
 ]
 
