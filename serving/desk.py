@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any, TypeVar
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 from kerfwise.encoder.readers.read import BrokenNest
 from kerfwise.encoder.shown import shown
+from kerfwise.jobs.compare import Side, SideAsked, compare, side_of
 from kerfwise.jobs.explaining import Explainer
 from kerfwise.jobs.given import Given
 from kerfwise.jobs.moving import Moved, Mover
 from kerfwise.jobs.page.heat import heat_data
-from kerfwise.jobs.page.page import page_data
+from kerfwise.jobs.page.page import compared_data, page_data
 from kerfwise.jobs.page.why import why_data
 from kerfwise.models.plan.explain import as_text
+from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.reader import plan_in
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.lock_text import lines_of
@@ -23,31 +24,10 @@ from kerfwise.rules.profile.lock_text import lines_of
 from .child import Answers, Asking
 from .edits import against, edited
 from .job_text import JobText, settings_of
+from .kept import Kept
 from .problems import Unmended, left_by
 from .profile_desk import profile_answers
 from .wanted import Wanted, already_of, given_of
-
-MOST_KEPT = 6
-"""Nests, and plans of them, that are kept worked out."""
-
-T = TypeVar("T")
-
-
-@dataclass
-class _Kept:
-    """The last few things that were worked out, by what they were asked for."""
-
-    most: int = MOST_KEPT
-    made: OrderedDict[Any, Any] = field(default_factory=OrderedDict)
-
-    def get(self, key: Any, make: Callable[[], T], again: bool = False) -> T:
-        if again or key not in self.made:
-            self.made[key] = make()
-            while len(self.made) > self.most:
-                self.made.popitem(last=False)
-        self.made.move_to_end(key)
-        found: T = self.made[key]
-        return found
 
 
 @dataclass(frozen=True)
@@ -62,7 +42,7 @@ class Desk:
     """Answers questions about nests and plans; what it has worked out serves the next one."""
 
     def __init__(self) -> None:
-        self._reads, self._plans = _Kept(), _Kept()
+        self._reads, self._plans, self._sides = Kept(), Kept(), Kept()
 
     def ready(self) -> bool:
         """All is loaded."""
@@ -100,6 +80,10 @@ class Desk:
     def page(self, wanted: Wanted) -> dict[str, Any]:
         """What the page shows of a nest that is not planned."""
         return page_data(self._read(wanted).given, None)
+
+    def compared(self, sides: Sequence[tuple[str, Wanted, str]]) -> dict[str, Any]:
+        """What the page shows of two plans side by side: each a name, what was wanted, and the plan."""
+        return compared_data(compare(*(self._side(*side) for side in sides)))
 
     def heat(self, wanted: Wanted, plan: str) -> dict[str, Any] | None:
         """How hot a plan makes the sheet, in frames; None where its profile says nothing of heat."""
@@ -160,13 +144,24 @@ class Desk:
 
     def _mover(self, wanted: Wanted, plan: str) -> tuple[Explainer, Mover]:
         def made() -> tuple[Explainer, Mover]:
-            made_of, given = plan_in(plan), self._read(wanted).given
-            if made_of.profile.get("sha256") != given.profile.sha256:  # it was changed on disk since it was read
-                given = self._read(wanted, again=True).given
-            explainer = Explainer(given, made_of, None)
+            explainer = Explainer(*self._planned(wanted, plan), None)
             return explainer, Mover(explainer)
 
         return self._plans.get((wanted.key, plan), made)
+
+    def _side(self, name: str, wanted: Wanted, plan: str) -> Side:
+        def made() -> Side:
+            given, made_of = self._planned(wanted, plan)
+            return side_of(SideAsked(name, given, made_of))
+
+        return self._sides.get((name, wanted.key, plan), made)
+
+    def _planned(self, wanted: Wanted, plan: str) -> tuple[Given, Plan]:
+        """A plan, with the nest and the profile that it is of."""
+        made_of, given = plan_in(plan), self._read(wanted).given
+        if made_of.profile.get("sha256") != given.profile.sha256:  # it was changed on disk since it was read
+            given = self._read(wanted, again=True).given
+        return given, made_of
 
 
 def _gives_way(explainer: Explainer, moved: Moved) -> list[str]:
@@ -194,5 +189,5 @@ def _rule(given: Given, name: str) -> dict[str, Any]:
 def desk(asking: Asking) -> Answers:
     """The questions that the desk answers."""
     made = Desk()
-    names = ("ready", "prepared", "opened", "edited", "page", "heat", "why", "move")
+    names = ("ready", "prepared", "opened", "edited", "page", "compared", "heat", "why", "move")
     return {**{name: getattr(made, name) for name in names}, **profile_answers()}

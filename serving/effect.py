@@ -26,11 +26,12 @@ EFFECT_WORK = 1.0
 
 @dataclass(frozen=True)
 class _Planned:
-    """A plan with the nest and profile it is of, or why there is none."""
+    """A plan with the nest and profile it is of, or why there is none; `whole` where nobody has ended it early."""
 
     given: Given
     plan: Plan | None
     text: str = ""
+    whole: bool = True
 
 
 @dataclass
@@ -54,21 +55,23 @@ class Effects:
         return told | {"text": "; ".join(one.text for one in (before, after) if one.text)}
 
     def _planned_before(self, wanted: Wanted) -> _Planned:
-        if self._before is None or self._before[0] != wanted.key:
+        if self._before is None or self._before[0] != wanted.key or not self._before[1].whole:
             self._before = wanted.key, self._planned(wanted)
         return self._before[1]
 
     def _planned(self, wanted: Wanted) -> _Planned:
         given = given_of(wanted)
         limits = options_for(given.nest, given.profile, work=EFFECT_WORK)
+        listener = Listener(self.heard())
         try:
-            done = plan_nest(given, limits, already=already_of(wanted, given), listener=Listener(self.heard()))
+            done = plan_nest(given, limits, already=already_of(wanted, given), listener=listener)
         except NoPlan as no_plan:
             conflict = conflict_told(no_plan, given.job)
-            return _Planned(given, None, conflict["clash"][0]["text"] if conflict["clash"] else conflict["text"])
+            text = conflict["clash"][0]["text"] if conflict["clash"] else conflict["text"]
+            return _Planned(given, None, text, whole=not listener.stopped)
         except RulesConflict as error:
             return _Planned(given, None, str(error))
-        return _Planned(given, done.made.plan)
+        return _Planned(given, done.made.plan, whole=not listener.stopped)
 
 
 def _figures(plan: Plan | None, judged_by: Given) -> dict[str, Any] | None:

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from functools import cache
-from html import unescape
 from importlib.resources import files
 from pathlib import PurePosixPath
 
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 
 from kerfwise.postproc import report
-from kerfwise.postproc.report.page import page_html
+from kerfwise.postproc.report.page import page_and_policy
 
 ENTRY = "worked.js"
 """The module of `hands` that the page of a nest begins with."""
 _KINDS = {".js": "text/javascript", ".css": "text/css"}
-_POLICY = re.compile('<meta http-equiv="Content-Security-Policy" content="([^"]*)">')
 
 
 def list_page() -> str:
@@ -26,11 +23,9 @@ def list_page() -> str:
 
 def worked_page(name: str) -> Response:
     """The page of one nest, with hands: all that it shows it asks for. Its policy names its own script by hash."""
-    text = page_html({"title": name}, ENTRY, connect=True, more=_hands())
-    stated = _POLICY.search(text)
-    policy = f"{unescape(stated[1])}; " if stated else ""
-    headers = {"content-security-policy": f"{policy}frame-ancestors 'none'"}
-    return HTMLResponse(text.encode("utf-8", "surrogatepass"), headers=headers)
+    html, policy = page_and_policy({"title": name}, ENTRY, connect=True, more=_hands())
+    headers = {"content-security-policy": f"{policy}; frame-ancestors 'none'"}
+    return HTMLResponse(html.encode("utf-8", "surrogatepass"), headers=headers)
 
 
 @cache

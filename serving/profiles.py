@@ -26,12 +26,6 @@ async def profile_told(server: Server, session: Session) -> dict[str, Any]:
     return {**told, "file": _shown(server, Path(told["path"])), "writable": not why_not, "why_not": why_not}
 
 
-async def effect(server: Server, session: Session, said: Any) -> dict[str, Any]:
-    """What other values of rules would bring on the nest; nothing is changed."""
-    told: dict[str, Any] = await server.asked_planner("effect", wanted=session.wanted, values=values_of(said))
-    return told
-
-
 async def write_profile(server: Server, session: Session, said: dict[str, Any]) -> dict[str, Any]:
     """Write values into the profile, or into a new one that is based on it, and plan by that from now on.
 

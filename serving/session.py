@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from kerfwise.encoder.contents import MOST_BYTES_OF_YAML, contents, is_file
 from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.default_names import expect_own, named_after
 from kerfwise.jobs.nest_job.beside import beside_name
 from kerfwise.jobs.solve_options import WORK
-from kerfwise.postproc.files import expect_outputs, write_files
 
 from .alternative import Alternative
-from .folder import Folder
 from .job_text import JobText
-from .wanted import Wanted, before_name, sha256_of
+from .news import News
+from .wanted import Wanted
 
 MOST_ALTERNATIVES = 60
 """Plans that a session keeps; the oldest that is not shown goes first."""
@@ -30,7 +26,7 @@ class Stale(Exception):
 
 @dataclass(eq=False)
 class Session:
-    """What the server knows of one nest. Whatever changes it counts `version` up and wakes who waits for news.
+    """What the server knows of one nest. Whatever changes it counts `version` up and is told in `news`.
 
     Attributes
     ----------
@@ -52,6 +48,7 @@ class Session:
     name: str
     wanted: Wanted
     opened: dict[str, Any]
+    news: News
     version: int = 1
     alternatives: list[Alternative] = field(default_factory=list)
     shown: int = 0
@@ -61,7 +58,6 @@ class Session:
     problem: str = ""
     saved: dict[str, Any] | None = None
     on_disk: str | None = None
-    _news: set[asyncio.Queue[str]] = field(default_factory=set)
 
     def expect(self, version: object) -> None:
         """Make sure that whoever changes something has seen the last change; Stale otherwise."""
@@ -76,10 +72,8 @@ class Session:
         self.tell("state")
 
     def tell(self, what: str) -> None:
-        """Wake who waits for news; one who has not taken the last news yet is not told of progress, which goes on."""
-        for queue in self._news:
-            if what == "state" or queue.empty():
-                queue.put_nowait(what)
+        """Tell all who show it that there is news."""
+        self.news.tell(what, self.id)
 
     def opened_again(self, wanted: Wanted, opened: dict[str, Any], on_disk: str | None) -> None:
         """Begin anew, for the nest or its job file is another one on disk; tabs that show it are told.
@@ -94,25 +88,10 @@ class Session:
         nothing: dict[str, Any] = {"alternatives": [], "shown": 0, "conflict": None, "problem": "", "saved": None}
         self.changed(wanted=wanted, opened=opened, on_disk=on_disk, **nothing)
 
-    def listen(self) -> asyncio.Queue[str]:
-        """News from now on, until `leave`."""
-        queue: asyncio.Queue[str] = asyncio.Queue()
-        self._news.add(queue)
-        return queue
-
-    def leave(self, queue: asyncio.Queue[str]) -> None:
-        """No more news."""
-        self._news.discard(queue)
-
     @property
     def read(self) -> tuple[str, bool, str | None]:
         """What it was read from: the nest's sha256, whether it was mended, and the job file's text."""
         return self.opened["sha256"], self.wanted.repair, self.on_disk
-
-    @property
-    def listeners(self) -> int:
-        """How many tabs listen."""
-        return len(self._news)
 
     @property
     def current(self) -> Alternative | None:
@@ -159,57 +138,6 @@ class Session:
             "problem": self.problem,
             "saved": self.saved,
         }
-
-    def save(self, folder: Folder) -> dict[str, Any]:
-        """Write the shown plan's files and its job file, all of them or none; what was written, and the command line.
-
-        Raises
-        ------
-        InputError
-            If there is no plan, the check refuses it, the nest or the job file has changed on disk, a file is of
-            another nest, or a link leads out of the folder.
-        """
-        current = self.current
-        if current is None:
-            raise InputError("there is no plan to save yet")
-        if not current.ok:
-            raise InputError(f"the check refuses this plan ({', '.join(current.broken)}): nothing is written")
-        wanted, nest = current.wanted, Path(current.wanted.nest)
-        if wanted.profile_now != self.wanted.profile_now:
-            raise InputError("the profile has changed since this plan was made: plan again")
-        job = nest.with_name(beside_name(nest.name))
-        if sha256_of(nest) != current.sha256:
-            raise InputError("the nest has changed on disk since this plan was made: open it again")
-        if text_of(job) != self.on_disk:
-            raise InputError(f"{job.name} has changed on disk since it was read: open the nest again")
-        files: dict[Path, str | bytes] = {nest.with_name(name): text for name, text in current.files.items()}
-        program, plan, picture = (nest.with_name(name) for name in named_after(nest))
-        expect_own(nest, program, plan, picture)
-        if wanted.old_plan is not None:
-            before = nest.with_name(before_name(wanted.nest))
-            expect_own(nest, program, before, picture)
-            files[before] = wanted.old_plan
-        expect_outputs(files, (nest, job))
-        folder.expect_inside((*files, job))
-        if wanted.job_text is not None and wanted.job_text != self.on_disk:
-            files[job] = wanted.job_text
-        write_files(files)
-        told = {
-            "number": current.number,
-            "files": [path.name for path in files],
-            "command": current.command,
-            "same_bytes": not current.stopped,
-        }
-        self.changed(saved=told, on_disk=wanted.job_text if wanted.job_text is not None else self.on_disk)
-        return told
-
-
-def text_of(job: Path) -> str | None:
-    """What a job file says, to the byte; None where there is none."""
-    try:
-        return contents(job, MOST_BYTES_OF_YAML).decode("utf-8") if is_file(job) else None
-    except UnicodeDecodeError:
-        raise InputError("not a job file: it is no UTF-8 text", file=job.name) from None
 
 
 def _locks(wanted: Wanted) -> tuple[str, ...]:

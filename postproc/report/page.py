@@ -11,10 +11,17 @@ from functools import cache
 from html import escape
 from importlib.resources import files
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 _IMPORT = re.compile(r'^import\s+(?:\{[^}]*\}\s+from\s+)?"\./(?P<name>[\w/.-]+\.js)";[ \t]*\n', re.MULTILINE)
 _EXPORT = re.compile(r"^export\s+(?=(?:async\s+)?(?:function|class|const|let)\b)", re.MULTILINE)
+
+
+class Page(NamedTuple):
+    """A page: its HTML, and the policy (Content-Security-Policy) that its HTML states."""
+
+    html: str
+    policy: str
 
 
 def page_html(
@@ -23,7 +30,17 @@ def page_html(
     connect: bool = False,
     more: Mapping[str, str] = MappingProxyType({}),
 ) -> str:
-    """The page of such data, as one HTML file.
+    """The page of such data, as one HTML file; see `page_and_policy`."""
+    return page_and_policy(data, entry, connect, more).html
+
+
+def page_and_policy(
+    data: Mapping[str, Any],
+    entry: str = "static.js",
+    connect: bool = False,
+    more: Mapping[str, str] = MappingProxyType({}),
+) -> Page:
+    """The page of such data, as one HTML file, and its policy.
 
     Parameters
     ----------
@@ -48,8 +65,9 @@ def page_html(
         "base-uri": "'none'",
         "form-action": "'none'",
     }
+    policy = "; ".join(f"{key} {value}" for key, value in allowed.items())
     parts = {
-        "@policy": escape("; ".join(f"{key} {value}" for key, value in allowed.items())),
+        "@policy": escape(policy),
         "@title": escape(str(data.get("title", "kerfwise"))),
         "@style": style,
         "@data": as_script_data(data),
@@ -59,7 +77,7 @@ def page_html(
     for mark, text in parts.items():
         before, _, frame = frame.partition(mark)
         made += [before, text]
-    return "".join([*made, frame])
+    return Page("".join([*made, frame]), policy)
 
 
 def as_script_data(data: Mapping[str, Any]) -> str:

@@ -23,11 +23,10 @@ async function reach(path, asked) {
  * Asks for something.
  *
  * @param {string} path
- * @param {AbortSignal} [signal]
  * @returns {Promise<any>}
  */
-export async function askServer(path, signal) {
-  return answered(await reach(path, { signal }));
+export async function askServer(path) {
+  return answered(await reach(path, {}));
 }
 
 /**
@@ -35,10 +34,11 @@ export async function askServer(path, signal) {
  *
  * @param {string} path
  * @param {object | Blob} [said]
+ * @param {AbortSignal} [signal] hangs up: what is being planned for it is cancelled
  * @returns {Promise<any>}
  */
-export async function sendServer(path, said = {}) {
+export async function sendServer(path, said = {}, signal = undefined) {
   const file = said instanceof Blob;
   const headers = { "content-type": file ? "application/octet-stream" : "application/json" };
-  return answered(await reach(path, { method: "POST", headers, body: file ? said : JSON.stringify(said) }));
+  return answered(await reach(path, { method: "POST", headers, body: file ? said : JSON.stringify(said), signal }));
 }

@@ -12,19 +12,23 @@ import { lockAndPlan } from "./locking.js";
 export function conflictPanel(app, work) {
   const place = make("section", { id: "hands-conflict", hidden: true, "aria-label": "rules that contradict each other" });
   app.slots.side.append(place);
-  /** @type {any} */
-  let drawn = null;
+  let drawn = "null", trying = new AbortController();
   work.on(() => {
-    const { conflict } = work.state;
-    if (conflict === drawn) return;
-    drawn = conflict;
+    const { conflict, solving } = work.state, now = JSON.stringify(conflict);
+    if (solving) trying.abort();
+    if (now === drawn) return;
+    drawn = now;
+    trying.abort();
     place.hidden = !conflict;
-    if (conflict) drawConflict(app, work, place, conflict, () => work.state.conflict === conflict);
+    if (!conflict) return;
+    trying = new AbortController();
+    void tryWays(work, drawConflict(app, work, place, conflict), trying.signal);
   });
 }
 
-/** @type {(app: any, work: Work, place: HTMLElement, conflict: any, stands: () => boolean) => void} */
-function drawConflict(app, work, place, conflict, stands) {
+/** Draws it, and gives the ways out: where to say what each would bring, and what it changes. */
+/** @type {(app: any, work: Work, place: HTMLElement, conflict: any) => [HTMLElement, object][]} */
+function drawConflict(app, work, place, conflict) {
   /** @type {[HTMLElement, object][]} */
   const ways = [];
   /** @type {(title: string, changes: object[], relax?: boolean) => HTMLElement} */
@@ -43,22 +47,36 @@ function drawConflict(app, work, place, conflict, stands) {
     conflict.clash.length ? make("ul", {}, ...rows) : make("pre", {}, conflict.text),
     conflict.relax ? way(`relax ${conflict.relax.length} statement${conflict.relax.length > 1 ? "s" : ""}, the cheapest way out`, [], true) : conflict.stuck || "");
   app.set({ marked: numbersOf(app, conflict.clash.flatMap((/** @type {any} */ one) => one.contours)) });
-  tryWays(work, ways, stands);
+  return ways;
 }
 
-/** Asks what each way would bring, one after the other, as long as the conflict stands. */
-/** @type {(work: Work, ways: [HTMLElement, object][], stands: () => boolean) => Promise<void>} */
-async function tryWays(work, ways, stands) {
+/** Asks what each way would bring, one after the other, where somebody looks: tabs in the back would ask the same. */
+/** @type {(work: Work, ways: [HTMLElement, object][], signal: AbortSignal) => Promise<void>} */
+async function tryWays(work, ways, signal) {
   for (const [place, said] of ways) {
-    if (!stands() || work.state.solving) return;
+    await inSight();
+    if (signal.aborted) return;
     try {
-      const told = await sendServer(work.path("try"), said);
+      const told = await sendServer(work.path("try"), said, signal);
       place.textContent = `${told.works ? "brings " : ""}${told.text}`;
       place.className = told.works ? "good" : "bad";
     } catch (error) {
-      place.textContent = /** @type {Error} */ (error).message;
+      place.textContent = signal.aborted ? "" : /** @type {Error} */ (error).message;
     }
   }
+}
+
+/** @type {() => Promise<void>} comes back once this tab is seen */
+function inSight() {
+  return new Promise(seen => {
+    const look = () => {
+      if (document.visibilityState !== "visible") return;
+      document.removeEventListener("visibilitychange", look);
+      seen();
+    };
+    document.addEventListener("visibilitychange", look);
+    look();
+  });
 }
 
 /** @type {(app: any, ids: string[]) => number[]} */

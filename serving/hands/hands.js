@@ -1,11 +1,12 @@
 /** @import { Work } from "./work.js" */
-import { askServer } from "./asking.js";
 import { conflictPanel } from "./conflicts.js";
 import { dragging } from "./dragging.js";
 import { lockPanel } from "./locking.js";
 import { planBar } from "./planning.js";
 import { plansPanel } from "./plans.js";
 import { profilePanel } from "./profile.js";
+import { tabDrawing } from "./tabdrawing.js";
+import { planViews } from "./views.js";
 import { weightSliders } from "./weights.js";
 
 /**
@@ -16,25 +17,15 @@ import { weightSliders } from "./weights.js";
  */
 export function giveHands(app, work) {
   work.say = text => sayAloud(app, text);
-  work.shownData = app.data;
-  const now = () => `${work.state.shown} ${work.state.sha256}`;
-  let shown = now();
   planBar(app, work);
-  lockPanel(app, work);
+  const drawTab = tabDrawing(app, work);
+  lockPanel(app, work, drawTab);
   plansPanel(app, work);
   conflictPanel(app, work);
   weightSliders(app, work);
   profilePanel(app, work);
   dragging(app, work);
-  work.on(async (_, what) => {
-    if (what !== "state" || now() === shown) return;
-    const asked = shown = now();
-    const data = await askServer(work.path("page")).catch(error => { work.say(error.message); return null; });
-    if (!data || asked !== now()) return;
-    work.shownData = data;
-    document.body.classList.toggle("planless", !data.sides.length);
-    app.replace(data);
-  });
+  planViews(app, work);
   work.hear("state");
 }
 

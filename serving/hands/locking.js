@@ -7,8 +7,9 @@ import { planNow } from "./planning.js";
  *
  * @param {any} app
  * @param {Work} work
+ * @param {(contour: number) => void} drawTab begins to draw a tab on a contour
  */
-export function lockPanel(app, work) {
+export function lockPanel(app, work, drawTab) {
   const panel = app.panel("locks", "Locks");
   const list = make("ul", { id: "hands-locks" });
   const line = /** @type {HTMLInputElement} */ (make("input", { id: "hands-lock-line", placeholder: "P2 before P3", "aria-label": "a lock in words" }));
@@ -26,42 +27,36 @@ export function lockPanel(app, work) {
   work.on((_, what) => { if (what === "state") drawLocks(); });
   const place = make("div", { id: "hands-chosen", hidden: true });
   app.slots.why.append(place);
-  const drawChosen = () => chosenButtons(app, work, place);
+  const drawChosen = () => chosenButtons(app, work, place, drawTab);
   app.on((/** @type {any} */ _, /** @type {any} */ changes) => { if (changes.selected !== undefined) drawChosen(); });
-  work.on((_, what) => { if (what === "state") drawChosen(); });
+  work.on((_, what) => { if (what === "state" || what === "drawn") drawChosen(); });
 }
 
-/** @type {(app: any, work: Work, place: HTMLElement) => void} */
-function chosenButtons(app, work, place) {
+/** @type {(app: any, work: Work, place: HTMLElement, drawTab: (contour: number) => void) => void} */
+function chosenButtons(app, work, place, drawTab) {
   const contour = app.data.nest.contours[app.state.selected], side = app.data.sides[0];
-  place.hidden = !contour;
-  if (!contour) return;
+  place.hidden = !contour || Boolean(work.compared);
+  if (place.hidden) return;
   const k = side?.cuts.findIndex((/** @type {any} */ cut) => cut.contour === app.state.selected) ?? -1;
   const part = app.data.nest.parts[contour.part] ?? contour.id, name = quoted(contour.id);
   const cut = side?.cuts[k], number = k < 0 ? 0 : side.made + k + 1;
   const locks = work.state.locked.filter((/** @type {string} */ said) => said.includes(contour.id) || said.includes(part));
   const both = (/** @type {string} */ said) => lockAndPlan(work, [{ lock: said }]);
   const buttons = [
+    make("b", {}, contour.id),
     make("button", { type: "button", onclick: () => both(`${quoted(part)} first`) }, "start here"),
     make("button", { type: "button", onclick: () => both(`${quoted(part)} last`) }, "end here"),
     number ? make("button", { type: "button", onclick: () => both(`${name} position ${number}`) }, `pin as ${number}`) : null,
     cut ? make("button", { type: "button", onclick: () => both(`${name} entry (${cut.entry.join(", ")})`) }, "pin the entry") : null,
     cut ? make("button", { type: "button", onclick: () => both(`${name} ${cut.direction === "cw" ? "ccw" : "cw"}`) }, "other way round") : null,
     make("button", { type: "button", onclick: () => both(`no link ${name}`) }, "no link"),
-    contour.kind === "outer" ? make("button", { type: "button", onclick: () => tabNext(app, work, contour) }, "tab: click its place") : null,
+    contour.kind === "outer" ? make("button", { type: "button", onclick: () => drawTab(app.state.selected) }, "draw a tab") : null,
     contour.kind === "outer" ? make("button", { type: "button", onclick: () => both(`no tab ${name}`) }, "no tab") : null,
     number ? make("button", { type: "button", onclick: () => work.change("cut", { upto: number }) }, `cut up to here (${number})`) : null,
     work.state.upto ? make("button", { type: "button", onclick: () => work.change("cut", { upto: 0 }) }, "nothing is cut yet") : null,
     ...locks.map((/** @type {string} */ said) => make("button", { type: "button", onclick: () => lockAndPlan(work, [{ unlock: said }]) }, `unlock: ${said}`)),
   ];
   place.replaceChildren(...buttons.filter(one => one !== null));
-}
-
-/** The next click on the drawing is where a tab holds the part. */
-/** @type {(app: any, work: Work, contour: any) => void} */
-function tabNext(app, work, contour) {
-  app.tell("click where the tab is to be");
-  work.tabFor = contour.id;
 }
 
 /** A name with blanks or signs stands in double quotes. */

@@ -14,7 +14,7 @@ export function planBar(app, work) {
   const cancel = make("button", { type: "button", id: "hands-cancel", hidden: true, onclick: () => cancelNow(work) }, "Cancel");
   const undo = make("button", { type: "button", id: "hands-undo", title: "back to the plan before (u)", onclick: () => undoLast(work) }, "Undo");
   const save = make("button", { type: "button", id: "hands-save", title: "write the program, the plan and the job file", onclick: () => saveAll(work) }, "Save");
-  const said = make("span", { id: "hands-said", role: "status" });
+  const said = make("span", { id: "hands-said" });
   const reached = make("span", { id: "hands-reached" });
   app.slots.tools.append(make("a", { href: "/?list", title: "the nests of the folder" }, "Nests"), plan, cancel, undo, save, reached, said);
   app.key("Enter", () => planNow(work), "plan what is wanted");
@@ -27,7 +27,7 @@ export function planBar(app, work) {
     cancel.hidden = !solving;
     undo.toggleAttribute("disabled", !beforeShown(work) || Boolean(solving));
     save.toggleAttribute("disabled", !work.plan?.ok || Boolean(solving));
-    reached.textContent = solving ? reachedText(solving) : fits ? "" : upto ? `cuts 1 to ${upto} are made; not planned yet` : "not planned yet";
+    reached.textContent = solving ? reachedText(solving, work.planner) : fits ? "" : upto ? `cuts 1 to ${upto} are made; not planned yet` : "not planned yet";
     if (wasSolving && !solving) work.say(problem || (work.state.conflict ? "the rules contradict each other" : plannedText(work)));
     wasSolving = Boolean(solving);
   });
@@ -68,9 +68,9 @@ async function saveAll(work) {
   work.say(`saved ${files.join(", ")}; ${same}`);
 }
 
-/** @type {(solving: any) => string} */
-function reachedText({ waits, engine, objective_mm, bound_mm, seconds }) {
-  if (waits) return "waits for another nest";
+/** @type {(solving: any, planner: string) => string} */
+function reachedText({ waits, engine, objective_mm, bound_mm, seconds }, planner) {
+  if (waits && planner) return `waits: ${planner} is being planned`;
   if (objective_mm === null) return `planning … ${engine}`;
   const gap = bound_mm === null ? "no bound yet" : `gap ${(100 * (1 - bound_mm / objective_mm)).toFixed(1)} %`;
   return `${(objective_mm / METRE_MM).toFixed(3)} m, ${gap}, ${seconds.toFixed(0)} s (${engine})`;

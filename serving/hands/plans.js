@@ -1,8 +1,9 @@
 /** @import { Work } from "./work.js" */
 import { make } from "./elements.js";
+import { comparePlans } from "./views.js";
 
 /**
- * A panel of the plans that were made: a click goes back to one, and to what it was made of.
+ * A panel of the plans that were made: a click goes back to one, and to what it was made of; two can be compared.
  *
  * @param {any} app
  * @param {Work} work
@@ -10,7 +11,7 @@ import { make } from "./elements.js";
 export function plansPanel(app, work) {
   const panel = app.panel("plans", "Plans");
   const list = make("ol", { id: "hands-plans" });
-  panel.append(make("p", { class: "hint" }, "Click a plan to go back to it, with its locks."), list);
+  panel.append(make("p", { class: "hint" }, "Click a plan to go back to it, with its locks, or compare it with the one that is shown."), list);
   work.on((_, what) => {
     if (what !== "state") return;
     const best = Math.min(...work.state.alternatives.map((/** @type {any} */ one) => one.figures.light_mm));
@@ -20,12 +21,15 @@ export function plansPanel(app, work) {
 
 /** @type {(work: Work, one: any, best: number) => HTMLElement} */
 function planRow(work, one, best) {
-  const { light_mm, idle_mm, status, gap, time_s, excuses } = one.figures;
+  const { light_mm, idle_mm, status, gap, time_s, excuses } = one.figures, { shown } = work.state;
   const proof = status === "optimal" ? "proven" : gap === null ? "no bound" : `gap ${(gap * 100).toFixed(1)} %`;
   const more = light_mm > best + 0.5 ? `, costs ${((light_mm - best) / 1000).toFixed(3)} m more than the least` : ", costs the least";
   const flags = [one.stopped && "cancelled", !one.ok && `refused: ${one.broken.join(", ")}`, excuses && `${excuses} excused`, one.upto && `after cut ${one.upto}`];
   const text = `idle ${(idle_mm / 1000).toFixed(3)} m, ${proof}, ${Math.round(time_s)} s${more}`;
-  return make("li", { value: one.number, class: one.number === work.state.shown ? "shown" : "" },
-    make("button", { type: "button", title: one.summary, onclick: () => work.change("back", { to: one.number }) }, text),
+  const compared = work.compared?.[1] === one.number;
+  const compare = one.number === shown ? null : make("button", { type: "button", class: "compare", "aria-pressed": String(compared),
+    "aria-label": `compare plan ${one.number} with plan ${shown}`, onclick: () => comparePlans(work, compared ? null : [shown, one.number]) }, "compare");
+  return make("li", { value: one.number, class: one.number === shown ? "shown" : "", "aria-current": one.number === shown ? "true" : null },
+    make("button", { type: "button", title: one.summary, onclick: () => work.change("back", { to: one.number }) }, text), compare,
     make("small", {}, [...flags.filter(Boolean), ...one.locked].join(" · ")));
 }

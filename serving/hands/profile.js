@@ -20,7 +20,10 @@ export function profilePanel(app, work) {
   const panel = app.panel("profile", "Profile");
   const editor = new ProfileEditor(panel, work);
   app.on((/** @type {any} */ _, /** @type {any} */ changes) => { if (changes.tab === "profile") editor.look(); });
-  work.on((_, what) => { if (what === "state") editor.stale = true; });
+  work.on((_, what) => {
+    if (what === "state") editor.stale = true;
+    else if (what === "planner") editor.waits();
+  });
 }
 
 class ProfileEditor {
@@ -35,7 +38,8 @@ class ProfileEditor {
     /** @type {Map<string, RuleChange>} */
     this.changes = new Map();
     this.stale = true;
-    this.asked = 0;
+    /** @type {AbortController | null} hangs up on what is being asked of the planner */
+    this.asking = null;
     this.head = make("p", { class: "hint", id: "profile-head" });
     this.said = make("p", { id: "profile-said", role: "alert", hidden: true });
     this.effect = make("div", { id: "profile-effect", role: "status" });
@@ -85,21 +89,38 @@ class ProfileEditor {
     this.see();
   }
 
-  /** Asks what the changes would bring on the nest. */
+  /** Asks what the changes would bring on the nest; what was asked before is cancelled. */
   async see() {
-    const mine = ++this.asked;
+    this.hangUp();
     this.refused(null);
-    this.effect.replaceChildren();
     if (!this.changes.size) return;
-    this.effect.textContent = "planning with it and without …";
+    const mine = this.asking = new AbortController(), changes = [...this.changes.values()];
+    this.waits();
     try {
-      const told = await sendServer(this.work.path("effect"), { changes: [...this.changes.values()] });
-      if (mine === this.asked) this.effect.replaceChildren(effectTable(told, [...this.changes.values()]));
+      const told = await sendServer(this.work.path("effect"), { changes }, mine.signal);
+      if (mine !== this.asking) return;
+      this.asking = null;
+      this.effect.replaceChildren(effectTable(told, changes));
     } catch (error) {
-      if (mine !== this.asked) return;
-      this.effect.replaceChildren();
+      if (mine !== this.asking) return;
+      this.hangUp();
       this.refused(error);
     }
+  }
+
+  /** Says what is waited for, with a button that cancels it. */
+  waits() {
+    if (!this.asking) return;
+    const { planner, state } = this.work, other = planner && planner !== state.nest;
+    this.effect.replaceChildren(other ? `waits: ${planner} is being planned ` : "planning with it and without … ",
+      make("button", { type: "button", id: "profile-cancel", onclick: () => { this.hangUp(); this.effect.textContent = "cancelled: not known what it would bring"; } }, "Cancel"));
+  }
+
+  /** Nothing is asked any more. */
+  hangUp() {
+    this.asking?.abort();
+    this.asking = null;
+    this.effect.replaceChildren();
   }
 
   /** @param {string} [as] the name of a new profile */
@@ -108,6 +129,7 @@ class ProfileEditor {
     try {
       const told = await sendServer(this.work.path("profile"), said);
       this.changes.clear();
+      this.hangUp();
       this.work.take(told);
       this.stale = true;
       await this.look();
@@ -122,7 +144,7 @@ class ProfileEditor {
 
   forget() {
     this.changes.clear();
-    this.asked += 1;
+    this.hangUp();
     this.refused(null);
     this.stale = true;
     this.look();

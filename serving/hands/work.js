@@ -1,5 +1,6 @@
-/** @import { Source } from "./types.js" */
+/** @import { PageData, Source } from "./types.js" */
 import { askServer, sendServer } from "./asking.js";
+import { listenToNews } from "./news.js";
 
 /** The session as this tab knows it: what is asked of the server, and who hears what it says. */
 export class Work {
@@ -8,28 +9,28 @@ export class Work {
     this.id = id;
     /** @type {any} the state, as the server tells it */
     this.state = null;
+    /** the nest that the planner works for, "" for none */
+    this.planner = "";
+    /** @type {[number, number] | null} the plans that are compared */
+    this.compared = null;
+    /** @type {PageData | null} what the page shows */
+    this.data = null;
+    /** what the data are of */
+    this.drawn = "";
     /** @type {((work: Work, what: string) => void)[]} */
     this.hearers = [];
     /** @type {(text: string) => void} */
     this.say = () => {};
-    /** the contour that a tab is to be drawn on; "" for none */
-    this.tabFor = "";
-    this.heard = false;
     /** @type {Promise<any>} the change that was asked for last */
     this.turn = Promise.resolve();
   }
 
   /** The state of now, and then whatever changes. */
   async begin() {
-    this.state = await askServer(this.path("state"));
-    const news = new EventSource(this.path("events"));
-    news.addEventListener("state", event => this.take(JSON.parse(event.data)));
-    news.addEventListener("progress", event => {
-      const { version, solving } = JSON.parse(event.data);
-      if (version === this.state.version) this.state.solving = solving;
-      this.hear("progress");
-    });
-    addEventListener("pagehide", () => news.close());
+    listenToNews((what, told) => this.news(what, told));
+    const state = await askServer(this.path("state"));
+    this.planner = state.planner;
+    this.take(state);
   }
 
   /** @param {string} what */
@@ -38,13 +39,27 @@ export class Work {
   /** @param {(work: Work, what: string) => void} fn called when anything has changed */
   on(fn) { this.hearers.push(fn); }
 
-  /** @param {string} what "state" or "progress" */
+  /** @param {string} what "state", "progress" or "planner" */
   hear(what) { for (const fn of this.hearers) fn(this, what); }
 
-  /** @param {any} state an older one, or one known already, changes nothing */
+  /** @type {(what: string, told: any) => void} */
+  news(what, told) {
+    if (what === "planner") {
+      this.planner = told.nest;
+      this.hear("planner");
+    } else if (told.id !== this.id) {
+      return;
+    } else if (what === "state") {
+      this.take(told);
+    } else if (this.state?.version === told.version) {
+      this.state.solving = told.solving;
+      this.hear("progress");
+    }
+  }
+
+  /** @param {any} state an older one, or one that is known already, changes nothing */
   take(state) {
-    if (state.version < this.state.version || (state.version === this.state.version && this.heard)) return;
-    this.heard = true;
+    if (this.state && state.version <= this.state.version) return;
     this.state = state;
     this.hear("state");
   }
@@ -90,18 +105,42 @@ export class Work {
   /** The plan that is looked at. */
   get plan() { return this.state.alternatives.find((/** @type {any} */ one) => one.number === this.state.shown) ?? null; }
 
+  /** Whether what is drawn is the plan that moves are judged in. */
+  get free() { return this.state.fits && !this.compared && this.drawn === this.view; }
+
+  /** What is to be drawn: of the nest as it is on disk, one plan or two. */
+  get view() { return `${this.compared?.join(" and ") ?? this.state.shown} of ${this.state.sha256}`; }
+
   /** What the page shows, asked for when it is shown. */
   /** @type {() => Source} */
   source() {
     const nothing = (/** @type {any} */ error) => { this.say(error.message); return null; };
+    const plan = (/** @type {number} */ side) => String(this.compared?.[side] ?? this.state.shown);
+    /** @type {Map<string, Promise<any>>} by plan */
+    const heats = new Map();
+    const heat = (/** @type {string} */ of) => {
+      if (!heats.has(of)) {
+        const asked = askServer(`${this.path("heat")}?${new URLSearchParams({ plan: of })}`).catch(nothing);
+        heats.set(of, asked.then(data => { if (!data) heats.delete(of); return data; }));
+      }
+      return heats.get(of);
+    };
     return {
-      page: () => askServer(this.path("page")),
-      why: (_, contour) => askServer(`${this.path("why")}?${new URLSearchParams({ contour })}`).catch(nothing),
-      heat: () => askServer(this.path("heat")).catch(nothing),
-      nc: async () => this.shownData?.sides[0]?.nc ?? (await askServer(this.path("page"))).sides[0]?.nc ?? null,
+      page: () => this.page(),
+      why: (side, contour) => askServer(`${this.path("why")}?${new URLSearchParams({ contour, plan: plan(side) })}`).catch(nothing),
+      heat: async side => await heat(plan(side)) ?? null,
+      heatIsMade: true,
+      nc: async side => this.data?.sides[side]?.nc ?? null,
     };
   }
 
-  /** @type {import("./types.js").PageData | null} */
-  shownData = null;
+  /** @returns {Promise<PageData>} */
+  async page() {
+    const view = this.view, [plan, other] = this.compared ?? [this.state.shown];
+    const query = other ? `?${new URLSearchParams({ plan: String(plan), with: String(other) })}` : plan ? `?plan=${plan}` : "";
+    const data = await askServer(this.path("page") + query);
+    this.data = data;
+    this.drawn = view;
+    return data;
+  }
 }

@@ -15,12 +15,14 @@ from typing import Any
 import httpx
 import pytest
 import uvicorn
+from playwright.sync_api import Browser, sync_playwright
 
 import kerfwise
 from kerfwise.serving.app import make_app
 from kerfwise.serving.folder import Folder
 from kerfwise.serving.run import config_of
 from kerfwise.serving.server import Server
+from kerfwise.tests.tools.browser import chromium
 
 TOKEN = "the-token-of-the-tests"
 EXAMPLES = Path(kerfwise.__file__).parent / "examples" / "nests"
@@ -138,3 +140,13 @@ def opened(served: Served, client: httpx.Client, tmp_path: Path) -> Open:
         return Tab(client, answer.json()["id"], answer.json()["version"], folder / name)
 
     return opens
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    """One browser for the tests of a file."""
+    with sync_playwright() as play:
+        # As root, as in most containers, Chromium runs without its sandbox only.
+        made = play.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
+        yield made
+        made.close()

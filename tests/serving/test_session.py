@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import os
+import socket
 import threading
 import time
 from pathlib import Path
@@ -13,7 +15,10 @@ import httpx
 import pytest
 
 from kerfwise.cli import main
+from kerfwise.serving.effect import Effects
+from kerfwise.serving.news import News
 from kerfwise.serving.server import Server
+from kerfwise.serving.wanted import Wanted
 from kerfwise.tests.serving.conftest import EXAMPLES, SMALL, Open, Served, Tab
 
 pytestmark = pytest.mark.slow
@@ -144,14 +149,10 @@ def events(tab: Tab, until: Any, found: list[tuple[str, dict[str, Any]]]) -> Non
         for line in answer.iter_lines():
             if line.startswith("event: "):
                 what = line.removeprefix("event: ")
-            elif line.startswith("data: "):
+            elif line.startswith("data: ") and what != "planner":
                 found.append((what, json.loads(line.removeprefix("data: "))))
                 if until(found):
                     return
-
-
-def listeners(served: Served, tab: Tab) -> int:
-    return served.server.sessions[tab.id].listeners
 
 
 def wait_for(what: Any) -> None:
@@ -164,18 +165,19 @@ def wait_for(what: Any) -> None:
 def test_incumbents_stream_in_and_can_be_stopped(opened: Open, served: Served) -> None:
     tab = opened(EXAMPLES / "plate40.json")
     found: list[tuple[str, dict[str, Any]]] = []
+    before = served.server.news.listeners
     done = threading.Thread(target=events, args=(tab, lambda found: bool(found[-1][1].get("alternatives")), found))
     done.start()
     wait_for(lambda: found)
     tab.post("solve", 202, work=200)
     assert "is being planned" in tab.post("solve", 422)["message"]
     wait_for(lambda: any((told["solving"] or {}).get("objective_mm") for _, told in list(found)))
-    assert served.server.planner.pid is not None
+    assert served.server.planning.helper.pid is not None
     tab.client.post(f"/api/{tab.id}/cancel", json={})
     state = tab.wait()
     done.join(30)
     assert not done.is_alive()
-    wait_for(lambda: listeners(served, tab) == 0)  # the tab is closed
+    wait_for(lambda: served.server.news.listeners == before)  # the tab is closed
     plan = state["alternatives"][0]
     assert plan["ok"]
     reached = [told["solving"]["objective_mm"] for what, told in found if what == "progress" and told["solving"]]
@@ -190,15 +192,15 @@ def test_a_killed_process_is_started_again_and_nothing_is_lost(opened: Open, ser
     tab.edit({"lock": "C.outer last"})
     plate = opened(EXAMPLES / "plate40.json")
     plate.post("solve", 202, work=200)
-    wait_for(lambda: served.server.planner.pid is not None and not plate.state()["solving"]["waits"])
-    os.kill(served.server.planner.pid or 0, 9)
+    wait_for(lambda: served.server.planning.helper.pid is not None and not plate.state()["solving"]["waits"])
+    os.kill(served.server.planning.helper.pid or 0, 9)
     assert "died (signal 9)" in plate.wait()["problem"]
     plate.post("solve", 202, work=200)
     wait_for(lambda: not plate.state()["solving"]["waits"])
     plate.client.post(f"/api/{plate.id}/cancel", json={"at_once": True})
     assert plate.wait()["problem"] == "ended without a plan"
-    for helper in (served.server.desk, served.server.planner):
-        assert helper.pid is not None or helper is served.server.planner
+    for helper in (served.server.desk, served.server.planning.helper):
+        assert helper.pid is not None or helper is served.server.planning.helper
         if helper.pid is not None:
             os.kill(helper.pid, 9)
     assert tab.get("move", contours="B", place=3)["lawful"] is True
@@ -286,7 +288,9 @@ def test_cancelled_while_it_waited_and_begun_anew(opened: Open, served: Served) 
     plate.post("solve", 202, work=200)
     wait_for(lambda: not plate.state()["solving"]["waits"])
     tab.post("solve", 202)
-    assert tab.state()["solving"]["waits"]
+    waiting = tab.state()
+    assert waiting["solving"]["waits"]
+    assert waiting["planner"] == plate.state()["nest"]
     tab.client.post(f"/api/{tab.id}/cancel", json={})
     tab.state()
     tab.edit({"lock": "C.outer first"})
@@ -295,16 +299,96 @@ def test_cancelled_while_it_waited_and_begun_anew(opened: Open, served: Served) 
     made = tab.wait()["alternatives"]
     assert [one["locked"] for one in made] == [["C.outer first"]]
     assert plate.wait()["problem"] == "ended without a plan"
+    assert plate.state()["planner"] == ""
 
 
-def test_whoever_is_slow_to_listen_hears_the_last_state(opened: Open, served: Served) -> None:
-    session = served.server.sessions[opened().id]
-    queue = session.listen()
+def hang_up(tab: Tab, question: str, said: dict[str, Any], when: Any) -> None:
+    """Ask the planner something, and go away before it has answered."""
+    body = json.dumps(said).encode()
+    head = [f"POST /api/{tab.id}/{question} HTTP/1.1", f"host: {tab.client.base_url.netloc.decode()}"]
+    head += [f"{name}: {tab.client.headers[name]}" for name in ("origin", "x-kerfwise-token")]
+    with socket.create_connection((tab.client.base_url.host, tab.client.base_url.port or 0)) as way:
+        way.sendall("\r\n".join([*head, f"content-length: {len(body)}", "", ""]).encode() + body)
+        wait_for(when)
+
+
+EFFECT = {"changes": [{"rule": "heat-lag", "key": "weight", "to": "80 mm"}]}
+
+
+def test_an_effect_is_cancelled_where_nobody_waits_for_it(opened: Open, served: Served) -> None:
+    turns = served.server.planning.turns
+    plate, tab = opened(EXAMPLES / "plate40.json"), opened()
+    name = plate.state()["nest"]
+    hang_up(plate, "effect", EFFECT, lambda: turns.of == name)
+    wait_for(lambda: turns.of == "")
+    plate.post("solve", 202, work=200)
+    wait_for(lambda: not plate.state()["solving"]["waits"])
+    before = served.server.planning.turns.waiting
+    hang_up(tab, "effect", EFFECT, lambda: turns.waiting == before + 1)
+    wait_for(lambda: turns.waiting == before)  # it does not even wait for its turn
+    plate.client.post(f"/api/{plate.id}/cancel", json={"at_once": True})
+    plate.wait()
+    told = tab.client.post(f"/api/{tab.id}/effect", json=EFFECT).json()
+    assert told["before"]["status"] == told["after"]["status"] == "optimal"
+
+
+def test_what_was_ended_early_is_no_measure_of_the_next_effect(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)  # a planner works in the nest's folder
+    nest = tmp_path / "plate40.json"
+    nest.write_bytes((EXAMPLES / nest.name).read_bytes())
+    going = [False]
+    effects = Effects(lambda: lambda reached: going[0])
+    values = [("heat-lag", "weight", "80 mm")]
+    ended = effects.effect(Wanted(str(nest)), values)["before"]
+    going[0] = True
+    assert effects.effect(Wanted(str(nest)), values)["before"]["objective_mm"] < ended["objective_mm"]
+
+
+def test_two_plans_are_put_side_by_side(opened: Open, client: httpx.Client) -> None:
+    tab = opened()
+    tab.solved()
+    tab.edit({"lock": "C.outer first"})
+    tab.solved()
+    both = client.get(f"/api/{tab.id}/page", params={"plan": 1, "with": 2}).json()
+    contours = [contour["id"] for contour in both["nest"]["contours"]]
+    orders = [[contours[cut["contour"]] for cut in side["cuts"]] for side in both["sides"]]
+    assert [side["name"] for side in both["sides"]] == ["A: plan 1", "B: plan 2"]
+    assert [" ".join(order) for order in orders] == [ORDER, "C.outer A.hole1 A.outer B.outer"]
+    assert all(side["nc"]["text"] for side in both["sides"])
+    changed = {contours[one["contour"]]: (one["a"], one["b"]) for one in both["comparison"]["changed"]}
+    assert changed["C.outer"] == (4, 1)
+    assert client.get(f"/api/{tab.id}/page", params={"with": 2}).status_code == 422
+    assert client.get(f"/api/{tab.id}/page", params={"plan": 1, "with": 9}).status_code == 422
+    told = [tab.get("why", contour="C.outer", plan=number)["place"] for number in (1, 2)]
+    assert told == [4, 1]
+
+
+def test_whoever_is_slow_to_listen_hears_each_thing_once(served: Served) -> None:
+    news = News()
+    all_nests, one = news.listen(), news.listen("a")
     for _ in range(50):
-        session.tell("progress")
-    session.tell("state")
-    assert [queue.get_nowait() for _ in range(queue.qsize())] == ["progress", "state"]
-    session.leave(queue)
+        news.tell("progress", "a")
+    news.tell("state", "b")
+    news.tell("planner")
+    assert asyncio.run(all_nests.next()) == [("progress", "a"), ("state", "b"), ("planner", "")]
+    assert asyncio.run(one.next()) == [("progress", "a"), ("planner", "")]
+    news.leave(one)
+    assert news.listeners == 1
+
+
+def test_one_stream_has_the_news_of_all_nests(opened: Open, client: httpx.Client) -> None:
+    first, found = opened(), []
+    with client.stream("GET", "/api/events") as answer:
+        lines = answer.iter_lines()
+        told = (json.loads(line.removeprefix("data: ")) for line in lines if line.startswith("data: "))
+        found.append(next(one for one in told if one.get("id") == first.id))
+        first.edit({"lock": "C.outer last"})
+        found.append(next(one for one in told if one.get("id") == first.id))
+        other = opened(SMALL, "other.json")  # it was not open when the stream began
+        other.solved()
+        names = next(one for one in told if one.get("alternatives"))
+    assert [one["locked"] for one in found] == [[], ["C.outer last"]]
+    assert (names["nest"], len(names["alternatives"])) == (other.state()["nest"], 1)
 
 
 def test_a_profile_that_changed_on_disk_judges_the_moves_of_its_plans(opened: Open, tmp_path: Path) -> None:

@@ -44,7 +44,7 @@ export class App {
     this.stages = Array.from({ length: sides }, (_, side) => new Stage(this.data, side, this.store, outlines));
     this.stages.forEach((stage, k) => {
       stage.layers = layers[k] ?? layers[0] ?? [];
-      if (old) stage.camera = old;
+      if (old) stage.camera.like(old);
     });
   }
 
@@ -71,12 +71,14 @@ export class App {
   /** @param {PageData} data */
   replace(data) {
     const chosen = this.data.nest.contours[this.state.selected]?.id, same = data.nest.sha256 === this.data.nest.sha256;
+    const whole = !same || this.stages[0].fits;
     this.data = data;
     this.#stand();
-    const side = Math.min(this.state.side, Math.max(0, data.sides.length - 1));
+    this.set({ side: Math.min(this.state.side, this.stages.length - 1) });
     this.renewers.forEach(fn => fn());
-    if (!same) this.stages.forEach(stage => stage.fit());
-    this.set({ side, selected: this.numberOf(chosen ?? ""), marked: [], time_s: Math.min(this.state.time_s, this.end()) });
+    if (whole) this.stages.forEach(stage => stage.fit());
+    if (this.state.heat) void this.showHeat(true);
+    this.set({ selected: this.numberOf(chosen ?? ""), marked: [], time_s: Math.min(this.state.time_s, this.end()) });
     this.draw();
   }
 
@@ -155,12 +157,16 @@ export class App {
 
   /** @param {boolean} heat */
   async showHeat(heat) {
-    for (const stage of this.stages) {
+    const { stages } = this;
+    for (const stage of stages) {
       if (!heat || stage.heat) continue;
       const data = await this.source.heat(stage.side);
       if (data) stage.heat = await HeatFrames.of(data);
     }
-    this.set({ heat });
+    if (stages !== this.stages) return; // another plan has come meanwhile, and its heat is asked for
+    const known = stages.some(stage => stage.heat);
+    if (heat && !known) this.tell("the heat of this plan is not known, or takes long: kerfwise heat simulates it");
+    this.set({ heat: heat && known });
     this.draw();
   }
 }

@@ -50,9 +50,9 @@ export function listen(stage, does) {
   });
   /** @param {PointerEvent} event */
   const up = event => {
-    if (does.taken(event, stage)) return;
     const was = down.get(event.pointerId);
-    down.delete(event.pointerId);
+    down.delete(event.pointerId); // whoever takes its end: a finger that is gone is no second finger of the next pinch
+    if (does.taken(event, stage)) return;
     if (was && event.type === "pointerup" && far < CLICK_PX && !down.size) does.picked(stage.pick(...was), stage);
   };
   canvas.addEventListener("pointerup", up);

@@ -4,7 +4,7 @@ import { byId, make } from "./elements.js";
 import { VirtualList } from "./virtual.js";
 import { clock, millimetres } from "./words.js";
 
-const ROW_PX = 27;
+export const ROW_PX = 27;
 const SIGNS = { outer: "▢", hole: "◯", mark: "✎", slit: "╱", scrap: "✂" };
 
 /**

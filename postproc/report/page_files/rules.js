@@ -29,7 +29,6 @@ export function rulesPanel(app) {
           open = open === rule.id ? "" : rule.id;
           app.mark(open ? [...rule.breaches, ...rule.excused].flatMap(place => place.contours) : []);
           show();
-          panel.querySelector(`[data-rule="${CSS.escape(rule.id)}"] button`)?.dispatchEvent(new Event("shown"));
           /** @type {HTMLElement | null} */ (panel.querySelector(`[data-rule="${CSS.escape(rule.id)}"] button`))?.focus();
         })))));
   };

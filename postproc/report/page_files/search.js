@@ -49,16 +49,20 @@ export function searchField(app) {
     make("span", { class: "no" }, known[k].number ? String(known[k].number) : "–"), contours[k].id)),
     make("p", { class: "hint" }, hits.length > MOST_FOUND ? `and ${hits.length - MOST_FOUND} more` : hits.length ? "" : "nothing found"));
   };
+  const hide = () => {
+    menu.hidden = true;
+    field.setAttribute("aria-expanded", "false");
+    field.setAttribute("aria-activedescendant", "");
+  };
   /** @param {number} k */
   const take = k => {
     if (k === undefined) return;
-    menu.hidden = true;
-    field.setAttribute("aria-expanded", "false");
+    hide();
     app.choose(k);
   };
   field.addEventListener("input", () => { at = 0; show(); });
   field.addEventListener("focus", show);
-  field.addEventListener("blur", () => { menu.hidden = true; });
+  field.addEventListener("blur", () => hide());
   menu.addEventListener("pointerdown", event => {
     event.preventDefault();
     const hit = /** @type {HTMLElement} */ (event.target).closest("[data-contour]");
@@ -69,7 +73,7 @@ export function searchField(app) {
     if (event.key === "ArrowDown") at = Math.min(most, at + 1);
     else if (event.key === "ArrowUp") at = Math.max(0, at - 1);
     else if (event.key === "Enter") { take(hits[at]); return; }
-    else if (event.key === "Escape") { field.value = ""; menu.hidden = true; field.blur(); return; }
+    else if (event.key === "Escape") { field.value = ""; field.blur(); return; }
     else return;
     event.preventDefault();
     show();

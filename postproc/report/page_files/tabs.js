@@ -11,10 +11,10 @@ export function tabsOf(app) {
   const bar = byId("tabs"), panels = byId("panels");
   const all = () => /** @type {HTMLElement[]} */ ([...bar.querySelectorAll("[role=tab]")]).filter(tab => !tab.hidden && tab.offsetParent !== null);
   const show = () => {
+    const seen = all(), reached = seen.find(tab => tab.id === `tab-${app.state.tab}`) ?? seen[0];
     for (const tab of /** @type {HTMLElement[]} */ ([...bar.querySelectorAll("[role=tab]")])) {
-      const on = tab.id === `tab-${app.state.tab}`;
-      tab.setAttribute("aria-selected", String(on));
-      tab.tabIndex = on ? 0 : -1;
+      tab.setAttribute("aria-selected", String(tab.id === `tab-${app.state.tab}`));
+      tab.tabIndex = tab === reached ? 0 : -1;
     }
     for (const panel of /** @type {HTMLElement[]} */ ([byId("panel-order"), ...panels.children])) panel.classList.toggle("shown", panel.id === `panel-${app.state.tab}`);
     document.body.dataset.tab = app.state.tab;
@@ -22,7 +22,7 @@ export function tabsOf(app) {
   /** @param {number} by */
   const step = by => {
     const tabs = all(), at = tabs.findIndex(tab => tab.id === `tab-${app.state.tab}`);
-    const next = tabs[(at + by + tabs.length) % tabs.length];
+    const next = tabs[at < 0 ? 0 : (at + by + tabs.length) % tabs.length];
     if (next) app.set({ tab: next.id.slice(4) });
   };
   bar.addEventListener("click", event => {

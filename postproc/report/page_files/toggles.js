@@ -25,8 +25,10 @@ export function toggles(app) {
   byId("numbers").addEventListener("click", () => app.set({ numbers: !app.state.numbers }));
   heat.addEventListener("click", () => void app.showHeat(!app.state.heat));
   const known = async () => {
-    const data = app.side ? await app.source.heat(app.state.side) : null;
-    heat.hidden = data === null;
+    const { side } = app.state, asked = app.source.heatIsMade && !app.state.heat;
+    const data = app.side && !asked ? await app.source.heat(side) : null;
+    if (side !== app.state.side) return;
+    heat.hidden = !app.side || (data === null && !app.source.heatIsMade);
     byId("heat-scale").hidden = !app.state.heat;
     if (!data) return;
     const steps = Array.from({ length: 9 }, (_, k) => `rgb(${warm(k / 8).join(" ")})`);
@@ -43,7 +45,10 @@ export function toggles(app) {
     const frames = app.stages[app.state.side].heat;
     if (app.state.heat && frames) byId("heat-now").textContent = `hottest now ${frames.hottest(app.state.time_s).toFixed(0)} °C, limit ${frames.data.limit_c} °C`;
   };
-  app.on((_, changes) => { if (changes.side !== undefined) void known(); show(); });
+  app.on((_, changes) => {
+    if (changes.side !== undefined || (changes.heat && app.source.heatIsMade)) void known();
+    show();
+  });
   app.renewed(() => void known());
   void known();
   show();

@@ -134,6 +134,7 @@
  * @property {() => Promise<PageData>} page
  * @property {(side: number, contour: string) => Promise<Why | null>} why
  * @property {(side: number) => Promise<HeatData | null>} heat
+ * @property {boolean} [heatIsMade] - whether heat is simulated when it is asked for: so that is not done unasked
  * @property {(side: number) => Promise<NcData | null>} nc
  */
 

@@ -16,7 +16,7 @@ export class VirtualList {
     this.rowHeight = rowHeight;
     this.fill = fill;
     this.count = 0;
-    this.space = make("div", { class: "rows" });
+    this.space = make("div", { class: "rows", role: "presentation" });
     /** @type {Map<number, HTMLElement>} */
     this.rows = new Map();
     holder.replaceChildren(this.space);

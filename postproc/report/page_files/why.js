@@ -21,8 +21,9 @@ export function whyPanel(app) {
         : "Click a contour to read its name. There is no plan to explain."));
       return;
     }
+    panel.replaceChildren(...said(app, app.state.selected, null)); // the reasons may take a while
     const why = app.side ? await app.source.why(app.state.side, contour.id) : null;
-    if (mine === asked) panel.replaceChildren(...said(app, app.state.selected, why));
+    if (why && mine === asked) panel.replaceChildren(...said(app, app.state.selected, why));
   };
   app.on((_, changes) => { if (changes.selected !== undefined || changes.side !== undefined) void show(); });
   app.renewed(show);

@@ -4,7 +4,9 @@ import test from "node:test";
 
 import { Camera } from "../page_files/camera.js";
 import { boundsOf, distanceTo, flattened, inside, simplified } from "../page_files/geometry.js";
+import { nearestOn } from "../page_files/nearest.js";
 import { Outlines } from "../page_files/outlines.js";
+import { placeOf, scrolledBy } from "../page_files/places.js";
 import { paintNumbers } from "../page_files/route.js";
 import { notHeld } from "../page_files/rules.js";
 import { found } from "../page_files/search.js";
@@ -189,4 +191,25 @@ test("numbers of the drawing never overlap", () => {
   for (const [k, a] of boxes.entries()) {
     for (const b of boxes.slice(k + 1)) assert.ok(a[0] >= b[2] || b[0] >= a[2] || a[1] >= b[3] || b[1] >= a[3], "two numbers meet");
   }
+});
+
+test("the place of an outline that is nearest, on its last side too, at a corner and on a point", () => {
+  const square = [0, 0, 10, 0, 10, 10, 0, 10];
+  assert.deepEqual(nearestOn(square, true, 4, -3), { x: 4, y: 0, away: 3 });
+  assert.deepEqual(nearestOn(square, true, -2, 5), { x: 0, y: 5, away: 2 });
+  assert.deepEqual(nearestOn(square, false, -2, 5), { x: 0, y: 0, away: Math.hypot(2, 5) });
+  assert.deepEqual(nearestOn(square, true, 13, 14), { x: 10, y: 10, away: 5 });
+  assert.deepEqual(nearestOn([7, 7], true, 7, 9), { x: 7, y: 7, away: 2 });
+});
+
+test("a run that is dropped on a later row ends there, on an earlier one begins there", () => {
+  assert.equal(placeOf({ names: ["a"], from: 3, to: 1 }), 2);
+  assert.equal(placeOf({ names: ["a"], from: 1, to: 3 }), 4);
+  assert.equal(placeOf({ names: ["a", "b", "c"], from: 3, to: 6 }), 5);
+  assert.equal(placeOf({ names: ["a", "b", "c"], from: 2, to: 0 }), 1);
+});
+
+test("a list scrolls the faster the nearer the pointer is to its end, and not from its middle", () => {
+  const box = { top: 100, bottom: 500 };
+  assert.deepEqual([90, 100, 120, 140, 300, 460, 480, 500, 700].map(y => scrolledBy(box, y)), [-1, -1, -0.5, 0, 0, 0, 0.5, 1, 1]);
 });

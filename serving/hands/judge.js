@@ -1,0 +1,101 @@
+/** @import { Work } from "./work.js" */
+import { askServer } from "./asking.js";
+import { make } from "./elements.js";
+import { lockAndPlan } from "./locking.js";
+
+const LOOK_MS = 150, BESIDE_PX = 14, UNDER_PX = 18, OVER_FINGER_PX = 40, RIM_PX = 4;
+
+/** @typedef {{names: string[], to: number}} Move contours, and the number that the first of them is to have */
+
+/** Says by the pointer what a move would do. One question is asked at a time, and of places passed over none. */
+export class Judge {
+  /** @param {Work} work */
+  constructor(work) {
+    this.work = work;
+    this.place = make("div", { id: "hands-verdict", role: "status", hidden: true });
+    /** @type {Move | null} */
+    this.wanted = null;
+    this.asking = false;
+    document.body.append(this.place);
+  }
+
+  /** @type {(move: Move, event: PointerEvent) => void} */
+  show(move, event) {
+    this.#put(event);
+    if (this.wanted && query(this.wanted, false) === query(move, false)) return;
+    this.wanted = move;
+    if (!this.asking) void this.#ask();
+  }
+
+  /** Says something else by the pointer, until there is a move. */
+  /** @type {(text: string, event: PointerEvent) => void} */
+  say(text, event) {
+    this.hide();
+    this.place.textContent = text;
+    this.#put(event);
+  }
+
+  /** Shows nothing any more. */
+  hide() {
+    this.wanted = null;
+    this.place.hidden = true;
+    this.place.replaceChildren();
+    this.place.className = "";
+  }
+
+  /** By a mouse's pointer, and over a finger, which hides what lies under it. */
+  /** @param {PointerEvent} event */
+  #put({ clientX, clientY, pointerType }) {
+    this.place.hidden = false;
+    const { offsetWidth, offsetHeight } = this.place;
+    const top = pointerType === "touch" ? clientY - OVER_FINGER_PX - offsetHeight : clientY + UNDER_PX;
+    this.place.style.left = `${Math.max(RIM_PX, Math.min(clientX + BESIDE_PX, innerWidth - offsetWidth - 2 * RIM_PX))}px`;
+    this.place.style.top = `${Math.max(RIM_PX, Math.min(top, innerHeight - offsetHeight - 2 * RIM_PX))}px`;
+  }
+
+  /** Asks until what was told is of the move that is wanted; narrow strips are looked for where it stays for a while. */
+  async #ask() {
+    this.asking = true;
+    for (let move = this.wanted; move; move = this.wanted === move ? null : this.wanted) {
+      const told = await this.#tell(move, false);
+      if (!told?.lawful || this.wanted !== move) continue;
+      await new Promise(done => setTimeout(done, LOOK_MS));
+      if (this.wanted === move) await this.#tell(move, true);
+    }
+    this.asking = false;
+  }
+
+  /** @type {(move: Move, look: boolean) => Promise<any>} */
+  async #tell(move, look) {
+    const told = await askServer(`${this.work.path("move")}?${query(move, look)}`).catch(error => error);
+    if (this.wanted !== move) return null;
+    if (told instanceof Error) {
+      this.place.textContent = told.message;
+      this.place.className = "bad";
+      return null;
+    }
+    const gives = told.gives_way.length ? `locked there, ${told.gives_way.join(" and ")} gives way` : "";
+    this.place.className = told.lawful ? "good" : gives ? "gives" : "bad";
+    this.place.replaceChildren(told.text, gives ? make("small", {}, ` ${gives}`) : "");
+    return told;
+  }
+}
+
+/** @type {(move: Move, look: boolean) => string} */
+function query({ names, to }, look) {
+  return String(new URLSearchParams([...names.map(name => ["contours", name]), ["place", String(to)], ["look", look ? "1" : "0"]]));
+}
+
+/**
+ * Locks contours where they were dropped, and plans.
+ *
+ * @param {Work} work
+ * @param {Move} move
+ * @returns {Promise<void>}
+ */
+export async function dropThere(work, move) {
+  const told = await askServer(`${work.path("move")}?${query(move, false)}`).catch(error => { work.say(error.message); return null; });
+  if (!told) return;
+  work.say(told.text);
+  await lockAndPlan(work, [...told.undone.map((/** @type {string} */ line) => ({ unlock: line })), ...told.locked.map((/** @type {string} */ line) => ({ lock: line }))]);
+}
