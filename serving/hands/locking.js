@@ -59,10 +59,10 @@ function chosenButtons(app, work, place, drawTab) {
   place.replaceChildren(...buttons.filter(one => one !== null));
 }
 
-/** A name with blanks or signs stands in double quotes. */
+/** A name with blanks or signs stands in double quotes, which no name can hold that does. */
 /** @param {string} id */
 export function quoted(id) {
-  return /^[\w.-]+$/.test(id) ? id : `"${id}"`;
+  return /^[\w.-]+$/.test(id) || id.includes('"') ? id : `"${id}"`;
 }
 
 /** @type {(work: Work, changes: object[]) => Promise<void>} */

@@ -92,11 +92,11 @@ class Served:
 
 
 @contextlib.contextmanager
-def serving(folder: Path) -> Iterator[Served]:
+def serving(folder: Path, work: float = 1.0) -> Iterator[Served]:
     """A server of a folder, on loopback, until the end of the context."""
     listening = socket.create_server(("127.0.0.1", 0))
     port = listening.getsockname()[1]
-    server = Server(Folder(folder.resolve()), work=1.0)
+    server = Server(Folder(folder.resolve()), work=work)
     running = uvicorn.Server(config_of(make_app(server, TOKEN, port)))
     thread = threading.Thread(target=running.run, args=([listening],), daemon=True)
     thread.start()
