@@ -18,7 +18,7 @@ import kerfwise
 from kerfwise.encoder.nest import Sheet
 from kerfwise.jobs.bench.memory import peak_mb
 from kerfwise.jobs.listening import Listener
-from kerfwise.jobs.nesting.engines import varied_layouts
+from kerfwise.jobs.nesting.engines import ALONE, varied_layouts
 from kerfwise.jobs.nesting.spacing import spacing_of
 from kerfwise.jobs.nesting.weigh import alike, cheapest, weigh
 from kerfwise.nesting.allot import Layout
@@ -28,8 +28,8 @@ from kerfwise.nesting.left_over import largest_rectangle
 from kerfwise.nesting.rounds import METHODS, Effort, best_layout
 from kerfwise.nesting.wanted import Spacing, Stock, Wanted
 from kerfwise.rules.profile.cuts_section import Common as CommonCuts
-from kerfwise.rules.profile.cuts_section import Cuts
-from kerfwise.rules.profile.prices_section import Prices
+from kerfwise.rules.profile.cuts_section import Cuts, Scrap
+from kerfwise.rules.profile.prices_section import Consumables, Prices
 from kerfwise.rules.profile.profile import Profile, load_profile
 
 from .nesting_lists import cutting_list, day_list, furniture
@@ -37,9 +37,16 @@ from .nesting_sound import paragraph, sound
 from .nesting_strips import strips
 
 PROFILE, GAP_MM = "laser-st10kp-2mm", 6.0
-PRICES = Prices(machine_hour=80.0, kwh=0.24, torch_kw=40.0, sheet_kg=1.15)
-LISTS, COMMON, WEIGHED = 5, 2, 4
-"""Lists weighed for cutting, how many of them with common cuts too, and layouts of each."""
+PRICES = Prices(
+    machine_hour=80.0,
+    kwh=0.24,
+    torch_kw=40.0,
+    consumables=Consumables(set_price=15.0, pierces=500.0),
+    sheet_kg=1.15,
+    remnant_share=0.6,
+)
+LISTS, COMMON, WEIGHED, WORK = 5, 2, 4, 0.5
+"""Lists weighed for cutting, how many of them with common cuts too, layouts of each, and work a sheet."""
 LEAST_MM = 200.0
 
 
@@ -157,12 +164,14 @@ def _left(layout: Layout) -> list[Stock]:
 def _cutting(rounds: int) -> Iterator[str]:
     yield "\n## Cheap to cut\n"
     yield paragraph(
-        f"Small lists under the profile `{PROFILE}` with prices, parts {GAP_MM:g} mm apart; {WEIGHED} layouts of",
-        "each are weighed, a unit of work a sheet. Price a part, EUR. *Way* says what laid the layout that was",
-        f"taken. The last {COMMON} lists are weighed with common cuts, too: then parts lie a kerf apart in blocks.",
+        f"Small lists under the profile `{PROFILE}` with prices, parts {GAP_MM:g} mm apart, and a remnant that is",
+        f"saved on the right, worth {PRICES.remnant_share:.0%} of the sheet it is of; {WEIGHED} layouts of each",
+        f"are weighed, {WORK:g} of work a sheet. Price a part, EUR. *Way* says what laid the layout that was",
+        f"taken. The last {COMMON} lists are weighed with common cuts, too: then parts lie a kerf apart in blocks,",
+        "and *each alone* is the cheapest of the layouts weighed that has no blocks.",
     )
-    yield "| list | profile | parts | densest | taken | saved | way |"
-    yield "|---|---|---:|---:|---:|---:|---|"
+    yield "| list | profile | parts | densest | taken | saved | each alone | way |"
+    yield "|---|---|---:|---:|---:|---:|---:|---|"
     for seed in range(1, LISTS + 1):
         wanted = cutting_list(seed)
         plants = [_plant(common=False), _plant(common=True)] if seed > LISTS - COMMON else [_plant(common=False)]
@@ -171,23 +180,26 @@ def _cutting(rounds: int) -> Iterator[str]:
 
 
 def _plant(common: bool) -> Profile:
-    cuts = Cuts(common=CommonCuts(shortest_mm=20.0)) if common else Cuts()
+    scrap = Scrap(remnant="right")
+    cuts = Cuts(common=CommonCuts(shortest_mm=20.0), scrap=scrap) if common else Cuts(scrap=scrap)
     return replace(load_profile(PROFILE), prices=PRICES, cuts=cuts)
 
 
 def _weighed_row(seed: int, wanted: Wanted, plant: Profile, rounds: int) -> str:
     spacing, watching = spacing_of(plant, GAP_MM), _Watching()
     groups = varied_layouts(wanted, spacing, Effort(rounds), "own", watching, print)
-    weighed = [weigh(sound(layout), plant, 1.0, lambda name: Listener()) for layout in alike(groups, WEIGHED)]
+    weighed = [weigh(sound(layout), plant, WORK, lambda name: Listener()) for layout in alike(groups, WEIGHED)]
     taken, count = cheapest(weighed), sum(kind.quantity for kind in wanted.types)
     asked = "common cuts" if spacing.common is not None else "plain"
     if taken.price is None:
-        return f"| {seed} | {asked} | {count} | no plan: {weighed[0].why} | | | |"
+        return f"| {seed} | {asked} | {count} | no plan: {weighed[0].why} | | | | |"
     first = weighed[0].price
     told = "no plan" if first is None else f"{first / count:.4f}"
     saved = "" if first is None else f"{1 - taken.price / first:.2%}"
+    alone = [one.price for one in weighed if one.price is not None and one.nested.layout.by.endswith(ALONE)]
+    single = f"{min(alone) / count:.4f}" if alone else ""
     way = "; ".join([taken.nested.layout.by, *taken.moved])
-    return f"| {seed} | {asked} | {count} | {told} | {taken.price / count:.4f} | {saved} | {way} |"
+    return f"| {seed} | {asked} | {count} | {told} | {taken.price / count:.4f} | {saved} | {single} | {way} |"
 
 
 class _Watching(Listener):

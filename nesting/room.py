@@ -20,6 +20,9 @@ from .wanted import Spacing
 _NEAR_MM = 3e-3
 """Distances may be less by this: outlines are a little smaller, and places are rounded to a thousandth."""
 
+_TOUCHING_MM = 1e-3
+"""Parts that touch may overlap by this along half their outline, as places are rounded."""
+
 
 def usable(sheet: Sheet, spacing: Spacing) -> shapely.Geometry:
     """What of a sheet parts may take, half the gap around them included."""
@@ -85,7 +88,7 @@ class Room:
         """Whether a part is far enough from those."""
         others = np.array(lying, dtype=object)
         if self.spacing.gap_mm < _NEAR_MM:
-            return not (shapely.area(shapely.intersection(others, metal)) > _NEAR_MM * 10).any()
+            return not (shapely.area(shapely.intersection(others, metal)) > _TOUCHING_MM * metal.length).any()
         return not (shapely.distance(others, metal) < self.spacing.gap_mm - _NEAR_MM).any()
 
     def bar(self, key: Key, shift: Floats) -> None:

@@ -20,6 +20,8 @@ ENGINES: tuple[Engine, ...] = get_args(Engine)
 NO_SPYRROW = "the engine sparrow needs spyrrow, which is not installed: pip install 'kerfwise[nest]'"
 SECONDS_A_SHEET = 10.0
 """What sparrow has for each sheet where no limit is given."""
+ALONE = "each alone"
+"""How layouts are marked that have no blocks where edges could be cut once."""
 _OWN_SHARE = 0.25
 _OTHERS_SHARE = 0.5
 """Share of the rounds, or of the time, that those have beside the engine asked for where layouts are weighed."""
@@ -101,4 +103,4 @@ def _groups(
     yield ranked_layouts(wanted, spacing, less, "own" if engine == "pavlov" else "pavlov", watching, tell)
     if spacing.common is not None and not watching.stopped:
         alone = ranked_layouts(wanted, replace(spacing, common=None), less, "own", watching, tell)
-        yield [replace(layout, spacing=spacing, by=f"{layout.by}, each alone") for layout in alone]
+        yield [replace(layout, spacing=spacing, by=f"{layout.by}, {ALONE}") for layout in alone]

@@ -191,6 +191,21 @@ def test_parts_become_programs_in_one_command(parts: Path) -> None:
     assert checked.code == 0, checked.out
 
 
+def test_what_the_first_run_leaves_is_cut_from_in_the_second(parts: Path) -> None:
+    (parts / "saving.yaml").write_text("based_on: plasma-carbon-steel\ncuts:\n  scrap: {remnant: right}\n")
+    words = (f"{parts / 'plate.json'}=2", "--rounds", "1")
+    first = kerfwise(
+        "make", *words, "--sheet", "300x120", "-p", parts / "saving.yaml", "--work", "0.3", "-o", parts / "out"
+    )
+    assert first.code == 0, first.err
+    [remnant] = (parts / "out").glob("*.remnant.json")
+    second = kerfwise("nest", *words, "--sheet", "300x120", "--remnant", remnant, "-o", parts / "again")
+    assert second.code == 0, second.err
+    assert [row["stock"] for row in json.loads((parts / "again" / "nests.json").read_text())["sheets"]] == [
+        remnant.name
+    ]
+
+
 def test_where_a_sheet_has_no_plan_nothing_is_written(parts: Path) -> None:
     words = (f"{parts / 'plate.json'}=4", "--sheet", "122.4x62.4", "--gap", "0.2", "--edge", "1 mm", "--rounds", "1")
     ended = kerfwise("make", *words, "--work", "0.5", "-o", parts / "out")
