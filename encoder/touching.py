@@ -44,7 +44,7 @@ def with_loss(nest: Nest, kerf_mm: float, shortest_mm: float, within_mm: float) 
     >>> [(loss.contour, loss.others, loss.loss_mm) for loss in made.losses]
     [('A.outer', ('B.outer',), 0.75), ('B.outer', ('A.outer',), 0.75)]
     """
-    touching = list(_touching(nest, shortest_mm, within_mm))
+    touching = list(_touching(nest, shortest_mm, within_mm)) if kerf_mm > 0 else []
     rows: dict[int, list[FacingEdge]] = {}
     for edge in touching:
         rows.setdefault(edge.contour, []).append(edge)

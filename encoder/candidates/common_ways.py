@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from kerfwise.encoder.compensation import compensated
+from kerfwise.encoder.components import weak_components
 from kerfwise.encoder.cut import Direction, Span
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
@@ -37,20 +38,46 @@ def common_ways(
         return CommonEdges({}), []
     held = () if options.tab_places is None else options.tab_places.wanted
     edges = common_edges(nest, sorted({*left, *gone}), options.kerf_mm, asked, held)
-    ways = [
-        way
+    found = {
+        number: list(
+            states(
+                compensated(nest.contours[number], options.kerf_mm),
+                beside,
+                options.kerf_mm,
+                edges.junctions[number],
+                beside.keys() & set(gone),
+            )
+        )
         for number, beside in edges.of.items()
         if number in left
-        for out, run in states(
-            compensated(nest.contours[number], options.kerf_mm),
-            beside,
-            options.kerf_mm,
-            edges.junctions[number],
-            beside.keys() & set(gone),
-        )
+    }
+    edges = _that_have_an_order(nest, edges, found)
+    ways = [
+        way
+        for number, sets in found.items()
+        if number in edges.of
+        for out, run in sets
         for way in _ways(nest, number, out, edges, run, options, asked)
     ]
     return edges, ways
+
+
+def _that_have_an_order(
+    nest: Nest, edges: CommonEdges, found: Mapping[int, Sequence[tuple[frozenset[int], Run]]]
+) -> CommonEdges:
+    """The common edges but for groups with two parts of which neither can be cut after the other.
+
+    So are a channel and the plate that both its legs end at: whichever is out leaves two stretches of the other.
+    """
+    after = {number: frozenset[int]().union(*(out for out, _ in sets)) for number, sets in found.items()}
+    pairs = edges.pairs.tolist()
+    stuck = {a for a, b in pairs if a in after and b in after and b not in after[a] and a not in after[b]}
+    if not stuck:
+        return edges
+    label = weak_components(len(nest.contours), edges.pairs)
+    spoilt = {int(label[k]) for k in stuck}
+    kept = {k: beside for k, beside in edges.of.items() if int(label[k]) not in spoilt}
+    return CommonEdges(kept, {k: edges.junctions[k] for k in kept})
 
 
 def with_neighbours_in(

@@ -125,7 +125,7 @@ def simulate(
         pieces.burn(burn.kerf(kerf_mm / 2))
     findings += [found for k, found in twice(burns) if k >= first]
     findings += wrong_passes(burns, own, drawing.sheet, common) if pierce_pass else []
-    findings += [found for k, found in along_older(burns, bool(tabs)) if k >= first] if common else []
+    findings += [found for k, found in along_older(burns) if k >= first] if common else []
     findings += uncut(drawing, burns, kerf_mm, excused, tabs or {})
     findings += slots.shut(burns)
     findings += unmarked(drawing, paths)

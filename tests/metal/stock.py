@@ -108,15 +108,13 @@ def _all_round(burns: Sequence[Burn]) -> set[str]:
     return {b.contour.id for b in burns if b.contour is not None and on_ring_mm[b.contour.id] > _ROUND * b.ring_mm}
 
 
-def along_older(
-    burns: Sequence[Burn], whole_rounds: bool = False, overcut_mm: float = OVERCUT_MM
-) -> Iterator[tuple[int, Finding]]:
+def along_older(burns: Sequence[Burn], overcut_mm: float = OVERCUT_MM) -> Iterator[tuple[int, Finding]]:
     """Burns that run along the path of an older one for more than a ring closes over, each with its place.
 
-    Two parts a kerf apart may each be cut all round where `whole_rounds` says so, as beside one that tabs hold.
+    Two parts a kerf apart may each be cut all round, as beside one that tabs hold.
     """
     tree = shapely.STRtree([burn.line for burn in burns])
-    whole = _all_round(burns) if whole_rounds else set()
+    whole = _all_round(burns)
     for k, burn in enumerate(burns):
         near = sorted(j for j in tree.query(burn.line, "dwithin", distance=RING_MM).tolist() if j < k)
         older = [burns[j].line for j in near if not {burn.name, burns[j].name} <= whole or burn.name == burns[j].name]

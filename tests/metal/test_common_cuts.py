@@ -11,6 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from kerfwise.encoder.already_cut import AlreadyCut
+from kerfwise.encoder.by_hand import nest, part, rect
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.ask import ask, facts_of
@@ -71,6 +72,19 @@ def test_a_grid_takes_one_pierce_and_the_length_of_its_lines() -> None:
     assert made.verdict.ok
 
 
+def test_a_channel_and_the_plate_that_both_its_legs_end_at_are_cut_all_round() -> None:
+    """Whichever is cut first leaves two stretches of the other. D and E, which stand apart from them, share their edge."""
+    channel = [(40, 40), (160, 40), (160, 120), (130, 120), (130, 70), (70, 70), (70, 120), (40, 120)]
+    boxes = {"B": (40, 121.5, 120, 60), "C": (161.5, 121.5, 80, 60), "D": (280, 40, 60, 60), "E": (280, 101.5, 60, 60)}
+    sheet = nest(400, 260, part("U", channel), *(part(name, rect(*box)) for name, box in boxes.items()))
+    profile = laser(1.5)
+    found = produce(ask(facts_of(sheet, profile), profile), profile, options_for(sheet, profile, work=0.3))
+    assert found.verdict.ok
+    assert simulate(sheet, found.program, **plant(profile)) == []
+    along = [planned.part for planned in found.plan.cuts if planned.cut.span is not None]
+    assert along in (["D"], ["E"])
+
+
 def stopped(seed: int, kerf_mm: float, parts: int) -> Iterator[tuple[Nest, Produced, str]]:
     """A block planned, and what is left of it after each of its cuts, planned anew; the old program besides."""
     made, _ = burnt(seed, kerf_mm, parts)
@@ -104,7 +118,6 @@ def test_no_block_makes_scrap_after_a_stop(seed: int, kerf_mm: float, parts: int
     for sheet, rest, before in stopped(seed, kerf_mm, parts):
         assert rest.verdict.ok, rest.verdict.broken()
         assert simulate(sheet, rest.program, before=before, **plant(laser(kerf_mm))) == []
-        assert simulate(sheet, rest.program, **plant(laser(kerf_mm))) == []
 
 
 def test_a_neighbour_that_is_not_told_to_be_out_is_missed() -> None:

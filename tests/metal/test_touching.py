@@ -20,6 +20,7 @@ from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import Produced, produce
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.postproc.check.edge_loss import lost_elsewhere
+from kerfwise.postproc.verdict.checking import check_program
 from kerfwise.rules.profile.cuts_section import Common, Cuts
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.tests.metal.common_nests import block, grid
@@ -78,6 +79,10 @@ def test_a_grid_of_touching_parts_is_cut_along_its_lines() -> None:
     assert [(loss.contour, loss.loss_mm) for loss in found.plan.losses] == [(f"P{k}.outer", 0.25) for k in range(1, 7)]
     assert "(PARTS TOUCH AND ARE CUT APART BY ONE CUT, 6 LOSE 0.25 MM THERE)" in found.program
     assert any("6 parts that touch others lose half a kerf" in text for text in found.verdict.warnings)
+    strict = replace(profile(kerf_mm), cuts=Cuts(common=Common(20.0)))
+    assert {"shared-metal", "no-gouging"} <= set(check_program(sheet, found.program, strict).broken())
+    with pytest.raises(RulesConflict, match=r"P1\.outer and P2\.outer touch"):
+        ask(facts_of(sheet, strict), strict)
 
 
 @pytest.mark.linuxcnc
