@@ -73,7 +73,7 @@ def test_a_grid_takes_one_pierce_and_the_length_of_its_lines() -> None:
 
 
 def test_a_channel_and_the_plate_that_both_its_legs_end_at_are_cut_all_round() -> None:
-    """Whichever is cut first leaves two stretches of the other. D and E, which stand apart from them, share their edge."""
+    """Whichever is cut first leaves two stretches of the other. D and E stand apart from them, and share their edge."""
     channel = [(40, 40), (160, 40), (160, 120), (130, 120), (130, 70), (70, 70), (70, 120), (40, 120)]
     boxes = {"B": (40, 121.5, 120, 60), "C": (161.5, 121.5, 80, 60), "D": (280, 40, 60, 60), "E": (280, 101.5, 60, 60)}
     sheet = nest(400, 260, part("U", channel), *(part(name, rect(*box)) for name, box in boxes.items()))
