@@ -13,7 +13,7 @@ from kerfwise.jobs.nesting.job import PURPOSES, WEIGH_WORK, WEIGHED, Asked, Foun
 from kerfwise.jobs.nesting.laid import Nests, nests_of_job
 from kerfwise.jobs.nesting.made import made_of
 from kerfwise.jobs.nesting.order import order_of
-from kerfwise.jobs.nesting.spacing import spacing_of
+from kerfwise.jobs.nesting.spacing import burnt, spacing_of
 from kerfwise.jobs.solve_options import WORK
 from kerfwise.nesting.allot import Layout
 from kerfwise.nesting.rounds import Effort
@@ -186,6 +186,8 @@ def _asked(
     plant = plant_of(profile)
     expect_engine(engine)
     spacing = spacing_of(plant, *distances_mm)
+    if said := burnt(plant, spacing):
+        notes.append(said)
     parts, sheets, remnants = (_words(named) for named in files)
     wanted = order_of(parts, sheets, remnants, reading(plant, units=units, repair=repair), notes.append)
     return Asked(plant, wanted, spacing, effort, engine, purpose, weigh, weigh_work)

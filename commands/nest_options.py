@@ -90,7 +90,7 @@ def read_asked(
     from kerfwise.jobs.nesting.files import expect_folder
     from kerfwise.jobs.nesting.job import Asked
     from kerfwise.jobs.nesting.order import order_of
-    from kerfwise.jobs.nesting.spacing import spacing_of
+    from kerfwise.jobs.nesting.spacing import burnt, spacing_of
     from kerfwise.nesting.rounds import Effort
 
     plant, out = plant_of(profile, trust), Path(output)
@@ -99,6 +99,8 @@ def read_asked(
     gap_mm = None if gap is None else length_or_zero("--gap", gap)
     spacing = spacing_of(plant, gap_mm, None if edge is None else length_or_zero("--edge", edge))
     wanted = order_of(parts, sheets, remnants, reading(plant, units=units, repair=repair), tell_note)
+    if said := burnt(plant, spacing):
+        tell_note(said)
     effort = Effort(rounds, time_limit, seed)
     return Asked(plant, wanted, spacing, effort, engine, purpose, weigh, weigh_work), out
 

@@ -63,7 +63,7 @@ def _packed(rest: Layout, shapes: Shapes, seconds: float, seed: int, going: Call
     counts = Counter(one.kind for one in here.placed if not _in_a_hole(one, here.placed, wanted))
     strip = packed(shapes, counts, y1 - y0, seconds, seed, going)
     room = Room(shapes, here.stock.sheet, rest.spacing)
-    for one in sorted(strip.placed, key=lambda one: _right(one, shapes)):
+    for one in sorted(strip, key=lambda one: _right(one, shapes)):
         room.put((one.kind, one.pose), (one.dx_mm + x0, one.dy_mm + y0))
     left = Counter(one.kind for one in here.placed) + Counter(later)
     left.subtract(one.kind for one in room.placed)

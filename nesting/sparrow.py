@@ -7,7 +7,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from importlib.util import find_spec
 
 import shapely
@@ -26,14 +25,6 @@ class SparrowFailed(Exception):
     """Sparrow gave no answer; the text says why."""
 
 
-@dataclass(frozen=True, slots=True)
-class Strip:
-    """A packed strip: its width, and where the parts lie, the strip's corner at the origin."""
-
-    width_mm: float
-    placed: tuple[Placed, ...]
-
-
 def installed() -> bool:
     """Whether spyrrow can be imported; it is not, here."""
     return find_spec("spyrrow") is not None
@@ -46,10 +37,11 @@ def packed(
     seconds: float,
     seed: int,
     going: Callable[[], bool] = lambda: True,
-) -> Strip:
+) -> tuple[Placed, ...]:
     """Pack so many parts of each type on a strip of that height, as short as can be found in so many seconds.
 
-    Holes are not seen, and no part is turned over. The same seed may give another strip: sparrow counts seconds.
+    The strip's corner is at the origin. Holes are not seen, and no part is turned over. The same seed may give another
+    strip: sparrow counts seconds.
 
     Raises
     ------
@@ -64,8 +56,7 @@ def packed(
         items.append({"id": str(kind), "points": corners, "demand": count, "turns": turns})
     task = {"items": items, "height": height_mm, "seconds": seconds, "seed": seed, "workers": WORKERS}
     answer = _asked(json.dumps(task), seconds, going)
-    placed = tuple(Placed(int(name), Pose(turn % 360.0), dx, dy) for name, turn, dx, dy in answer["placed"])
-    return Strip(answer["width"], placed)
+    return tuple(Placed(int(name), Pose(turn % 360.0), dx, dy) for name, turn, dx, dy in answer["placed"])
 
 
 def _asked(task: str, seconds: float, going: Callable[[], bool]) -> dict:  # type: ignore[type-arg]

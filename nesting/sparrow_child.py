@@ -30,7 +30,7 @@ def main() -> None:
     )
     solved = strip.solve(config)
     rows = [[one.id, one.rotation, *one.translation] for one in solved.placed_items]
-    print(json.dumps({"width": solved.width, "placed": rows}), flush=True)
+    print(json.dumps({"placed": rows}), flush=True)
 
 
 if __name__ == "__main__":

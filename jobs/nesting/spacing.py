@@ -37,6 +37,24 @@ def spacing_of(profile: Profile, gap_mm: float | None = None, edge_mm: float | N
     return Spacing(kerf_mm + web_mm if gap_mm is None else gap_mm, edge, common_of(profile))
 
 
+def burnt(profile: Profile, spacing: Spacing) -> str:
+    """A sentence where parts lie nearer than the cut is wide; empty where they do not.
+
+    Examples
+    --------
+    >>> from kerfwise.rules.profile.profile import load_profile
+    >>> burnt(load_profile(), Spacing(0.2, 10.0))
+    'parts lie 0.2 mm apart, and the cut is 1.5 mm wide: it burns into the neighbour, which only wood bears'
+    """
+    kerf_mm = profile.material.kerf_mm
+    if spacing.gap_mm >= kerf_mm:
+        return ""
+    return (
+        f"parts lie {spacing.gap_mm:g} mm apart, and the cut is {kerf_mm:g} mm wide: it burns into the neighbour, "
+        "which only wood bears"
+    )
+
+
 def common_of(profile: Profile) -> Common | None:
     """How far parts lie apart whose edges are cut once; None where the profile asks for no common cuts."""
     asked = profile.common_options()

@@ -173,6 +173,7 @@ def test_a_nest_without_room_for_a_pierce_is_repaired_or_said_to_have_no_plan(pa
     ended = kerfwise("nest", *words, "--sheet", "122.4x62.4", "-o", parts / "out")
     assert ended.code == 0, ended.err
     assert "no plan: sheet1:" in ended.out
+    assert "parts lie 0.2 mm apart, and the cut is 1.5 mm wide" in ended.err
     wider = kerfwise("nest", *words, "--sheet", "140x80", "-o", parts / "out")
     assert wider.code == 0, wider.err
     assert "sheet1 repaired: " in wider.out
