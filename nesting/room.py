@@ -20,8 +20,8 @@ from .wanted import Spacing
 _NEAR_MM = 3e-3
 """Distances may be less by this: outlines are a little smaller, and places are rounded to a thousandth."""
 
-_TOUCHING_MM = 1e-3
-"""Parts that touch may overlap by this along half their outline, as places are rounded."""
+_SPECK_MM2 = 1e-4
+"""Overlaps no larger are none; others are none where they are no thicker than rounding makes them."""
 
 
 def usable(sheet: Sheet, spacing: Spacing) -> shapely.Geometry:
@@ -88,7 +88,9 @@ class Room:
         """Whether a part is far enough from those."""
         others = np.array(lying, dtype=object)
         if self.spacing.gap_mm < _NEAR_MM:
-            return not (shapely.area(shapely.intersection(others, metal)) > _TOUCHING_MM * metal.length).any()
+            shared = shapely.intersection(others, metal)
+            shared = shared[shapely.area(shared) > _SPECK_MM2]
+            return bool(shapely.is_empty(shapely.buffer(shared, -_NEAR_MM)).all())
         return not (shapely.distance(others, metal) < self.spacing.gap_mm - _NEAR_MM).any()
 
     def bar(self, key: Key, shift: Floats) -> None:

@@ -69,10 +69,10 @@ def find_nests(asked: Asked, watching: Watching, listener: Callable[[str], Liste
     best = min((group[0] for group in groups if group), key=lambda layout: layout.score, default=None)
     if best is None or (watching.stopped and not best.sheets):
         raise KeyboardInterrupt(NOTHING_LAID)
-    if asked.purpose == "density":
+    if asked.purpose == "density" or watching.stopped:
         return Found(_sound(nests_from(best)), interrupted=watching.stopped)
     weighed: list[Weighed] = []
-    interrupted = watching.stopped
+    interrupted = False
     for layout in alike(groups, asked.most):
         if interrupted and weighed:
             break

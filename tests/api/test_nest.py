@@ -35,7 +35,7 @@ def test_programs_are_made_and_saved(tmp_path: Path) -> None:
     assert kerfwise.check(tmp_path / "out" / "sheet1.json", tmp_path / "out" / "sheet1.nc").ok
 
 
-def test_what_is_weighed_is_told_and_a_callback_ends_the_look() -> None:
+def test_a_callback_ends_the_look_and_nothing_is_weighed_then() -> None:
     seen: list[int] = []
     laid = kerfwise.nest(
         PARTS,
@@ -47,7 +47,7 @@ def test_what_is_weighed_is_told_and_a_callback_ends_the_look() -> None:
     )
     assert seen == [1]
     assert laid.interrupted
-    assert len(laid.prices) == 1
+    assert laid.prices == ()
 
 
 @pytest.mark.parametrize(
@@ -63,3 +63,9 @@ def test_what_is_weighed_is_told_and_a_callback_ends_the_look() -> None:
 def test_what_cannot_be_used_is_refused(more: dict[str, object], said: str) -> None:
     with pytest.raises(kerfwise.InputError, match=said):
         kerfwise.nest(PARTS, sheets="1000x600", **more)  # type: ignore[arg-type]
+
+
+def test_what_is_weighed_is_told() -> None:
+    laid = kerfwise.nest(PARTS, sheets="1000x600", purpose="cutting", weigh=2, weigh_work=0.2, rounds=2)
+    assert len(laid.prices) == 2
+    assert "← taken" in str(laid)

@@ -91,6 +91,19 @@ def test_a_part_turned_over_keeps_its_tabs(tabs: list[dict[str, Any]], said: str
     )
 
 
+@pytest.mark.parametrize(("over_mm", "count"), [(0.0, 0), (0.015, 0), (0.05, 1), (3.0, 1)])
+def test_corners_of_long_parts_that_touch_do_not_overlap(over_mm: float, count: int) -> None:
+    long = AskedPart("L", part("L", rect(0, 0, 2000, 500)), 2, (0.0,))
+    at = [(0.0, 0.0), (2000 - over_mm, 500 - over_mm)]
+    rows = [
+        {"id": f"L-{k}", "of": "L", "outer": [[x, y], [x + 2000, y], [x + 2000, y + 500], [x, y + 500]]}
+        for k, (x, y) in enumerate(at)
+    ]
+    nest = {"format": "kerfwise-nest/1", "sheet": {"width": 4000, "height": 1000}, "parts": rows}
+    sheets = [AskedSheet("s", Sheet.rectangle(4000, 1000))]
+    assert len(nest_faults({"s": json.dumps(nest).encode()}, [long], sheets, AskedSpacing(0.0, 0.0))) == count
+
+
 def test_a_part_in_the_hole_of_another_keeps_the_gap_to_its_rim() -> None:
     ring = AskedPart("R", part("R", circle(0, 0, 40), [circle(0, 0, 30)]), 1, (0.0,))
     disc = AskedPart("D", part("D", circle(0, 0, 25)), 1, (0.0,))
