@@ -20,6 +20,7 @@ from .rings import Side, torch_rings
 NEAR_MM = 2.0
 """A path further than this from every contour's ring cuts something that is not in the nest."""
 _SAMPLES = 24
+_AT_ONCE = 256
 _RIGHT: tuple[Side, ...] = ("right",)
 _OTHER: tuple[Side, ...] = ("wrong", "on")
 
@@ -63,12 +64,41 @@ class Matcher:
             samples, contours = self._tree.query(np.concatenate(points), predicate="dwithin", distance=reach_mm)
             for sample, contour in zip(samples.tolist(), contours.tolist(), strict=True):
                 votes[sample // _SAMPLES][contour] += 1
-        return [self._best(*row) for row in zip(lines, marks, named, votes, strict=True)]
+        ranked = [sorted(of, key=lambda c: (c != name, -of[c], c)) for of, name in zip(votes, named, strict=True)]
+        suited = [
+            [c for c in of if (self.nest.contours[c].kind == "mark") == marked]
+            for of, marked in zip(ranked, marks, strict=True)
+        ]
+        at_once = self._at_once(lines, [of[0] if of else None for of in suited])
+        rows = zip(lines, ranked, suited, at_once, strict=True)
+        return [self._best(line, of, own) if known is None else known for line, of, own, known in rows]
 
-    def _best(self, line: shapely.LineString, marks: bool, named: int | None, votes: Counter[int]) -> Match | None:
-        contours = self.nest.contours
-        ranked = sorted(votes, key=lambda c: (c != named, -votes[c], c))
-        suited = [c for c in ranked if (contours[c].kind == "mark") == marks]
+    def _at_once(self, lines: Sequence[shapely.LineString], likeliest: Sequence[int | None]) -> list[Match | None]:
+        """The match of each path that goes along all of the ring that is likeliest, on its right side; None elsewhere.
+
+        That is what `_best` tries first. So many paths are looked at together that their points take little memory.
+        """
+        found: list[Match | None] = [None] * len(lines)
+        asked = [
+            (k, contour, ring)
+            for k, (line, contour) in enumerate(zip(lines, likeliest, strict=True))
+            if contour is not None and (ring := self._ring_for(line, contour, "right")) is not None
+        ]
+        for begin in range(0, len(asked), _AT_ONCE):
+            some = asked[begin : begin + _AT_ONCE]
+            paths = np.array([lines[k] for k, _, _ in some], dtype=object)
+            shapely.prepare(paths)
+            points, of = shapely.get_coordinates(
+                np.array([ring for _, _, ring in some], dtype=object), return_index=True
+            )
+            near = shapely.dwithin(paths[of], shapely.points(points), tolerance_mm(self.kerf_mm))
+            astray = np.bincount(of, weights=~near, minlength=len(some))
+            for (k, contour, ring), off in zip(some, astray.tolist(), strict=True):
+                if not off:
+                    found[k] = Match(contour, "right", ring, 0.0)
+        return found
+
+    def _best(self, line: shapely.LineString, ranked: Sequence[int], suited: Sequence[int]) -> Match | None:
         shapely.prepare(line)
         tried: list[Match] = []
         for group, sides in ((suited, _RIGHT), (suited, _OTHER), (ranked, _RIGHT + _OTHER)):
@@ -92,7 +122,15 @@ class Matcher:
         return Match(contour, "right", ring, float(shapely.hausdorff_distance(ring, line)))
 
     def _against(self, line: shapely.LineString, contour: int, side: Side) -> Match | None:
-        """How far a ring strays from the path at most: a path that goes all the way round covers its ring.
+        """How far a ring strays from the path at most: a path that goes all the way round covers its ring."""
+        ring = self._ring_for(line, contour, side)
+        if ring is None:
+            return None
+        off_mm = beyond_mm(line, shapely.get_coordinates(ring), tolerance_mm(self.kerf_mm))
+        return Match(contour, side, ring, off_mm)
+
+    def _ring_for(self, line: shapely.LineString, contour: int, side: Side) -> shapely.LineString | None:
+        """The ring of a contour, where it may be one that a path follows.
 
         A scrap line has no leads: a path that goes on beyond it cuts something else.
         """
@@ -101,10 +139,7 @@ class Matcher:
             return None
         if side != "right":
             ring = torch_rings([self.nest.contours[contour]], self.kerf_mm, side)[0]
-        if ring is None or not _within(ring.bounds, line.bounds):
-            return None
-        off_mm = beyond_mm(line, shapely.get_coordinates(ring), tolerance_mm(self.kerf_mm))
-        return Match(contour, side, ring, off_mm)
+        return ring if ring is not None and _within(ring.bounds, line.bounds) else None
 
 
 def _within(inner: Box, outer: Box) -> bool:

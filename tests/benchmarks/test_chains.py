@@ -32,7 +32,7 @@ def test_a_row_that_is_kept_is_not_made_again(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_links_save_pierces_and_time() -> None:
-    nest = read_json(json.dumps(make_sheet(1, 30)).encode(), ReadOptions())
+    nest = read_json(json.dumps(make_sheet(1, 20)).encode(), ReadOptions())
     plain, linked = (row(nest, "plate", "plasma", 2.0, on, 2.0) for on in (False, True))
     assert plain.gap == linked.gap == 0
     assert linked.links

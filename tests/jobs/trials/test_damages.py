@@ -21,8 +21,8 @@ from kerfwise.rules.run_cases import cases_of
 from kerfwise.tests.commands.run_cli import kerfwise
 
 NAME = "long-parts-last"
-WITH_ENGINES = ("[fine]", "[idle]")
-"""Damages of a model file whose tests are about the engines too."""
+WITH_ENGINES = ("[fine]",)
+"""The damage of a model file whose test is about the engines too: none."""
 
 
 @pytest.fixture
