@@ -77,7 +77,7 @@ def main() -> None:
             print(f"{path.name}: left out, its tours are open", file=sys.stderr)
             continue
         for each in varied(instance, given.seed):
-            (given.out / f"{each.name}.pcglns").write_text(as_text(each), encoding="utf-8")
+            (given.out / f"{each.name}.pcglns").write_text(as_text(each), encoding="utf-8", newline="\n")
 
 
 if __name__ == "__main__":
