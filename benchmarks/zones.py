@@ -52,6 +52,18 @@ the processor are those of the plan with zones and of all that was done to move 
 known that need not keep to zones: that which a solve finds on its way, or what {without:g} of work for searches beside
 it find, half of it from the plan with zones on, half from nothing. It is not proven, and a better one may exist. What
 `the plan says` is what it tells of its zones, from the shorter look that a solve has.
+
+## Where the extra comes from
+
+Geometry draws borders across the ways that the torch would take: that costs travel, and now and then an excuse. Not
+the size of zones does, nor their order: where the runs of a plan without zones are zones, the plan in them costs no
+more than that plan, and a proof of the best order within them makes it a little shorter at times.
+
+So runs of the best plan known without zones take the place of the zones. They must be zones still: no more of them
+than geometry has made, or than a proof bears; what is left after each about as square, on an average; each lying about
+as much together; the first at the start side. Borders along a plan can lie in many places. Of all of them those are
+drawn that leave the rest squarest and the zones most together, by a shortest way over the places between parts.
+Before, the first that a proof bears were drawn, and of six plates two had zones that moved.
 """
 
 
