@@ -1,7 +1,7 @@
 """How kerfwise fares on the field's own routing benchmarks.
 
 Usage: python benchmarks/routing.py FOLDER --best-known CSV [--time-limit S | --work W] [--seed N] [--also SET=S …]
-           [--only PATTERN …] [--together] [--remarks TEXT.md …] > docs/routing.md
+           [--only PATTERN …] [--together] [--keep FILE] [--remarks TEXT.md …] > docs/routing.md
 
 FOLDER holds a folder for every set, with `.pcglns` and `.sop` files in it, gzipped or not; the CSV has columns set,
 instance and best_upper. Prints the page: every instance run once by the default engine, judged, beside the best cost
@@ -10,19 +10,20 @@ known; what is worse than that comes first, then remarks that people wrote, and 
 instances alone whose set and name fit one of the patterns; sets run again do not heed it. With `--together` all run in
 one process, which saves that of each its start; memory is then the most until then. With `--work` the limits are
 deterministic, so that other programs on the machine change no cost and no bound, and what they took is counted in
-seconds of processor.
+seconds of processor. FILE keeps each result as it comes, with the commit; what it has is not run again.
 """
 
 from __future__ import annotations
 
 import argparse
 import datetime
+import json
 import os
 import platform
 import subprocess
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from fnmatch import fnmatchcase
 from importlib.metadata import version
 from pathlib import Path
@@ -40,7 +41,7 @@ cluster the sequential ordering problem. These are the field's instances, run by
 
     python benchmarks/routing.py FOLDER --best-known CSV {limit} --seed {seed}{also}
 
-on {date}, kerfwise {kerfwise} at commit {commit}, Python {python}, numba {numba}, OR-Tools {ortools}, {machine}.
+on {date}, kerfwise {kerfwise} at {commit}, Python {python}, numba {numba}, OR-Tools {ortools}, {machine}.
 {process} The clock runs from the file read to the answer, with compiled kernels loaded.
 {counted}
 Tours are judged by code that shares nothing with the engines. A cost is proven where the engine showed that no tour
@@ -131,14 +132,49 @@ class Limits:
         return is_instance(path) and (not self.only or any(fnmatchcase(name, pattern) for pattern in self.only))
 
 
-def run_set(name: str, folder: Path, best: BestKnown, limit: float, limits: Limits) -> list[Run]:
+def run_set(name: str, folder: Path, best: BestKnown, limit: float, limits: Limits, kept: Kept) -> list[Run]:
     """Every instance of a folder that is wanted, as a set of that name."""
     run, runs = run_in_child if limits.together else measure, []
     for path in sorted(folder.iterdir()):
         if limits.wanted(path):
-            runs.append(Run(name, run(limits.job(path, limit)), best.of(path)))
+            job = limits.job(path, limit)
+            key = f"{name} {path.name} {job.work:g} {job.time_s} {job.seed}"
+            result = kept.result(key) or kept.keep(key, run(job))
+            runs.append(Run(name, result, best.of(path)))
             print(runs[-1], file=sys.stderr, flush=True)
     return runs
+
+
+class Kept:
+    """Results as they came, and the commits that they are of; in a file, if one is named."""
+
+    def __init__(self, file: Path | None = None) -> None:
+        self._file = file
+        lines = file.read_text(encoding="utf-8").splitlines() if file is not None and file.exists() else []
+        self._known = {row["key"]: row for row in map(json.loads, lines)}
+        self._used: dict[str, None] = {}
+
+    def result(self, key: str) -> BenchResult | None:
+        """What is known."""
+        if (row := self._known.get(key)) is None:
+            return None
+        self._used[row["commit"]] = None
+        return BenchResult(**{**row["result"], "tour": tuple(row["result"]["tour"])})
+
+    def keep(self, key: str, result: BenchResult) -> BenchResult:
+        """The same result, kept."""
+        commit = _commit()
+        row = {"key": key, "commit": commit, "result": asdict(result)}
+        self._used[commit] = None
+        if self._file is not None:
+            with self._file.open("a", encoding="utf-8", newline="\n") as file:
+                file.write(json.dumps(row) + "\n")
+        return result
+
+    @property
+    def commits(self) -> str:
+        """Those of all results that were asked for."""
+        return ", ".join(self._used) or _commit()
 
 
 def with_proven(runs: Sequence[Run]) -> list[Run]:
@@ -147,7 +183,7 @@ def with_proven(runs: Sequence[Run]) -> list[Run]:
     return [run if run.best is not None else replace(run, best=proven.get(run.result.instance)) for run in runs]
 
 
-def page(runs: Sequence[Run], limits: Limits, remarks: Sequence[Path] = ()) -> str:
+def page(runs: Sequence[Run], limits: Limits, remarks: Sequence[Path] = (), commits: str = "unknown") -> str:
     """The whole page."""
     names = list(dict.fromkeys(run.set for run in runs))
     of = {name: [run for run in runs if run.set == name] for name in names}
@@ -165,7 +201,7 @@ def page(runs: Sequence[Run], limits: Limits, remarks: Sequence[Path] = ()) -> s
         remarks="".join(f"\n{text.read_text(encoding='utf-8')}" for text in remarks),
         date=datetime.date.today().isoformat(),
         kerfwise=kerfwise.__version__,
-        commit=_commit(),
+        commit=f"commit {commits}",
         python=platform.python_version(),
         numba=version("numba"),
         ortools=version("ortools"),
@@ -207,19 +243,20 @@ def main() -> None:
     parser.add_argument("--also", type=_set_and_amount, action="append", default=[], metavar="SET=S")
     parser.add_argument("--only", action="append", default=[], metavar="PATTERN")
     parser.add_argument("--together", action="store_true")
+    parser.add_argument("--keep", type=Path, metavar="FILE")
     parser.add_argument("--remarks", type=Path, nargs="+", default=[], metavar="TEXT.md")
     given = parser.parse_args()
     best = read_best_known(given.best_known)
     by_work = given.work is not None
     amount = given.work if by_work else given.time_limit
     limits = Limits(amount, given.seed, tuple(given.also), by_work, tuple(given.only), given.together)
-    runs = []
+    runs, kept = [], Kept(given.keep)
     for name, less in limits.also:
         title = f"{name} with {less:g} of work" if by_work else f"{name} in {less:g} s"
-        runs += run_set(title, given.folder / name, best, less, replace(limits, only=()))
+        runs += run_set(title, given.folder / name, best, less, replace(limits, only=()), kept)
     for folder in sorted(path for path in given.folder.iterdir() if path.is_dir()):
-        runs += run_set(folder.name, folder, best, limits.limit, limits)
-    print(page(with_proven(runs), limits, given.remarks), end="")
+        runs += run_set(folder.name, folder, best, limits.limit, limits, kept)
+    print(page(with_proven(runs), limits, given.remarks, kept.commits), end="")
 
 
 def _set_and_amount(text: str) -> tuple[str, float]:

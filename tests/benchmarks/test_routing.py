@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 import kerfwise
-from kerfwise.benchmarks.routing import Limits, Run, page, run_set, with_proven
-from kerfwise.jobs.bench import BenchResult, BestKnown
+from kerfwise.benchmarks import routing
+from kerfwise.benchmarks.routing import Kept, Limits, Run, page, run_set, with_proven
+from kerfwise.jobs.bench import BenchJob, BenchResult, BestKnown
 
 ROUTING = Path(kerfwise.__file__).parent / "examples" / "routing"
 
@@ -18,7 +19,7 @@ ROUTING = Path(kerfwise.__file__).parent / "examples" / "routing"
 def test_a_page_of_two_instances(tmp_path: Path) -> None:
     best = BestKnown({("routing", "nine"): 1169.0, ("routing", "twelve"): 390.0})
     limits = Limits(30.0, 1, (("routing", 1.0),), only=("routing/nine", "*/tw*"), together=True)
-    runs = run_set("routing in 1 s", ROUTING, best, 1.0, limits)
+    runs = run_set("routing in 1 s", ROUTING, best, 1.0, limits, Kept())
     remarks = tmp_path / "remarks.md"
     remarks.write_text("## Remarks\n\nNone.\n", encoding="utf-8")
     made = tmp_path / "made.md"
@@ -56,3 +57,19 @@ def test_patterns_choose_instances() -> None:
 
 def result(cost: float, proven: bool) -> BenchResult:
     return BenchResult("one", "portfolio", cost, cost if proven else None, proven, True, 1.0, 3.0, (), processor_s=2.0)
+
+
+def test_what_is_kept_is_not_run_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    limits, best = Limits(2.0, 1, by_work=True), BestKnown({})
+    jobs: list[BenchJob] = []
+
+    def ran(job: BenchJob) -> BenchResult:
+        jobs.append(job)
+        return result(7.0, True)
+
+    monkeypatch.setattr(routing, "measure", ran)
+    first, again = (run_set("two", ROUTING, best, 2.0, limits, Kept(tmp_path / "kept")) for _ in range(2))
+    assert len(jobs) == len(first) == 2
+    assert first == again
+    run_set("two", ROUTING, best, 3.0, limits, Kept(tmp_path / "kept"))
+    assert len(jobs) == 4, "another limit is another run"

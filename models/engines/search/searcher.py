@@ -15,6 +15,7 @@ from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 
 from .merge import mergeable
+from .regions import Regions, regional
 from .schedule import CoolingPart, Schedule
 from .tables import make_tables
 from .tour_merging import CHILD, TourMerging
@@ -25,6 +26,8 @@ CHUNK = 20_000_000  # operations between two looks at the clock and at whether t
 WALKERS = 2
 FIRST = 0.25  # share of the first run that may go into the descent from the first route, and
 FIRST_DESCENT = 200_000  # the most operations a contour
+REGIONS = 100_000_000  # operations in each half of a route between two such looks, where it goes by regions
+WHOLE = 0.5  # share for annealings of the whole route, where the rest can go region by region
 
 
 class Searcher:
@@ -45,6 +48,7 @@ class Searcher:
         fields = make_tables(problem)
         self._walkers = make_walkers(fields, seed, WALKERS, chains)
         self._merging = TourMerging(problem, self._walkers, seed) if mergeable(problem) else None
+        self._regions = Regions(problem, fields, seed) if regional(problem) else None
 
     @property
     def best(self) -> Incumbent | None:
@@ -87,6 +91,34 @@ class Searcher:
 
     def _run(self, pool: Executor, budget: int, time_s: float | None, progress: Progress | None) -> bool:
         """See `run`; `budget` is in operations."""
+        if self._regions is None:
+            return self._by_annealing(pool, budget, time_s, progress)
+        began_s, whole = running_s(), int(WHOLE * budget)
+        if not self._by_annealing(pool, whole, time_s and WHOLE * time_s, progress):
+            return False
+        left_s = None if time_s is None else time_s - (running_s() - began_s)
+        return self._by_regions(self._regions, pool, budget - whole, left_s, progress)
+
+    def _by_regions(
+        self, regions: Regions, pool: Executor, budget: int, time_s: float | None, progress: Progress | None
+    ) -> bool:
+        """Improve the best route region by region; answers as `run` does."""
+        started_s, spent, best = running_s(), 0, self.best
+        if best is None:
+            return True
+        route = np.array(best.route, dtype=np.int64)
+        while spent + REGIONS <= budget and (time_s is None or running_s() - started_s < time_s):
+            if progress is not None and not progress("search", self._best_cost(), None):
+                return False
+            better, work = regions.step(pool, route, REGIONS)
+            spent += work
+            if not np.array_equal(better, route):
+                route = better
+                self._walkers[0].stand_on(route)
+        return True
+
+    def _by_annealing(self, pool: Executor, budget: int, time_s: float | None, progress: Progress | None) -> bool:
+        """Anneal the whole route; answers as `run` does."""
         started_s, spent = running_s(), 0
         likely = budget if time_s is None else max(1, min(budget, int(time_s * WORK_PER_S)))
         schedule = Schedule.of(self._problem.n, likely)

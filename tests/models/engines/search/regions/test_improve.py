@@ -1,0 +1,95 @@
+"""Regions of a route with all rules on: what comes back is lawful, no dearer, and the same each time."""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kerfwise.arrays import Ints
+from kerfwise.models.engines.search import Searcher, searcher
+from kerfwise.models.engines.search.regions import Regions, improve, regional
+from kerfwise.models.engines.search.tables import make_tables
+from kerfwise.models.problem.conditions import Condition
+from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.models.problem.problem import Problem
+from kerfwise.rules.statements import Lag
+from kerfwise.tests.models.problems import ABOUT, scattered
+
+CONTOURS = 60
+BLOCKS = [range(i, i + 3) for i in range(0, 24, 3)]
+
+
+@pytest.fixture(autouse=True)
+def small_ones_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(improve, "LEAST_CONTOURS", 30)
+    monkeypatch.setattr(improve, "FREE", 12)
+    monkeypatch.setattr(improve, "EACH", 20_000)
+
+
+def plate(seed: int) -> Problem:
+    """Contours with orders, blocks, conditions of contours and of sites, and lags."""
+    bare = scattered(seed, CONTOURS, sites=3, pairs=40, blocks=BLOCKS)
+    random = np.random.default_rng(seed)
+    conditions = []
+    for _ in range(40):
+        contour, member = random.choice(CONTOURS, 2, replace=False).tolist()
+        when = int(bare.first[contour] + random.integers(3)) if random.random() < 0.5 else None
+        weight = int(random.choice([-1, 1]))
+        conditions.append(Condition(contour, (member,), (weight,), (weight + 1) // 2, ABOUT, when, 20_000))
+    near = [Lag(c, c + 1, ABOUT, cuts=1, weight=30.0) for c in range(0, CONTOURS - 1, 4)]
+    return replace(bare, conditions=tuple(conditions), lags=tuple(near))
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_route_becomes_cheaper_and_stays_lawful(seed: int) -> None:
+    problem = plate(seed)
+    assert regional(problem)
+    search = Searcher(problem, seed)
+    search.run(0.001)
+    assert search.best is not None
+    route, fields = np.array(search.best.route), make_tables(problem)
+    ways = []
+    with ThreadPoolExecutor(2) as threads:
+        for _ in range(2):
+            regions, now, costs = Regions(problem, fields, seed), route, [search.best.cost]
+            for _ in range(4):
+                now, work = regions.step(threads, now, 8_000_000)
+                assert work >= 8_000_000
+                assert broken(problem, now.tolist()) == ()
+                costs.append(route_cost(problem, now.tolist()))
+            assert costs == sorted(costs, reverse=True)
+            assert costs[-1] < costs[0]
+            ways.append(now.tolist())
+    assert ways[0] == ways[1]
+
+
+def test_the_search_goes_by_regions_where_it_can(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(searcher, "REGIONS", 4_000_000)
+    step, begun = Regions.step, []
+
+    def noted(regions: Regions, threads: Executor, route: Ints, operations: int) -> tuple[Ints, int]:
+        begun.append(route_cost(problem, route.tolist()))
+        return step(regions, threads, route, operations)
+
+    monkeypatch.setattr(Regions, "step", noted)
+    problem, found = plate(3), []
+    for _ in range(2):
+        search = Searcher(problem, 1)
+        for _ in range(2):
+            search.run(0.1)
+        assert search.best is not None
+        assert broken(problem, search.best.route) == ()
+        found.append(search.best)
+    assert found[0] == found[1]
+    assert found[0].cost == route_cost(problem, found[0].route)
+    assert len(begun) > 4
+    assert min(begun) >= found[0].cost
+
+
+def test_what_counts_further_is_not_taken_apart() -> None:
+    assert not regional(replace(plate(1), lags=(Lag(0, 1, ABOUT, cuts=2),)))
+    assert not regional(replace(plate(1), lags=(Lag(0, 1, ABOUT, seconds=1.0),)))
+    assert not regional(scattered(1, contours=20, sites=2))
