@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -11,10 +12,12 @@ from hypothesis import strategies as st
 
 from kerfwise.arrays import Floats
 from kerfwise.models.engines.bounds import flow, flow_bound
+from kerfwise.models.engines.bounds.costs import Stopped, by_threads
 from kerfwise.models.engines.bounds.demands import DemandColumns
+from kerfwise.models.engines.bounds.flow_program import sets_out_s
 from kerfwise.models.engines.bounds.inequalities import block_inequalities
 from kerfwise.models.engines.bounds.least_cuts import Flow
-from kerfwise.models.engines.bounds.network import network_of
+from kerfwise.models.engines.bounds.network import Network, network_of
 from kerfwise.models.engines.bounds.separation import Separation
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.conditions import Condition
@@ -125,6 +128,41 @@ def test_large_problems_by_contours(monkeypatch: pytest.MonkeyPatch) -> None:
     by_sites = flow_bound(seen, best, 5.0).bound
     monkeypatch.setattr(flow, "MOST_SITES", 3)
     assert 0 < flow_bound(seen, best, 5.0).bound <= by_sites <= best.cost
+
+
+def test_where_a_first_bound_takes_longer_than_there_is_work_contours_stand_for_their_sites(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    seen = scattered(4, 6, 2)
+    best = best_of(seen)
+    sizes: list[int] = []
+
+    def noted(split: Problem, route: tuple[int, ...], most: int, most_sites: int, go: Callable[[], bool]) -> Network:
+        sizes.append(split.m)
+        return network_of(split, route, most, most_sites, go)
+
+    monkeypatch.setattr(flow, "network_of", noted)
+    for work in (0.9, 1.1):
+        flow_bound(seen, best, work * sets_out_s(seen.n, seen.m) / flow.SETTING_OUT)
+    assert sizes == [6, 12]
+
+
+def test_what_is_stopped_says_nothing_or_what_was_proven_so_far() -> None:
+    seen = scattered(4, 6, 2)
+    best = best_of(seen)
+    assert flow_bound(seen, best, 5.0, lambda *_: False).bound == 0
+    whole = flow_bound(seen, best, 5.0).bound
+    for most in range(2, 40, 5):
+        asked = iter(range(most))
+        assert 0 <= flow_bound(seen, best, 5.0, lambda *_: next(asked, None) is not None).bound <= whole  # noqa: B023
+
+
+def test_rows_are_each_worked_out_once_unless_there_is_no_time() -> None:
+    done: list[int] = []
+    by_threads(done.append, range(0, 1000, 3), lambda: True)
+    assert sorted(done) == list(range(0, 1000, 3))
+    with pytest.raises(Stopped):
+        by_threads(done.append, range(10), lambda: False)
 
 
 def test_an_order_that_leads_back_and_forth_is_proven() -> None:
