@@ -22,6 +22,8 @@ FREE = 0.2
 """Share of that which a round takes without cuts."""
 AT_ONCE_S = 1.0
 """Deterministic seconds from one question whether there is time left to the next."""
+SHORT_S = 0.5
+"""A look at all moves that takes no longer is always had to its end: what was solved last is worth it."""
 FEW = 1000
 """Rounds of the simplex method that there is always time for."""
 PRODUCTS_PER_S, BESIDE = 2.5e10, 650
@@ -109,8 +111,9 @@ class FlowProgram:
         if self._multipliers is None:
             return False
         paying = int((self._multipliers.paid > 0).sum())
-        self.work += (paying + BESIDE) * self._moves.open.size / PRODUCTS_PER_S
-        self._learn(self._multipliers)
+        look_s = (paying + BESIDE) * self._moves.open.size / PRODUCTS_PER_S
+        self.work += look_s
+        self._learn(self._multipliers, self._in_time if look_s > SHORT_S else lambda: True)
         self._multipliers = None
         return True
 
@@ -153,11 +156,11 @@ class FlowProgram:
             self._moves.costs(leave, reach), vstack([flow, self._inequalities.across(leave, reach)])
         )
 
-    def _learn(self, by: Multipliers) -> None:
+    def _learn(self, by: Multipliers, go: Callable[[], bool]) -> None:
         """The bound that these multipliers prove over all moves, and the moves that are missing."""
         moves = self._moves
         by = whole(by, NARROW) if moves.narrow else by
-        least, missing = moves.look(by, (self._leave, self._reach), self._in_time)
+        least, missing = moves.look(by, (self._leave, self._reach), go)
         beside = self._beside_cost - by.inequalities.beside.T @ by.paid  # between 0 and 1 each
         self.bound = least + float(by.paid @ by.inequalities.least + np.minimum(beside, 0.0).sum())
         self.complete = missing is None
