@@ -135,6 +135,16 @@ def test_a_program_with_common_cuts_is_gone_on_with(folder: Path, old: str, more
     assert kerfwise("check", "nest.json", "out.nc", "--plan", "plan.json", "-p", "plant.yaml").code == 0
 
 
+@pytest.mark.minizinc
+def test_minizinc_goes_on_at_the_same_cost(folder: Path) -> None:
+    solve("--plan", "old.json")
+    costs = []
+    for engine in ("portfolio", "minizinc"):
+        assert solve("--lock-from", "old.json", "--upto", "1", "--engine", engine, "--plan", "plan.json").code == 0
+        costs.append(json.loads((folder / "plan.json").read_text(encoding="utf-8"))["solve"]["objective"])
+    assert costs[0] == pytest.approx(costs[1], abs=0.01)
+
+
 def test_what_neighbours_that_are_out_leave_in_pieces_is_said(folder: Path) -> None:
     """A and B, to the left and to the right of L, were cut by an old program, one by one; now edges are common."""
     apart = nest_of(0.2)
