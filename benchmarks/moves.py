@@ -3,7 +3,8 @@
 Usage: python -m kerfwise.benchmarks.moves [--contours 16 115 308] [--moves 40] [--work 0.1]
 
 Each contour is moved to a place near its own and to one far off. Printed are processor seconds: what is worked out once
-for a plan, and the median and the longest answer, without and with the look for narrow strips.
+for a plan, the median and the longest answer, without and with the look for narrow strips, and what it takes to say of
+every contour why it is cut where it is, with other entries and places.
 """
 
 from __future__ import annotations
@@ -61,6 +62,7 @@ def row(contours: int, moves: int, work: float) -> str:
             for place in (min(len(names), k + 2), len(names) - k)
         ]
         told += [f"{statistics.median(took_s):8.3f}", f"{max(took_s):8.3f}"]
+    told.append(f"{seconds(lambda: [explainers[0].explain(name) for name in names]):8.2f}")
     return " ".join(told)
 
 
@@ -71,7 +73,7 @@ def main() -> None:
     arguments.add_argument("--moves", type=int, default=40)
     arguments.add_argument("--work", type=float, default=0.1)
     given = arguments.parse_args()
-    print("contours     once   median  longest  +look: median  longest")
+    print("contours     once   median  longest  +look: median  longest  why of all")
     for contours in given.contours:
         print(row(contours, given.moves, given.work), flush=True)
 

@@ -77,7 +77,7 @@ class Along:
         """What another order costs by the best entries along it, µm; None where no way along it is lawful."""
         changed = [k for k, (now, then) in enumerate(zip(self._order, order, strict=False)) if now != then]
         if not changed:
-            return int(self._last_from_home()) + self._extra
+            return int(self._first[-1].min()) + self._extra
         low, high = changed[0], changed[-1]
         place = np.empty(len(order) + 1, dtype=np.int64)
         place[[*order, self._home]] = np.arange(len(order) + 1)
@@ -115,9 +115,6 @@ class Along:
             best = (step + (self._here[k] + best)[None, :]).min(axis=1)
             found.append(best)
         return found[::-1]
-
-    def _last_from_home(self) -> float:
-        return float(self._first[-1].min())
 
     def _step(self, leave: int, reach: int, k: int, place: Ints) -> Floats:
         """What the moves from the sites of one contour (or home) to those of another cost as step k of an order."""
