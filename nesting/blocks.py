@@ -12,6 +12,7 @@ from kerfwise.encoder.candidates.candidate import CommonOptions
 from kerfwise.encoder.candidates.common_edges import CommonEdges, common_edges
 from kerfwise.encoder.candidates.common_ways import states
 from kerfwise.encoder.compensation import compensated
+from kerfwise.encoder.components import weak_components
 from kerfwise.encoder.nest import Nest, Sheet
 
 from .defining_line import Beside, places_beside, turns_to_try
@@ -166,7 +167,7 @@ def _block(kind: PartType, members: tuple[Member, ...], taken: shapely.Polygon, 
 
 
 def _hang_together(kind: PartType, members: Sequence[Member], common: Common) -> bool:
-    """Whether each copy has an edge that is cut once, each two at most one such stretch, and none is nearer than it."""
+    """Whether all copies hang together by edges that are cut once, each two by one stretch, and none is nearer."""
     laid = [Placed(0, Pose(turn), *shift).part(kind.part, f"{number}") for number, (turn, shift) in enumerate(members)]
     areas = np.array([part.outer.polygon for part in laid], dtype=object)
     x0, y0, x1, y1 = shapely.total_bounds(areas).tolist()
@@ -175,6 +176,8 @@ def _hang_together(kind: PartType, members: Sequence[Member], common: Common) ->
     outers = [number for number, contour in enumerate(nest.contours) if contour.kind == "outer"]
     edges = common_edges(nest, outers, common.apart_mm, CommonOptions(common.shortest_mm, common.tolerance_mm))
     if set(edges.of) != set(outers) or not all(_one_stretch_left(nest, k, edges, common.apart_mm) for k in outers):
+        return False
+    if len(set(weak_components(len(nest.contours), edges.pairs)[outers].tolist())) > 1:
         return False
     one, other = shapely.STRtree(areas).query(areas, "dwithin", distance=common.apart_mm - common.tolerance_mm)
     return not (one != other).any()

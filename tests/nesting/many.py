@@ -6,7 +6,7 @@ import argparse
 import time
 
 from kerfwise.jobs.nesting.run import nests_from
-from kerfwise.nesting.rounds import Effort, best_layout
+from kerfwise.nesting.rounds import METHODS, Effort, best_layout
 
 from .random_lists import random_order
 
@@ -21,7 +21,8 @@ def main() -> None:
     began, faults, parts, sheets, missing = time.process_time(), 0, 0, 0, 0
     for seed in range(given.first, given.first + given.lists):
         wanted, spacing = random_order(seed)
-        nested = nests_from(best_layout(wanted, spacing, Effort(given.rounds, seed=seed)))
+        method = METHODS[seed // 2 % len(METHODS)]
+        nested = nests_from(best_layout(wanted, spacing, Effort(given.rounds, seed=seed, method=method)))
         for fault in nested.faults:
             print(f"seed {seed}: {fault}", flush=True)
         faults += len(nested.faults)

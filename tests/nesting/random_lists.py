@@ -8,13 +8,13 @@ import random
 from kerfwise.encoder.by_hand import circle, part, rect
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Part, Sheet
-from kerfwise.nesting.wanted import QUARTERS, PartType, Spacing, Stock, Wanted
+from kerfwise.nesting.wanted import QUARTERS, Common, PartType, Spacing, Stock, Wanted
 
 EIGHTHS = tuple(45.0 * k for k in range(8))
 
 
 def random_order(seed: int) -> tuple[Wanted, Spacing]:
-    """An order of a few part types, and how far parts lie apart; touching ones sometimes."""
+    """An order of a few part types, and how far parts lie apart; touching ones, and common edges, sometimes."""
     chance = random.Random(seed)
     types = tuple(
         PartType(
@@ -32,7 +32,9 @@ def random_order(seed: int) -> tuple[Wanted, Spacing]:
         stocks.append(Stock("300x500", Sheet.rectangle(300, 500), 1, price=chance.uniform(10, 90)))
     if chance.random() < 0.5:
         stocks.append(Stock("rest", _remnant(chance), 1, remnant=True))
-    return Wanted(types, tuple(stocks)), Spacing(chance.choice([0.0, 1.5, 6.0]), chance.choice([0.0, 5.0, 12.0]))
+    gap_mm, edge_mm = chance.choice([0.0, 1.5, 6.0]), chance.choice([0.0, 5.0, 12.0])
+    common = Common(0.3, 15.0) if gap_mm and chance.random() < 0.3 else None
+    return Wanted(types, tuple(stocks)), Spacing(gap_mm, edge_mm, common)
 
 
 def _sound_part(name: str, chance: random.Random) -> Part:

@@ -20,6 +20,7 @@ from kerfwise.nesting.wanted import Common, PartType, Spacing, Stock, Wanted
 from kerfwise.rules.profile.cuts_section import Common as CommonCuts
 from kerfwise.rules.profile.cuts_section import Cuts
 from kerfwise.rules.profile.profile import load_profile
+from kerfwise.tests.nesting.random_lists import random_order
 
 PLATE = part("plate", rect(0, 0, 60, 30))
 HALF = part("half", [(0, 0), (120, 0), (0, 90)], [circle(30, 30, 5)])
@@ -37,6 +38,14 @@ def test_blocks_are_doubled_as_long_as_there_are_parts_for_them() -> None:
     assert sizes(PLATE, 14) == [8, 4, 2, 1]
     assert sizes(PLATE, 3) == [2, 1]
     assert sizes(ROUND, 8) == [1]
+
+
+def test_all_copies_of_a_block_hang_together() -> None:
+    """Two pairs that meet at their tips alone are no block of four: nothing there is cut once."""
+    asked, spacing = random_order(10)
+    nested = nests_from(best_layout(asked, spacing, Effort(1, seed=10, method="pavlov")))
+    assert spacing.common is not None
+    assert nested.faults == ()
 
 
 def test_two_triangles_are_a_kerf_apart_along_their_longest_side() -> None:
