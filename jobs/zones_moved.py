@@ -71,6 +71,8 @@ def better_zones(
             asked, profile, solution, found, lambda: once_more(limits, ends_s) if in_time() else None, progress
         )
 
+    if free.cost_mm(asked, solution, limits) <= free.solution.objective:
+        return asked, solution, free
     better = along_it(free)
     if better is None and in_time():
         borders = tuple(of_neighbours(asked.facts, zoned_by(asked, profile)))

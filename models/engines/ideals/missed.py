@@ -31,13 +31,16 @@ def missed_in(
 ) -> list[int]:
     """What every stretch costs more than its bound says, at least, µm: 0 for the first, which nothing comes before.
 
-    `route` is a lawful one, which costs `known`; what it misses in a stretch is the most that is looked for.
+    `route` is a lawful one, which costs `known`; what it misses in a stretch is the most that is looked for. Where it
+    costs as much as bounds are cut off at, nothing is said to be missed.
 
     Raises
     ------
     TooLarge
         If a stretch has too many sets that may be on a route that misses less.
     """
+    if known >= FAR:
+        return [0] * len(ahead)
     parts, earlier, at = ByContour(problem), frozenset[int](), 0
     missed = [0]
     for before, here in pairwise(ahead):

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kerfwise.models.engines.ideals import prove
-from kerfwise.models.engines.ideals.ahead import Ahead, look_ahead
+from kerfwise.models.engines.ideals.ahead import FAR, Ahead, look_ahead
 from kerfwise.models.engines.ideals.budget import SweepBudget, TooLarge
 from kerfwise.models.engines.ideals.missed import missed_in
 from kerfwise.models.engines.ideals.series import series
@@ -109,6 +109,7 @@ def test_what_is_missed_is_not_looked_for_a_second_time() -> None:
         missed = missed_in(three, ahead, best.incumbent.route, best.incumbent.cost, budget, thread)
         with pytest.raises(TooLarge):
             missed_in(three, ahead, best.incumbent.route, best.incumbent.cost, SweepBudget.of(0.0, bool), thread)
+        assert missed_in(three, ahead, best.incumbent.route, FAR, budget, thread) == [0, 0, 0]
     assert missed[0] == 0
     assert sum(missed) > 0
     assert ahead[0].bound.root + sum(missed) <= best.incumbent.cost
