@@ -67,9 +67,7 @@ def better_zones(
         return once_more(limits, ends_s) if in_time() else None
 
     def along_it(found: Free) -> tuple[Asked, Solution] | None:
-        return along(
-            asked, profile, solution, found, lambda: once_more(limits, ends_s) if in_time() else None, progress
-        )
+        return along(asked, profile, solution, found, left, progress)
 
     if free.cost_mm(asked, solution, limits) <= free.solution.objective:
         return asked, solution, free
@@ -95,9 +93,7 @@ def along(
     They are as large as a proof bears, so a proof alone is tried, within `limits` as they are when it begins (None: no
     more); where it fails, by smaller ones. A plan that is proven gives way to none that is not.
     """
-    facts, left = asked.facts, limits()
-    if left is None or free.cost_mm(asked, solution, left) <= free.solution.objective:
-        return None
+    facts = asked.facts
     for zone in islice(zones_along(facts, [facts.candidates[c].contour for c in free.solution.route]), TRIES):
         if (left := limits()) is None:
             break
