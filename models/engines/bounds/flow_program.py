@@ -20,8 +20,9 @@ ROWS_PER_S = 1e7
 or more."""
 FREE = 0.2
 """Share of that which a round takes without cuts."""
-AT_ONCE_S = 1.0
-"""Deterministic seconds from one question whether there is time left to the next."""
+AT_ONCE_S, AT_ONCE = 1.0, 0.2
+"""Deterministic seconds from one question whether there is time left to the next; and share of the work that is left,
+where that is more, as a program that is broken off often takes longer."""
 SHORT_S = 0.5
 """A look at all moves that takes no longer is always had to its end: what was solved last is worth it."""
 FEW = 1000
@@ -81,8 +82,9 @@ class FlowProgram:
         """Find the cheapest flow over the moves in use. False where it cannot be found within that work."""
         n, cuts = self._n, len(self._inequalities)
         round_s = (n + self._m + 2 + cuts) * min(1.0, FREE + cuts / (2 * n)) / ROWS_PER_S
-        left = FEW + int(max(0.0, work - self.work) / round_s)
-        at_once = 1 + int(AT_ONCE_S / round_s) if self._program.goes_on else left
+        left_s = max(0.0, work - self.work)
+        left = FEW + int(left_s / round_s)
+        at_once = 1 + int(max(AT_ONCE_S, AT_ONCE * left_s) / round_s) if self._program.goes_on else left
         solved = None
         while solved is None:
             asked = min(at_once, left)
