@@ -68,4 +68,4 @@ def _taken(copy: Path) -> Path:
 
 
 def test_the_page_has_its_commands() -> None:
-    assert len(COMMANDS) == 10
+    assert len(COMMANDS) == 11
