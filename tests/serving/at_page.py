@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, ConsoleMessage, Page
 from kerfwise.tests.serving.conftest import TOKEN, Served, Tab
 
 HEIGHTS = {1400: 900, 390: 844}
-WAIT_MS = 60_000
+WAIT_S = 60.0
 HELD_MS = 600
 BAD = ("error", "warning")
 """Kinds of what a console says; that the server has refused something, 422, is told by the browser itself."""
@@ -22,13 +22,13 @@ Place = tuple[float, float]
 class AtPage:
     """A tab of the browser that has the token; `wrong` is what its console said, and what it asked of anybody else."""
 
-    def __init__(self, browser: Browser, served: Served, wide: int = 1400) -> None:
+    def __init__(self, browser: Browser, served: Served, wide: int = 1400, wait_s: float = WAIT_S) -> None:
         self.touch = wide < 500
         self.context = browser.new_context(viewport={"width": wide, "height": HEIGHTS[wide]}, has_touch=self.touch)
         self.page: Page = self.context.new_page()
-        self.served, self.wrong = served, list[str]()
+        self.served, self.wrong, self._wait_s = served, list[str](), wait_s
         page, wrong = self.page, self.wrong
-        page.set_default_timeout(WAIT_MS)
+        page.set_default_timeout(1000 * wait_s)
         page.on("console", self._heard)
         page.on("pageerror", lambda error: wrong.append(str(error)))
         own = (served.address, "data:", "blob:")
@@ -55,7 +55,7 @@ class AtPage:
 
     def until(self, script: str, *given: Any) -> None:
         """Wait until a script is true: the page's policy lets nobody else ask it again and again."""
-        ends_s = time.monotonic() + WAIT_MS / 1000
+        ends_s = time.monotonic() + self._wait_s
         while not self.ask(script, *given):
             assert time.monotonic() < ends_s, f"this never came: {script}"
             self.page.wait_for_timeout(15)

@@ -43,6 +43,7 @@ class Tab:
     id: str
     version: int
     nest: Path
+    wait_s: float = WAIT_S
 
     def get(self, what: str, **query: Any) -> Any:
         answer = self.client.get(f"/api/{self.id}/{what}", params=query)
@@ -69,7 +70,7 @@ class Tab:
         return self.wait()
 
     def wait(self, until: Callable[[dict[str, Any]], bool] = lambda state: state["solving"] is None) -> dict[str, Any]:
-        ends = time.monotonic() + WAIT_S
+        ends = time.monotonic() + self.wait_s
         while not until(state := self.state()):
             assert time.monotonic() < ends, state
             time.sleep(0.02)
