@@ -334,7 +334,7 @@ def test_eight_tabs_of_one_browser_live(look: Look, opened: Open, served: Served
     first = look(planned)
     pages = [first.page, *(first.context.new_page() for _ in range(7))]
     for page in pages[1:]:
-        page.set_default_timeout(20_000)
+        page.set_default_timeout(60_000)
         page.goto(first.page.url)
         page.wait_for_selector("#row-3")
         page.click("#tab-locks")
