@@ -135,7 +135,7 @@ class _Run:
         well = self._bounded_well() and not self._carried()
         if self._bounded_beside():
             self._search(self._left() * SEARCH_ALONE)
-            if not self._over():
+            if not self._over() and self.known.incumbent is not None:
                 self._improve_while_bounded()
             return
         few = FLOW_FIRST if self.problem.n <= FLOW_FEW else 0.0

@@ -64,7 +64,8 @@ def test_a_plate(browser: Browser, plates: Plates, contours: int, wide: int) -> 
     on_paper(at, contours)
     if contours > 100:
         scrolled_by_a_drag(at)
-    planned_again(at, tab, ended=(contours, wide) == (1000, 390))
+    if contours < 1000:  # half a minute of the processor each
+        planned_again(at, tab)
     assert at.page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
     at.close()
     assert at.wrong == []
@@ -129,8 +130,8 @@ def scrolled_by_a_drag(at: AtPage) -> None:
     at.ask("document.getElementById('orders').scrollTop = 0")
 
 
-def planned_again(at: AtPage, tab: Tab, ended: bool) -> None:
-    """A row is dragged to another place that is lawful: the lock is there, and the plan goes by it, or is ended."""
+def planned_again(at: AtPage, tab: Tab) -> None:
+    """A row is dragged to another place: the lock is there, and the next plan goes by it."""
     at.panel("order")
     row = swapped(at, tab)
     at.ask("document.getElementById('orders').scrollTop = given[0]", ROW_PX * (row - 3))  # not where the list scrolls
@@ -139,14 +140,8 @@ def planned_again(at: AtPage, tab: Tab, ended: bool) -> None:
     assert f" as number {row + 2}" in said
     at.let_go()
     at.page.wait_for_selector("#hands-cancel", state="visible")
-    if ended:
-        at.page.click("#hands-cancel")
-        at.page.click("#hands-cancel")
-        at.page.wait_for_selector("#hands-cancel", state="hidden")
-        assert (at.plans, at.order[row]) == (plans, contour)
-    else:
-        at.planned(plans + 1)
-        assert at.order[row + 1] == contour
+    at.planned(plans + 1)
+    assert at.order[row + 1] == contour
     assert f"{contour} position {row + 2}" in tab.state()["locked"]
 
 
