@@ -55,9 +55,9 @@ it find, half of it from the plan with zones on, half from nothing. It is not pr
 
 ## Where the extra comes from
 
-Geometry draws borders across the ways that the torch would take: that costs travel, and now and then an excuse. Not
-the size of zones does, nor their order: where the runs of a plan without zones are zones, the plan in them costs no
-more than that plan, and a proof of the best order within them makes it a little shorter at times.
+Geometry draws borders across the ways that the torch would take: that costs travel, and now and then an excuse. It is
+not the size of zones, nor their order: where the runs of a plan without zones are zones, the plan in them costs no more
+than that plan.
 
 So runs of the best plan known without zones take the place of the zones. They must be zones still: no more of them
 than geometry has made, or than a proof bears; what is left after each about as square, on an average; each lying about
