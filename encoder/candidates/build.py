@@ -98,7 +98,8 @@ def build_with_older_kerfs(
         )
     again = again_as_it_was(nest, already.broken_off, tried, options.kerf_mm)
     out = [k for k, c in enumerate(nest.contours) if c.id in already.contours]
-    edges, along = common_ways(nest, sorted(tried.outlines), options, out)
+    before = [nest.index[cut.contour] for cut in already.cuts if cut.tabs]
+    edges, along = common_ways(nest, sorted(tried.outlines), options, out, before)
     along = within_reach(along, options.reach)
     redone = {c.contour for c in (*again, *along)}
     shut = {k: why for k, why in tried.shut.items() if k not in redone}

@@ -25,38 +25,37 @@ Run = tuple[float, float]
 
 
 def common_ways(
-    nest: Nest, left: Collection[int], options: LeadOptions, gone: Collection[int] = ()
+    nest: Nest,
+    left: Collection[int],
+    options: LeadOptions,
+    gone: Collection[int] = (),
+    held_before: Collection[int] = (),
 ) -> tuple[CommonEdges, list[Candidate]]:
     """The common edges of the contours that are left to be cut, and the ways along what they leave of rings.
 
     Each way begins and ends in the kerf of a neighbour that is out. It is lawful for exactly one set of these. There is
     none where they leave several stretches of a ring, or nothing. What is `gone` was cut before, and is out in all of
-    them. Parts that tabs hold have none, nor have those that hang together with them.
+    them; it changes nothing about which edges are common. Parts that tabs hold, or `held_before`, have none, nor have
+    those that hang together with them.
     """
     asked = options.common
     if asked is None:
         return CommonEdges({}), []
-    held = () if options.tab_places is None else options.tab_places.wanted
+    held = {*held_before, *(() if options.tab_places is None else options.tab_places.wanted)}
     edges = common_edges(nest, sorted({*left, *gone}), options.kerf_mm, asked, held)
-    found = {
-        number: list(
-            states(
-                compensated(nest.contours[number], options.kerf_mm),
-                beside,
-                options.kerf_mm,
-                edges.junctions[number],
-                beside.keys() & set(gone),
-            )
-        )
-        for number, beside in edges.of.items()
-        if number in left
-    }
+
+    def sets(number: int, out: Collection[int]) -> list[tuple[frozenset[int], Run]]:
+        ring = compensated(nest.contours[number], options.kerf_mm)
+        return list(states(ring, edges.of[number], options.kerf_mm, edges.junctions[number], out))
+
+    found = {number: sets(number, ()) for number in edges.of}
     edges = _that_have_an_order(nest, edges, found)
+    found |= {k: sets(k, out) for k, beside in edges.of.items() if (out := beside.keys() & set(gone))}
     ways = [
         way
-        for number, sets in found.items()
-        if number in edges.of
-        for out, run in sets
+        for number in edges.of
+        if number in left
+        for out, run in found[number]
         for way in _ways(nest, number, out, edges, run, options, asked)
     ]
     return edges, ways

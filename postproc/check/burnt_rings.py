@@ -18,6 +18,7 @@ from .covering.covered import Covered, covered
 from .covering.free import at_tabs, rounds
 from .covering.intervals import both, total_mm, union
 from .program_rules import tolerance_mm
+from .resumed import BurntBefore
 from .rings import torch_rings
 from .torch_run import TorchRun
 
@@ -49,11 +50,11 @@ class BurntRings:
 def burnt_rings(
     contours: Iterable[Contour],
     runs: Sequence[TorchRun],
-    made: Sequence[shapely.LineString],
+    before: BurntBefore,
     kerf_mm: float,
     tabs: Tabs | None,
 ) -> BurntRings:
-    """The rings that runs share, of these contours; `made` was burnt before a stop. None in an ordinary program."""
+    """The rings that runs share, of these contours, and what was burnt `before` a stop. None in an ordinary program."""
     within_mm, tabs = tolerance_mm(kerf_mm), tabs or {}
     named = [run for run in runs if run.contour is not None and not run.marks]
     shared = [run for run in named if run.linked or run.partial or run.name in tabs]
@@ -65,7 +66,7 @@ def burnt_rings(
     lines = [line for run in shared for line in (run.loop, *run.leads)]
     near = np.unique(tree.query(lines, "dwithin", distance=within_mm)[1]).tolist()
     rings = tuple(paired[k][1] for k in near)
-    burnt = list(_burnt(runs, made))
+    burnt = list(_burnt(runs, before))
     by = np.unique(shapely.STRtree([b.line for b in burnt]).query(rings, "dwithin", distance=within_mm)[1]).tolist()
     burnt = [burnt[k] for k in by]
     free = [
@@ -76,8 +77,9 @@ def burnt_rings(
     return BurntRings(tuple(paired[k][0] for k in near), rings, tuple(burnt), tuple(coverage), tabs, within_mm)
 
 
-def _burnt(runs: Sequence[TorchRun], made: Sequence[shapely.LineString]) -> Iterator[_Burnt]:
-    yield from (_Burnt(None, line, line.is_closed) for line in made)
+def _burnt(runs: Sequence[TorchRun], before: BurntBefore) -> Iterator[_Burnt]:
+    yield from (_Burnt(None, line, True) for line in before.rounds)
+    yield from (_Burnt(None, line, False) for line in before.others)
     for run in runs:
         if not run.marks:
             all_round = run.between_tabs or not run.partial

@@ -231,7 +231,9 @@ def _judge_paths(
         judgement(
             "features-kept",
             [
-                *features_lost(runs, kerf_mm, _at_fault([*faults, *opened]), slits_of_made(nest, cuts), tabs, before),
+                *features_lost(
+                    runs, kerf_mm, _at_fault([*faults, *opened]), slits_of_made(nest, cuts), tabs, before.lines
+                ),
                 *misplaced(slots, cuts, kerf_mm),
             ],
         ),

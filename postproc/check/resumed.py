@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
+from shapely.ops import substring
 
 from kerfwise.encoder.cut import Cut, Tab
 from kerfwise.encoder.geometry.curve import Curve
@@ -19,8 +20,11 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.rule import Violation
 
+from .covering.free import at_tabs
+from .covering.intervals import rest
 from .names import folded, ids_by_name
 from .rings import torch_rings
+from .runs_from_cuts import unlit_tabs
 
 _RULE = "every-contour-once"
 _NUMBER = r"-?\d+(?:\.\d+)?"
@@ -96,11 +100,45 @@ def read_resumed(nest: Nest, comments: Iterable[str]) -> Resumed:
     return Resumed(tuple(cuts[k] for k in sorted(cuts)), broken_off, told)
 
 
-def burnt_by(nest: Nest, made: Sequence[Cut], kerf_mm: float) -> list[shapely.LineString]:
-    """What cuts before a stop have burnt: the rings of their contours, and their leads."""
-    contours = [c for cut in made if cut.contour in nest.index and (c := nest.contour(cut.contour)).kind != "mark"]
-    leads = (lead for cut in made for lead in (cut.lead_in, cut.lead_out) if lead is not None and lead.segments)
-    return [*(ring for ring in torch_rings(contours, kerf_mm) if ring is not None), *(lead.line() for lead in leads)]
+@dataclass(frozen=True, eq=False, slots=True)
+class BurntBefore:
+    """What cuts before a stop have burnt: the ways round their contours, but for tabs, and other lines, as leads are.
+
+    `out` are the ids of the contours that they cut.
+    """
+
+    rounds: tuple[shapely.LineString, ...] = ()
+    others: tuple[shapely.LineString, ...] = ()
+    out: frozenset[str] = frozenset()
+
+    @property
+    def lines(self) -> tuple[shapely.LineString, ...]:
+        """All that is burnt."""
+        return (*self.rounds, *self.others)
+
+
+NOTHING_BURNT = BurntBefore()
+
+
+def burnt_by(nest: Nest, made: Sequence[Cut], kerf_mm: float) -> BurntBefore:
+    """What cuts before a stop have burnt."""
+    rows = [(c, cut) for cut in made if cut.contour in nest.index and (c := nest.contour(cut.contour)).kind != "mark"]
+    rings = torch_rings([contour for contour, _ in rows], kerf_mm)
+    rounds: list[shapely.LineString] = []
+    others = [lead.line() for cut in made for lead in (cut.lead_in, cut.lead_out) if lead is not None and lead.segments]
+    for (contour, cut), ring in zip(rows, rings, strict=True):
+        if ring is not None:
+            (rounds if contour.encloses else others).extend(_lit(ring, cut, kerf_mm))
+    return BurntBefore(tuple(rounds), tuple(others), frozenset(contour.id for contour, _ in rows))
+
+
+def _lit(ring: shapely.LineString, cut: Cut, kerf_mm: float) -> Iterator[shapely.LineString]:
+    """What of a contour's ring is burnt: all of it but for the tabs of its cut."""
+    if not cut.tabs:
+        yield ring
+        return
+    off = at_tabs(ring, unlit_tabs(cut, kerf_mm), 0.0)
+    yield from (substring(ring, low, high) for low, high in rest(off, ring.length).tolist())
 
 
 def told_ends(comments: Iterable[str]) -> Iterator[tuple[str, Point, Point]]:

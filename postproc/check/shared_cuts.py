@@ -23,6 +23,7 @@ from .covering.pieces import Piece, is_whole, pieces
 from .covering.sharing import shared, stretches_of
 from .matching import Match
 from .program_rules import tolerance_mm
+from .resumed import NOTHING_BURNT, BurntBefore
 from .torch_run import TorchRun, line_of
 
 Rings = Sequence[shapely.LineString | None]
@@ -47,19 +48,20 @@ def shared_cuts(
     rings: Rings,
     kerf_mm: float,
     tabs: Tabs | None = None,
-    before: Sequence[shapely.LineString] = (),
+    before: BurntBefore = NOTHING_BURNT,
 ) -> dict[int, list[CutOut]]:
     """For each burn that does not cut one contour all by itself, what it cuts, in order; the others are left out.
 
-    What was burnt `before` a stop is burnt.
+    What was burnt `before` a stop is burnt; contours that were cut then are out, and not cut by what runs along them.
     """
     within_mm = tolerance_mm(kerf_mm)
     paths = [burn.path if burn.tool == 0 else None for burn in burns]
     around = [ring if contour.encloses else None for ring, contour in zip(rings, nest.contours, strict=True)]
     own = [_own(match, line, within_mm) for match, line in zip(matches, lines, strict=True)]
     tabbed = frozenset(k for k, contour in enumerate(nest.contours) if tabs and contour.id in tabs)
-    burnt = _burnt_on(around, before, within_mm)
-    odd = shared(paths, lines, around, own, within_mm, tabbed | burnt.keys())
+    left = [None if contour.id in before.out else ring for ring, contour in zip(around, nest.contours, strict=True)]
+    burnt = _burnt_on(left, before.lines, within_mm)
+    odd = shared(paths, lines, around, own, within_mm, tabbed | (burnt.keys() - set(own)))
     if not odd.burns:
         return {}
     free: dict[int, Floats] = {}
@@ -68,9 +70,9 @@ def shared_cuts(
     while more := cut - coverage.keys():
         free |= {k: at_tabs(around[k], (tabs or {}).get(nest.contours[k].id, ()), within_mm) for k in more}
         coverage |= _coverage(sorted(more), around, _with(free, burnt), paths, lines, within_mm)
-        left = sorted(k for k in more if coverage[k].out is None)
-        free |= {k: union(np.concatenate([free[k], rounds(around[k], nest.contours[k])])) for k in left}
-        coverage |= _coverage(left, around, _with(free, burnt), paths, lines, within_mm)
+        open_yet = sorted(k for k in more if coverage[k].out is None)
+        free |= {k: union(np.concatenate([free[k], rounds(around[k], nest.contours[k])])) for k in open_yet}
+        coverage |= _coverage(open_yet, around, _with(free, burnt), paths, lines, within_mm)
         finishing = {done.out[0] for done in coverage.values() if done.out is not None} - taken
         taken |= finishing
         cut |= {ring for burn in finishing if (ring := own[burn]) is not None}

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 
+from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.by_hand import part, rect
+from kerfwise.encoder.cut import Cut, Tab
 from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import Produced, produce
 from kerfwise.jobs.solve_options import options_for
+from kerfwise.postproc.check.resumed import burnt_by
 from kerfwise.postproc.verdict.checking import check_program
+from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile, load_profile
 from kerfwise.tests.metal.common_nests import block
 from kerfwise.tests.metal.plant import plant, tabs_of
@@ -70,6 +76,47 @@ def test_a_group_with_a_part_that_tabs_hold_is_cut_all_round(tmp_path: Path) -> 
     assert [planned.part for planned in found.plan.cuts if planned.cut.tabs] == ["B"]
     assert all(planned.cut.span is None for planned in found.plan.cuts)
     assert simulate(sheet, found.program, **plant(profile), tabs=tabs_of(found.plan)) == []
+
+
+CHANNEL = [(40, 40), (160, 40), (160, 120), (130, 120), (130, 70), (70, 70), (70, 120), (40, 120)]
+PLATE_AND_CHANNEL = [part("U", CHANNEL), part("B", rect(40, 120.2, 120, 60))]
+PLATE_AND_STRIP = [part("A", rect(40, 40, 90, 60)), part("B", rect(130.2, 40, 20, 60))]
+CUT_ALL_ROUND = {
+    "a channel and a plate": (PLATE_AND_CHANNEL, COMMON, ""),
+    "a part with tabs": (PLATE_AND_STRIP, COMMON, TABS),
+    "a part with tabs, nothing common": (PLATE_AND_STRIP, "", TABS),
+}
+
+
+@pytest.mark.parametrize("name", CUT_ALL_ROUND)
+@pytest.mark.parametrize("backwards", [False, True])
+def test_what_is_left_of_parts_cut_all_round_after_a_stop(tmp_path: Path, name: str, backwards: bool) -> None:
+    """One of two parts a kerf apart is out. The other is cut all round, as it would have been."""
+    parts, common, more = CUT_ALL_ROUND[name]
+    (tmp_path / "plant.yaml").write_text(
+        f"based_on: laser-st10kp-2mm\nmachine: {{dialect: linuxcnc}}\ncuts: {{{common}}}\n{more}", encoding="utf-8"
+    )
+    profile, sheet = load_profile(tmp_path / "plant.yaml"), Nest(Sheet.rectangle(320, 220), tuple(parts))
+    options = options_for(sheet, profile, work=0.1)
+    first = replace(profile, locks=(Lock(contour=parts[-1 if backwards else 0].outer.id, position="first"),))
+    whole = produce(ask(facts_of(sheet, first), first), first, options)
+    cuts = [planned.cut for planned in whole.plan.cuts]
+    assert whole.verdict.ok
+    assert all(cut.span is None for cut in cuts)
+    rest = produce(ask(facts_of(sheet, profile, AlreadyCut(tuple(cuts[:1]))), profile), profile, options)
+    assert [planned.cut.span for planned in rest.plan.cuts] == [None]
+    assert rest.verdict.ok, rest.verdict.broken()
+    assert check_program(sheet, rest.program, profile).ok
+    assert simulate(sheet, rest.program, before=whole.program, **plant(profile), tabs=tabs_of(rest.plan)) == []
+
+
+def test_tabs_of_cuts_before_a_stop_are_not_burnt() -> None:
+    sheet, tab = Nest(Sheet.rectangle(200, 100), (part("A", rect(20, 20, 90, 60)),)), Tab((60, 20), 0.5)
+    cut = Cut("A.outer", (20, 20), "ccw", (15, 15), tabs=(tab,))
+    before = burnt_by(sheet, [cut], 0.2)
+    (whole,) = burnt_by(sheet, [replace(cut, tabs=())], 0.2).rounds
+    assert whole.length - sum(line.length for line in before.lines) == pytest.approx(0.5 + 0.2)
+    assert min(line.distance(shapely.Point(60, 19.9)) for line in before.lines) == pytest.approx(0.35)
 
 
 @pytest.mark.linuxcnc
