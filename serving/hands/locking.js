@@ -35,7 +35,7 @@ export function lockPanel(app, work, drawTab) {
 /** @type {(app: any, work: Work, place: HTMLElement, drawTab: (contour: number) => void) => void} */
 function chosenButtons(app, work, place, drawTab) {
   const contour = app.data.nest.contours[app.state.selected], side = app.data.sides[0];
-  place.hidden = !contour || Boolean(work.compared);
+  place.hidden = !contour || Boolean(work.compared) || !work.isDrawn;
   if (place.hidden) return;
   const k = side?.cuts.findIndex((/** @type {any} */ cut) => cut.contour === app.state.selected) ?? -1;
   const part = app.data.nest.parts[contour.part] ?? contour.id, name = quoted(contour.id);

@@ -1,15 +1,15 @@
-const NEWS = "kerfwise-news", KINDS = ["state", "progress", "planner"];
+const NEWS = "kerfwise-news", KINDS = ["state", "progress", "planner"], AGAIN_MS = 3000;
 
 /**
  * News of all nests. A browser opens six connections to a server at the most, so one tab listens for all: the one that
- * has the lock. When it is closed, the next one has it.
+ * has the lock. When it is closed, or the server refuses it, the next one has it.
  *
  * @param {(what: string, told: any) => void} heard
  */
 export function listenToNews(heard) {
   const tabs = new BroadcastChannel(NEWS);
   tabs.addEventListener("message", event => heard(event.data.what, event.data.told));
-  const stream = () => {
+  const stream = () => new Promise(refused => {
     const news = new EventSource("/api/events");
     for (const what of KINDS) {
       news.addEventListener(what, event => {
@@ -18,8 +18,11 @@ export function listenToNews(heard) {
         tabs.postMessage({ what, told });
       });
     }
-  };
-  // The lock is held until the tab is gone.
-  void navigator.locks.request(NEWS, () => new Promise(() => stream()));
+    // A browser asks again by itself where the server is gone, but not where it refuses, as one with a new token does.
+    news.addEventListener("error", () => { if (news.readyState === EventSource.CLOSED) refused(null); });
+  });
+  // The lock is held until the tab is gone, or its stream is refused.
+  const listen = () => void navigator.locks.request(NEWS, stream).then(() => setTimeout(listen, AGAIN_MS));
+  listen();
   addEventListener("pageshow", event => { if (event.persisted) location.reload(); });
 }

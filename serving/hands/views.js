@@ -19,6 +19,7 @@ export function planViews(app, work) {
     const data = await work.page().catch(error => { work.say(error.message); return null; });
     if (view !== work.view) return;
     if (!data) {
+      asked = ""; // with the next news
       if (work.compared) comparePlans(work, null);
       return;
     }

@@ -106,7 +106,10 @@ export class Work {
   get plan() { return this.state.alternatives.find((/** @type {any} */ one) => one.number === this.state.shown) ?? null; }
 
   /** Whether what is drawn is the plan that moves are judged in. */
-  get free() { return this.state.fits && !this.compared && this.drawn === this.view; }
+  get free() { return this.state.fits && !this.compared && this.isDrawn; }
+
+  /** Whether what is drawn is what is shown: numbers on the page are of that plan then. */
+  get isDrawn() { return this.drawn === this.view; }
 
   /** What is to be drawn: of the nest as it is on disk, one plan or two. */
   get view() { return `${this.compared?.join(" and ") ?? this.state.shown} of ${this.state.sha256}`; }
@@ -139,8 +142,10 @@ export class Work {
     const view = this.view, [plan, other] = this.compared ?? [this.state.shown];
     const query = other ? `?${new URLSearchParams({ plan: String(plan), with: String(other) })}` : plan ? `?plan=${plan}` : "";
     const data = await askServer(this.path("page") + query);
-    this.data = data;
-    this.drawn = view;
+    if (view === this.view) { // else something else is shown meanwhile, and perhaps drawn
+      this.data = data;
+      this.drawn = view;
+    }
     return data;
   }
 }

@@ -5,6 +5,7 @@ import test from "node:test";
 import { Camera } from "../page_files/camera.js";
 import { boundsOf, distanceTo, flattened, inside, simplified } from "../page_files/geometry.js";
 import { nearestOn } from "../page_files/nearest.js";
+import { listenToNews } from "../page_files/news.js";
 import { Outlines } from "../page_files/outlines.js";
 import { placeOf, scrolledBy } from "../page_files/places.js";
 import { paintNumbers } from "../page_files/route.js";
@@ -13,6 +14,7 @@ import { found } from "../page_files/search.js";
 import { countUpTo, momentAt, timelineOf, zonesOf } from "../page_files/timeline.js";
 import { clock, millimetres } from "../page_files/words.js";
 import { placeOn, wayOf } from "../page_files/way.js";
+import { Work } from "../page_files/work.js";
 
 const near = (a, b, within = 1e-9) => assert.ok(Math.abs(a - b) <= within, `${a} is not ${b}`);
 
@@ -212,4 +214,55 @@ test("a run that is dropped on a later row ends there, on an earlier one begins 
 test("a list scrolls the faster the nearer the pointer is to its end, and not from its middle", () => {
   const box = { top: 100, bottom: 500 };
   assert.deepEqual([90, 100, 120, 140, 300, 460, 480, 500, 700].map(y => scrolledBy(box, y)), [-1, -1, -0.5, 0, 0, 0, 0.5, 1, 1]);
+});
+
+test("what comes late is not taken for what is drawn, and no number is of a plan that is not drawn", async context => {
+  const answers = [];
+  context.mock.method(globalThis, "fetch", () => new Promise(done => answers.push(of => done({ ok: true, json: async () => of }))));
+  const work = new Work("nest");
+  work.state = { version: 2, shown: 2, sha256: "a", fits: true };
+  const first = work.page();
+  answers[0]("plan 2");
+  await first;
+  assert.deepEqual([work.isDrawn, work.free, work.data], [true, true, "plan 2"]);
+  work.compared = [2, 1];
+  const both = work.page();
+  assert.equal(work.isDrawn, false);
+  work.compared = null;
+  const again = work.page();
+  answers[2]("plan 2 again");
+  await again;
+  answers[1]("plans 2 and 1");
+  assert.equal(await both, "plans 2 and 1");
+  assert.deepEqual([work.isDrawn, work.free, work.data], [true, true, "plan 2 again"]);
+  work.state = { version: 3, shown: 3, sha256: "a", fits: true };
+  assert.deepEqual([work.isDrawn, work.free], [false, false]);
+});
+
+test("a tab whose stream is refused leaves the lock to the next one, and asks again", async context => {
+  context.mock.timers.enable({ apis: ["setTimeout"] });
+  const streams = [], held = [];
+  class EventSource extends EventTarget {
+    static CLOSED = 2;
+    readyState = 0;
+    constructor() { super(); streams.push(this); }
+  }
+  const request = async (name, fn) => { held.push(name); await fn(); held.pop(); };
+  const globals = { EventSource, navigator: { locks: { request } }, addEventListener: () => {}, BroadcastChannel: class extends EventTarget { postMessage() {} } };
+  for (const [name, value] of Object.entries(globals)) Object.defineProperty(globalThis, name, { value, configurable: true, writable: true });
+  const heard = [];
+  const some = () => new Promise(done => setImmediate(done));
+  listenToNews((what, told) => heard.push([what, told]));
+  streams[0].dispatchEvent(new Event("error")); // the server is gone: the browser asks again by itself
+  await some();
+  assert.deepEqual([streams.length, held.length], [1, 1]);
+  streams[0].readyState = EventSource.CLOSED;
+  streams[0].dispatchEvent(new Event("error"));
+  await some();
+  assert.deepEqual([streams.length, held.length], [1, 0]);
+  context.mock.timers.tick(3000);
+  await some();
+  assert.deepEqual([streams.length, held.length], [2, 1]);
+  streams[1].dispatchEvent(new MessageEvent("planner", { data: '{"nest": "a.dxf"}' }));
+  assert.deepEqual(heard, [["planner", { nest: "a.dxf" }]]);
 });
