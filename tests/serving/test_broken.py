@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import json
 import math
+import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import ezdxf
+import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
+from kerfwise.encoder.readers.read import BrokenNest
+from kerfwise.serving import problems
 from kerfwise.serving.child import as_told
 from kerfwise.serving.desk import Desk
 from kerfwise.serving.wanted import Wanted
@@ -39,8 +44,8 @@ def told(path: Path, repair: bool = False) -> dict[str, Any]:
     try:
         Desk().opened(Wanted(str(path), None, repair))
     except Exception as error:
-        problems: dict[str, Any] = as_told(error)["problems"]
-        return problems
+        wrong: dict[str, Any] = as_told(error)["problems"]
+        return wrong
     raise AssertionError("it was opened")
 
 
@@ -83,6 +88,23 @@ def test_lines_that_do_not_close_are_drawn_too(tmp_path: Path, keep_folder: None
     ]
     said = [(one["contours"], one["at"], one["mends"]) for one in problems["lines"]]
     assert said == [([], None, False), (["open1"], (20.0, 20.0), True), (["open2"], (130.0, 20.0), False)]
+
+
+def test_thousands_of_open_lines_are_told_in_seconds(monkeypatch: pytest.MonkeyPatch) -> None:
+    def line(x: float) -> Any:
+        vertices = np.array([[x, 0, 0], [x, 9.5, 0]])
+        return SimpleNamespace(curve=SimpleNamespace(closed=False, vertices=vertices, point_at=lambda s: (x, 0.0)))
+
+    lines = {f"open{k}": line(10.0 * k) for k in range(1, 3000)} | {"open door": line(-10.0)}
+    details = [f"the line from ({10 * k}, 0) to ({10 * k}, 9.5)" for k in range(1, 3000)]
+    details += ["open7: too short", "open12, and open door are odd", "open12.5 or reopen3"]
+    contours = SimpleNamespace(contour=lines.__getitem__, file="open.dxf")
+    broken = SimpleNamespace(nest=contours, wrong=tuple(lines), details=details, message="lines do not close")
+    monkeypatch.setattr(problems, "page_of", lambda *given: {})
+    begun_s = time.process_time()
+    told = [one["contours"] for one in problems.problems_of(cast("BrokenNest", broken), None)["lines"]]
+    assert time.process_time() - begun_s < 10  # half a second; minutes where each line looks at all others
+    assert told == [*([f"open{k}"] for k in range(1, 3000)), ["open7"], ["open12", "open door"], []]
 
 
 @pytest.fixture
