@@ -18,6 +18,7 @@ from kerfwise.arrays import Floats
 
 from .allot import Layout, Sheetful
 from .fill import LEFT, Going, Taste, by_size, fill
+from .pose import Placed
 from .room import Room
 from .shapes import Shapes
 from .wanted import Spacing, Wanted
@@ -27,6 +28,7 @@ _WORK = 2.0
 """Deterministic time of CP-SAT for each cover."""
 _PER_UNIT = 1000
 """Worth is counted in thousandths."""
+_ANEW = (Taste(blocks=True), Taste(0.01, 1.0, blocks=True), LEFT)
 
 
 class Patterns:
@@ -97,7 +99,10 @@ class Patterns:
         chosen = self._chosen(seed)
         if not chosen:
             return best
-        made = self._moved_up(self._without_surplus(chosen))
+        kept = self._without_surplus(chosen)
+        if kept is None:
+            return best
+        made = self._moved_up(kept)
         layout = Layout(self._wanted, self._spacing, tuple(made))
         return layout if layout.score < best.score else best
 
@@ -133,8 +138,11 @@ class Patterns:
                 model.add_hint(variable, solver.value(variable))
         return [sheet for p, sheet in enumerate(sheets) for _ in range(solver.value(taken[p]))]
 
-    def _without_surplus(self, chosen: Sequence[Sheetful]) -> list[Sheetful]:
-        """Sheets in the order in which they are told, the emptiest last, without copies that nobody wants."""
+    def _without_surplus(self, chosen: Sequence[Sheetful]) -> list[Sheetful] | None:
+        """Sheets in the order in which they are told, the emptiest last, without copies that nobody wants.
+
+        None where what stays on a sheet cannot be laid there.
+        """
         ordered = sorted(
             chosen, key=lambda s: (not s.stock.remnant, -s.metal_mm2(self._wanted) / s.stock.area_mm2, s.number)
         )
@@ -149,8 +157,26 @@ class Patterns:
                 else:
                     placed.append(one)
             if placed:
-                kept.append(replace(sheet, placed=tuple(reversed(placed))))
+                fewer = self._with_fewer(sheet, placed[::-1])
+                if fewer is None:
+                    return None
+                kept.append(fewer)
         return kept[::-1]
+
+    def _with_fewer(self, sheet: Sheetful, placed: Sequence[Placed]) -> Sheetful | None:
+        """A sheet with only these of its parts; laid anew where edges are cut once, or None where that fails.
+
+        A block that lost a copy may hang together no more, and then its parts lie nearer than they may.
+        """
+        if self._shapes.common is None or len(placed) == len(sheet.placed):
+            return replace(sheet, placed=tuple(placed))
+        left = Counter(one.kind for one in placed)
+        for taste in _ANEW:
+            room = Room(self._shapes, sheet.stock.sheet, self._spacing)
+            laid = fill(room, by_size(self._shapes, sorted(left)), left, taste, every=True)
+            if len(laid) == len(placed):
+                return replace(sheet, placed=tuple(laid))
+        return None
 
     def _moved_up(self, sheets: list[Sheetful]) -> list[Sheetful]:
         """Parts of the last sheet moved to those before, where there is room."""
@@ -169,7 +195,10 @@ class Patterns:
             if left[one.kind] > 0:
                 left[one.kind] -= 1
                 stay.append(one)
-        return [*before, *([replace(last, placed=tuple(stay))] if stay else [])]
+        if not stay:
+            return before
+        fewer = self._with_fewer(last, stay)
+        return sheets if fewer is None else [*before, fewer]
 
 
 def _worth(sheet: Sheetful) -> float:

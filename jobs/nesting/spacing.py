@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.tolerance import tolerance_mm
 from kerfwise.nesting.wanted import Common, Spacing
 from kerfwise.rules.profile.profile import Profile
 
 BESIDE_MM = 0.02
 """Metal that stays between the torch's kerf and the edge of the sheet, at the least: the torch runs on the sheet."""
+_ROUNDING_MM = 1e-9
 
 
 def spacing_of(profile: Profile, gap_mm: float | None = None, edge_mm: float | None = None) -> Spacing:
@@ -23,12 +25,17 @@ def spacing_of(profile: Profile, gap_mm: float | None = None, edge_mm: float | N
     >>> from kerfwise.rules.profile.profile import load_profile
     >>> spacing_of(load_profile()), spacing_of(load_profile(), gap_mm=0.0)
     (Spacing(gap_mm=7.5, edge_mm=10.0, common=None), Spacing(gap_mm=0.0, edge_mm=10.0, common=None))
+
+    The least distance to the edge that the message names is allowed:
+
+    >>> spacing_of(load_profile("laser-st10kp-2mm"), edge_mm=0.12).edge_mm
+    0.12
     """
     kerf_mm = profile.material.kerf_mm
     web_mm = profile.length_mm(profile.nesting.web_mm)
     edge = profile.length_mm(profile.nesting.edge_mm) if edge_mm is None else edge_mm
     least_mm = kerf_mm / 2 + BESIDE_MM
-    if edge < least_mm:
+    if edge < least_mm - _ROUNDING_MM:
         raise InputError(
             f"{'nesting.edge' if edge_mm is None else '--edge'}: {edge:g} mm from parts to the edge of the sheet, and "
             f"the torch runs half a kerf, {kerf_mm / 2:g} mm, beside each part: give {least_mm:g} mm or more",
@@ -56,6 +63,18 @@ def burnt(profile: Profile, spacing: Spacing) -> str:
 
 
 def common_of(profile: Profile) -> Common | None:
-    """How far parts lie apart whose edges are cut once; None where the profile asks for no common cuts."""
-    asked = profile.common_options()
-    return None if asked is None else Common(profile.material.kerf_mm, asked.shortest_mm, asked.gap_mm)
+    """How far parts lie apart whose edges are cut once; None where the profile asks for no common cuts.
+
+    The tolerance is the profile's, but no more than that of the torch's path: edges further off are not cut once.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from kerfwise.rules.profile.cuts_section import Common as CommonCuts
+    >>> from kerfwise.rules.profile.cuts_section import Cuts
+    >>> from kerfwise.rules.profile.profile import load_profile
+    >>> common_of(replace(load_profile("laser-st10kp-2mm"), cuts=Cuts(common=CommonCuts(20.0, gap_tolerance_mm=0.3))))
+    Common(apart_mm=0.2, shortest_mm=20.0, tolerance_mm=0.05)
+    """
+    asked, kerf_mm = profile.common_options(), profile.material.kerf_mm
+    return None if asked is None else Common(kerf_mm, asked.shortest_mm, min(asked.gap_mm, tolerance_mm(kerf_mm)))

@@ -14,6 +14,10 @@ from kerfwise.jobs.listening import Listener
 from kerfwise.jobs.nesting.repair import planned
 from kerfwise.jobs.nesting.run import nests_from
 from kerfwise.jobs.nesting.spacing import spacing_of
+from kerfwise.nesting.allot import Layout, Sheetful
+from kerfwise.nesting.cover import Patterns
+from kerfwise.nesting.fill import Taste, fill
+from kerfwise.nesting.room import Room
 from kerfwise.nesting.rounds import Effort, best_layout
 from kerfwise.nesting.shapes import Shapes
 from kerfwise.nesting.wanted import Common, PartType, Spacing, Stock, Wanted
@@ -77,6 +81,20 @@ def test_without_common_edges_the_check_refuses_parts_that_are_so_near() -> None
     assert any("0.200 mm apart, and 2.2 mm were asked for" in fault for fault in said)
     longer = replace(layout, spacing=Spacing(2.2, 10.0, Common(0.2, 80.0)))
     assert nests_from(longer).faults
+
+
+def test_what_is_left_of_a_block_is_laid_anew_where_a_copy_too_many_is_taken_off() -> None:
+    """Three of these four hang together no more: two of them meet at a tip alone."""
+    wanted = Wanted((PartType("half", HALF, 7),), (Stock("sheet", Sheet.rectangle(145, 205)),))
+    spacing = Spacing(2.2, 10.0, COMMON)
+    shapes = Shapes(wanted.types, spacing.gap_mm, COMMON)
+    patterns, stock = Patterns(wanted, shapes, spacing), wanted.stocks[0]
+    placed = fill(Room(shapes, stock.sheet, spacing), [0], {0: 4}, Taste(blocks=True))
+    patterns.add(Sheetful(stock, 0, tuple(placed)))
+    assert nests_from(Layout(wanted, spacing, (Sheetful(stock, 0, tuple(placed[:3])),))).faults
+    layout = patterns.cover(Layout(wanted, spacing, ()), 1)
+    assert layout.missing == (0,)
+    assert nests_from(layout).faults == ()
 
 
 def test_blocks_lie_apart_from_each_other() -> None:

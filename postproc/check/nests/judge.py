@@ -78,23 +78,31 @@ def _too_near(parts: Sequence[Part], spacing: AskedSpacing) -> Iterator[str]:
         shared = shapely.intersection(metal[i], metal[j])
         if not shapely.buffer(shared, -SLACK_MM).is_empty:  # thicker than what two chords may be off
             yield f"{parts[i].id} and {parts[j].id} overlap by {shared.area:.3f} mm²"
-        elif mm < gap_mm - SLACK_MM and not (common and _in_one_group(i, j, mm, groups, common)):
+        elif mm < gap_mm - SLACK_MM and not (
+            common
+            and i in groups
+            and groups.get(j) == groups[i]
+            and mm >= common.apart_mm - common.tolerance_mm - SLACK_MM
+            and not _one_in_the_other(parts[i], parts[j])
+        ):
             yield f"{parts[i].id} and {parts[j].id} are {mm:.3f} mm apart, and {gap_mm:g} mm were asked for"
 
 
-def _in_one_group(i: int, j: int, mm: float, groups: Mapping[int, int], common: AskedCommon) -> bool:
-    """Whether two parts that are nearer than the gap hang together by common edges, and are a kerf apart at least."""
-    return i in groups and groups.get(j) == groups[i] and mm >= common.apart_mm - common.tolerance_mm - SLACK_MM
+def _one_in_the_other(one: Part, other: Part) -> bool:
+    """Whether one of two parts lies in a hole of the other, where no edge is cut once."""
+    a, b = one.outer.polygon, other.outer.polygon
+    return bool(a.covers(b) or b.covers(a))
 
 
 def _groups(parts: Sequence[Part], apart_mm: Mapping[tuple[int, int], float], common: AskedCommon) -> dict[int, int]:
     """The number of each part's group: those that hang together by edges a kerf apart, one of them as long as asked."""
-    near_mm = common.apart_mm + common.tolerance_mm + SLACK_MM
+    within_mm = common.tolerance_mm + SLACK_MM
     edges = {
         (i, j): mm
         for (i, j), apart in apart_mm.items()
-        if abs(apart - common.apart_mm) <= near_mm - common.apart_mm
-        and (mm := _shared_mm(parts[i], parts[j], near_mm)) > 2 * near_mm
+        if abs(apart - common.apart_mm) <= within_mm
+        and not _one_in_the_other(parts[i], parts[j])
+        and (mm := _shared_mm(parts[i], parts[j], common.apart_mm + within_mm)) > common.apart_mm
     }
     group = {k: k for pair in edges for k in pair}
     longest: dict[int, float] = {}
@@ -102,15 +110,20 @@ def _groups(parts: Sequence[Part], apart_mm: Mapping[tuple[int, int], float], co
         old, new = group[j], group[i]
         longest[new] = max(mm, longest.get(new, 0.0), longest.get(old, 0.0))
         group = {k: new if g == old else g for k, g in group.items()}
-    return {k: g for k, g in group.items() if longest[g] >= common.shortest_mm}
+    return {k: g for k, g in group.items() if longest[g] >= common.shortest_mm - SLACK_MM}
 
 
 def _shared_mm(one: Part, other: Part, near_mm: float) -> float:
-    """How long a straight edge of the one lies so near to the other, at the most."""
-    reach = other.outer.polygon.buffer(near_mm)
-    straight = (segment for segment in one.outer.curve.segments if not segment.is_arc)
-    sides = (shapely.LineString([segment.start, segment.end]) for segment in straight)
-    return max((float(shapely.intersection(side, reach).length) for side in sides), default=0.0)
+    """How long a straight edge of the one lies so near beside a straight edge of the other, at the most."""
+    mine, its = (
+        [shapely.LineString([s.start, s.end]) for s in part.outer.curve.segments if not s.is_arc]
+        for part in (one, other)
+    )
+    if not mine or not its:
+        return 0.0
+    a, b = shapely.STRtree(its).query(mine, "dwithin", distance=near_mm)
+    beside = shapely.intersection(np.array(mine)[a], shapely.buffer(np.array(its)[b], near_mm, cap_style="flat"))
+    return float(shapely.length(beside).max(initial=0.0))
 
 
 def _off_the_edge(nest: Nest, edge_mm: float) -> Iterator[str]:

@@ -11,7 +11,7 @@ import pytest
 from kerfwise.encoder.by_hand import circle, part, rect
 from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.nest import Sheet
-from kerfwise.postproc.check.nests import AskedPart, AskedSheet, AskedSpacing, nest_faults
+from kerfwise.postproc.check.nests import AskedCommon, AskedPart, AskedSheet, AskedSpacing, nest_faults
 
 FLAG = part("F", [(0, 0), (40, 0), (40, 10), (12, 10), (12, 30), (0, 30, -0.2)], [circle(6, 20, 3)])
 ASKED = AskedPart("F", FLAG, 2, (0.0, 180.0))
@@ -116,3 +116,55 @@ def test_a_part_in_the_hole_of_another_keeps_the_gap_to_its_rim() -> None:
     for gap, count in ((5.0, 0), (5.1, 1)):
         found = nest_faults({"s": json.dumps(nest).encode()}, [ring, disc], sheets, AskedSpacing(gap, 5.0))
         assert len(found) == count, found
+
+
+def box(x0: float, y0: float, x1: float, y1: float) -> list[list[float]]:
+    return [[x0, y0], [x1, y0], [x1, y1], [x0, y1]]
+
+
+COMMON = AskedSpacing(2.2, 1.0, AskedCommon(0.2, 20.0, 0.05))
+PLATE = AskedPart("P", part("P", rect(0, 0, 40, 30)), 2, (0.0,))
+BIG = [AskedSheet("s", Sheet.rectangle(9000, 5000))]
+
+
+def near_faults(asked: list[AskedPart], *rows: dict[str, Any]) -> list[str]:
+    nest = {"format": "kerfwise-nest/1", "sheet": {"width": 9000, "height": 5000}, "parts": list(rows)}
+    return nest_faults({"s": json.dumps(nest).encode()}, asked, BIG, COMMON)
+
+
+@pytest.mark.parametrize(
+    ("off_mm", "up_mm", "count"), [(0.2, 0, 0), (0.25, 0, 0), (0.12, 0, 1), (0.4, 0, 1), (0.2, 11, 1)]
+)
+def test_plates_are_a_kerf_apart_along_an_edge_as_long_as_asked(off_mm: float, up_mm: float, count: int) -> None:
+    one = {"id": "P-1", "of": "P", "outer": box(100, 100, 140, 130)}
+    other = {"id": "P-2", "of": "P", "outer": box(140 + off_mm, 100 + up_mm, 180 + off_mm, 130 + up_mm)}
+    assert len(near_faults([PLATE], one, other)) == count
+
+
+@pytest.mark.parametrize("turned_round", [False, True])
+def test_a_part_in_a_hole_keeps_the_whole_gap_where_edges_are_cut_once(turned_round: bool) -> None:
+    host = AskedPart("H", part("H", rect(0, 0, 100, 80), [rect(10, 10, 60, 40)]), 1, (0.0,))
+    rows = [
+        {"id": "H-1", "of": "H", "outer": box(100, 100, 200, 180), "holes": [box(110, 110, 170, 150)]},
+        {"id": "P-1", "of": "P", "outer": box(110.2, 115, 150.2, 145)},
+    ]
+    [said] = near_faults([host, PLATE], *(rows[::-1] if turned_round else rows))
+    assert "0.200 mm apart, and 2.2 mm were asked for" in said
+
+
+@pytest.mark.parametrize("turned_round", [False, True])
+def test_a_round_edge_is_cut_with_no_other(turned_round: bool) -> None:
+    disc = AskedPart("D", part("D", circle(0, 0, 2000)), 1, (0.0,))
+    rows = [
+        {"id": "D-1", "of": "D", "outer": [[100, 2100, 1], [4100, 2100, 1]]},
+        {"id": "P-1", "of": "P", "outer": box(4100.2, 2085, 4140.2, 2115)},
+    ]
+    [said] = near_faults([disc, PLATE], *(rows[::-1] if turned_round else rows))
+    assert "0.200 mm apart, and 2.2 mm were asked for" in said
+
+
+def test_an_edge_exactly_as_long_as_asked_counts_wherever_it_lies() -> None:
+    small = AskedPart("S", part("S", rect(0, 0, 40, 20)), 2, (0.0,))
+    for y in (10.1, 30.3, 1000.7):
+        rows = [{"id": f"S-{k}", "of": "S", "outer": box(x, y, x + 40, y + 20)} for k, x in enumerate((100, 140.2))]
+        assert near_faults([small], *rows) == []
