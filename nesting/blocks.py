@@ -95,7 +95,7 @@ def twice(kind: PartType, half: tuple[Member, ...], taken: shapely.Polygon, comm
     common
         The distance, and how long the edge is at least.
     """
-    if kind.quantity < 2 * len(half) or kind.part.tabs or kind.part.marks:
+    if kind.quantity < 2 * len(half) or kind.held or kind.part.tabs or kind.part.marks:
         return None
     if max((s.length_mm for s in kind.part.outer.curve.segments if not s.is_arc), default=0.0) < common.shortest_mm:
         return None

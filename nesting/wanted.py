@@ -39,6 +39,8 @@ class PartType:
         Whether it may be turned over.
     file
         The file that it was read from.
+    held
+        Whether tabs of the plant hold it, so that its edges are not cut once.
     """
 
     name: str
@@ -50,6 +52,7 @@ class PartType:
     mirror: bool = False
     file: str = ""
     free: bool = False
+    held: bool = False
 
     @property
     def area_mm2(self) -> float:

@@ -15,6 +15,7 @@ from kerfwise.rules.profile.profile import Profile
 
 from .engines import Engine, Watching, ranked_layouts, varied_layouts
 from .run import Nested, expect_room, nests_from
+from .spacing import with_held
 from .weigh import Weighed, alike, cheapest, weigh
 
 Purpose = Literal["density", "cutting"]
@@ -62,7 +63,7 @@ def find_nests(asked: Asked, watching: Watching, listener: Callable[[str], Liste
     KeyboardInterrupt
         If somebody ended the look before a part was laid.
     """
-    order = asked.wanted, asked.spacing, asked.effort, asked.engine, watching, tell
+    order = with_held(asked.wanted, asked.plant), asked.spacing, asked.effort, asked.engine, watching, tell
     with watching:
         expect_room(asked.wanted, asked.spacing)
         groups = varied_layouts(*order) if asked.purpose == "cutting" else [ranked_layouts(*order)]

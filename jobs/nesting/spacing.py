@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.tolerance import tolerance_mm
-from kerfwise.nesting.wanted import Common, Spacing
+from kerfwise.nesting.pose import Placed
+from kerfwise.nesting.wanted import Common, PartType, Spacing, Wanted
 from kerfwise.rules.profile.profile import Profile
 
 BESIDE_MM = 0.02
@@ -78,3 +81,15 @@ def common_of(profile: Profile) -> Common | None:
     """
     asked, kerf_mm = profile.common_options(), profile.material.kerf_mm
     return None if asked is None else Common(kerf_mm, asked.shortest_mm, min(asked.gap_mm, tolerance_mm(kerf_mm)))
+
+
+def with_held(wanted: Wanted, profile: Profile) -> Wanted:
+    """The order, with those parts marked that tabs of the profile hold, in any way that they may lie."""
+    tabs = profile.tabs()
+    if tabs is None:
+        return wanted
+
+    def held(kind: PartType) -> bool:
+        return any(tabs.reason(Placed(0, pose, 0.0, 0.0).part(kind.part, kind.name)) for pose in kind.poses)
+
+    return replace(wanted, types=tuple(replace(kind, held=held(kind)) for kind in wanted.types))

@@ -13,7 +13,7 @@ from kerfwise.encoder.nest import Part, Sheet
 from kerfwise.jobs.listening import Listener
 from kerfwise.jobs.nesting.repair import planned
 from kerfwise.jobs.nesting.run import nests_from
-from kerfwise.jobs.nesting.spacing import spacing_of
+from kerfwise.jobs.nesting.spacing import spacing_of, with_held
 from kerfwise.nesting.allot import Layout, Sheetful
 from kerfwise.nesting.cover import Patterns
 from kerfwise.nesting.fill import Taste, fill
@@ -25,6 +25,7 @@ from kerfwise.rules.profile.cuts_section import Common as CommonCuts
 from kerfwise.rules.profile.cuts_section import Cuts
 from kerfwise.rules.profile.profile import load_profile
 from kerfwise.tests.nesting.random_lists import random_order
+from kerfwise.tests.postproc.plans import with_tabs
 
 PLATE = part("plate", rect(0, 0, 60, 30))
 HALF = part("half", [(0, 0), (120, 0), (0, 90)], [circle(30, 30, 5)])
@@ -42,6 +43,14 @@ def test_blocks_are_doubled_as_long_as_there_are_parts_for_them() -> None:
     assert sizes(PLATE, 14) == [8, 4, 2, 1]
     assert sizes(PLATE, 3) == [2, 1]
     assert sizes(ROUND, 8) == [1]
+
+
+@pytest.mark.parametrize(("pitch_mm", "most"), [(60.0, 1), (10.0, 4)])
+def test_parts_that_tabs_of_the_profile_hold_form_no_blocks(pitch_mm: float, most: int) -> None:
+    """A plate of 60 × 30 mm tips over slats 60 mm apart, and lies safely on slats 10 mm apart."""
+    profile = with_tabs("laser-st10kp-2mm", slat_pitch_mm=pitch_mm)
+    kinds = with_held(Wanted((PartType("plate", PLATE, 4),)), profile).types
+    assert next(size for _, size in Shapes(kinds, 2.2, COMMON).ways(0, blocks=True)) == most
 
 
 def test_all_copies_of_a_block_hang_together() -> None:
