@@ -77,7 +77,8 @@ class Along:
         """What another order costs by the best entries along it, µm; None where no way along it is lawful."""
         changed = [k for k, (now, then) in enumerate(zip(self._order, order, strict=False)) if now != then]
         if not changed:
-            return int(self._first[-1].min()) + self._extra
+            cost = self._first[-1].min()
+            return int(cost) + self._extra if np.isfinite(cost) else None
         low, high = changed[0], changed[-1]
         place = np.empty(len(order) + 1, dtype=np.int64)
         place[[*order, self._home]] = np.arange(len(order) + 1)
