@@ -124,18 +124,23 @@ def _by_zones(
 
 
 def of_neighbours(facts: Facts, rules: frozenset[str]) -> Iterator[Precede]:
-    """What is left of the orders of zones where zones that follow each other may be mixed."""
+    """What is left of the orders of zones where zones that follow each other may be mixed, and no others.
+
+    Only what does not follow from the rest is stated: of the zones after the next, the first two.
+    """
     members: dict[int, list[int]] = defaultdict(list)
     for k, zone in enumerate(facts.zone.tolist()):
         if facts.nest.contours[k].kind != "mark":
             members[zone].append(k)
     rule = min(rules)
-    for zone in sorted(members):
-        for before in members[zone]:
-            for after in members[zone + 2]:
-                names = facts.nest.contours[before].id, facts.nest.contours[after].id
-                sentence = f"{names[0]} is cut before {names[1]}: zone {zone} comes before zone {zone + 2}"
-                yield Precede(before, after, About(rule, names, sentence))
+    for zone, here in sorted(members.items()):
+        apart = [other for other in sorted(members) if other >= zone + 2]
+        for other in (later for later in apart if later <= apart[0] + 1):
+            for before in here:
+                for after in members[other]:
+                    names = facts.nest.contours[before].id, facts.nest.contours[after].id
+                    sentence = f"{names[0]} is cut before {names[1]}: zone {zone} comes before zone {other}"
+                    yield Precede(before, after, About(rule, names, sentence))
 
 
 def planned_by_zones(asked: Asked, profile: Profile, limits: SolveOptions) -> tuple[Asked, Solution, Free | None]:
