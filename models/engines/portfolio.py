@@ -8,10 +8,12 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import replace
+from math import inf
 from threading import Event
 from typing import TYPE_CHECKING
 
 from kerfwise.models.engines.ideals.windows import polish
+from kerfwise.models.kernels import running_s
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 
@@ -161,7 +163,9 @@ class _Run:
             return not reached.is_set() and within(engine, cost_um, bound_um)
 
         with ThreadPoolExecutor(1) as thread:
-            bounding = thread.submit(bounds.flow_bound, self.problem, plan, FLOW_BESIDE * left, going, self.most_bytes)
+            share = FLOW_BESIDE * left
+            asked = (self.problem, plan, share, going, self.most_bytes, self._ends_s(share))
+            bounding = thread.submit(bounds.flow_bound, *asked)
             try:
                 self._search(SEARCH_BESIDE * left)
                 self._windows(WINDOWS_BESIDE * left)
@@ -330,7 +334,8 @@ class _Run:
         if self.known.incumbent is None or share <= 0.0:
             return
         within = self._within(share)
-        found = bounds.flow_bound(self.problem, self.known.incumbent, share, within, self.most_bytes)
+        ends_s = self._ends_s(share)
+        found = bounds.flow_bound(self.problem, self.known.incumbent, share, within, self.most_bytes, ends_s)
         self.known.work += found.work
         self._bounded(found.bound)
 
@@ -338,6 +343,10 @@ class _Run:
         if bound_um > 0:
             self.known.notes.append("flow: a bound by linear programming")
             self.known.raise_bound(bound_um, "flow")
+
+    def _ends_s(self, share: float) -> float:
+        """When so many seconds will be over, by `running_s`; never where no seconds are counted."""
+        return inf if self.options.time_s is None else running_s() + share
 
     def _windows(self, share: float) -> None:
         if self.known.incumbent is None or self._over():

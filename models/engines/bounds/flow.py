@@ -61,6 +61,7 @@ def flow_bound(
     work: float,
     progress: Progress | None = None,
     most_bytes: float = math.inf,
+    ends_s: float = math.inf,
 ) -> FlowBound:
     """Bound every plan from below, cutting off what no plan does until it is worth no more rounds.
 
@@ -74,6 +75,8 @@ def flow_bound(
         Told the bound after every round, asked whether to go on.
     most_bytes
         What tables of all moves may take where there are many sites.
+    ends_s
+        When a limit in seconds ends, by `running_s`: a linear program is broken off then.
     """
     if not 0 < problem.n <= MOST_CONTOURS:
         return FlowBound(0, 0.0)
@@ -89,7 +92,7 @@ def flow_bound(
         network = network_of(problem, plan.route, plan.cost, most_sites, go)
     except Stopped:
         return FlowBound(0, sets_out_s(problem.n, problem.m))
-    loop = CutLoop(network, plan, work, progress)
+    loop = CutLoop(network, plan, work, progress, ends_s)
     with suppress(Stopped):
         loop.run(PATIENCE, LEAST_GAIN)
         if loop.stalled and network.problem.m <= MOST_BRANCHED:
@@ -104,13 +107,15 @@ class CutLoop:
     left.
     """
 
-    def __init__(self, network: Network, plan: Incumbent, work: float, progress: Progress | None) -> None:
+    def __init__(
+        self, network: Network, plan: Incumbent, work: float, progress: Progress | None, ends_s: float = math.inf
+    ) -> None:
         problem = network.problem
         self._plan, self._work, self._progress = plan, work, progress
         demands = DemandColumns(problem)
         self._separation = Separation(network, demands)
         blocks = block_inequalities(problem, len(demands.cost))
-        self.flow = FlowProgram(network, blocks, demands.cost, plan.cost, self._in_time)
+        self.flow = FlowProgram(network, blocks, demands.cost, plan.cost, self._in_time, ends_s)
         self._kept, self._most = len(blocks), CROWD * problem.n
         self._every = EVERY_WIDE if problem.m > WIDE else EVERY
         self.best, self.stalled, self._dropped_at = 0.0, False, 0.0

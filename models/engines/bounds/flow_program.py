@@ -8,6 +8,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, hstack, vstack
 
 from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.models.kernels import running_s
 
 from .inequalities import Inequalities
 from .least_cuts import Flow
@@ -59,10 +60,11 @@ class FlowProgram:
         beside: Floats,
         plan_um: int,
         in_time: Callable[[], bool] = lambda: True,
+        ends_s: float = np.inf,
     ) -> None:
         problem = network.problem
         n, m = problem.n, problem.m
-        self._n, self._m, self._in_time = n, m, in_time
+        self._n, self._m, self._in_time, self._ends_s = n, m, in_time, ends_s
         self.owner = np.append(problem.site_contour, n)
         self.plan_um, self._moves = plan_um, AllMoves(network, plan_um)
         self._leave, self._reach = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
@@ -90,7 +92,7 @@ class FlowProgram:
             asked = min(at_once, left)
             if asked <= 0 or not self._in_time():
                 return False
-            solved = self._program.solve(asked)
+            solved = self._program.solve(asked, self._left_s())
             self.work += (self._program.iterations + 1) * round_s
             left -= self._program.iterations
             if solved is None and self._program.iterations < asked:
@@ -104,6 +106,10 @@ class FlowProgram:
         self.value += float(self._beside_cost @ self.beside)
         self._multipliers = Multipliers(solved.multiplier[n + 1 : n + self._m + 2], paid, self._inequalities)
         return True
+
+    def _left_s(self) -> float:
+        """Seconds until a limit by the clock: none looks at it where there is no such limit."""
+        return np.inf if np.isinf(self._ends_s) else self._ends_s - running_s()
 
     def look_at_all(self) -> bool:
         """The bound that the last multipliers prove over all moves; those that would make it cheaper come in.

@@ -60,8 +60,8 @@ class RestrictedMaster(Protocol):
     def price(self, columns: Ints, cost: Floats) -> None:
         """What these columns cost from now on."""
 
-    def solve(self, most: int) -> MasterSolution | None:
-        """The cheapest columns, None where no optimum is found in so many iterations."""
+    def solve(self, most: int, most_s: float = np.inf) -> MasterSolution | None:
+        """The cheapest columns, None where no optimum is found in so many iterations, and seconds by the clock."""
 
 
 def restricted_master(right: Floats) -> RestrictedMaster:
@@ -115,7 +115,8 @@ class GoesOn:
         if len(columns):
             self._told(self._highs.changeColsCost(len(columns), columns.astype(np.int32), cost))
 
-    def solve(self, most: int) -> MasterSolution | None:
+    def solve(self, most: int, most_s: float = np.inf) -> MasterSolution | None:
+        self._highs.setOptionValue("time_limit", self._highs.getRunTime() + max(0.0, most_s))
         self._highs.setOptionValue("simplex_iteration_limit", min(most, MOST_ROUNDS))
         self._highs.setOptionValue("simplex_strategy", PRIMAL if self._lawful else DUAL)
         self._highs.run()
@@ -170,7 +171,7 @@ class Anew:
     def price(self, columns: Ints, cost: Floats) -> None:
         self._cost[columns] = cost
 
-    def solve(self, most: int) -> MasterSolution | None:
+    def solve(self, most: int, most_s: float = np.inf) -> MasterSolution | None:
         equations, rows = self._entries[: len(self._right)], self._entries[len(self._right) :]
         many = rows.shape[0] > 0
         solved = linprog(
@@ -181,7 +182,7 @@ class Anew:
             b_eq=self._right,
             bounds=np.stack([np.zeros_like(self._most), self._most], axis=1),
             method="highs",
-            options={"maxiter": most},
+            options={"maxiter": most} | ({"time_limit": max(0.0, most_s)} if np.isfinite(most_s) else {}),
         )
         self.iterations = int(solved.nit)
         if solved.x is None or solved.status != 0:

@@ -20,6 +20,7 @@ from kerfwise.models.engines.bounds.least_cuts import Flow
 from kerfwise.models.engines.bounds.network import Network, network_of
 from kerfwise.models.engines.bounds.separation import Separation
 from kerfwise.models.engines.solution import Incumbent
+from kerfwise.models.kernels import running_s
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
@@ -155,6 +156,13 @@ def test_what_is_stopped_says_nothing_or_what_was_proven_so_far() -> None:
     for most in range(2, 40, 5):
         asked = iter(range(most))
         assert 0 <= flow_bound(seen, best, 5.0, lambda *_: next(asked, None) is not None).bound <= whole  # noqa: B023
+
+
+def test_a_limit_by_the_clock_breaks_the_program_off() -> None:
+    seen = scattered(4, 6, 2)
+    best = best_of(seen)
+    assert flow_bound(seen, best, 5.0, ends_s=running_s()).bound == 0
+    assert flow_bound(seen, best, 5.0, ends_s=running_s() + 600).bound == flow_bound(seen, best, 5.0).bound > 0
 
 
 def test_rows_are_each_worked_out_once_unless_there_is_no_time() -> None:

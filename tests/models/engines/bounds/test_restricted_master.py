@@ -83,6 +83,18 @@ def test_no_optimum_within_the_rounds_is_said() -> None:
     assert program.solve(1000) is not None
 
 
+@pytest.mark.parametrize("kind", [GoesOn, Anew])
+def test_no_optimum_within_the_seconds_is_said(kind: type[RestrictedMaster]) -> None:
+    program = kind(np.full(30, 2.0))  # type: ignore[call-arg]
+    random = np.random.default_rng(1)
+    program.add_columns(random.random(200), csr_matrix(np.hstack([np.eye(30), random.random((30, 170))])))
+    assert program.solve(1000, 0.0) is None
+    assert program.solve(1000, 60.0) is not None
+    program.add_columns(np.zeros(1), csr_matrix(np.ones((30, 1))))
+    assert program.solve(1000, -1.0) is None
+    assert program.solve(1000) is not None
+
+
 def test_what_was_broken_off_is_gone_on_with() -> None:
     """By the dual way after rows and by the primal one after columns alone, a few rounds at a time."""
     random = np.random.default_rng(2)
