@@ -28,8 +28,8 @@ Refine = Callable[[tuple[int, ...]], tuple[Statement, ...]]
 
 ROUND = 0.7
 """Share of what is left for one round, where geometry may have afterthoughts that ask for another."""
-ENOUGH = 0.9
-"""Share after which no further round is begun."""
+ENOUGH, ENOUGH_WORK = 0.9, 0.95
+"""Share of a limit in seconds, and of one of work, after which no further round is begun: a look takes no work."""
 MOVES_SHARE = 0.3
 """Share of a limit in seconds that looking at moves over parts that are out may take: what is made of them takes as
 long again."""
@@ -93,7 +93,7 @@ def solve(
             spent, look_s = watch.seconds, watch.seconds - began_s
             if spent > whole:
                 known.notes.append(f"rounds: the last look took {look_s:.1f} s, more than was left of the limit")
-        if not missing or watch.stopped or spent + look_s >= whole * ENOUGH:
+        if not missing or watch.stopped or spent + look_s >= whole * (ENOUGH if timed else ENOUGH_WORK):
             break
     if missing:
         took = f" that ends with a look of {look_s:.1f} s" if timed else ""
