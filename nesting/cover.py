@@ -128,6 +128,7 @@ class Patterns:
         solver = cp_model.CpSolver()
         solver.parameters.num_workers, solver.parameters.random_seed = 1, seed % 2**31
         solver.parameters.max_deterministic_time = _WORK
+        solver.parameters.catch_sigint_signal = False  # else Ctrl-C is left to the system, which ends the command
         for goal in (lost, worth):
             model.minimize(goal)
             if solver.solve(model) not in (cp_model.OPTIMAL, cp_model.FEASIBLE):

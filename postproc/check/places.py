@@ -83,6 +83,7 @@ class Room:
         solver = CpSolver()
         solver.parameters.num_workers = 1
         solver.parameters.random_seed = 1
+        solver.parameters.catch_sigint_signal = False
         solver.parameters.max_deterministic_time = min(WORK, self._left)
         answer = solver.solve(model)
         self.questions += 1

@@ -198,6 +198,7 @@ class _Program:
         solver = CpSolver()
         solver.parameters.num_workers = 1
         solver.parameters.random_seed = 1
+        solver.parameters.catch_sigint_signal = False
         solver.parameters.max_deterministic_time = WORK
         status = solver.solve(model)
         if status not in (OPTIMAL, FEASIBLE):

@@ -39,5 +39,6 @@ def quiet_solver(work: float) -> CpSolver:
     solver = CpSolver()
     solver.parameters.num_workers = 1
     solver.parameters.random_seed = 1
+    solver.parameters.catch_sigint_signal = False
     solver.parameters.max_deterministic_time = work
     return solver
