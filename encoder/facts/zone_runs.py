@@ -19,7 +19,7 @@ from .outlines import outlines_of
 from .sides import AWAY, AXIS
 from .zone_blocks import Blocks, blocks_of, locked_pairs
 from .zone_borders import divisions
-from .zone_joined import Bearing
+from .zone_joined import Bearing, joined
 from .zone_sets import units_of
 from .zone_strips import side_ratio
 from .zones import most_sets, respected_orders
@@ -45,7 +45,8 @@ def movable(facts: Facts) -> bool:
 def zones_along(facts: Facts, order: Sequence[int]) -> Iterator[Ints]:
     """Zones of all contours (n,) as runs of an order (n,) of them that keeps the hard orders, but for those of zones.
 
-    Those come first that are the largest that a proof bears, then smaller ones; each does what zones are for.
+    Those come first that join runs one after the other while a proof bears them. Then come those that do best what
+    zones are for, the fewest first. Each does what zones are for.
     """
     outlines, options = outlines_of(facts.nest), facts.options
     respected = respected_orders(facts.contains, facts.level_ahead, facts.in_hull, options)
@@ -57,9 +58,11 @@ def zones_along(facts: Facts, order: Sequence[int]) -> Iterator[Ints]:
     units = units_of(outlines.own_outer, outlines.is_mark, kept, options.parts_in_one_go)
     small = _of_whole_blocks(blocks.of, np.array(order, dtype=np.int64))
     sizes = np.bincount(small - 1).astype(np.float64)  # here the number of contours is what joined zones must not pass
+    one_by_one = joined(small, units, most_sets(facts.n), sizes, MOST_CONTOURS)
     bears = Bearing(small, units, most_sets(facts.n), sizes, MOST_CONTOURS)
-    found = [zone[small - 1] for zone in _drawn(small, blocks, facts, bears)]
-    for zone in sorted(np.unique(found, axis=0), key=lambda zone: int(zone.max())):
+    found = np.unique([zone[small - 1] for zone in _drawn(small, blocks, facts, bears)], axis=0)
+    others = sorted(found[(found != one_by_one).any(axis=1)], key=lambda zone: int(zone.max()))
+    for zone in (one_by_one, *others):
         if _do_what_zones_do(zone, facts, blocks):
             yield zone
 

@@ -70,10 +70,9 @@ def test_a_plate_is_measured() -> None:
     import subprocess
     import sys
 
-    words = [sys.executable, phase_clock.__file__, "20", "--work", "0.1"]
-    for minutes, ended in (("10", False), ("0.01", True)):
-        words_ = [*words, "--minutes", minutes]
-        done = subprocess.run(words_, capture_output=True, encoding="utf-8", check=True)
+    for contours, minutes, ended in (("20", "10", False), ("300", "0.01", True)):
+        words = [sys.executable, phase_clock.__file__, contours, "--work", "0.1", "--minutes", minutes]
+        done = subprocess.run(words, capture_output=True, encoding="utf-8", check=True)
         spent = phases.json.loads(done.stdout.splitlines()[-1])
         assert spent["contours"] >= 20
         assert spent["ended"] is ended

@@ -108,13 +108,13 @@ def serving(folder: Path, work: float = 1.0) -> Iterator[Served]:
         thread.join(30)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     with serving(tmp_path_factory.mktemp("nests")) as made:
         yield made
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def client(served: Served) -> Iterator[httpx.Client]:
     """A browser that has the token, on the server's own pages."""
     headers = {"origin": served.address, "x-kerfwise-token": TOKEN}
