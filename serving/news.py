@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import secrets
 from dataclasses import dataclass, field
 
 Item = tuple[str, str]
@@ -33,9 +34,10 @@ class Ear:
 
 
 class News:
-    """Tells all who listen."""
+    """Tells all who listen; `server` is another text for every server that is started."""
 
     def __init__(self) -> None:
+        self.server = secrets.token_hex(8)
         self._ears: set[Ear] = set()
 
     def listen(self, of: str = "") -> Ear:

@@ -123,6 +123,7 @@ class Session:
         return {
             "id": self.id,
             "nest": self.name,
+            "server": self.news.server,
             "version": self.version,
             **{key: self.opened[key] for key in ("profile", "notes", "locked", "settings", "rules")},
             "job_file": beside_name(Path(self.wanted.nest).name),

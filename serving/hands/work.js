@@ -57,9 +57,9 @@ export class Work {
     }
   }
 
-  /** @param {any} state an older one, or one that is known already, changes nothing */
+  /** @param {any} state an older one, or one that is known already, changes nothing; a new server counts anew */
   take(state) {
-    if (this.state && state.version <= this.state.version) return;
+    if (this.state?.server === state.server && state.version <= this.state.version) return;
     this.state = state;
     this.hear("state");
   }
@@ -111,22 +111,23 @@ export class Work {
   /** Whether what is drawn is what is shown: numbers on the page are of that plan then. */
   get isDrawn() { return this.drawn === this.view; }
 
-  /** What is to be drawn: of the nest as it is on disk, one plan or two. */
-  get view() { return `${this.compared?.join(" and ") ?? this.state.shown} of ${this.state.sha256}`; }
+  /** What is to be drawn: of the nest as it is on disk, one plan or two, by the numbers of that server. */
+  get view() { return `${this.compared?.join(" and ") ?? this.state.shown} of ${this.state.sha256} by ${this.state.server}`; }
 
   /** What the page shows, asked for when it is shown. */
   /** @type {() => Source} */
   source() {
     const nothing = (/** @type {any} */ error) => { this.say(error.message); return null; };
     const plan = (/** @type {number} */ side) => String(this.compared?.[side] ?? this.state.shown);
-    /** @type {Map<string, Promise<any>>} by plan */
+    /** @type {Map<string, Promise<any>>} by server and plan */
     const heats = new Map();
     const heat = (/** @type {string} */ of) => {
-      if (!heats.has(of)) {
+      const name = `${this.state.server} ${of}`;
+      if (!heats.has(name)) {
         const asked = askServer(`${this.path("heat")}?${new URLSearchParams({ plan: of })}`).catch(nothing);
-        heats.set(of, asked.then(data => { if (!data) heats.delete(of); return data; }));
+        heats.set(name, asked.then(data => { if (!data) heats.delete(name); return data; }));
       }
-      return heats.get(of);
+      return heats.get(name);
     };
     return {
       page: () => this.page(),

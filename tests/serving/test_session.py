@@ -374,6 +374,7 @@ def test_whoever_is_slow_to_listen_hears_each_thing_once(served: Served) -> None
     assert asyncio.run(one.next()) == [("progress", "a"), ("planner", "")]
     news.leave(one)
     assert news.listeners == 1
+    assert news.server != News().server  # so that a tab sees that another server answers
 
 
 def test_one_stream_has_the_news_of_all_nests(opened: Open, client: httpx.Client) -> None:

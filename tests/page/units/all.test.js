@@ -266,3 +266,16 @@ test("a tab whose stream is refused leaves the lock to the next one, and asks ag
   streams[1].dispatchEvent(new MessageEvent("planner", { data: '{"nest": "a.dxf"}' }));
   assert.deepEqual(heard, [["planner", { nest: "a.dxf" }]]);
 });
+
+test("of one server a later state counts, of another server any", () => {
+  const work = new Work("nest"), at = () => [work.state.server, work.state.version];
+  work.take({ server: "a", version: 7, shown: 1 });
+  const view = work.view;
+  work.take({ server: "a", version: 6, shown: 2 });
+  assert.deepEqual([...at(), work.view], ["a", 7, view]);
+  work.take({ server: "b", version: 1, shown: 1 });
+  assert.deepEqual(at(), ["b", 1]);
+  assert.notEqual(work.view, view); // its plan 1 is another one
+  work.take({ server: "b", version: 2 });
+  assert.deepEqual(at(), ["b", 2]);
+});
