@@ -32,7 +32,13 @@ _BEGUN = "# Begun on the page of `kerfwise serve`: what is not said here, the pr
 
 def profile_answers() -> Answers:
     """The questions about profiles."""
-    return {"profile": profile_told, "rule": rule_told, "profile_text": profile_text, "profile_files": profile_files}
+    return {
+        "profile": profile_told,
+        "profile_sha256": profile_sha256,
+        "rule": rule_told,
+        "profile_text": profile_text,
+        "profile_files": profile_files,
+    }
 
 
 def profile_told(wanted: Wanted) -> dict[str, Any]:
@@ -96,6 +102,11 @@ def profile_text(wanted: Wanted, values: Sequence[RuleValue], new: str | None = 
 def profile_files(wanted: Wanted) -> list[str]:
     """The files that the profile of a nest is made of."""
     return [str(Path(place).resolve()) for place in _plant(wanted).read_from]
+
+
+def profile_sha256(wanted: Wanted) -> str:
+    """Of the profile as it is on disk now, and all that it is made of."""
+    return _plant(wanted).sha256
 
 
 def _plant(wanted: Wanted) -> Profile:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -16,14 +17,16 @@ from .session import Session
 from .wanted import before_name, sha256_of
 
 
-def save(session: Session, folder: Folder) -> dict[str, Any]:
+def save(session: Session, folder: Folder, profile_sha256: str) -> dict[str, Any]:
     """Write the shown plan's files and its job file, all of them or none; what was written, and the command line.
+
+    `profile_sha256` is that of the profile as it is on disk now.
 
     Raises
     ------
     InputError
-        If there is no plan, the check refuses it, the nest or the job file has changed on disk, a file is of
-        another nest, or a link leads out of the folder.
+        If there is no plan, the check refuses it, the nest, the job file or the profile has changed on disk, a file
+        is of another nest, or a link leads out of the folder.
     """
     current = session.current
     if current is None:
@@ -38,6 +41,8 @@ def save(session: Session, folder: Folder) -> dict[str, Any]:
         raise InputError("the nest has changed on disk since this plan was made: open it again")
     if text_of(job) != session.on_disk:
         raise InputError(f"{job.name} has changed on disk since it was read: open the nest again")
+    if json.loads(current.plan)["profile"].get("sha256") != profile_sha256:
+        raise InputError("the profile has changed on disk since this plan was made: plan again")
     files: dict[Path, str | bytes] = {nest.with_name(name): text for name, text in current.files.items()}
     program, plan, picture = (nest.with_name(name) for name in named_after(nest))
     expect_own(nest, program, plan, picture)

@@ -102,8 +102,11 @@ class Writing:
 
     async def save(self, request: Request) -> Response:
         """`{"version": 3}`: the files of the shown plan and its job file, and the command line that makes the same."""
-        session, _ = await self._writing(request)
-        told = save(session, self._server.folder)
+        session, said = await self._writing(request)
+        shown = session.current
+        profile_sha256 = "" if shown is None else await self._server.asked("profile_sha256", wanted=shown.wanted)
+        session.expect(said.get("version"))  # the desk took its time, and another tab did not wait
+        told = save(session, self._server.folder, profile_sha256)
         return JSONResponse({**session.as_json(), "saved": told})
 
     async def write_profile(self, request: Request) -> Response:

@@ -400,7 +400,13 @@ def test_a_profile_that_changed_on_disk_judges_the_moves_of_its_plans(opened: Op
     tab.solved()
     assert "level-ahead" in tab.get("move", contours="C", place=3)["text"]
     plant.write_text(strength % "off", encoding="utf-8")
+    tab.state()
+    assert "the profile has changed on disk" in tab.post("save", 422)["message"]
+    assert not tab.nest.with_name("small.nc").exists()
     tab.solved()
+    tab.state()
+    tab.post("save")
+    assert tab.nest.with_name("small.nc").exists()
     assert "level-ahead" not in tab.get("move", contours="C", place=3)["text"]
 
 
