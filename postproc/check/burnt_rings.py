@@ -54,17 +54,22 @@ def burnt_rings(
     kerf_mm: float,
     tabs: Tabs | None,
 ) -> BurntRings:
-    """The rings that runs share, of these contours, and what was burnt `before` a stop. None in an ordinary program."""
+    """The rings that runs share, of these contours, and those of parts that tabs hold since `before` a stop.
+
+    None in an ordinary program.
+    """
     within_mm, tabs = tolerance_mm(kerf_mm), tabs or {}
     named = [run for run in runs if run.contour is not None and not run.marks]
     shared = [run for run in named if run.linked or run.partial or run.name in tabs]
-    if not shared:
+    held = before.out & tabs.keys()
+    if not shared and not held:
         return BurntRings((), (), (), (), tabs, within_mm)
     closed = [c for c in contours if c.encloses]
     paired = [(c, r) for c, r in zip(closed, torch_rings(closed, kerf_mm), strict=True) if r is not None]
     tree = shapely.STRtree([r for _, r in paired])
-    lines = [line for run in shared for line in (run.loop, *run.leads)]
-    near = np.unique(tree.query(lines, "dwithin", distance=within_mm)[1]).tolist()
+    lines = np.array([line for run in shared for line in (run.loop, *run.leads)], dtype=object)
+    of_held = [k for k, (contour, _) in enumerate(paired) if contour.id in held]
+    near = np.union1d(tree.query(lines, "dwithin", distance=within_mm)[1], of_held).astype(np.int64).tolist()
     rings = tuple(paired[k][1] for k in near)
     burnt = list(_burnt(runs, before))
     by = np.unique(shapely.STRtree([b.line for b in burnt]).query(rings, "dwithin", distance=within_mm)[1]).tolist()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -108,6 +109,9 @@ def test_what_is_left_of_parts_cut_all_round_after_a_stop(tmp_path: Path, name: 
     assert rest.verdict.ok, rest.verdict.broken()
     assert check_program(sheet, rest.program, profile).ok
     assert simulate(sheet, rest.program, before=whole.program, **plant(profile), tabs=tabs_of(rest.plan)) == []
+    if more and backwards:
+        elsewhere = re.sub(r"\(OUT 1 TAB \S+ \S+ ", "(OUT 1 TAB 130.2 70 ", rest.program, count=1)
+        assert check_program(sheet, elsewhere, profile).broken() == ("tabs",), "the other part's cut takes that tab"
 
 
 def test_tabs_of_cuts_before_a_stop_are_not_burnt() -> None:
