@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from itertools import islice
 
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
@@ -94,13 +93,19 @@ def along(
     more); where it fails, by smaller ones. A plan that is proven gives way to none that is not.
     """
     facts = asked.facts
-    for zone in islice(zones_along(facts, [facts.candidates[c].contour for c in free.solution.route]), TRIES):
-        if (left := limits()) is None:
+    tried, unproven = 0, 0
+    for zone in zones_along(facts, [facts.candidates[c].contour for c in free.solution.route]):
+        if int(zone.max()) <= unproven:  # as large as zones of which a proof took too long
+            continue
+        if tried == TRIES or (left := limits()) is None:
             break
+        tried += 1
         found = _by_zones(replace(facts, zone=zone), profile, free.solution, left, progress)
         if found is None or found[1].left_out != solution.left_out:  # the one is not asked for what the other pays for
             continue
         by, moved = found
+        if moved.status != "optimal":
+            unproven = int(zone.max())
         if moved.objective < solution.objective and (moved.status == "optimal" or solution.status != "optimal"):
             spent = solution.seconds + free.seconds + moved.seconds
             notes = (*solution.notes, "zones: moved along the best plan known without them", *moved.notes)
