@@ -61,9 +61,9 @@ than that plan.
 
 So runs of the best plan known without zones take the place of the zones. They must be zones still: no more of them
 than geometry has made, or than a proof bears; what is left after each about as square, on an average; each lying about
-as much together; the first at the start side. Borders along a plan can lie in many places. Of all of them those are
-drawn that leave the rest squarest and the zones most together, by a shortest way over the places between parts.
-Before, the first that a proof bears were drawn, and of six plates two had zones that moved.
+as much together; the first at the start side. Borders along a plan can lie in many places. First those are
+tried that lie as far on as a proof bears; then, of all places, those that leave the rest squarest and the zones most
+together, by a shortest way over the places between parts. Where a proof takes too long, zones that are more come next.
 """
 
 
