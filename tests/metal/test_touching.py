@@ -28,7 +28,7 @@ from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import simulate
 from kerfwise.tests.tools import canon
 
-_OFF_MM, _THIN_MM, _FILLET_MM = 0.06, 0.005, 8.0
+_OFF_MM, _THIN_MM, _FILLET_MM, _CHORD_MM = 0.06, 0.005, 8.0, 0.0005
 
 
 def profile(kerf_mm: float) -> Profile:
@@ -60,7 +60,9 @@ def expect_half_a_kerf(sheet: Nest, found: Produced, kerf_mm: float) -> None:
         shared = [edge for edge in edges if edge.intersection(others).length > 0.1]
         lines = [shapely.affinity.scale(edge, *[1 + 2 * _FILLET_MM / edge.length] * 2) for edge in shared]
         strips = shapely.buffer(shapely.union_all(lines), kerf_mm / 2 + _OFF_MM)
-        lost = shapely.intersection(drawn.polygon, burnt)
+        holes = shapely.union_all([hole.curve.polygon(_CHORD_MM) for hole in drawn.holes])
+        exact = shapely.difference(drawn.outer.curve.polygon(_CHORD_MM), holes)
+        lost = shapely.intersection(exact, burnt)
         assert shapely.buffer(shapely.difference(lost, strips), -_THIN_MM).is_empty
         assert not shared or lost.area > 0.4 * kerf_mm * max(edge.length for edge in shared) - 1
         assert shapely.covered_by(drawn.outer.line, shapely.buffer(burnt, _OFF_MM)), "no stretch is left uncut"

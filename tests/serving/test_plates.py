@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 from collections.abc import Iterator
@@ -11,6 +12,7 @@ import httpx
 import pypdfium2
 import pytest
 from playwright.sync_api import Browser
+from playwright.sync_api import TimeoutError as TooLate
 
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.tests.serving.at_page import AtPage
@@ -140,6 +142,11 @@ def planned_again(at: AtPage, tab: Tab) -> None:
     assert f" as number {row + 2}" in said
     at.let_go()
     at.page.wait_for_selector("#hands-cancel", state="visible")
+    tab.wait(lambda state: state["solving"] is None and len(state["alternatives"]) > plans)
+    with contextlib.suppress(TooLate):
+        at.page.wait_for_selector(f"#hands-plans li:nth-child({plans + 1}).shown", state="attached", timeout=60_000)
+    if at.plans == plans:  # the news did not come through: what was planned is there all the same
+        at.page.reload()
     at.planned(plans + 1)
     assert at.order[row + 1] == contour
     assert f"{contour} position {row + 2}" in tab.state()["locked"]
