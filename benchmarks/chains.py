@@ -23,10 +23,9 @@ from pathlib import Path
 
 import kerfwise
 from kerfwise.benchmarks.checked_plan import checked_plan
+from kerfwise.benchmarks.plates import made_plate
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.readers import ReadOptions, read_nest
-from kerfwise.encoder.readers.json_nest import read_json
-from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.encoder.readers import read_nest
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.profile.cuts_section import Cuts, Links
 from kerfwise.rules.profile.profile import Profile, load_profile
@@ -168,7 +167,7 @@ def main() -> None:
 def _nests(given: argparse.Namespace) -> Iterator[tuple[str, Nest, list[float]]]:
     """What each nest is called, the nest, and the times to pierce that it is planned for."""
     for contours in (*given.contours, *given.large):
-        nest = read_json(json.dumps(make_sheet(1, contours)).encode(), ReadOptions())
+        nest = made_plate(contours, seed=1)
         yield str(contours), nest, [max(given.pierce)] if contours in given.large else given.pierce
     for file in given.nests:
         yield file.stem, read_nest(file), [max(given.pierce)]

@@ -13,7 +13,6 @@ and with fewer.
 from __future__ import annotations
 
 import argparse
-import json
 import multiprocessing
 import platform
 import sys
@@ -25,9 +24,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import kerfwise
-from kerfwise.encoder.readers import ReadOptions
-from kerfwise.encoder.readers.json_nest import read_json
-from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.benchmarks.plates import default_without, made_plate
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.models.engines.bounds import flow_bound
 from kerfwise.models.engines.bounds.flow import CROWD, MOST_SITES
@@ -40,7 +37,6 @@ from kerfwise.models.physics.timing.choose import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.problem import Problem
 from kerfwise.models.problem.simplify import simplify
-from kerfwise.rules.profile.profile import load_profile
 
 PAGE = """\
 # The gap without zones
@@ -181,11 +177,8 @@ def fewer(problem: Problem) -> Iterator[tuple[str, Problem]]:
 
 def plate(contours: int, seed: int) -> Problem:
     """The problem of a made plate without zones."""
-    profile = load_profile()
-    off = {rule: replace(profile.rules[rule], strength="off", weight=None) for rule in ("zone-order", "no-tip-travel")}
-    profile = replace(profile, rules={**profile.rules, **off})
-    nest = read_json(json.dumps(make_sheet(seed, contours)).encode(), ReadOptions())
-    asked = ask(facts_of(nest, profile), profile)
+    profile = default_without("zone-order", "no-tip-travel")
+    asked = ask(facts_of(made_plate(contours, seed), profile), profile)
     return simplify(
         make_problem(asked.facts, asked.stated.statements, profile.home_on(asked.facts.nest), feeds_of(profile))
     )

@@ -12,7 +12,6 @@ the method stood.
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,11 +20,10 @@ import numpy as np
 from scipy.stats import spearmanr
 
 import kerfwise
+from kerfwise.benchmarks.plates import made_plate
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.readers import ReadOptions, read_nest
-from kerfwise.encoder.readers.json_nest import read_json
-from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.encoder.readers import read_nest
 from kerfwise.jobs.ask import Asked, facts_of
 from kerfwise.jobs.priced_heat import cooler_orders, solve_priced
 from kerfwise.jobs.solve_options import options_for
@@ -103,7 +101,7 @@ def nests() -> Iterator[tuple[str, Nest]]:
     yield "e1x_6", read_nest(EXAMPLES / "e1x_6.json")
     yield "plate40", read_nest(EXAMPLES / "plate40.json")
     for parts, seed in ((30, 2), (24, 11), (36, 12)):
-        yield f"plate {parts}, seed {seed}", read_json(json.dumps(make_sheet(seed, parts)).encode(), ReadOptions())
+        yield f"plate {parts}, seed {seed}", made_plate(parts, seed)
 
 
 def bench(name: str, nest: Nest, profile: Profile) -> Bench:

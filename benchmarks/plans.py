@@ -9,7 +9,6 @@ can occur are too many for a proof and the search has to carry the plan. `work` 
 from __future__ import annotations
 
 import argparse
-import json
 import platform
 import time
 from collections.abc import Iterator
@@ -18,10 +17,9 @@ from importlib.metadata import version
 from pathlib import Path
 
 import kerfwise
+from kerfwise.benchmarks.plates import made_plate
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.readers import ReadOptions, read_nest
-from kerfwise.encoder.readers.json_nest import read_json
-from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.encoder.readers import read_nest
 from kerfwise.jobs.ask import facts_of
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.engines.rounds import solve
@@ -97,10 +95,7 @@ def plan(name: str, nest: Nest, profile: Profile, work: float) -> Row:
 def plates(sizes: tuple[tuple[int, int], ...]) -> Iterator[tuple[str, Nest]]:
     """Made plates of about as many contours."""
     for seed, contours in sizes:
-        yield (
-            f"plate {contours}, seed {seed}",
-            read_json(json.dumps(make_sheet(seed, contours)).encode(), ReadOptions()),
-        )
+        yield f"plate {contours}, seed {seed}", made_plate(contours, seed)
 
 
 def main() -> None:

@@ -12,27 +12,23 @@ for what another command made of it.
 from __future__ import annotations
 
 import argparse
-import json
 import multiprocessing
 import platform
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import kerfwise
-from kerfwise.encoder.readers import ReadOptions
-from kerfwise.encoder.readers.json_nest import read_json
-from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.benchmarks.plates import cost, default_without, made_plate
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.bench.memory import peak_mb
 from kerfwise.jobs.solve_options import options_for
+from kerfwise.jobs.zones_cost import MOST_CONTOURS
 from kerfwise.jobs.zones_moved import planned_by_zones
 from kerfwise.models.engines.rounds import solve
 from kerfwise.models.engines.warm_up import load_kernels
-from kerfwise.rules.profile.profile import load_profile
-from kerfwise.rules.statements import EXEMPTION_MM
 from kerfwise.rules.stating.lazy import afterthoughts
 
 OTHERS = "## Beside the planning"
@@ -84,11 +80,8 @@ class Seen:
 
 def run(job: Job) -> list[Seen]:
     """Plan one plate within every work, until it is proven."""
-    profile = load_profile()
-    off = ["no-tip-travel"] + ([] if job.zones else ["zone-order"])
-    rules = {name: replace(profile.rules[name], strength="off", weight=None) for name in off}
-    profile = replace(profile, rules={**profile.rules, **rules})
-    nest = read_json(json.dumps(make_sheet(job.seed, job.contours)).encode(), ReadOptions())
+    profile = default_without("no-tip-travel", *([] if job.zones else ["zone-order"]))
+    nest = made_plate(job.contours, job.seed)
     began_s = time.process_time()
     asked = ask(facts_of(nest, profile), profile)
     facts_s = time.process_time() - began_s
@@ -117,18 +110,6 @@ def run(job: Job) -> list[Seen]:
     return found
 
 
-def cost(objective_mm: float) -> str:
-    """In m, and how many excuses.
-
-    Examples
-    --------
-    >>> cost(12_340.0), cost(2 * EXEMPTION_MM + 12_340.0)
-    ('12.34', '12.34 + 2')
-    """
-    excuses = int(objective_mm // EXEMPTION_MM)
-    return f"{objective_mm % EXEMPTION_MM / 1000:.2f}{f' + {excuses}' if excuses else ''}"
-
-
 def row(job: Job, seen: Seen) -> str:
     """One line of the table."""
     bound_mm = seen.bound_mm
@@ -146,7 +127,7 @@ def row(job: Job, seen: Seen) -> str:
     return f"| {' | '.join(cells)} |"
 
 
-def page(jobs: Sequence[Job], rows: Sequence[str], most: int) -> str:
+def page(jobs: Sequence[Job], rows: Sequence[str]) -> str:
     """The page, up to what another command makes of it."""
     plates = {job.contours: ",".join(f"{work:g}" for work in job.works) for job in jobs}
     return PAGE.format(
@@ -155,7 +136,7 @@ def page(jobs: Sequence[Job], rows: Sequence[str], most: int) -> str:
         kerfwise=kerfwise.__version__,
         python=platform.python_version(),
         system=f"{platform.system()} {platform.machine()}, {multiprocessing.cpu_count()} cores",
-        most=most,
+        most=MOST_CONTOURS,
         rows="\n".join(rows),
     )
 
@@ -187,10 +168,8 @@ def main() -> None:
             for seen in pool.apply(run, (job,)):
                 rows.append(row(job, seen))
                 print(rows[-1], file=sys.stderr, flush=True)
-    from kerfwise.jobs.zones_cost import MOST_CONTOURS
-
     before = given.into.read_text(encoding="utf-8") if given.into.exists() else ""
-    given.into.write_text(with_others(page(jobs, rows, MOST_CONTOURS), before), encoding="utf-8", newline="\n")
+    given.into.write_text(with_others(page(jobs, rows), before), encoding="utf-8", newline="\n")
 
 
 if __name__ == "__main__":

@@ -10,17 +10,14 @@ ends the run.
 from __future__ import annotations
 
 import argparse
-import json
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import kerfwise
 from kerfwise.benchmarks.checked_plan import checked_plan
+from kerfwise.benchmarks.plates import made_plate
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.readers import ReadOptions
-from kerfwise.encoder.readers.json_nest import read_json
-from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.rules.profile.profile import Profile, load_profile
 
 RULE = "hold-small-parts"
@@ -103,7 +100,7 @@ def main() -> None:
     print(HEAD)
     for name in given.profiles:
         for contours in given.contours:
-            nest = read_json(json.dumps(make_sheet(1, contours)).encode(), ReadOptions())
+            nest = made_plate(contours, seed=1)
             for choice in CHOICES:
                 print(row(nest, name, choice, given.work), flush=True)
 

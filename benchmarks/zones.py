@@ -11,16 +11,13 @@ and more one seed of each kind is planned.
 from __future__ import annotations
 
 import argparse
-import json
 import platform
 import sys
 import time
 from dataclasses import dataclass, replace
 
 import kerfwise
-from kerfwise.encoder.readers import ReadOptions
-from kerfwise.encoder.readers.json_nest import read_json
-from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.benchmarks.plates import cost, default_without, made_plate, rest_mm
 from kerfwise.jobs.ask import Asked, ask, facts_of
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.jobs.zones_cost import zoned_by, zones_cost
@@ -28,8 +25,7 @@ from kerfwise.jobs.zones_moved import better_zones
 from kerfwise.models.engines.rounds import solve
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.warm_up import load_kernels
-from kerfwise.rules.profile.profile import Profile, load_profile
-from kerfwise.rules.statements import EXEMPTION_MM
+from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.lazy import afterthoughts
 
 LARGE = 1000
@@ -87,29 +83,9 @@ class Row:
         return f"| {' | '.join([*cells, cost(self.without_mm), f'{more:.1%}', self.told])} |"
 
 
-def rest_mm(objective_mm: float) -> float:
-    """What a plan costs without the weight of its excuses."""
-    return objective_mm % EXEMPTION_MM
-
-
-def cost(objective_mm: float) -> str:
-    """In m, and how many excuses.
-
-    Examples
-    --------
-    >>> cost(12_340.0), cost(2 * EXEMPTION_MM + 12_340.0)
-    ('12.34', '12.34 + 2')
-    """
-    excuses = int(objective_mm // EXEMPTION_MM)
-    return f"{rest_mm(objective_mm) / 1000:.2f}{f' + {excuses}' if excuses else ''}"
-
-
 def row(contours: int, seed: int, work: float, without: float) -> Row:
     """Plan one plate with zones that stay, with zones that move, and without any."""
-    profile = load_profile()
-    off = replace(profile.rules["no-tip-travel"], strength="off", weight=None)
-    profile = replace(profile, rules={**profile.rules, "no-tip-travel": off})
-    nest = read_json(json.dumps(make_sheet(seed, contours)).encode(), ReadOptions())
+    profile, nest = default_without("no-tip-travel"), made_plate(contours, seed)
     asked, limits = ask(facts_of(nest, profile), profile), options_for(nest, profile, work=work)
     began_s = time.process_time()
     looks = afterthoughts(asked.facts, profile)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from kerfwise.benchmarks.scale import OTHERS, Job, cost, page, row, run, with_others
+from kerfwise.benchmarks.plates import cost
+from kerfwise.benchmarks.scale import OTHERS, Job, page, row, run, with_others
 
 
 @pytest.mark.parametrize("zones", [True, pytest.param(False, marks=pytest.mark.slow)])
@@ -16,7 +17,7 @@ def test_a_small_plate_is_proven_and_told(zones: bool) -> None:
     line = row(job, seen)
     assert line.startswith(f"| 20 contours{'' if zones else ', no zones'} | ")
     assert f" | {cost(seen.cost_mm)} | yes | " in line
-    text = page([job], [line], 2500)
+    text = page([job], [line])
     assert line in text
     assert "--plates 20:2,5 --seed 1" in text
 
