@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 import shapely
 
+from kerfwise.encoder.components import weak_components
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest, Part, Sheet
 from kerfwise.encoder.readers.json_nest import read_json
@@ -104,13 +105,9 @@ def _groups(parts: Sequence[Part], apart_mm: Mapping[tuple[int, int], float], co
         and not _one_in_the_other(parts[i], parts[j])
         and (mm := _shared_mm(parts[i], parts[j], common.apart_mm + within_mm)) > common.apart_mm
     }
-    group = {k: k for pair in edges for k in pair}
-    longest: dict[int, float] = {}
-    for (i, j), mm in edges.items():
-        old, new = group[j], group[i]
-        longest[new] = max(mm, longest.get(new, 0.0), longest.get(old, 0.0))
-        group = {k: new if g == old else g for k, g in group.items()}
-    return {k: g for k, g in group.items() if longest[g] >= common.shortest_mm - SLACK_MM}
+    group = weak_components(len(parts), np.array(list(edges), dtype=np.int64).reshape(-1, 2))
+    long = {int(group[i]) for (i, _), mm in edges.items() if mm >= common.shortest_mm - SLACK_MM}
+    return {k: g for k, g in enumerate(group.tolist()) if g in long}
 
 
 def _shared_mm(one: Part, other: Part, near_mm: float) -> float:
