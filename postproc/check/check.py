@@ -205,6 +205,7 @@ def _judge_paths(
     before = burnt_by(nest, cuts[: cuts.made], kerf_mm)
     several = burnt_rings(nest.contours, runs, before, kerf_mm, tabs)
     opened = list(left_open(several, cuts.positions()))
+    lost = list(lost_elsewhere(nest, kerf_mm, _touch_mm(profile)))
     judged = [
         judgement(
             "every-contour-once",
@@ -215,7 +216,7 @@ def _judge_paths(
             ],
         ),
         *([judgement("tabs", cut_tabs(several))] if tabs else []),
-        *([judgement("edge-loss", lost_elsewhere(nest, kerf_mm, _touch_mm(profile)))] if nest.losses else []),
+        *([judgement("edge-loss", lost)] if nest.losses or lost else []),
         *([judgement("bridges", broken_bridges(nest, runs, kerf_mm))] if nest.bridges else []),
         *([judgement("pierce-pass", not_of_a_pass(nest, cuts, profile))] if profile.cuts.pierce_pass else []),
         judgement("burnt-twice", burnt_twice(several, _overcut_mm(profile))),

@@ -25,11 +25,13 @@ def lost_elsewhere(nest: Nest, kerf_mm: float, touch_mm: float) -> Iterator[Viol
     drawn = nest.drawn
     if drawn is None:
         return
+    pairs = enumerate(zip(drawn.parts, nest.parts, strict=True))
+    changed = [(k, before, after) for k, (before, after) in pairs if after.outer.curve is not before.outer.curve]
+    if not changed:
+        return
     outlines = [part.outer.curve.line(_CHORD_MM) for part in drawn.parts]
     tree = shapely.STRtree(outlines)
-    for k, (before, after) in enumerate(zip(drawn.parts, nest.parts, strict=True)):
-        if after.outer.curve is before.outer.curve:
-            continue
+    for k, before, after in changed:
         was, now = (contour.curve.polygon(_CHORD_MM) for contour in (before.outer, after.outer))
         near = [outlines[j] for j in tree.query(outlines[k], "dwithin", distance=touch_mm).tolist() if j != k]
         allowed = _bands(before.outer, near, kerf_mm / 2 + _SLACK_MM, touch_mm)

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Nest, with_parts
 from kerfwise.encoder.touching import with_loss
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import Produced, produce
@@ -162,3 +162,15 @@ def test_the_check_measures_what_is_lost(wide: float, does: str) -> None:
     other = replace(sheet.parts[0], outer=part("A", rect(20, 21, 59.25, 59)).outer)
     (found,) = lost_elsewhere(replace(sheet, parts=(other, sheet.parts[1])), 1.5, 0.051)
     assert "where no edge touches" in found.text
+
+
+def test_an_outline_that_is_judged_otherwise_without_a_word_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The check measures outlines, and does not ask what was noted of them."""
+    sheet, asked = two(), profile(1.5)
+    found = made(sheet, 1.5)
+    assert found is not None
+    wrong = replace(sheet.parts[0], outer=part("A", rect(20, 20, 57, 60)).outer)
+    untold = with_parts(sheet, (wrong, sheet.parts[1]))
+    with monkeypatch.context() as patched:
+        patched.setattr(Profile, "without_losses", lambda self, nest: untold)
+        assert "edge-loss" in check_program(sheet, found.program, asked).broken()
