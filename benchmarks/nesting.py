@@ -1,6 +1,6 @@
 """How dense and how cheap nests become: strips, furniture, a day of a shop, and lists weighed for cutting.
 
-Usage: python -m kerfwise.benchmarks.nesting [CHECKOUT] [--rounds 12] [--seconds 30] > docs/nesting-figures.md
+Usage: python -m kerfwise.benchmarks.nesting [CHECKOUT] [--rounds 12] [--seconds 30] > nesting-figures.md
 
 CHECKOUT is one of https://github.com/JeroenGar/sparrow, for the strips: its instances are not shipped.
 """
@@ -15,6 +15,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import kerfwise
+from kerfwise.commands.nest_progress import NestProgress
 from kerfwise.encoder.nest import Sheet
 from kerfwise.jobs.bench.memory import peak_mb
 from kerfwise.jobs.listening import Listener
@@ -186,7 +187,7 @@ def _plant(common: bool) -> Profile:
 
 
 def _weighed_row(seed: int, wanted: Wanted, plant: Profile, rounds: int) -> str:
-    spacing, watching = spacing_of(plant, GAP_MM), _Watching()
+    spacing, watching = spacing_of(plant, GAP_MM), NestProgress()
     groups = varied_layouts(wanted, spacing, Effort(rounds), "own", watching, print)
     weighed = [weigh(sound(layout), plant, WORK, lambda name: Listener()) for layout in alike(groups, WEIGHED)]
     taken, count = cheapest(weighed), sum(kind.quantity for kind in wanted.types)
@@ -200,14 +201,6 @@ def _weighed_row(seed: int, wanted: Wanted, plant: Profile, rounds: int) -> str:
     single = f"{min(alone) / count:.4f}" if alone else ""
     way = "; ".join([taken.nested.layout.by, *taken.moved])
     return f"| {seed} | {asked} | {count} | {told} | {taken.price / count:.4f} | {saved} | {single} | {way} |"
-
-
-class _Watching(Listener):
-    def __call__(self, number: int, best: Layout) -> bool:  # type: ignore[override]
-        return True
-
-    def going(self, doing: str) -> bool:
-        return True
 
 
 if __name__ == "__main__":
