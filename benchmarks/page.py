@@ -14,7 +14,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser
 
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.geometry.curve import Curve
@@ -22,7 +22,7 @@ from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.models.plan.plan import Plan, PlannedCut, SolveReport, Totals
 from kerfwise.postproc.report import draw
-from kerfwise.tests.tools.browser import chromium
+from kerfwise.tests.tools.browser import launched
 
 SIZES = (16, 115, 308, 1000, 10_000)
 FRAMES = 150
@@ -60,14 +60,12 @@ def main(sizes: list[int]) -> None:
     """Print a row a size."""
     print("| contours | file, MB | first drawing, ms | moved: a frame, ms | slowest of 20, ms | played at 64 ×, ms |")
     print("|---:|---:|---:|---:|---:|---:|")
-    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
+    with tempfile.TemporaryDirectory() as folder, launched() as browser:
         for count in sizes or list(SIZES):
             nest = nest_of(count)
             file = Path(folder) / f"{count}.html"
             file.write_bytes(draw(nest, plan_of(nest), ".html"))
             print(_row(browser, file, len(nest.contours)), flush=True)
-        browser.close()
 
 
 def _row(browser: Browser, file: Path, contours: int) -> str:

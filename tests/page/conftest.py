@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser
 
 from kerfwise.tests.page.made_pages import PAGES
 from kerfwise.tests.page.seen import Seen
-from kerfwise.tests.tools.browser import chromium
+from kerfwise.tests.tools.browser import launched
 
 Open = Callable[..., Seen]
 
@@ -31,12 +31,9 @@ def page_file(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    """Chromium as the system has it."""
-    with sync_playwright() as playwright:
-        # As root, as in most containers, Chromium runs without its sandbox only.
-        launched = playwright.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
-        yield launched
-        launched.close()
+    """One browser for the tests of a file."""
+    with launched() as made:
+        yield made
 
 
 @pytest.fixture

@@ -193,3 +193,12 @@ class AtPage:
 
     def _finger(self, kind: str, x: float, y: float) -> None:
         self._fingers.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [{"x": x, "y": y}]})
+
+
+def drop(page: Page, name: str, text: str) -> None:
+    """Drop a file on the list of nests."""
+    data = page.evaluate_handle(
+        "([text, name]) => { const all = new DataTransfer(); all.items.add(new File([text], name)); return all; }",
+        [text, name],
+    )
+    page.dispatch_event("main", "drop", {"dataTransfer": data})

@@ -15,14 +15,14 @@ from typing import Any
 import httpx
 import pytest
 import uvicorn
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser
 
 import kerfwise
 from kerfwise.serving.app import make_app
 from kerfwise.serving.folder import Folder
 from kerfwise.serving.run import config_of
 from kerfwise.serving.server import Server
-from kerfwise.tests.tools.browser import chromium
+from kerfwise.tests.tools.browser import launched
 
 TOKEN = "the-token-of-the-tests"
 EXAMPLES = Path(kerfwise.__file__).parent / "examples" / "nests"
@@ -146,8 +146,5 @@ def opened(served: Served, client: httpx.Client, tmp_path: Path) -> Open:
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
     """One browser for the tests of a file."""
-    with sync_playwright() as play:
-        # As root, as in most containers, Chromium runs without its sandbox only.
-        made = play.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
+    with launched() as made:
         yield made
-        made.close()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -13,15 +12,15 @@ from typing import Any, cast
 import ezdxf
 import numpy as np
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page
 
 from kerfwise.encoder.readers.read import BrokenNest
 from kerfwise.serving import problems
 from kerfwise.serving.child import as_told
 from kerfwise.serving.desk import Desk
 from kerfwise.serving.wanted import Wanted
+from kerfwise.tests.serving.at_page import drop
 from kerfwise.tests.serving.conftest import TOKEN, Served
-from kerfwise.tests.tools.browser import chromium
 
 CROSSED = [[200, 20], [300, 20], [300, 100], [201, 100], [199, 98], [200, 100]]
 """It crosses itself near its last corner."""
@@ -111,22 +110,6 @@ def test_thousands_of_open_lines_are_told_in_seconds(monkeypatch: pytest.MonkeyP
 def keep_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """The desk goes to the nest's folder; afterwards the test is where it was."""
     monkeypatch.chdir(tmp_path)
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with sync_playwright() as play:
-        made = play.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
-        yield made
-        made.close()
-
-
-def drop(page: Page, name: str, text: str) -> None:
-    data = page.evaluate_handle(
-        "([text, name]) => { const all = new DataTransfer(); all.items.add(new File([text], name)); return all; }",
-        [text, name],
-    )
-    page.dispatch_event("main", "drop", {"dataTransfer": data})
 
 
 def middle(page: Page, of: str) -> tuple[float, float]:

@@ -10,7 +10,7 @@ import httpx
 import pytest
 from playwright.sync_api import Browser
 
-from kerfwise.tests.serving.at_page import AtPage
+from kerfwise.tests.serving.at_page import AtPage, drop
 from kerfwise.tests.serving.conftest import EXAMPLES, SMALL, Open, Served, Tab
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
@@ -197,11 +197,7 @@ def test_a_tab_is_drawn(look: Look, opened: Open, served: Served, tmp_path: Path
 def test_locks_in_words_weights_and_a_conflict(look: Look, planned: Tab, wide: int) -> None:
     at = look(planned, wide)
     page = at.page
-    at.panel("locks")
-    for line in ("A.outer first", "B.outer 2nd"):
-        page.fill("#hands-lock-line", line)
-        page.press("#hands-lock-line", "Enter")
-        page.wait_for_selector(f"#hands-locks li:has-text('{line[:7]}')")
+    lock_in_words(at, "A.outer first", "B.outer 2nd")
     at.panel("rules")
     page.click("#hands-weights summary")
     page.locator("[aria-label='weight of heat-lag']").press("ArrowRight")
@@ -217,17 +213,21 @@ def test_locks_in_words_weights_and_a_conflict(look: Look, planned: Tab, wide: i
     page.click("#hands-undo")
     page.wait_for_selector("#hands-plans li:nth-child(1).shown", state="attached")
     assert planned.state()["locked"] == []
-    at.panel("locks")
-    for line in ("A.outer first", "B.outer 2nd"):
-        page.fill("#hands-lock-line", line)
-        page.press("#hands-lock-line", "Enter")
-        page.wait_for_selector(f"#hands-locks li:has-text('{line[:7]}')")
+    lock_in_words(at, "A.outer first", "B.outer 2nd")
     page.click("#hands-plan")
     page.wait_for_selector("#hands-conflict .good")
     page.click("#hands-conflict button:has-text('undo: A.outer first')")
     page.wait_for_selector("#hands-conflict", state="hidden")
     at.planned(3)
     assert planned.state()["locked"] == ["B.outer position 2"]
+
+
+def lock_in_words(at: AtPage, *lines: str) -> None:
+    at.panel("locks")
+    for line in lines:
+        at.page.fill("#hands-lock-line", line)
+        at.page.press("#hands-lock-line", "Enter")
+        at.page.wait_for_selector(f"#hands-locks li:has-text('{line[:7]}')")
 
 
 @WIDTHS
@@ -407,11 +407,7 @@ def test_a_nest_is_opened_from_the_list_and_by_dropping_it(look: Look, served: S
     page.goto(f"{served.address}/?list")
     page.wait_for_selector("h1")
     for text, name in ((SMALL.replace("130, 20], [210", "90, 20], [210"), "broken.json"), (SMALL, "dropped.json")):
-        data = page.evaluate_handle(
-            "([text, name]) => { const all = new DataTransfer(); all.items.add(new File([text], name)); return all; }",
-            [text, name],
-        )
-        page.dispatch_event("main", "drop", {"dataTransfer": data})
+        drop(page, name, text)
         if name == "broken.json":
             page.wait_for_selector("section li")
             assert page.locator("section canvas").count() == 1

@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import expect, sync_playwright
+from playwright.sync_api import Browser, expect
 
 from kerfwise.rules.profile.profile import load_profile
 from kerfwise.tests.serving.conftest import TOKEN, Open, Served, Tab
-from kerfwise.tests.tools.browser import chromium
 
 pytestmark = pytest.mark.slow
 
@@ -168,19 +167,17 @@ def test_the_effect_is_told_and_nothing_is_changed(tab: Tab) -> None:
 
 
 @pytest.fixture
-def page(served: Served, tab: Tab) -> Iterator[Any]:
+def page(browser: Browser, served: Served, tab: Tab) -> Iterator[Any]:
     wrong: list[str] = []
-    with sync_playwright() as play:
-        browser = play.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
-        made = browser.new_page(viewport={"width": 1400, "height": 900})
-        made.set_default_timeout(60_000)
-        made.on("pageerror", lambda error: wrong.append(str(error)))
-        made.on("console", lambda said: wrong.append(said.text) if said.type in ("error", "warning") else None)
-        made.goto(f"{served.address}/?token={TOKEN}")
-        made.goto(f"{served.address}/nest/{tab.id}")
-        made.wait_for_selector("[data-ready=yes]", state="attached")
-        yield made
-        browser.close()
+    made = browser.new_page(viewport={"width": 1400, "height": 900})
+    made.set_default_timeout(60_000)
+    made.on("pageerror", lambda error: wrong.append(str(error)))
+    made.on("console", lambda said: wrong.append(said.text) if said.type in ("error", "warning") else None)
+    made.goto(f"{served.address}/?token={TOKEN}")
+    made.goto(f"{served.address}/nest/{tab.id}")
+    made.wait_for_selector("[data-ready=yes]", state="attached")
+    yield made
+    made.close()
     assert wrong == []
 
 

@@ -6,12 +6,12 @@ import re
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Page
 
 import kerfwise
 from kerfwise.tests.serving.conftest import Served
 from kerfwise.tests.serving.walk_through import PICTURES, STEPS, picture, walk
-from kerfwise.tests.tools.browser import chromium
+from kerfwise.tests.tools.browser import launched
 
 TEXT = (Path(kerfwise.__file__).parent / "docs" / "walk-through.md").read_text(encoding="utf-8")
 MOST_BYTES = 100_000
@@ -56,9 +56,7 @@ def test_the_page_says_what_the_walk_through_quotes(served: Served) -> None:
         assert len(picture(page)) <= MOST_BYTES
         seen.append(name)
 
-    with sync_playwright() as play:
-        browser = play.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
+    with launched() as browser:
         walk(browser, served, see)
-        browser.close()
     assert seen == list(STEPS)
     assert (served.server.folder.path / "e1x_6.nc").is_file()

@@ -12,12 +12,12 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page
 
 import kerfwise
 from kerfwise.postproc.files import write_files
 from kerfwise.tests.serving.conftest import EXAMPLES, TOKEN, Served, serving
-from kerfwise.tests.tools.browser import chromium
+from kerfwise.tests.tools.browser import launched
 
 PICTURES = Path(kerfwise.__file__).parent / "docs" / "walk-through"
 NEST = "e1x_6.dxf"
@@ -145,8 +145,6 @@ if __name__ == "__main__":
     def see(name: str, page: Page) -> None:
         made[Path(sys.argv[1]) / f"{name}.webp"] = picture(page)
 
-    with tempfile.TemporaryDirectory() as folder, serving(Path(folder)) as server, sync_playwright() as play:
-        launched = play.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
-        walk(launched, server, see)
-        launched.close()
+    with tempfile.TemporaryDirectory() as folder, serving(Path(folder)) as server, launched() as browser:
+        walk(browser, server, see)
     write_files(made)

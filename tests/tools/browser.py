@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import shutil
+from collections.abc import Iterator
+
+from playwright.sync_api import Browser, sync_playwright
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 
@@ -17,3 +21,13 @@ def chromium() -> str:
     if found is None:
         raise MissingBrowser("Chromium is missing: `apt-get install chromium` installs it on Debian")
     return found
+
+
+@contextlib.contextmanager
+def launched() -> Iterator[Browser]:
+    """Chromium as the system has it, until the end of the context."""
+    with sync_playwright() as play:
+        # As root, as in most containers, Chromium runs without its sandbox only.
+        browser = play.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
+        yield browser
+        browser.close()
