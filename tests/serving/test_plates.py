@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import io
 import json
 from collections.abc import Iterator
@@ -12,7 +11,6 @@ import httpx
 import pypdfium2
 import pytest
 from playwright.sync_api import Browser
-from playwright.sync_api import TimeoutError as TooLate
 
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.tests.serving.at_page import AtPage
@@ -30,15 +28,21 @@ PAGES = {16: 1, 115: 3, 308: 7, 1000: 22}
 
 
 class Plates:
-    """Made plates on a server of their own, each planned once."""
+    """Made plates on a server of their own, each planned once. Whoever asks for one is shown its first plan."""
 
     def __init__(self, served: Served) -> None:
         self.served = served
         headers = {"origin": served.address, "x-kerfwise-token": TOKEN}
         self._client = httpx.Client(base_url=served.address, headers=headers, timeout=LONG_S)
-        self.planned = cache(self._planned)
+        self._tab = cache(self._opened)
 
-    def _planned(self, contours: int) -> Tab:
+    def planned(self, contours: int) -> Tab:
+        tab = self._tab(contours)
+        tab.state()
+        tab.post("back", to=1)
+        return tab
+
+    def _opened(self, contours: int) -> Tab:
         path = self.served.server.folder.path / f"{contours}.json"
         path.write_text(json.dumps(make_sheet(1, contours)), encoding="utf-8")
         told = self._client.post("/api/open", json={"nest": path.name}).json()
@@ -142,11 +146,8 @@ def planned_again(at: AtPage, tab: Tab) -> None:
     assert f" as number {row + 2}" in said
     at.let_go()
     at.page.wait_for_selector("#hands-cancel", state="visible")
-    tab.wait(lambda state: state["solving"] is None and len(state["alternatives"]) > plans)
-    with contextlib.suppress(TooLate):
-        at.page.wait_for_selector(f"#hands-plans li:nth-child({plans + 1}).shown", state="attached", timeout=60_000)
-    if at.plans == plans:  # the news did not come through: what was planned is there all the same
-        at.page.reload()
+    state = tab.wait()
+    assert len(state["alternatives"]) == plans + 1, state["conflict"] or state["problem"]
     at.planned(plans + 1)
     assert at.order[row + 1] == contour
     assert f"{contour} position {row + 2}" in tab.state()["locked"]
