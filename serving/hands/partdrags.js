@@ -1,5 +1,6 @@
 /** @import { Work } from "./work.js" */
 /** @import { Judge, Move } from "./judge.js" */
+import { onCanvas } from "./gestures.js";
 import { dropThere } from "./judge.js";
 
 const HELD_MS = 450, HELD_STILL_PX = 8;
@@ -97,16 +98,6 @@ export function partDrags(app, work, judge) {
     context.lineTo(drag.x, drag.y);
     context.stroke();
   });
-}
-
-/**
- * Where a pointer is on a drawing, pixels of its canvas.
- *
- * @type {(event: PointerEvent, stage: any) => [number, number]}
- */
-export function onCanvas(event, stage) {
-  const box = stage.canvas.getBoundingClientRect();
-  return [event.clientX - box.left, event.clientY - box.top];
 }
 
 /** Contours of a part, in the order in which they are cut. */

@@ -1,7 +1,7 @@
 /** @import { Work } from "./work.js" */
+import { onCanvas } from "./gestures.js";
 import { lockAndPlan, quoted } from "./locking.js";
 import { nearestOn } from "./nearest.js";
-import { onCanvas } from "./partdrags.js";
 
 const REACH_PX = 40, MARK_PX = 14, MARK_WIDE_PX = 5;
 

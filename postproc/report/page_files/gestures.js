@@ -18,10 +18,7 @@ export function listen(stage, does) {
   const down = new Map();
   let far = 0;
   /** @type {(event: MouseEvent) => [number, number]} */
-  const at = event => {
-    const box = canvas.getBoundingClientRect();
-    return [event.clientX - box.left, event.clientY - box.top];
-  };
+  const at = event => onCanvas(event, stage);
   canvas.addEventListener("wheel", event => {
     event.preventDefault();
     const lines = event.deltaMode === 1 ? 30 : 1;
@@ -74,4 +71,14 @@ function pinch(stage, other, from, to) {
   const after = Math.hypot(to[0] - other[0], to[1] - other[1]);
   stage.camera.pan((to[0] - from[0]) / 2, (to[1] - from[1]) / 2);
   if (before > 10) stage.camera.zoom(after / before, (to[0] + other[0]) / 2, (to[1] + other[1]) / 2);
+}
+
+/**
+ * Where a pointer is on a drawing, pixels of its canvas.
+ *
+ * @type {(event: MouseEvent, stage: Stage) => [number, number]}
+ */
+export function onCanvas(event, { canvas }) {
+  const box = canvas.getBoundingClientRect();
+  return [event.clientX - box.left, event.clientY - box.top];
 }
