@@ -36,6 +36,13 @@ def conflict_told(no_plan: NoPlan, job: Job | None) -> dict[str, Any]:
     }
 
 
+def first_told(no_plan: NoPlan, job: Job | None) -> str:
+    """The first sentence of the contradiction, or all there is to say where none was shown."""
+    conflict = conflict_told(no_plan, job)
+    text: str = conflict["clash"][0]["text"] if conflict["clash"] else conflict["text"]
+    return text
+
+
 def _said(about: About) -> dict[str, Any]:
     return {"rule": about.rule, "contours": list(about.contours), "text": shown(about.sentence)}
 

@@ -15,7 +15,7 @@ from kerfwise.jobs.no_plan import NoPlan
 from kerfwise.jobs.solve_options import options_for
 from kerfwise.models.plan.plan import Plan
 
-from .conflicts import conflict_told
+from .conflicts import first_told
 from .edits import edited
 from .figures import figures_of
 from .wanted import Wanted, already_of, given_of
@@ -66,9 +66,7 @@ class Effects:
         try:
             done = plan_nest(given, limits, already=already_of(wanted, given), listener=listener)
         except NoPlan as no_plan:
-            conflict = conflict_told(no_plan, given.job)
-            text = conflict["clash"][0]["text"] if conflict["clash"] else conflict["text"]
-            return _Planned(given, None, text, whole=not listener.stopped)
+            return _Planned(given, None, first_told(no_plan, given.job), whole=not listener.stopped)
         except RulesConflict as error:
             return _Planned(given, None, str(error))
         return _Planned(given, done.made.plan, whole=not listener.stopped)

@@ -22,7 +22,7 @@ from kerfwise.postproc.nc.remnant import remnant_files
 from kerfwise.postproc.report import draw
 
 from .child import Answers, Asking
-from .conflicts import conflict_told
+from .conflicts import conflict_told, first_told
 from .edits import edited
 from .effect import Effects
 from .figures import figures_of
@@ -76,9 +76,8 @@ class Planner:
                 given, limits, already=already_of(wanted, given), relax=relax, listener=Listener(self._reached())
             )
         except NoPlan as no_plan:
-            conflict = conflict_told(no_plan, given.job)
-            first = conflict["clash"][0]["text"] if conflict["clash"] else conflict["text"]
-            return {"works": False, "text": f"another contradiction is left: {first}", "undone": undone}
+            left = first_told(no_plan, given.job)
+            return {"works": False, "text": f"another contradiction is left: {left}", "undone": undone}
         except RulesConflict as error:
             return {"works": False, "text": str(error), "undone": undone}
         plan = done.made.plan

@@ -87,10 +87,7 @@ class Planning:
                 begun.set()
                 return await to_thread.run_sync(partial(self.helper.ask, question, **given))
 
-        async def left() -> None:
-            await gone()
-
-        answer, leaving = asyncio.ensure_future(answered()), asyncio.ensure_future(left())
+        answer, leaving = asyncio.ensure_future(answered()), asyncio.ensure_future(gone())
         try:
             await asyncio.wait((answer, leaving), return_when=asyncio.FIRST_COMPLETED)
             if answer.done():

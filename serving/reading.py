@@ -94,8 +94,7 @@ class Reading:
 
     async def program(self, request: Request) -> Response:
         """The NC text of a plan."""
-        session, number = self._session(request), _plan(request)
-        plan = session.current if number is None else session.alternative(number)
+        plan = self._session(request).looked_at(_plan(request))
         if plan is None:
             raise InputError("there is no plan yet")
         return Response(plan.program, media_type="text/plain; charset=utf-8")

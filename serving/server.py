@@ -120,7 +120,7 @@ class Server:
 
     async def page(self, session: Session, number: int | None = None) -> str:
         """What the page shows of the shown plan, or of another one, as JSON; of the nest alone where there is none."""
-        plan = session.current if number is None else session.alternative(number)
+        plan = session.looked_at(number)
         if plan is not None:
             return plan.page
         return json.dumps(await self.asked("page", wanted=session.wanted), ensure_ascii=False)
@@ -132,7 +132,7 @@ class Server:
 
     async def about(self, session: Session, question: str, number: int | None = None, **given: Any) -> Any:
         """What the desk answers about the shown plan, or another one."""
-        plan = session.current if number is None else session.alternative(number)
+        plan = session.looked_at(number)
         if plan is None:
             raise InputError("there is no plan yet")
         if "contours" in given:

@@ -98,6 +98,10 @@ class Session:
         """The plan that is looked at."""
         return next((one for one in self.alternatives if one.number == self.shown), None)
 
+    def looked_at(self, number: int | None) -> Alternative | None:
+        """A plan by its number, or with None the one that is shown, if there is one."""
+        return self.current if number is None else self.alternative(number)
+
     def alternative(self, number: object) -> Alternative:
         """A plan by its number; InputError if there is none."""
         found = next((one for one in self.alternatives if one.number == number), None)
