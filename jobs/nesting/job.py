@@ -59,7 +59,7 @@ def find_nests(asked: Asked, watching: Watching, listener: Callable[[str], Liste
     Raises
     ------
     InputError
-        If a part fits on no sheet, or the check refuses the nests.
+        If a part fits on no sheet, or the check refuses the nests; where several are weighed, all of them.
     KeyboardInterrupt
         If somebody ended the look before a part was laid.
     """
@@ -83,9 +83,9 @@ def find_nests(asked: Asked, watching: Watching, listener: Callable[[str], Liste
             lines.append(listener(name))  # noqa: B023 - called in this round only
             return lines[-1]  # noqa: B023
 
-        weighed.append(weigh(_sound(nests_from(layout)), asked.plant, asked.work, listening))
+        weighed.append(weigh(nests_from(layout), asked.plant, asked.work, listening))
         interrupted = interrupted or any(line.interrupted for line in lines)
-    return Found(cheapest(weighed).nested, tuple(weighed), interrupted)
+    return Found(_sound(cheapest(weighed).nested), tuple(weighed), interrupted)
 
 
 def _sound(nested: Nested) -> Nested:

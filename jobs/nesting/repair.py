@@ -57,8 +57,10 @@ def plan_or_repair(
         return nested, plan(name, nested.texts[number]), ""
     except (InputError, RulesConflict) as error:
         for made, how in _moved(nested, number, str(error)):
-            if stopped() or made.faults:
+            if stopped():
                 break
+            if made.faults:
+                continue
             try:
                 return made, plan(name, made.texts[number]), f"{name} repaired: {how}"
             except (InputError, RulesConflict):

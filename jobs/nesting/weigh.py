@@ -65,7 +65,12 @@ class Weighed:
 
 
 def weigh(nested: Nested, profile: Profile, work: float, listener: Callable[[str], Listener]) -> Weighed:
-    """Plan every sheet of a layout, within `work` each, and add up what they cost; repair sheets that have no plan."""
+    """Plan every sheet of a layout, within `work` each, and add up what they cost; repair sheets that have no plan.
+
+    A layout that the check refuses is not planned.
+    """
+    if nested.faults:
+        return Weighed(nested, why=f"the check refuses it: {nested.faults[0]}")
     plans: list[Finished] = []
     price, time_s, pierces, idle_mm = 0.0, 0.0, 0, 0.0
     moved: list[str] = []
@@ -99,9 +104,10 @@ def priced(profile: Profile, stock: Stock) -> Profile:
 
 
 def cheapest(weighed: Sequence[Weighed]) -> Weighed:
-    """The one that costs least; the first, which is the densest, where none is cheaper or none can be planned."""
+    """The one that costs least; the densest that the check accepts, if there is one, where none can be planned."""
     planned = [one for one in weighed if one.price is not None]
-    return min(planned, key=lambda one: round(one.price or 0.0, 6), default=weighed[0])
+    first = next((one for one in weighed if not one.nested.faults), weighed[0])
+    return min(planned, key=lambda one: round(one.price or 0.0, 6), default=first)
 
 
 def weighed_text(weighed: Sequence[Weighed], taken: Weighed, profile: Profile) -> str:

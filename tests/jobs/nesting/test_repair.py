@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from kerfwise.encoder.by_hand import part, rect
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Sheet
 from kerfwise.jobs.listening import Listener
+from kerfwise.jobs.nesting import repair
 from kerfwise.jobs.nesting.repair import planned
 from kerfwise.jobs.nesting.run import Nested, nests_from
 from kerfwise.jobs.nesting.weigh import weigh
+from kerfwise.nesting.allot import Layout
 from kerfwise.nesting.rounds import Effort, best_layout
 from kerfwise.nesting.wanted import PartType, Spacing, Stock, Wanted
 from kerfwise.rules.profile.profile import load_profile
@@ -36,6 +40,21 @@ def test_parts_are_moved_apart_where_the_sheet_has_room() -> None:
     assert made.faults == ()
     assert made.texts != before.texts
     assert made.layout.missing == (0,)
+
+
+def test_where_the_check_refuses_one_way_to_move_parts_the_next_is_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    before, moved = nine_plates(400, 300), list[Nested]()
+
+    def first_is_refused(layout: Layout) -> Nested:
+        nested = nests_from(layout)
+        moved.append(nested if moved else replace(nested, faults=("plate-1 lies too near",)))
+        return moved[-1]
+
+    monkeypatch.setattr(repair, "nests_from", first_is_refused)
+    made, done, _ = planned(before, 0, PLANT, 0.5, lambda name: Listener())
+    assert made is not moved[0]
+    assert made.faults == ()
+    assert done.made.verdict.ok
 
 
 def test_a_sheet_without_room_is_left_and_its_refusal_is_told() -> None:
