@@ -14,6 +14,7 @@ from kerfwise.jobs.nesting.laid import Nests, nests_of_job
 from kerfwise.jobs.nesting.made import made_of
 from kerfwise.jobs.nesting.order import order_of
 from kerfwise.jobs.nesting.spacing import burnt, spacing_of
+from kerfwise.jobs.nesting.watching import Watching
 from kerfwise.jobs.solve_options import WORK
 from kerfwise.nesting.allot import Layout
 from kerfwise.nesting.rounds import Effort
@@ -201,21 +202,17 @@ def _words(files: Files) -> list[str]:
     return [str(file) for file in files]
 
 
-class _Watch(Listener):
+class _Watch(Watching):
     """Tells a function of each round."""
 
     def __init__(self, on_round: OnRound | None) -> None:
         super().__init__()
         self._on_round = on_round
 
-    def __call__(self, number: int, best: Layout) -> bool:  # type: ignore[override]
+    def __call__(self, number: int, best: Layout) -> bool:
         if self._on_round is not None and self._on_round(number, len(best.sheets)) is False:
             self.stopped = True
-        return not self.stopped
-
-    def going(self, doing: str) -> bool:
-        """Whether to go on."""
-        return not self.stopped
+        return super().__call__(number, best)
 
 
 def _found(asked: Asked, on_round: OnRound | None, notes: list[str]) -> Found:

@@ -15,12 +15,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import kerfwise
-from kerfwise.commands.nest_progress import NestProgress
 from kerfwise.encoder.nest import Sheet
 from kerfwise.jobs.bench.memory import peak_mb
 from kerfwise.jobs.listening import Listener
 from kerfwise.jobs.nesting.engines import ALONE, varied_layouts
 from kerfwise.jobs.nesting.spacing import spacing_of
+from kerfwise.jobs.nesting.watching import Watching
 from kerfwise.jobs.nesting.weigh import alike, cheapest, weigh
 from kerfwise.nesting.allot import Layout
 from kerfwise.nesting.bound import least_worth
@@ -187,7 +187,7 @@ def _plant(common: bool) -> Profile:
 
 
 def _weighed_row(seed: int, wanted: Wanted, plant: Profile, rounds: int) -> str:
-    spacing, watching = spacing_of(plant, GAP_MM), NestProgress()
+    spacing, watching = spacing_of(plant, GAP_MM), Watching()
     groups = varied_layouts(wanted, spacing, Effort(rounds), "own", watching, print)
     weighed = [weigh(sound(layout), plant, WORK, lambda name: Listener()) for layout in alike(groups, WEIGHED)]
     taken, count = cheapest(weighed), sum(kind.quantity for kind in wanted.types)

@@ -7,13 +7,13 @@ import time
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-from kerfwise.jobs.listening import Listener
+from kerfwise.jobs.nesting.watching import Watching
 
 if TYPE_CHECKING:
     from kerfwise.nesting.allot import Layout
 
 
-class NestProgress(Listener):
+class NestProgress(Watching):
     """Told after each round; answers False once the user has pressed Ctrl-C. In a pipe it is silent."""
 
     def __init__(self) -> None:
@@ -26,7 +26,7 @@ class NestProgress(Listener):
 
             self._status = Console(file=bare(sys.stderr)).status("laying parts")
 
-    def __call__(self, number: int, best: Layout) -> bool:  # type: ignore[override]
+    def __call__(self, number: int, best: Layout) -> bool:
         """Show the best so far; whether to go on."""
         if self._status is not None:
             whole = sum(sheet.stock.area_mm2 for sheet in best.sheets)
@@ -34,13 +34,13 @@ class NestProgress(Listener):
             spent = time.monotonic() - self.started
             line = f"{spent:5.1f} s  round {number}  {len(best.sheets)} sheets, {used:.1%} used"
             self._status.update(f"{line}  (Ctrl-C keeps the best so far)")
-        return not self.stopped
+        return super().__call__(number, best)
 
     def going(self, doing: str) -> bool:
         """Show what is being done; whether to go on."""
         if self._status is not None:
             self._status.update(f"{time.monotonic() - self.started:5.1f} s  {doing}  (Ctrl-C keeps the best so far)")
-        return not self.stopped
+        return super().going(doing)
 
     def __enter__(self) -> Self:
         super().__enter__()

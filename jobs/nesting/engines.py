@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any, Literal, Protocol, get_args
+from typing import Literal, get_args
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.given import Tell
@@ -14,6 +14,8 @@ from kerfwise.nesting.denser import denser
 from kerfwise.nesting.rounds import Effort, Method, layouts
 from kerfwise.nesting.shapes import Shapes
 from kerfwise.nesting.wanted import Spacing, Wanted
+
+from .watching import Watching
 
 Engine = Literal["own", "pavlov", "sparrow"]
 ENGINES: tuple[Engine, ...] = get_args(Engine)
@@ -25,31 +27,6 @@ ALONE = "each alone"
 _OWN_SHARE = 0.25
 _OTHERS_SHARE = 0.5
 """Share of the rounds, or of the time, that those have beside the engine asked for where layouts are weighed."""
-
-
-class Watching(Protocol):
-    """Told after each round, and asked while sparrow packs; both say whether to go on, `stopped` that not.
-
-    As a context it listens to Ctrl-C while parts are laid.
-    """
-
-    stopped: bool
-
-    def __enter__(self) -> object:
-        """Begin to listen."""
-        ...
-
-    def __exit__(self, *error: Any) -> None:
-        """Listen no more."""
-        ...
-
-    def __call__(self, number: int, best: Layout) -> bool:
-        """After a round."""
-        ...
-
-    def going(self, doing: str) -> bool:
-        """While something else is done."""
-        ...
 
 
 def expect_engine(engine: str) -> None:

@@ -8,14 +8,15 @@ from typing import Literal, get_args
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.given import Tell
-from kerfwise.jobs.listening import Listener
+from kerfwise.jobs.listening import Listener, Listeners
 from kerfwise.nesting.rounds import Effort
 from kerfwise.nesting.wanted import Spacing, Wanted
 from kerfwise.rules.profile.profile import Profile
 
-from .engines import Engine, Watching, ranked_layouts, varied_layouts
+from .engines import Engine, ranked_layouts, varied_layouts
 from .run import Nested, expect_room, nests_from
 from .spacing import with_held
+from .watching import Watching
 from .weigh import Weighed, alike, cheapest, weigh
 
 Purpose = Literal["density", "cutting"]
@@ -73,19 +74,12 @@ def find_nests(asked: Asked, watching: Watching, listener: Callable[[str], Liste
     if asked.purpose == "density" or watching.stopped:
         return Found(_sound(nests_from(best)), interrupted=watching.stopped)
     weighed: list[Weighed] = []
-    interrupted = False
+    heard = Listeners(listener)
     for layout in alike(groups, asked.most):
-        if interrupted and weighed:
+        if heard.interrupted:
             break
-        lines: list[Listener] = []
-
-        def listening(name: str) -> Listener:
-            lines.append(listener(name))  # noqa: B023 - called in this round only
-            return lines[-1]  # noqa: B023
-
-        weighed.append(weigh(nests_from(layout), asked.plant, asked.work, listening))
-        interrupted = interrupted or any(line.interrupted for line in lines)
-    return Found(_sound(cheapest(weighed).nested), tuple(weighed), interrupted)
+        weighed.append(weigh(nests_from(layout), asked.plant, asked.work, heard))
+    return Found(_sound(cheapest(weighed).nested), tuple(weighed), heard.interrupted)
 
 
 def _sound(nested: Nested) -> Nested:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from kerfwise.encoder.errors import RulesConflict
-from kerfwise.jobs.listening import Listener
+from kerfwise.jobs.listening import Listener, Listeners
 from kerfwise.jobs.main_job import Finished
 from kerfwise.rules.profile.profile import Profile
 
@@ -41,19 +41,14 @@ def made_of(nested: Nested, profile: Profile, work: float, relax: bool, listener
     InputError, RulesConflict
         If a sheet has no plan, not even with its parts moved apart: `RulesConflict` names the sheet.
     """
-    heard: list[Listener] = []
-
-    def listening(name: str) -> Listener:
-        heard.append(listener(name))
-        return heard[-1]
-
+    heard = Listeners(listener)
     plans: list[Finished] = []
     told: list[str] = []
     for number, name in enumerate(nested.names):
         try:
-            nested, done, how = planned(nested, number, profile, work, listening, relax)
+            nested, done, how = planned(nested, number, profile, work, heard, relax)
         except RulesConflict as error:
             raise RulesConflict(f"{name}: {error.message}; nothing was written", error.reasons) from error
         plans.append(done)
         told += [plan_text(name, done), *([how] if how else [])]
-    return Made(nested, tuple(plans), tuple(told), any(one.interrupted for one in heard))
+    return Made(nested, tuple(plans), tuple(told), heard.interrupted)

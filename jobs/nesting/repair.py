@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from kerfwise.encoder.errors import InputError, RulesConflict
-from kerfwise.jobs.listening import Listener
+from kerfwise.jobs.listening import Listener, Listeners
 from kerfwise.jobs.main_job import Finished
 from kerfwise.nesting.allot import Sheetful
 from kerfwise.nesting.fill import LEFT, Taste, by_size, fill
@@ -132,10 +132,9 @@ def planned(
     relax: bool = False,
 ) -> tuple[Nested, Finished, str]:
     """A sheet planned as `kerfwise solve` would plan it, repaired where that is needed: see `plan_or_repair`."""
-    heard: list[Listener] = []
+    heard = Listeners(listener)
 
     def plan(name: str, text: str) -> Finished:
-        heard.append(listener(name))
-        return plan_sheet(name, text, profile, work, relax=relax, listener=heard[-1])
+        return plan_sheet(name, text, profile, work, relax=relax, listener=heard(name))
 
-    return plan_or_repair(nested, number, plan, lambda: any(one.stopped for one in heard))
+    return plan_or_repair(nested, number, plan, lambda: heard.stopped)

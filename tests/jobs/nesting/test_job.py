@@ -13,6 +13,7 @@ from kerfwise.jobs.listening import Listener
 from kerfwise.jobs.nesting import job
 from kerfwise.jobs.nesting.job import Asked, Found, find_nests
 from kerfwise.jobs.nesting.run import Nested, nests_from
+from kerfwise.jobs.nesting.watching import Watching
 from kerfwise.jobs.nesting.weigh import weighed_text
 from kerfwise.nesting.allot import Layout
 from kerfwise.nesting.rounds import Effort
@@ -21,16 +22,6 @@ from kerfwise.rules.profile.profile import load_profile
 
 FAULT = "sheet1: plate-1 lies too near to plate-2"
 PLANT = load_profile("laser-st10kp-2mm")
-
-
-class Watch(Listener):
-    """Goes on to the end."""
-
-    def __call__(self, number: int, best: Layout) -> bool:  # type: ignore[override]
-        return True
-
-    def going(self, doing: str) -> bool:
-        return True
 
 
 def found_where_refused(monkeypatch: pytest.MonkeyPatch, *refused: int) -> Found:
@@ -49,7 +40,7 @@ def found_where_refused(monkeypatch: pytest.MonkeyPatch, *refused: int) -> Found
     )
     wanted = Wanted(types, (Stock("sheet", Sheet.rectangle(400, 300)),))
     asked = Asked(PLANT, wanted, Spacing(6.0, 10.0), Effort(4), purpose="cutting", most=2, work=0.2)
-    return find_nests(asked, Watch(), lambda name: Listener(), lambda text: None)
+    return find_nests(asked, Watching(), lambda name: Listener(), lambda text: None)
 
 
 @pytest.mark.parametrize("refused", [0, 1])
