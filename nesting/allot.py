@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import shapely
 
-from .fill import Going, Taste, fill
+from .fill import Going, Taste, by_size, fill
 from .left_over import largest_rectangle
 from .pose import Placed
 from .room import Room
@@ -27,6 +28,22 @@ class Sheetful:
     def metal_mm2(self, wanted: Wanted) -> float:
         """Metal of the parts on it."""
         return sum(wanted.types[one.kind].area_mm2 for one in self.placed)
+
+
+def laid_anew(
+    sheet: Sheetful, placed: Iterable[Placed], shapes: Shapes, spacing: Spacing, tastes: Iterable[Taste]
+) -> Sheetful | None:
+    """The sheet with as many parts of each type as in `placed`, laid by the first taste that has room for all; or None.
+
+    How they lay does not matter.
+    """
+    left = Counter(one.kind for one in placed)
+    for taste in tastes:
+        room = Room(shapes, sheet.stock.sheet, spacing)
+        laid = fill(room, by_size(shapes, sorted(left)), left, taste, every=True)
+        if len(laid) == left.total():
+            return replace(sheet, placed=tuple(laid))
+    return None
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,11 +12,10 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import linprog
-from scipy.sparse import csr_matrix
 
 from kerfwise.arrays import Floats
 
-from .allot import Layout, Sheetful
+from .allot import Layout, Sheetful, laid_anew
 from .fill import LEFT, Going, Taste, by_size, fill
 from .pose import Placed
 from .room import Room
@@ -68,17 +67,17 @@ class Patterns:
     def _duals(self) -> Floats:
         """What the linear program over all patterns pays for one more copy of each part."""
         sheets, wanted = list(self._found.values()), self._wanted
-        counts = np.array([self._counts(sheet) for sheet in sheets], dtype=np.float64).T
+        counts = np.array([counted for _, counted in self._found], dtype=np.float64).T
         most = max(stock.worth for stock in wanted.stocks)
         alone = np.array([most * 2.0 for _ in wanted.types])  # a part that has no place costs more than any sheet
         cost = np.concatenate([[_worth(sheet) for sheet in sheets], alone])
-        rows = csr_matrix(np.hstack([counts, np.eye(len(wanted.types))]))
+        rows = np.hstack([counts, np.eye(len(wanted.types))])
         limits = [k for k, stock in enumerate(wanted.stocks) if stock.count is not None]
         used = np.array([[float(sheet.number == k) for sheet in sheets] + [0.0] * len(alone) for k in limits])
         needed = np.array([-float(kind.quantity) for kind in wanted.types])
         found = linprog(
             cost,
-            A_ub=np.vstack([-rows.toarray(), used]) if limits else -rows.toarray(),
+            A_ub=np.vstack([-rows, used]) if limits else -rows,
             b_ub=np.concatenate([needed, [float(wanted.stocks[k].count or 0) for k in limits]]),
             method="highs",
         )
@@ -113,7 +112,7 @@ class Patterns:
         total = sum(kind.quantity for kind in wanted.types)
         taken = [model.new_int_var(0, wanted.stocks[sheet.number].count or total, "") for sheet in sheets]
         missing = [model.new_int_var(0, kind.quantity, "") for kind in wanted.types]
-        counts = [self._counts(sheet) for sheet in sheets]
+        counts = [counted for _, counted in self._found]
         for k, kind in enumerate(wanted.types):
             laid = sum(counts[p][k] * taken[p] for p in range(len(sheets)) if counts[p][k])
             model.add(laid + missing[k] >= kind.quantity)
@@ -171,13 +170,7 @@ class Patterns:
         """
         if self._shapes.common is None or len(placed) == len(sheet.placed):
             return replace(sheet, placed=tuple(placed))
-        left = Counter(one.kind for one in placed)
-        for taste in _ANEW:
-            room = Room(self._shapes, sheet.stock.sheet, self._spacing)
-            laid = fill(room, by_size(self._shapes, sorted(left)), left, taste, every=True)
-            if len(laid) == len(placed):
-                return replace(sheet, placed=tuple(laid))
-        return None
+        return laid_anew(sheet, placed, self._shapes, self._spacing, _ANEW)
 
     def _moved_up(self, sheets: list[Sheetful]) -> list[Sheetful]:
         """Parts of the last sheet moved to those before, where there is room."""

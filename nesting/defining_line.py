@@ -9,7 +9,7 @@ second part may lie, that is, where it touches the first.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,11 +60,16 @@ def turns_to_try(fixed: shapely.Polygon, coming: shapely.Polygon) -> list[float]
     first, second = _directions(fixed), _directions(coming)
     on_line = ((a + 180.0 - b) % 360.0 for a in first for b in second)
     on_axis = ((axis - b) % 360.0 for axis in (0.0, 90.0, 180.0, 270.0) for b in second)
-    found: list[float] = []
-    for turn in sorted(round(turn, 9) for turn in (*on_line, *on_axis)):
-        if not found or turn - found[-1] > _SAME_DEG:
-            found.append(turn)
-    return [turn for turn in found if 360.0 - turn > _SAME_DEG or turn < _SAME_DEG]
+    return _different(round(turn, 9) for turn in (*on_line, *on_axis))
+
+
+def _different(turns_deg: Iterable[float]) -> list[float]:
+    """Turns, the least first, each once: a whole turn is none."""
+    kept: list[float] = []
+    for turn in sorted(turns_deg):
+        if not kept or turn - kept[-1] > _SAME_DEG:
+            kept.append(turn)
+    return [turn for turn in kept if 360.0 - turn > _SAME_DEG]
 
 
 def sides_on_axes(part: Part) -> tuple[float, ...]:
@@ -85,11 +90,7 @@ def sides_on_axes(part: Part) -> tuple[float, ...]:
         dx, dy = (ring[k + 1] - ring[k]).tolist()
         along = -math.degrees(math.atan2(dy, dx))
         found |= {round((along + axis) % 360.0, 9) % 360.0 for axis in (0.0, 90.0, 180.0, 270.0)}
-    kept: list[float] = []
-    for turn in sorted(found):
-        if not kept or turn - kept[-1] > _SAME_DEG:
-            kept.append(turn)
-    return tuple(turn for turn in kept if 360.0 - turn > _SAME_DEG)
+    return tuple(_different(found))
 
 
 def best_beside(fixed: shapely.Polygon, coming: shapely.Polygon, turns_deg: Sequence[float] | None = None) -> Beside:

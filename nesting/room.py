@@ -67,10 +67,14 @@ class Room:
             return ()
         self._metal += metal
         self.placed += laid
-        x0, y0, x1, y1 = self.shapes.shape(key).taken.bounds
-        mine = (x0 + dx, y0 + dy, x1 + dx, y1 + dy)
-        self._box = mine if self._box is None else _around(self._box, mine)
+        self._widen(key, dx, dy)
         return laid
+
+    def _widen(self, key: Key, dx_mm: float, dy_mm: float) -> None:
+        """Take what was laid into the box."""
+        x0, y0, x1, y1 = self.shapes.shape(key).taken.bounds
+        mine = (x0 + dx_mm, y0 + dy_mm, x1 + dx_mm, y1 + dy_mm)
+        self._box = mine if self._box is None else _around(self._box, mine)
 
     def _fit_together(self, metal: list[shapely.Geometry]) -> bool:
         """Whether the parts of a block lie as far apart as those of blocks must."""
@@ -102,9 +106,7 @@ class Room:
         for lying in others:
             self.placed.append(lying)
             self._metal.append(lying.area(self.shapes.types[lying.kind].part.polygon))
-            x0, y0, x1, y1 = self.shapes.shape((lying.kind, lying.pose)).taken.bounds
-            mine = (x0 + lying.dx_mm, y0 + lying.dy_mm, x1 + lying.dx_mm, y1 + lying.dy_mm)
-            self._box = mine if self._box is None else _around(self._box, mine)
+            self._widen((lying.kind, lying.pose), lying.dx_mm, lying.dy_mm)
 
     def _where(self, key: Key) -> shapely.Geometry:
         if key not in self._free:

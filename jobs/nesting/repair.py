@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.jobs.listening import Listener, Listeners
 from kerfwise.jobs.main_job import Finished
-from kerfwise.nesting.allot import Sheetful
-from kerfwise.nesting.fill import LEFT, Taste, by_size, fill
-from kerfwise.nesting.room import Room
+from kerfwise.nesting.allot import Sheetful, laid_anew
+from kerfwise.nesting.fill import LEFT, Taste
 from kerfwise.nesting.shapes import Shapes
 from kerfwise.rules.profile.profile import Profile
 
@@ -113,14 +111,8 @@ def _laid(nested: Nested, sheet: Sheetful, more: dict[int, float], doubled: int 
     shapes = Shapes(
         layout.wanted.types, layout.spacing.gap_mm, layout.spacing.common if doubled else None, more, doubled
     )
-    left = Counter(one.kind for one in sheet.placed)
-    for taste in _TASTES:
-        taste = replace(taste, blocks=taste.blocks or doubled > 0)
-        room = Room(shapes, sheet.stock.sheet, layout.spacing)
-        placed = fill(room, by_size(shapes, sorted(left)), left, taste, every=True)
-        if len(placed) == len(sheet.placed):
-            return replace(sheet, placed=tuple(placed))
-    return None
+    tastes = [replace(taste, blocks=taste.blocks or doubled > 0) for taste in _TASTES]
+    return laid_anew(sheet, sheet.placed, shapes, layout.spacing, tastes)
 
 
 def planned(
