@@ -141,7 +141,7 @@ def _shifted(shift: tuple[float, float], other: Pose, beside: Beside) -> tuple[f
 
 def _moved(area: shapely.Geometry, members: Iterable[Member]) -> Iterator[shapely.Geometry]:
     for turn_deg, shift in members:
-        yield shapely.transform(area, lambda points, by=(turn_deg, shift): Pose(by[0]).moved(points, *by[1]))
+        yield Placed(0, Pose(turn_deg), *shift).area(area)
 
 
 def _closed(areas: Sequence[shapely.Geometry]) -> shapely.Geometry:

@@ -63,7 +63,7 @@ def layouts(
             break
     if not stopped():
         look.finish(effort.rounds)
-    return sorted(look.found, key=lambda layout: layout.score)
+    return sorted(look.found.values(), key=lambda layout: layout.score)
 
 
 class _Look:
@@ -71,9 +71,11 @@ class _Look:
 
     def __init__(self, wanted: Wanted, spacing: Spacing, effort: Effort, stopped: Callable[[], bool]) -> None:
         self.shapes = Shapes(wanted.types, spacing.gap_mm, spacing.common)
-        self.found: list[Layout] = []
+        self.found: dict[tuple[object, ...], Layout] = {}
         self._wanted, self._spacing, self._effort, self._stopped = wanted, spacing, effort, stopped
-        self._ends = None if effort.time_s is None else time.monotonic() + effort.time_s * _LOOK_SHARE
+        now = time.monotonic()
+        self._ends = None if effort.time_s is None else now + effort.time_s * _LOOK_SHARE
+        self._last = None if effort.time_s is None else now + effort.time_s
         self._purchase = Purchase(wanted, self.shapes, spacing)
         self._patterns = Patterns(wanted, self.shapes, spacing)
         self._best: Layout | None = None
@@ -103,19 +105,18 @@ class _Look:
 
     def finish(self, tries: int) -> None:
         """Combine what all rounds laid, and lay the last sheet so that the largest rectangle is left."""
-        ends = None if self._ends is None or self._effort.time_s is None else self._ends + 0.2 * self._effort.time_s
 
         def going() -> bool:
-            return not self._stopped() and (ends is None or time.monotonic() < ends)
+            return not self._stopped() and (self._last is None or time.monotonic() < self._last)
 
         self._keep(self._patterns.cover(self.best, self._effort.seed), "patterns")
         if self.shapes.common is None:  # blocks with common edges would break up where they are in the way
             self._keep(squeezed(self.best, self.shapes, tries, self._effort.seed, going), "squeezed")
 
     def _keep(self, made: Layout, by: str) -> None:
-        if all(made.alike != other.alike for other in self.found):
+        if made.alike not in self.found:
             made = replace(made, by=by if self._effort.method == "own" else f"{self._effort.method}, {by}")
-            self.found.append(made)
+            self.found[made.alike] = made
             if self._best is None or made.score < self._best.score:
                 self._best = made
 

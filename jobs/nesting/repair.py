@@ -12,6 +12,7 @@ from kerfwise.jobs.main_job import Finished
 from kerfwise.nesting.allot import Sheetful, laid_anew
 from kerfwise.nesting.fill import LEFT, Taste
 from kerfwise.nesting.shapes import Shapes
+from kerfwise.nesting.written import OF
 from kerfwise.rules.profile.profile import Profile
 
 from .programs import plan_sheet
@@ -99,7 +100,7 @@ def _named(nested: Nested, number: int, refusal: str) -> set[int]:
     said = {word.rsplit(".", 1)[0] for word in words} | words
     numbers = {kind.name: k for k, kind in enumerate(nested.layout.wanted.types)}
     parts = nested.nests[number].parts
-    return {numbers[str(part.attributes["of"])] for part in parts if part.id in said}
+    return {numbers[str(part.attributes[OF])] for part in parts if part.id in said}
 
 
 def _laid(nested: Nested, sheet: Sheetful, more: dict[int, float], doubled: int = 0) -> Sheetful | None:

@@ -34,16 +34,11 @@ def alike(groups: Sequence[Sequence[Layout]], most: int) -> list[Layout]:
     every = sorted((layout for group in groups for layout in group), key=lambda layout: layout.score)
     missing, worth, _ = every[0].score
     firsts = [group[0] for group in groups if group]
-    near = [
-        layout
-        for layout in dict.fromkeys([every[0], *firsts, *every])
-        if layout.score[0] <= missing and layout.score[1] <= worth * (1 + NEAR)
-    ]
-    found: list[Layout] = []
-    for layout in near:
-        if all(layout.alike != other.alike for other in found):
-            found.append(layout)
-    return found[:most]
+    found: dict[tuple[object, ...], Layout] = {}
+    for layout in (every[0], *firsts, *every):
+        if layout.score[0] <= missing and layout.score[1] <= worth * (1 + NEAR):
+            found.setdefault(layout.alike, layout)
+    return list(found.values())[:most]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
