@@ -10,7 +10,6 @@ grows in both directions; no way of listing them all can grow slower.
 from __future__ import annotations
 
 import argparse
-import json
 import time
 from collections.abc import Callable
 from typing import Any
@@ -19,12 +18,10 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from kerfwise.benchmarks.plates import made_plate
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.facts import FactOptions, compute
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.readers import ReadOptions
-from kerfwise.encoder.readers.json_nest import read_json
-from kerfwise.examples.gen_sheet import make_sheet
 
 SIZES = (100, 300, 1000, 3000, 10000)
 FIT_FROM = 1000
@@ -40,11 +37,6 @@ FAMILIES = {
     "stretches": ("runs_of", "stretch_of"),
 }
 """Family → the functions of `compute_facts` that it is made by."""
-
-
-def made_nest(seed: int, contours: int) -> Nest:
-    """A made sheet as a nest, without the checks of a reader: it is known to be sound."""
-    return read_json(json.dumps(make_sheet(seed, contours)).encode(), ReadOptions())
 
 
 def plain_candidates(nest: Nest, each: int) -> tuple[Candidate, ...]:
@@ -101,10 +93,10 @@ def main() -> None:
     arguments.add_argument("--candidates", type=int, default=16, help="of each contour; 0 for none")
     given = arguments.parse_args()
 
-    seconds_by_family(made_nest(given.seed, 20), ())  # libraries load and warm up before the clock counts
+    seconds_by_family(made_plate(20, given.seed), ())  # libraries load and warm up before the clock counts
     sizes, runs = [], []
     for contours in given.contours:
-        nest = made_nest(given.seed, contours)
+        nest = made_plate(contours, given.seed)
         sizes.append(len(nest.contours))
         runs.append(seconds_by_family(nest, plain_candidates(nest, given.candidates)))
 

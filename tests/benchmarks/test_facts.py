@@ -5,6 +5,7 @@ import sys
 import pytest
 
 from kerfwise.benchmarks import facts as benchmark
+from kerfwise.benchmarks.plates import made_plate
 from kerfwise.encoder.facts import FactOptions, compute, compute_facts
 
 
@@ -23,7 +24,7 @@ def test_the_exponent_is_fitted_to_large_sizes_only() -> None:
 
 
 def test_measuring_leaves_compute_facts_as_it_was() -> None:
-    nest = benchmark.made_nest(1, 20)
+    nest = made_plate(20, seed=1)
     before = {name: getattr(compute, name) for names in benchmark.FAMILIES.values() for name in names}
     spent = benchmark.seconds_by_family(nest, benchmark.plain_candidates(nest, 2))
     assert {name: getattr(compute, name) for name in before} == before
