@@ -363,7 +363,7 @@ def test_two_plans_are_put_side_by_side(opened: Open, client: httpx.Client) -> N
     assert told == [4, 1]
 
 
-def test_whoever_is_slow_to_listen_hears_each_thing_once(served: Served) -> None:
+def test_whoever_is_slow_to_listen_hears_each_thing_once() -> None:
     news = News()
     all_nests, one = news.listen(), news.listen("a")
     for _ in range(50):
