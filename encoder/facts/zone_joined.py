@@ -8,6 +8,7 @@ import numpy as np
 
 from kerfwise.arrays import Floats, Ints
 
+from .zone_borders import Bears
 from .zone_sets import Units, sets_within
 
 
@@ -25,10 +26,14 @@ def joined(zone: Ints, units: Units, most_sets: float, heat_kj: Floats, budget_k
     >>> joined(np.array([1, 2]), two, 4.0, np.zeros(2)), joined(np.array([1, 2]), two, 3.0, np.zeros(2))
     (array([1, 1]), array([1, 2]))
     """
-    bears = Bearing(zone, units, most_sets, heat_kj, budget_kj)
-    number = np.ones(len(heat_kj) + 1, dtype=np.int64)
+    return joined_while(Bearing(zone, units, most_sets, heat_kj, budget_kj), zone, len(heat_kj))
+
+
+def joined_while(bears: Bears, zone: Ints, count: int) -> Ints:
+    """The zones 1…count of contours (n,) after those that follow each other are made one while the answer is yes."""
+    number = np.ones(count + 1, dtype=np.int64)
     begin = 0
-    for end in range(2, len(heat_kj) + 1):
+    for end in range(2, count + 1):
         if not bears(begin, end):
             begin = end - 1
         number[end] = number[end - 1] + (begin == end - 1)

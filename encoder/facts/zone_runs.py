@@ -9,6 +9,7 @@ square as after those, each lies as much together as they do, and the first is a
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cache
 
 import numpy as np
 
@@ -18,8 +19,8 @@ from .facts import Facts
 from .outlines import outlines_of
 from .sides import AWAY, AXIS
 from .zone_blocks import Blocks, blocks_of, locked_pairs
-from .zone_borders import divisions
-from .zone_joined import Bearing, joined
+from .zone_borders import Bears, divisions
+from .zone_joined import Bearing, joined_while
 from .zone_sets import units_of
 from .zone_strips import side_ratio
 from .zones import most_sets, respected_orders
@@ -58,24 +59,29 @@ def zones_along(facts: Facts, order: Sequence[int]) -> Iterator[Ints]:
     units = units_of(outlines.own_outer, outlines.is_mark, kept, options.parts_in_one_go)
     small = _of_whole_blocks(blocks.of, np.array(order, dtype=np.int64))
     sizes = np.bincount(small - 1).astype(np.float64)  # here the number of contours is what joined zones must not pass
-    one_by_one = joined(small, units, most_sets(facts.n), sizes, MOST_CONTOURS)
-    bears = Bearing(small, units, most_sets(facts.n), sizes, MOST_CONTOURS)
-    found = np.unique([zone[small - 1] for zone in _drawn(small, blocks, facts, bears)], axis=0)
-    others = sorted(found[(found != one_by_one).any(axis=1)], key=lambda zone: int(zone.max()))
-    for zone in (one_by_one, *others):
-        if _do_what_zones_do(zone, facts, blocks):
+    bears = cache(Bearing(small, units, most_sets(facts.n), sizes, MOST_CONTOURS))
+    given = _by_block(facts.zone, blocks)
+    most = LESS_SQUARE * _ratio(given, blocks), LESS_TOGETHER * _around_mm2(given, blocks)
+    one_by_one = joined_while(bears, small, len(sizes))
+    if _do_what_zones_do(one_by_one, facts, blocks, most):
+        yield one_by_one
+    found = np.unique([zone[small - 1] for zone in _drawn(small, blocks, facts, bears, most)], axis=0)
+    for zone in sorted(found[(found != one_by_one).any(axis=1)], key=lambda zone: int(zone.max())):
+        if _do_what_zones_do(zone, facts, blocks, most):
             yield zone
 
 
-def _drawn(small: Ints, blocks: Blocks, facts: Facts, bears: Bearing) -> Iterator[Ints]:
-    """Zones of the runs `small`, (n,) from 1, by the prices of what is asked of zones: the zone of every run."""
+def _drawn(small: Ints, blocks: Blocks, facts: Facts, bears: Bears, most: tuple[float, float]) -> Iterator[Ints]:
+    """Zones of the runs `small`, (n,) from 1, by the prices of what is asked of zones: the zone of every run.
+
+    `most` are the ratio and the area, mm², that zones may have.
+    """
     count = int(small.max(initial=0))
     of_run = [np.unique(blocks.of[small == k + 1]) for k in range(count)]
     runs = _Runs(np.array([_around(blocks.bounds_mm[chosen]) for chosen in of_run]))
     share = np.array([blocks.contours[chosen].sum() for chosen in of_run]) / max(1, blocks.contours.sum())
     up_to = np.append(0.0, np.cumsum(share))
-    given = _by_block(facts.zone, blocks)
-    most_ratio, most_mm2 = LESS_SQUARE * _ratio(given, blocks), LESS_TOGETHER * _around_mm2(given, blocks)
+    most_ratio, most_mm2 = most
     for square in SQUARENESS:
 
         def price(begins: Ints, end: int, square: float = square) -> Floats:
@@ -123,14 +129,14 @@ def _of_whole_blocks(block: Ints, order: Ints) -> Ints:
     return number
 
 
-def _do_what_zones_do(zone: Ints, facts: Facts, blocks: Blocks) -> bool:
-    found, given = (_by_block(numbers, blocks) for numbers in (zone, facts.zone))
+def _do_what_zones_do(zone: Ints, facts: Facts, blocks: Blocks, most: tuple[float, float]) -> bool:
+    found, (most_ratio, most_mm2) = _by_block(zone, blocks), most
     axis, away = AXIS[facts.start_side], AWAY[facts.start_side]
     depth_mm = away * blocks.centroid[:, axis]
     near_mm = depth_mm.min() + (depth_mm.max() - depth_mm.min()) / 2
     return bool(
-        _ratio(found, blocks) <= LESS_SQUARE * _ratio(given, blocks)
-        and _around_mm2(found, blocks) <= LESS_TOGETHER * _around_mm2(given, blocks)
+        _ratio(found, blocks) <= most_ratio
+        and _around_mm2(found, blocks) <= most_mm2
         and depth_mm[found == 1].mean() <= near_mm
     )
 
