@@ -43,8 +43,8 @@ class Crossings:
     def __len__(self) -> int:
         return len(self.leave)
 
-    def only(self, kept: Bools) -> Crossings:
-        """Some of the rows."""
+    def only(self, kept: Bools | Ints) -> Crossings:
+        """Some of the rows: those that are told, or those of these numbers, in their order."""
         return Crossings(self.leave[kept], self.reach[kept], self.over[kept], self.cost[kept], self.statement[kept])
 
     def renumbered(self, number: Ints) -> Crossings:

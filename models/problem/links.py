@@ -15,6 +15,8 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.rules.by_kind import by_kind
 from kerfwise.rules.statements import Link, Statement
 
+from .spans import spans
+
 
 def links_on(
     candidates: Sequence[Candidate], statements: Iterable[Statement], route: Sequence[int], home_mm: Point
@@ -109,15 +111,12 @@ class Links:
 
     def laid_over(self, table: Ints, leave: Ints, reach: Ints) -> None:
         """Put what links cost into a table of moves from the sites `leave` (rows) to `reach` (columns)."""
-        starts = np.searchsorted(self.leave, leave)
-        counts = np.searchsorted(self.leave, leave, side="right") - starts
-        if not counts.any():
+        low, high = np.searchsorted(self.leave, leave), np.searchsorted(self.leave, leave, side="right")
+        link = spans(low, high)
+        if not len(link):
             return
-        row = np.repeat(np.arange(len(leave)), counts)
-        link = np.repeat(starts - np.append(0, np.cumsum(counts)[:-1]), counts) + np.arange(int(counts.sum()))
-        by_site = np.argsort(reach, kind="stable")
-        low = np.searchsorted(reach[by_site], self.reach[link])
-        times = np.searchsorted(reach[by_site], self.reach[link], side="right") - low
-        again = np.repeat(np.arange(len(link)), times)
-        nth = np.arange(len(again)) - np.repeat(np.append(0, np.cumsum(times)[:-1]), times) if len(again) else again
-        table[row[again], by_site[low[again] + nth]] = self.cost[link[again]]
+        row, by_site = np.repeat(np.arange(len(leave)), high - low), np.argsort(reach, kind="stable")
+        sites, asked = reach[by_site], self.reach[link]
+        low, high = np.searchsorted(sites, asked), np.searchsorted(sites, asked, side="right")
+        again = np.repeat(np.arange(len(link)), high - low)
+        table[row[again], by_site[spans(low, high)]] = self.cost[link[again]]

@@ -18,6 +18,7 @@ from .conditions import Condition
 from .crossings import Crossings
 from .links import Links
 from .pace import Pace
+from .spans import spans
 from .successors import known_successors
 
 
@@ -79,6 +80,11 @@ class Problem:
     def sites(self, contour: int) -> range:
         """Site numbers of a contour."""
         return range(int(self.first[contour]), int(self.first[contour + 1]))
+
+    def sites_of(self, contours: Ints | Sequence[int]) -> Ints:
+        """Site numbers of several contours, one after the other."""
+        chosen = np.asarray(contours, dtype=np.int64)
+        return spans(self.first[chosen], self.first[chosen + 1])
 
     @property
     def looks_one_back(self) -> bool:

@@ -68,7 +68,7 @@ def look_ahead(
     Each has its share of the work. `route` is a lawful one: what it costs is what a bound may rise to.
     """
     groups = series(problem)
-    sites = [np.concatenate([np.arange(problem.first[c], problem.first[c + 1]) for c in group]) for group in groups]
+    sites = [problem.sites_of(group) for group in groups]
     ends = [_ends(problem, group) for group in groups]
     weight = np.array([float(len(of)) ** 2 * len(group) for of, group in zip(sites, groups, strict=True)])
     numbers = sum((len(group) + 1) * len(of) for of, group in zip(sites, groups, strict=True))
@@ -93,10 +93,7 @@ def _ends(problem: Problem, group: tuple[int, ...]) -> tuple[Ints, Ints]:
     """Sites of the contours that a group may begin with, and of those that it may end with."""
     within = problem.before[np.ix_(group, group)]
     chosen = np.array(group)
-    into, out_of = (
-        np.concatenate([np.arange(problem.first[c], problem.first[c + 1]) for c in chosen[~within.any(axis=axis)]])
-        for axis in (0, 1)
-    )
+    into, out_of = (problem.sites_of(chosen[~within.any(axis=axis)]) for axis in (0, 1))
     return into, out_of
 
 

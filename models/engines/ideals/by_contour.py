@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 
 from kerfwise.models.problem.conditions import Condition
-from kerfwise.models.problem.crossings import Crossings
 from kerfwise.models.problem.problem import Problem, SoftGroup
 from kerfwise.rules.statements import Lag
 
@@ -39,7 +38,7 @@ class ByContour:
 
         Of soft groups those whose contours are all among them, of crossings those on the way to them.
         """
-        chosen, rows = dict.fromkeys(contours), self._problem.crossings
+        chosen = dict.fromkeys(contours)
         kept = np.concatenate([self._rows[self._row_from[c] : self._row_from[c + 1]] for c in chosen])
         lags = {id(lag): lag for c in chosen for lag in self._lags[c]}
         return replace(
@@ -47,7 +46,5 @@ class ByContour:
             conditions=tuple(condition for c in chosen for condition in self._conditions[c]),
             soft_groups=tuple(g for c in chosen for g in self._groups[c] if chosen.keys() >= set(g.contours)),
             lags=tuple(lags.values()),
-            crossings=Crossings(
-                rows.leave[kept], rows.reach[kept], rows.over[kept], rows.cost[kept], rows.statement[kept]
-            ),
+            crossings=self._problem.crossings.only(kept),
         )

@@ -8,10 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.arrays import Ints
+from kerfwise.arrays import Int16s, Ints
 from kerfwise.models.problem.bits import Masks, masks_of
 from kerfwise.models.problem.closure import immediate
 from kerfwise.models.problem.problem import Problem
+from kerfwise.models.problem.spans import spans
 
 
 class OrderSets(NamedTuple):
@@ -66,6 +67,11 @@ class Local:
     orders: OrderSets
     terms: StepTerms
 
+    def sites_of(self, contours: Ints | Int16s) -> Ints:
+        """The sites of some of its contours, by their numbers in the group, one contour after the other."""
+        chosen = contours.astype(np.int64)
+        return self.sites[spans(self.first[chosen], self.first[chosen + 1])]
+
 
 def orders_of(problem: Problem, contours: tuple[int, ...]) -> OrderSets:
     """The orders within a group of contours."""
@@ -103,7 +109,7 @@ def localise(problem: Problem, contours: tuple[int, ...], earlier: frozenset[int
     """Translate the group `contours`, of which all of `earlier` are cut before and all others after."""
     k = len(contours)
     number = {c: i for i, c in enumerate(contours)}
-    sites = np.array([s for c in contours for s in problem.sites(c)], dtype=np.int64)
+    sites = problem.sites_of(contours)
     column = {int(s): i for i, s in enumerate(sites)}
     rows = []
     for condition in problem.conditions:

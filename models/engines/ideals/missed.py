@@ -74,8 +74,8 @@ class _Through:
         stretch = SweptStretch(local, moves, rests, limit, never(limit))
         budget = replace(self._budget)  # nothing is kept of the layers
         end = sweep_layers(stretch, entrance_of(self._entrance, limit), budget, self._threads)[-1]
-        ends = np.concatenate([local.sites[local.first[c] : local.first[c + 1]] for c in end.contour])
-        return int((end.values + self._here.onward[np.searchsorted(self._here.out_of, ends)]).min())
+        at = np.searchsorted(self._here.out_of, local.sites_of(end.contour))
+        return int((end.values + self._here.onward[at]).min())
 
 
 def _nothing(local: Local) -> Callable[[int], RestBound]:

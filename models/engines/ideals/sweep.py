@@ -43,7 +43,7 @@ def sweep_through(
         last, costs = layers[-1].contour, layers[-1].values
         if not (costs < stretch.never).any():
             break
-        ways = np.concatenate([local.sites[local.first[c] : local.first[c + 1]] for c in last])
+        ways = local.sites_of(last)
     else:
         total = costs + home_from(problem, ways)
     if total is None or total.min() > limit:

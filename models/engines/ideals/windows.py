@@ -122,7 +122,7 @@ class _Windows:
 
     def _onward(self, local: Local, earlier: frozenset[int], end: SweptLayer, after: Ints) -> Ints:
         """What it costs to leave a window to the site `after` it, from every state at its end."""
-        ways = np.concatenate([local.sites[local.first[c] : local.first[c + 1]] for c in end.contour])
+        ways = local.sites_of(end.contour)
         onward = travel_between(self._problem, ways, after)
         add_settled(self._problem, earlier | frozenset(local.contours), ways, after, onward)
         return onward[:, 0]

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from kerfwise.arrays import Bools, Ints
+from kerfwise.arrays import Bools
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
 from kerfwise.models.problem.problem import Problem
+from kerfwise.models.problem.spans import spans
 
 from .asked import ABOUT
 from .pieces import Pieces
@@ -20,7 +21,7 @@ class CrossedBy:
         rows = problem.crossings
         self._m = problem.m
         by_move = np.argsort(rows.leave * (problem.m + 1) + rows.reach, kind="stable")
-        self._rows = _some(rows, by_move)
+        self._rows = rows.only(by_move)
         self._move = self._rows.leave * (problem.m + 1) + self._rows.reach
         self._from = np.searchsorted(self._rows.leave, np.arange(problem.m + 2))
 
@@ -29,9 +30,9 @@ class CrossedBy:
         if not len(self._rows):
             return self._rows
         leaves = np.append(pieces.tails, self._m)
-        chosen = _spans(self._from[leaves], self._from[leaves + 1])
+        chosen = spans(self._from[leaves], self._from[leaves + 1])
         chosen = chosen[pieces.new_site[self._rows.reach[chosen]] >= 0]
-        rows = _some(self._rows, chosen)
+        rows = self._rows.only(chosen)
         found = Crossings(
             pieces.new_tail[rows.leave],
             pieces.new_site[rows.reach],
@@ -51,23 +52,10 @@ class CrossedBy:
         inner = np.flatnonzero(piece[1:] == piece[:-1])
         move = route[inner] * (self._m + 1) + route[inner + 1]
         low, high = (np.searchsorted(self._move, move, side=side) for side in ("left", "right"))
-        here, rows = np.repeat(piece[inner], high - low), _spans(low, high)
+        here, rows = np.repeat(piece[inner], high - low), spans(low, high)
         other, cost = pieces.of_contour[self._rows.over[rows]], self._rows.cost[rows]
         unsure = (other != here) & ~before[other, here] & ~before[here, other]
         return [
             Condition(p, (q,), (-1,), 0, ABOUT, cost=None if c == FORBIDDEN else c)
             for p, q, c in zip(here[unsure].tolist(), other[unsure].tolist(), cost[unsure].tolist(), strict=True)
         ]
-
-
-def _some(rows: Crossings, numbers: Ints) -> Crossings:
-    """The rows of these numbers."""
-    columns = (rows.leave, rows.reach, rows.over, rows.cost, rows.statement)
-    return Crossings(*(column[numbers] for column in columns))
-
-
-def _spans(low: Ints, high: Ints) -> Ints:
-    """All numbers low[0] … high[0] - 1, then low[1] … ."""
-    counts = high - low
-    starts = np.append(0, np.cumsum(counts)[:-1]) if len(counts) else counts
-    return np.repeat(low - starts, counts) + np.arange(int(counts.sum()))
