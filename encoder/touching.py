@@ -86,7 +86,7 @@ def _touching(nest: Nest, shortest_mm: float, within_mm: float) -> Iterator[Faci
 
 
 def _moved_in(nest: Nest, contour: Contour, edges: Sequence[FacingEdge], by_mm: float) -> Curve:
-    curve = contour.curve if contour.curve.is_ccw else contour.curve.reversed()
+    curve = contour.curve.towards("ccw")
     for edge in edges:
         curve = edge_moved_in(curve, edge.begin, edge.end, by_mm)
     area, part = curve.polygon(), nest.part_of[contour.part]

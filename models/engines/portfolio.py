@@ -156,14 +156,14 @@ class _Run:
         """
         plan, left, began = self.known.incumbent, self._left(), self.known.work
         assert plan is not None
-        reached, within = Event(), self._within(FLOW_BESIDE * left, lambda *_: not self.watch.stopped)
+        share = FLOW_BESIDE * left
+        reached, within = Event(), self._within(share, lambda *_: not self.watch.stopped)
 
         def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
             self.watch.overhear(bound_um)
             return not reached.is_set() and within(engine, cost_um, bound_um)
 
         with ThreadPoolExecutor(1) as thread:
-            share = FLOW_BESIDE * left
             asked = (self.problem, plan, share, going, self.most_bytes, self._ends_s(share))
             bounding = thread.submit(bounds.flow_bound, *asked)
             try:

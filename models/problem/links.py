@@ -112,9 +112,9 @@ class Links:
     def laid_over(self, table: Ints, leave: Ints, reach: Ints) -> None:
         """Put what links cost into a table of moves from the sites `leave` (rows) to `reach` (columns)."""
         low, high = np.searchsorted(self.leave, leave), np.searchsorted(self.leave, leave, side="right")
-        link = spans(low, high)
-        if not len(link):
+        if (low == high).all():
             return
+        link = spans(low, high)
         row, by_site = np.repeat(np.arange(len(leave)), high - low), np.argsort(reach, kind="stable")
         sites, asked = reach[by_site], self.reach[link]
         low, high = np.searchsorted(sites, asked), np.searchsorted(sites, asked, side="right")

@@ -10,6 +10,7 @@ over all moves, so that it holds however good they are.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -85,14 +86,15 @@ def flow_bound(
         plan = Incumbent(tuple(int(problem.site_contour[s]) for s in plan.route), plan.cost)
         problem = merged(problem)
 
-    def go() -> bool:
+    def in_time() -> bool:
+        """Whether the clock leaves time; all work is counted afterwards."""
         return progress is None or progress("bound", plan.cost, None)
 
     try:
-        network = network_of(problem, plan.route, plan.cost, most_sites, go)
+        network = network_of(problem, plan.route, plan.cost, most_sites, in_time)
     except Stopped:
         return FlowBound(0, sets_out_s(problem.n, problem.m))
-    loop = CutLoop(network, plan, work, progress, ends_s)
+    loop = CutLoop(network, plan, work, progress, in_time, ends_s)
     with suppress(Stopped):
         loop.run(PATIENCE, LEAST_GAIN)
         if loop.stalled and network.problem.m <= MOST_BRANCHED:
@@ -108,14 +110,15 @@ class CutLoop:
     """
 
     def __init__(
-        self, network: Network, plan: Incumbent, work: float, progress: Progress | None, ends_s: float = math.inf
-    ) -> None:
+        self, network: Network, plan: Incumbent, work: float, progress: Progress | None,
+        in_time: Callable[[], bool], ends_s: float,
+    ) -> None:  # fmt: skip
         problem = network.problem
         self._plan, self._work, self._progress = plan, work, progress
         demands = DemandColumns(problem)
         self._separation = Separation(network, demands)
         blocks = block_inequalities(problem, len(demands.cost))
-        self.flow = FlowProgram(network, blocks, demands.cost, plan.cost, self._in_time, ends_s)
+        self.flow = FlowProgram(network, blocks, demands.cost, plan.cost, in_time, ends_s)
         self._kept, self._most = len(blocks), CROWD * problem.n
         self._every = EVERY_WIDE if problem.m > WIDE else EVERY
         self.best, self.stalled, self._dropped_at = 0.0, False, 0.0
@@ -165,10 +168,6 @@ class CutLoop:
         if self.flow.work > self._work:
             return False
         return self._progress is None or self._progress("bound", self._plan.cost, _whole(self.best))
-
-    def _in_time(self) -> bool:
-        """Whether the clock leaves time; all work is counted afterwards."""
-        return self._progress is None or self._progress("bound", self._plan.cost, None)
 
     def _note(self, bound: float) -> None:
         """What is proven of all plans, unless only some moves are open."""

@@ -92,7 +92,7 @@ class FlowProgram:
             asked = min(at_once, left)
             if asked <= 0 or not self._in_time():
                 return False
-            solved = self._program.solve(asked, self._left_s())
+            solved = self._program.solve(asked, self._ends_s - running_s())
             self.work += (self._program.iterations + 1) * round_s
             left -= self._program.iterations
             if solved is None and self._program.iterations < asked:
@@ -106,10 +106,6 @@ class FlowProgram:
         self.value += float(self._beside_cost @ self.beside)
         self._multipliers = Multipliers(solved.multiplier[n + 1 : n + self._m + 2], paid, self._inequalities)
         return True
-
-    def _left_s(self) -> float:
-        """Seconds until a limit by the clock: none looks at it where there is no such limit."""
-        return np.inf if np.isinf(self._ends_s) else self._ends_s - running_s()
 
     def look_at_all(self) -> bool:
         """The bound that the last multipliers prove over all moves; those that would make it cheaper come in.
