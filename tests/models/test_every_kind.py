@@ -159,7 +159,7 @@ def test_explain_tries_orders_by_it(example: Example) -> None:
     seen: set[bool] = set()
     for order in {way.order for way in ways()}:
         tried = try_order(setting, order)
-        quick = quickly_tried(setting, along, order)
+        quick = quickly_tried(along, order)
         assert (quick.breaks, quick.cost) == (tried.breaks, tried.cost)
         prices = [example.price_mm(way) for way in ways() if way.order == order]
         seen.add(bool(tried.breaks))
@@ -194,7 +194,7 @@ def test_no_place_that_tells_kinds_apart_has_forgotten_it(example: Example) -> N
 
 def test_explain_says_that_an_entry_is_forbidden() -> None:
     (example,) = (e for e in HARD if isinstance(e.statement, Forbid))
-    entry = explain_entry(_setting(example), FACTS.candidates[0].contour)
+    entry = explain_entry(Along(_setting(example)), FACTS.candidates[0].contour)
     assert [way.against for way in entry.unlawful] == [(ABOUT,)]
 
 

@@ -55,20 +55,15 @@ class Along:
         self._sorted = np.argsort(keys, kind="stable")
         self._keys = keys[self._sorted]
         self._order = (*order, self._home)
-        self._place = {c: k for k, c in enumerate(order)}
-        self._here: list[Floats] = []
-        already: set[int] = set()
-        for c in order:
-            self._here.append(costs_here(setting, c, problem.sites(c), already)[0])
-            already.add(c)
-        self._here.append(np.zeros(1))  # home
+        self._place = np.append(np.argsort(order), self._home)
         self._extra = order_cost(problem, order)
         if self.exact:
+            self._here = self._by_themselves()
             self._first, self._last = self._forward(), self._backward()
 
     def pinned(self, contour: int, site: int) -> int | None:
         """What the plan costs with this site of a contour, the others' chosen anew, µm; None where there is no way."""
-        k = self._place[contour]
+        k = int(self._place[contour])
         s = site - int(self.setting.problem.first[contour])
         cost = self._first[k][s] + self._last[k][s]
         return int(cost) + self._extra if np.isfinite(cost) else None
@@ -99,20 +94,27 @@ class Along:
         cost = last.min()
         return int(cost) + order_cost(problem, order) if np.isfinite(cost) else None
 
+    def _by_themselves(self) -> list[Floats]:
+        """What the sites of every contour of the order cost by themselves, and home, which costs nothing."""
+        found: list[Floats] = []
+        already: set[int] = set()
+        for contour in self.setting.order:
+            found.append(costs_here(self.setting, contour, self._sites(contour), already)[0])
+            already.add(contour)
+        return [*found, np.zeros(1)]
+
     def _forward(self) -> list[Floats]:
-        place = np.append(np.argsort(self._order[:-1]), self._home)
         best, before, found = np.zeros(1), self._home, []
         for k, contour in enumerate(self._order):
-            best = (best[:, None] + self._step(before, contour, k, place)).min(axis=0) + self._here[k]
+            best = (best[:, None] + self._step(before, contour, k, self._place)).min(axis=0) + self._here[k]
             found.append(best)
             before = contour
         return found
 
     def _backward(self) -> list[Floats]:
-        place = np.append(np.argsort(self._order[:-1]), self._home)
         best, found = np.zeros(1), [np.zeros(1)]
         for k in range(len(self._order) - 1, 0, -1):
-            step = self._step(self._order[k - 1], self._order[k], k, place)
+            step = self._step(self._order[k - 1], self._order[k], k, self._place)
             best = (step + (self._here[k] + best)[None, :]).min(axis=1)
             found.append(best)
         return found[::-1]

@@ -43,12 +43,9 @@ class Entry:
     one_way_by: tuple[str, ...]
 
 
-def explain_entry(setting: Setting, contour: int, along: Along | None = None) -> Entry:
-    """All candidates of the contour in the plan's order.
-
-    `along` is what is known of that order, where it was worked out before.
-    """
-    along = along or Along(setting)
+def explain_entry(along: Along, contour: int) -> Entry:
+    """All candidates of the contour in the plan's order."""
+    setting = along.setting
     facts, problem = setting.facts, setting.problem
     place = setting.order.index(contour)
     already = set(setting.order[:place])

@@ -59,8 +59,9 @@ def try_order(setting: Setting, order: Sequence[int], look: bool = True) -> Trie
     return TriedOrder(breaks) if breaks else TriedOrder((), found.cost, found.route)
 
 
-def quickly_tried(setting: Setting, along: Along, order: Sequence[int]) -> TriedOrder:
+def quickly_tried(along: Along, order: Sequence[int]) -> TriedOrder:
     """The same without its route, by what is known of the plan's own order, where that tells all."""
+    setting = along.setting
     if along.exact and not forbids_later(setting.profile):
         breaks = tuple(dict.fromkeys(_broken(setting, order, along.asked)))
         if breaks:

@@ -11,7 +11,6 @@ from kerfwise.rules.statements import About
 
 from .along import Along
 from .lawful import quickly_tried
-from .setting import Setting
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,12 +27,8 @@ class Relocation:
     more_um: int | None = None
 
 
-def explain_moves(setting: Setting, contour: int, along: Along | None = None) -> tuple[Relocation, ...]:
-    """One place earlier and later, and as early and as late as is lawful; what the contour cannot do is left out.
-
-    `along` is what is known of the plan's order, where it was worked out before.
-    """
-    along = along or Along(setting)
+def explain_moves(along: Along, contour: int) -> tuple[Relocation, ...]:
+    """One place earlier and later, and as early and as late as is lawful; what the contour cannot do is left out."""
     swaps = tuple(_swaps(along, contour))
     told = {(move.moved, move.place) for move in swaps}
     return (*swaps, *(move for move in _farthest(along, contour) if (move.moved, move.place) not in told))
@@ -76,6 +71,6 @@ def _farthest(along: Along, contour: int) -> Iterator[Relocation]:
 
 def _tried(along: Along, label: str, moved: Sequence[int], order: Sequence[int], place: int) -> Relocation:
     setting = along.setting
-    tried = quickly_tried(setting, along, order)
+    tried = quickly_tried(along, order)
     more = None if tried.cost is None else tried.cost - setting.cost
     return Relocation(label, tuple(setting.name(c) for c in moved), place + setting.made, tried.breaks, more)
