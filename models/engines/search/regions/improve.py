@@ -40,11 +40,7 @@ def regional(problem: Problem) -> bool:
 
 def separable(problem: Problem) -> bool:
     """Whether what is asked of a part of a route does not depend on how many cuts lie between."""
-    return (
-        problem.matrix is None
-        and not (problem.general or problem.soft_groups)
-        and all(lag.cuts <= 1 and lag.seconds == 0 for lag in problem.lags)
-    )
+    return problem.matrix is None and problem.looks_one_back and not problem.soft_groups
 
 
 class Regions:
