@@ -8,6 +8,7 @@
  */
 export function planViews(app, work) {
   let asked = work.drawn, shown = work.state.shown;
+  markDrawn(work);
   work.on(async (_, what) => {
     if (what !== "state") return;
     const known = work.state.alternatives.map((/** @type {any} */ one) => one.number);
@@ -27,8 +28,14 @@ export function planViews(app, work) {
     const { tab } = app.state;
     if (data.comparison) app.set({ tab: "compared" });
     else if (tab === "compared") app.set({ tab: "plans" });
+    markDrawn(work);
     work.hear("drawn");
   });
+}
+
+/** @type {(work: Work) => void} */
+function markDrawn(work) {
+  document.documentElement.dataset.plan = String(work.data?.sides.length ? work.state.shown : 0);
 }
 
 /**

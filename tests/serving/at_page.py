@@ -103,6 +103,9 @@ class AtPage:
         """Wait until there are so many plans, and the last one is drawn."""
         self.page.wait_for_selector(f"#hands-plans li:nth-child({plans}).shown", state="attached")
         self.page.wait_for_selector("#hands-cancel", state="hidden")
+        self.until(
+            "Number(document.documentElement.dataset.plan) === document.querySelector('#hands-plans .shown').value"
+        )
 
     def drag(self, places: Sequence[Place], held_ms: int = 0, stay_ms: int = 0) -> None:
         """Press at the first place and move over the others to the last; nothing is let go yet."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import shutil
 import socket
 import threading
@@ -18,6 +19,7 @@ import uvicorn
 from playwright.sync_api import Browser
 
 import kerfwise
+from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.serving.app import make_app
 from kerfwise.serving.folder import Folder
 from kerfwise.serving.run import config_of
@@ -141,6 +143,12 @@ def opened(served: Served, client: httpx.Client, tmp_path: Path) -> Open:
         return Tab(client, answer.json()["id"], answer.json()["version"], folder / name)
 
     return opens
+
+
+@pytest.fixture
+def plate(opened: Open) -> Tab:
+    """A plate that is planned for minutes with 200 of work: without zones nothing is proven of it."""
+    return opened(json.dumps(make_sheet(1, 60)), "plate.json", "set:\n  rules.zone-order: off\n")
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Browser
 
 from kerfwise.tests.serving.at_page import AtPage, drop
-from kerfwise.tests.serving.conftest import EXAMPLES, SMALL, Open, Served, Tab
+from kerfwise.tests.serving.conftest import SMALL, Open, Served, Tab
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
@@ -267,17 +267,16 @@ def test_two_alternatives_under_one_cursor(look: Look, planned: Tab, wide: int) 
     assert planned.state()["shown"] == 1
 
 
-def test_planning_is_cancelled_and_another_nest_waits_for_it(look: Look, opened: Open, planned: Tab) -> None:
-    plate = opened(EXAMPLES / "plate40.json")
+def test_planning_is_cancelled_and_another_nest_waits_for_it(look: Look, plate: Tab, planned: Tab) -> None:
     at, other = look(plate), look(planned)
     plate.post("solve", 202, work=200)
     at.page.wait_for_selector("#hands-cancel")
     other.page.click("#hands-plan")
-    other.page.wait_for_selector("#hands-reached:has-text('plate40.json is being planned')")
+    other.page.wait_for_selector("#hands-reached:has-text('plate.json is being planned')")
     other.panel("profile")
     other.page.click("[data-rule=level-ahead] summary")
     other.page.select_option("[aria-label='strength of level-ahead in the profile']", "off")
-    other.page.wait_for_selector("#profile-effect:has-text('plate40.json is being planned')")
+    other.page.wait_for_selector("#profile-effect:has-text('plate.json is being planned')")
     other.page.click("#profile-cancel")
     other.page.wait_for_selector("#profile-effect:has-text('cancelled')")
     at.page.wait_for_selector("#hands-reached:has-text(' m, ')")  # an incumbent, with bound and gap
@@ -351,8 +350,7 @@ def test_eight_tabs_of_one_browser_live(look: Look, opened: Open, served: Served
     pages[3].wait_for_selector("#hands-locks li:has-text('A.outer cw')")
 
 
-def test_a_killed_planner_is_said_and_the_next_plan_is_made(look: Look, opened: Open, served: Served) -> None:
-    plate = opened(EXAMPLES / "plate40.json")
+def test_a_killed_planner_is_said_and_the_next_plan_is_made(look: Look, plate: Tab, served: Served) -> None:
     at = look(plate)
     plate.post("solve", 202, work=200)
     at.page.wait_for_selector("#hands-reached:has-text(' m, ')")
