@@ -128,7 +128,7 @@ def read_given(
     said = said_of_reading(units, sheet, frame, repair, refit_arcs)
     said["refit_arcs_mm"] = refit_as_made(said["refit_arcs_mm"], asked.last, plant, tell_note)
     read = drawn_nest(nest, plant, **said)
-    for note in read.notes:
+    for note in plant.without_losses(read).notes:
         click.echo(f"{note.severity}: {note.text}", err=True)
     if cut_all_the_same := tabs_not_left(read, plant):
         click.echo(f"warning: {cut_all_the_same}", err=True)

@@ -27,7 +27,8 @@ def with_loss(nest: Nest, kerf_mm: float, shortest_mm: float, within_mm: float) 
     """The nest without what touching parts lose to the cut between them; it keeps the nest as drawn.
 
     Edges touch where they look at each other and are no more than `within_mm` apart. Of parts that hang together by
-    such edges one has to touch along `shortest_mm` at least; else none is changed.
+    such edges one has to touch along `shortest_mm` at least; else none is changed. What was noted of pairs that touch
+    is answered by what they lose (`losses`), and left out of the notes.
 
     Raises
     ------
@@ -70,7 +71,9 @@ def with_loss(nest: Nest, kerf_mm: float, shortest_mm: float, within_mm: float) 
     for number, edges in sorted(rows.items()):
         others = tuple(nest.contours[k].id for k in sorted({edge.other for edge in edges}))
         losses.append(Loss(nest.contours[number].id, others, kerf_mm / 2))
-    return replace(with_parts(nest, tuple(parts)), losses=tuple(losses))
+    told = {frozenset((loss.contour, other)) for loss in losses for other in loss.others}
+    notes = tuple(note for note in nest.notes if note.common or frozenset(note.contours) not in told)
+    return replace(with_parts(nest, tuple(parts)), losses=tuple(losses), notes=notes)
 
 
 def _touching(nest: Nest, shortest_mm: float, within_mm: float) -> Iterator[FacingEdge]:

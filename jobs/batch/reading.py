@@ -57,7 +57,7 @@ def _plant(machine: Machine) -> Profile:
 
 def _notes(drawn: Nest, given: Given) -> Iterator[str]:
     """What a planner should know of the nest, as `solve` says it on standard error."""
-    yield from (f"{note.severity}: {note.text}" for note in drawn.notes)
+    yield from (f"{note.severity}: {note.text}" for note in given.profile.without_losses(drawn).notes)
     if cut_all_the_same := tabs_not_left(drawn, given.profile):
         yield f"warning: {cut_all_the_same}"
     yield from (f"warning: {text}" for text in placing_notes(given.nest, given.profile))

@@ -19,7 +19,7 @@ from kerfwise.rules.rule import Violation
 from .bridges import broken_bridges
 from .burnt_rings import Tabs, burnt_rings, burnt_twice, cut_tabs, left_open
 from .coverage import coverage, once_each
-from .edge_loss import lost_elsewhere, told_of_losses
+from .edge_loss import Accepted, lost_elsewhere, told_of_losses
 from .edge_starts import edge_starts, run_up_mm
 from .heating import Thermometer, heatings_of_cuts, heatings_of_program, measured
 from .judge import judge
@@ -205,7 +205,7 @@ def _judge_paths(
     before = burnt_by(nest, cuts[: cuts.made], kerf_mm)
     several = burnt_rings(nest.contours, runs, before, kerf_mm, tabs)
     opened = list(left_open(several, cuts.positions()))
-    lost = list(lost_elsewhere(nest, kerf_mm, _touch_mm(profile)))
+    lost = list(lost_elsewhere(nest, kerf_mm, _accepted(profile)))
     judged = [
         judgement(
             "every-contour-once",
@@ -254,9 +254,12 @@ def _judge_paths(
     ]
 
 
-def _touch_mm(profile: Profile) -> float:
-    """How far apart edges are at the most that count as touching."""
-    return min(profile.cuts.common.gap_tolerance_mm, tolerance_mm(profile.material.kerf_mm)) + _ROUNDING_MM
+def _accepted(profile: Profile) -> Accepted:
+    """Which losses of parts that touch are: edges count as touching within what the check allows, too."""
+    common = profile.cuts.common
+    touch_mm = min(common.gap_tolerance_mm, tolerance_mm(profile.material.kerf_mm)) + _ROUNDING_MM
+    accepts = common.accept_loss and common.shortest_mm is not None
+    return Accepted(touch_mm, common.shortest_mm if accepts and common.shortest_mm is not None else math.inf)
 
 
 def _overcut_mm(profile: Profile) -> float:

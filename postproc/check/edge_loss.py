@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -14,45 +16,108 @@ from kerfwise.rules.rule import Violation
 _RULE = "edge-loss"
 _CHORD_MM, _SLACK_MM, _LEAST_MM2 = 0.001, 0.01, 0.01
 _NAMED = 5
+_MEETS, _SURELY = 2, 20
+"""An edge that comes to another outline at a right angle is near it for twice as far as counts as touching; one at 3°,
+as at a sharp corner, for 20 times."""
 
 
-def lost_elsewhere(nest: Nest, kerf_mm: float, touch_mm: float) -> Iterator[Violation]:
+@dataclass(frozen=True, slots=True)
+class Accepted:
+    """Which losses are accepted: along edges that touch, within `touch_mm`, if one of the edges by which the parts hang
+    together touches along `shortest_mm`, which is infinite where no loss is."""
+
+    touch_mm: float
+    shortest_mm: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Touching:
+    """The straight edges of a drawn outline that touch others, those of them that surely do, being so long and not
+    only near a corner, the parts that they touch, and along how much at the most, mm."""
+
+    edges: tuple[Segment, ...]
+    surely: tuple[Segment, ...]
+    others: tuple[int, ...]
+    longest_mm: float
+
+
+def lost_elsewhere(nest: Nest, kerf_mm: float, accepted: Accepted) -> Iterator[Violation]:
     """Where a part that is judged is not the drawn one less half a kerf along straight edges that touch another part.
 
-    Found from the areas of the drawn part and of the judged one: edges touch where another outline is no more than
-    `touch_mm` away along some of them.
+    Found from the areas of the drawn part and of the judged one, whoever made that: edges touch where another outline
+    is no more than `touch_mm` away along some of them. The whole strip along such an edge has to be lost, nothing else
+    may be, and the loss has to be one that is accepted.
     """
     drawn = nest.drawn
     if drawn is None:
         return
     pairs = enumerate(zip(drawn.parts, nest.parts, strict=True))
-    changed = [(k, before, after) for k, (before, after) in pairs if after.outer.curve is not before.outer.curve]
+    changed = {k: (before, after) for k, (before, after) in pairs if after.outer.curve is not before.outer.curve}
     if not changed:
         return
     outlines = [part.outer.curve.line(_CHORD_MM) for part in drawn.parts]
     tree = shapely.STRtree(outlines)
-    for k, before, after in changed:
-        was, now = (contour.curve.polygon(_CHORD_MM) for contour in (before.outer, after.outer))
-        near = [outlines[j] for j in tree.query(outlines[k], "dwithin", distance=touch_mm).tolist() if j != k]
-        allowed = _bands(before.outer, near, kerf_mm / 2 + _SLACK_MM, touch_mm)
-        elsewhere = shapely.difference(shapely.difference(was, now), allowed)
-        grown = shapely.difference(now, was)
-        for area, does in ((elsewhere, "loses"), (grown, "gains")):
+    touching = {k: _touching(k, drawn, outlines, tree, accepted.touch_mm) for k in changed}
+    for k, (before, after) in changed.items():
+        name = before.outer.id
+        along_mm = max((touching[j].longest_mm for j in _hanging_together(k, touching)), default=0.0)
+        if along_mm < accepted.shortest_mm - 2 * accepted.touch_mm:
+            least = "the profile accepts no loss"
+            if math.isfinite(accepted.shortest_mm):
+                least = f"its parts touch along {along_mm:.2f} mm at the most, {accepted.shortest_mm:g} are asked"
+            yield Violation(
+                _RULE, (name,), f"{name} loses metal along its edges (cuts.common.accept_loss), and {least}"
+            )
+            continue
+        for area, does in _wrongly(before.outer, after.outer, kerf_mm / 2, touching[k]):
             if area.area > _LEAST_MM2:
                 x, y = area.centroid.coords[0]
-                text = f"{before.outer.id} {does} {area.area:.2f} mm² at ({x:z.1f}, {y:z.1f}), where no edge touches"
-                yield Violation(_RULE, (before.outer.id,), text)
+                yield Violation(_RULE, (name,), f"{name} {does}".format(f"{area.area:.2f} mm² at ({x:z.1f}, {y:z.1f})"))
 
 
-def _bands(contour: Contour, near: list[shapely.LineString], wide_mm: float, touch_mm: float) -> shapely.Geometry:
-    """What lies so near to the lines of straight edges that touch another outline."""
-    others = shapely.buffer(shapely.union_all(near), touch_mm)
-    edges = [s for s in contour.curve.segments if not s.is_arc]
+def _wrongly(
+    before: Contour, after: Contour, by_mm: float, touching: _Touching
+) -> Iterator[tuple[shapely.Geometry, str]]:
+    """Areas that a part loses, gains or keeps, and should not."""
+    was, now = (contour.curve.polygon(_CHORD_MM) for contour in (before, after))
+    allowed = _strips(touching.edges, by_mm + _SLACK_MM, before.polygon.length)
+    lost = shapely.intersection(_strips(touching.surely, by_mm - _SLACK_MM, 0.0), was)
+    yield shapely.difference(shapely.difference(was, now), allowed), "loses {}, where no edge touches"
+    yield shapely.difference(now, was), "gains {}, where no edge touches"
+    yield shapely.intersection(now, lost), "keeps {}, beside an edge that touches"
+
+
+def _touching(
+    k: int, drawn: Nest, outlines: list[shapely.LineString], tree: shapely.STRtree, touch_mm: float
+) -> _Touching:
+    edges = [s for s in drawn.parts[k].outer.curve.segments if not s.is_arc]
     lines = shapely.linestrings([(s.start, s.end) for s in edges])
-    meet_mm = shapely.length(shapely.intersection(lines, others))
-    touching = [edges[k] for k in np.flatnonzero(meet_mm > 2 * touch_mm).tolist()]
-    around = contour.polygon.length
-    return shapely.buffer(shapely.union_all([_line(s, around) for s in touching]), wide_mm, cap_style="flat")
+    near = [j for j in tree.query(outlines[k], "dwithin", distance=touch_mm).tolist() if j != k]
+    meet_mm = np.array([
+        shapely.length(shapely.intersection(lines, shapely.buffer(outlines[j], touch_mm))) for j in near
+    ]).reshape(len(near), len(edges))  # fmt: skip
+    own, surely = (
+        tuple(edges[e] for e in np.flatnonzero((meet_mm > least * touch_mm).any(axis=0)).tolist())
+        for least in (_MEETS, _SURELY)
+    )
+    others = np.flatnonzero((meet_mm > _MEETS * touch_mm).any(axis=1)).tolist()
+    return _Touching(own, surely, tuple(near[j] for j in others), float(meet_mm.max(initial=0.0)))
+
+
+def _hanging_together(k: int, touching: Mapping[int, _Touching]) -> set[int]:
+    """The parts that hang together with one by edges that touch."""
+    found, ahead = {k}, [k]
+    while ahead:
+        new = {j for j in touching[ahead.pop()].others if j in touching} - found
+        found |= new
+        ahead += new
+    return found
+
+
+def _strips(edges: Sequence[Segment], wide_mm: float, further_mm: float) -> shapely.Geometry:
+    """What lies so near to the lines of edges, that far beyond their ends."""
+    lines = shapely.union_all([_line(s, further_mm) for s in edges])
+    return shapely.buffer(lines, wide_mm, cap_style="flat")
 
 
 def _line(s: Segment, by_mm: float) -> shapely.LineString:
@@ -70,3 +135,17 @@ def told_of_losses(nest: Nest) -> Iterator[str]:
     shown = ", ".join(names[:_NAMED]) + (f" and {len(names) - _NAMED} more" if len(names) > _NAMED else "")
     parts = "a part that touches another loses" if len(names) == 1 else f"{len(names)} parts that touch others lose"
     yield f"{parts} half a kerf along those edges (cuts.common.accept_loss): {shown}"
+    if marks := list(_marks_lost(nest)):
+        named = ", ".join(marks[:_NAMED]) + (f" and {len(marks) - _NAMED} more" if len(marks) > _NAMED else "")
+        yield f"made and then cut away, where the part loses its edge: {named}"
+
+
+def _marks_lost(nest: Nest) -> Iterator[str]:
+    """Marks of which something lies in what their part loses."""
+    if nest.drawn is None:
+        return
+    losing = {loss.contour for loss in nest.losses}
+    for before, after in zip(nest.drawn.parts, nest.parts, strict=True):
+        if before.outer.id in losing:
+            lost = shapely.difference(before.outer.polygon, after.outer.polygon)
+            yield from (mark.id for mark in after.marks if shapely.intersection(mark.line, lost).length > _SLACK_MM)

@@ -45,15 +45,20 @@ class Made:
         return json.dumps(self.file)
 
 
-def made(seed: int) -> Made:
-    """The nest of a seed: the same for the same seed. From `NARROW_FROM` on they are plates with narrow slots."""
+def made(seed: int, gap_mm: float | None = None) -> Made:
+    """The nest of a seed: the same for the same seed. From `NARROW_FROM` on they are plates with narrow slots.
+
+    `gap_mm` is the gap between its parts, mm, in place of the one that is drawn.
+    """
     rnd = random.Random(seed)
     if seed >= NARROW_FROM:
         return Made(seed, "narrow", "slots of 0.1 to 2 mm", narrow_nest(rnd))
     family = list(FAMILIES)[seed % len(FAMILIES)]
     gap, slot = rnd.choice(GAPS_MM), rnd.choice(SLOTS_MM)
+    gap = gap if gap_mm is None else gap_mm
     if family == "mixed":
-        file = make_sheet(seed, rnd.randint(6, 14), (rnd.choice([700.0, 1000.0]), 500.0), max(gap, 1.0))
+        web_mm = max(gap, 1.0) if gap_mm is None else gap
+        file = make_sheet(seed, rnd.randint(6, 14), (rnd.choice([700.0, 1000.0]), 500.0), web_mm)
     else:
         file = _file(FAMILIES[family](rnd, gap, slot), rnd)
     return Made(seed, family, f"gap {gap:g} mm, slot {slot:g} mm", file)

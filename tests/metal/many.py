@@ -17,8 +17,8 @@ import click
 
 from kerfwise.rules.profile.files import shipped_profiles
 from kerfwise.tests.metal.findings import KINDS
-from kerfwise.tests.metal.made_nests import made
-from kerfwise.tests.metal.planned import BEYOND, Tried, beyond, tried
+from kerfwise.tests.metal.made_nests import Made, made
+from kerfwise.tests.metal.planned import BEYOND, Tried, beyond, nest_of, tried
 from kerfwise.tests.until_stopped import until_stopped
 
 Task = tuple[int, str, tuple[str, ...], bool, str]
@@ -38,7 +38,7 @@ PLANS_PER_PROCESS = 40
 )
 @click.option("--rests", is_flag=True, help="Stop after half of each program's cuts, and plan and judge the rest too.")
 @click.option("--each", is_flag=True, help="Print every finding.")
-@click.option("--plain", is_flag=True, help="No links, tabs and scrap lines, whatever the seed.")
+@click.option("--plain", is_flag=True, help="No links, tabs, common cuts and the like, whatever the seed.")
 @click.option("--minutes", type=float, help="Begin no more plans after so long.")
 def main(
     nests: int,
@@ -94,7 +94,7 @@ def _run(tasks: list[Task], processes: int) -> Iterator[tuple[Tried, ...]]:
 
 def _one(task: Task) -> tuple[Tried, ...]:
     seed, profile, effort, rests, cuts_with = task
-    return tried(made(seed), profile, effort, rests, cuts_with)
+    return tried(nest_of(seed, profile, cuts_with), profile, effort, rests, cuts_with)
 
 
 def _told(done: Tried, each: bool) -> Iterable[str]:
@@ -103,6 +103,10 @@ def _told(done: Tried, each: bool) -> Iterable[str]:
         yield f"{head}: {done.broken}"
     if each:
         yield from (f"{head}: {found}" for found in done.findings)
+
+
+def _nest_of(done: Tried) -> Made:
+    return nest_of(done.seed, done.profile, done.cuts_with)
 
 
 def _by(done: Tried) -> str:
@@ -116,6 +120,7 @@ class Tally:
         self.plans, self.rests = 0, 0
         self.seeds: set[int] = set()
         self.programs_with: Counter[str] = Counter()
+        self.along_edges: Counter[str] = Counter()
         self.refused: Counter[str] = Counter()
         self.programs: Counter[str] = Counter()
         self.cuts: Counter[str] = Counter()
@@ -142,13 +147,14 @@ class Tally:
         else:
             self.programs[done.profile] += 1
             self.programs_with[done.cuts_with] += 1
+            self.along_edges[done.cuts_with] += done.along_edges
             self.cuts[done.profile] += done.cuts
         kinds = Counter[str](f.kind for f in done.findings)
         self.found.update(kinds)
         self.in_programs.update(kinds.keys())
         self.found_by[done.profile] += len(done.findings)
         for kind in kinds:
-            size = made(done.seed).contours
+            size = _nest_of(done).contours
             if kind not in self.smallest or size < self.smallest[kind][0]:
                 self.smallest[kind] = size, done
 
@@ -160,14 +166,16 @@ class Tally:
             yield f"  refused {count:5d}  {text}"
         yield f"programs burnt: {self.programs.total()}, cuts: {self.cuts.total()}, findings: {self.found.total()}"
         for with_what in (what for what in BEYOND if self.programs_with[what]):
-            yield f"  with {with_what or 'none of these':17s} programs {self.programs_with[with_what]:4d}"
+            line = f"  with {with_what or 'none of these':18s} programs {self.programs_with[with_what]:4d}"
+            along = self.along_edges[with_what]
+            yield f"{line}, {along} of their cuts along common edges" if along else line
         for name in profiles:
             counts = f"programs {self.programs[name]:4d}  cuts {self.cuts[name]:6d}  findings {self.found_by[name]:5d}"
             yield f"  {Path(name).stem:22s} {counts}"
         for kind in KINDS:
             if kind in self.smallest:
                 size, done = self.smallest[kind]
-                where = f"smallest: seed {done.seed} ({made(done.seed).family}, {size} contours), {_by(done)}"
+                where = f"smallest: seed {done.seed} ({_nest_of(done).family}, {size} contours), {_by(done)}"
                 yield f"  {kind:18s} {self.found[kind]:5d} in {self.in_programs[kind]:4d} programs; {where}"
                 yield f"      {next(f for f in done.findings if f.kind == kind)}"
 
@@ -175,7 +183,7 @@ class Tally:
         """Write the smallest nest of every kind, with its program, as KIND.json and KIND.nc."""
         folder.mkdir(parents=True, exist_ok=True)
         for kind, (_, done) in self.smallest.items():
-            (folder / f"{kind}.json").write_text(made(done.seed).text, encoding="utf-8")
+            (folder / f"{kind}.json").write_text(_nest_of(done).text, encoding="utf-8")
             (folder / f"{kind}.nc").write_text(done.program, encoding="utf-8")
 
 

@@ -17,7 +17,7 @@ from kerfwise.encoder.readers import read_nest
 from kerfwise.models.plan.reader import read_plan
 from kerfwise.rules.profile.profile import load_profile
 from kerfwise.tests.metal.findings import Finding
-from kerfwise.tests.metal.made_nests import Made
+from kerfwise.tests.metal.made_nests import Made, made
 from kerfwise.tests.metal.plant import plant, tabs_of
 from kerfwise.tests.metal.program import UnreadableProgram, read_program
 from kerfwise.tests.metal.simulate import simulate
@@ -28,7 +28,7 @@ class Tried:
     """What came of a nest under a profile: a refusal, something broken, or a program with its findings.
 
     `cuts_with` names what the profile was given besides (`BEYOND`). `rest` says that it takes up the work of another
-    program, which stopped after half of its cuts.
+    program, which stopped after half of its cuts. `along_edges` are the cuts along common edges.
     """
 
     seed: int
@@ -38,6 +38,7 @@ class Tried:
     refused: str = ""
     broken: str = ""
     cuts: int = 0
+    along_edges: int = 0
     findings: tuple[Finding, ...] = ()
     program: str = ""
 
@@ -45,6 +46,8 @@ class Tried:
 LINKS = "machine: {pierce_time: 2 s}\ncuts: {links: {longest: 90 mm}}\n"
 TABS = "rules: {hold-small-parts: {strength: hard, tabs: tipping, width: 0.5 mm, corner: 1 mm}}\n"
 PASS = "machine: {pierce_dwell: program}\ncuts: {pierce_pass: zone}\n"
+EDGES = "common: {shortest: 15 mm, good_side: any"
+COMMON = f"machine: {{pierce_dwell: program, pierce_time: 2 s}}\ncuts: {{{EDGES}}}"
 BEYOND: Mapping[str, str] = {
     "": "",
     "links": LINKS,
@@ -55,6 +58,12 @@ BEYOND: Mapping[str, str] = {
     "scrap lines, tabs": "cuts: {scrap: {grid: 100 mm}}\n" + TABS,
     "pierce pass": PASS,
     "pierce pass, tabs": PASS + TABS,
+    "common cuts": COMMON + "}\n",
+    "common cuts, links": COMMON + ", links: {longest: 90 mm}}\n",
+    "common cuts, tabs": COMMON + "}\n" + TABS,
+    "common cuts, pass": COMMON + ", pierce_pass: zone}\n",
+    "common cuts, scrap": COMMON + ", scrap: {grid: 150 mm}}\n",
+    "edges that touch": COMMON.removesuffix("}") + ", accept_loss: true}}\n",
 }
 """What a profile is given besides, by name: cuts beyond one contour and one pierce."""
 
@@ -62,6 +71,13 @@ BEYOND: Mapping[str, str] = {
 def beyond(seed: int, profile: str) -> str:
     """What a profile is given besides with the nest of a seed: each in turn, another under another profile."""
     return list(BEYOND)[(seed + sum(profile.encode())) % len(BEYOND)]
+
+
+def nest_of(seed: int, profile: str, cuts_with: str) -> Made:
+    """The nest of a seed; where it is to have common cuts its parts stand a kerf apart, or touch."""
+    if cuts_with == "edges that touch":
+        return made(seed, 0.0)
+    return made(seed, load_profile(profile).material.kerf_mm if "common" in cuts_with else None)
 
 
 def tried(
@@ -101,15 +117,17 @@ def _burnt(asked: Tried, folder: Path, name: str, before: str | None) -> Tried:
     """The program's findings."""
     profile = load_profile(str(folder / "profile.yaml"))
     nest = read_nest(folder / "nest.json", profile.read_options())
-    lined = replace(nest, scrap=profile.as_cut(nest).scrap)
+    kept = profile.as_cut(nest)
+    lined = kept if kept.losses else replace(nest, scrap=kept.scrap)
     text = (folder / f"{name}.nc").read_text(encoding="utf-8")
-    tabs = tabs_of(read_plan(folder / f"{name}.plan.json"))
+    plan = read_plan(folder / f"{name}.plan.json")
+    tabs, along_edges = tabs_of(plan), sum(planned.cut.span is not None for planned in plan.cuts)
     try:
         cuts = len({path.order for path in read_program(text).paths})
         found = simulate(lined, text, before=before, tabs=tabs, **plant(profile))
     except UnreadableProgram as error:
         return replace(asked, broken=f"unreadable: {error}", program=text)
-    return replace(asked, cuts=cuts, findings=tuple(found), program=text if found else "")
+    return replace(asked, cuts=cuts, along_edges=along_edges, findings=tuple(found), program=text if found else "")
 
 
 def _solve(folder: Path, words: tuple[str, ...]) -> tuple[int, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -14,12 +15,13 @@ from hypothesis import strategies as st
 from kerfwise.encoder.by_hand import circle, nest, part, rect
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Nest, with_parts
+from kerfwise.encoder.nest import Contour, Nest, with_parts
 from kerfwise.encoder.touching import with_loss
+from kerfwise.encoder.validate import validated
 from kerfwise.jobs.ask import ask, facts_of
 from kerfwise.jobs.produce import Produced, produce
 from kerfwise.jobs.solve_options import options_for
-from kerfwise.postproc.check.edge_loss import lost_elsewhere
+from kerfwise.postproc.check.edge_loss import Accepted, lost_elsewhere
 from kerfwise.postproc.verdict.checking import check_program
 from kerfwise.rules.profile.cuts_section import Common, Cuts
 from kerfwise.rules.profile.profile import Profile, load_profile
@@ -28,6 +30,7 @@ from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import simulate
 from kerfwise.tests.tools import canon
 
+ACCEPTED = Accepted(0.051, 20.0)
 _OFF_MM, _THIN_MM, _FILLET_MM, _CHORD_MM = 0.06, 0.005, 8.0, 0.0005
 
 
@@ -151,17 +154,58 @@ def test_an_edge_that_has_no_room_is_refused() -> None:
     assert "what lies beside its edge at (80.0, 80.0) is too small" in thin.value.details[0]
 
 
-@pytest.mark.parametrize(("wide", "does"), [(57.0, "loses"), (60.5, "gains")])
+@pytest.mark.parametrize(("wide", "does"), [(57.0, "loses"), (60.5, "gains"), (59.6, "keeps")])
 def test_the_check_measures_what_is_lost(wide: float, does: str) -> None:
     """A part that is judged with another loss than half a kerf along the edge that touches."""
     sheet = with_loss(two(), 1.5, 20.0, 0.05)
-    assert list(lost_elsewhere(sheet, 1.5, 0.051)) == []
+    assert list(lost_elsewhere(sheet, 1.5, ACCEPTED)) == []
     wrong = replace(sheet.parts[0], outer=part("A", rect(20, 20, wide, 60)).outer)
-    (found,) = lost_elsewhere(replace(sheet, parts=(wrong, sheet.parts[1])), 1.5, 0.051)
-    assert found.text.startswith(f"A.outer {does}")
+    told = [found.text for found in lost_elsewhere(replace(sheet, parts=(wrong, sheet.parts[1])), 1.5, ACCEPTED)]
+    assert any(text.startswith(f"A.outer {does}") for text in told)
     other = replace(sheet.parts[0], outer=part("A", rect(20, 21, 59.25, 59)).outer)
-    (found,) = lost_elsewhere(replace(sheet, parts=(other, sheet.parts[1])), 1.5, 0.051)
+    (found,) = lost_elsewhere(replace(sheet, parts=(other, sheet.parts[1])), 1.5, ACCEPTED)
     assert "where no edge touches" in found.text
+
+
+def test_the_check_asks_whether_a_loss_is_accepted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By itself: that the planner's part has taken it for accepted is not enough."""
+    sheet = with_loss(two(), 1.5, 20.0, 0.05)
+    assert all("touch along 60.00 mm at the most" in v.text for v in lost_elsewhere(sheet, 1.5, Accepted(0.051, 61.0)))
+    assert all("accepts no loss" in v.text for v in lost_elsewhere(sheet, 1.5, Accepted(0.051, math.inf)))
+    asked = profile(1.5)
+    found = made(two(), 1.5)
+    assert found is not None
+    assert check_program(two(), found.program, asked).ok
+    monkeypatch.setattr(Profile, "without_losses", lambda self, nest: with_loss(nest, 1.5, 20.0, 0.05))
+    for common in (Common(61.0, accept_loss=True), Common(20.0)):
+        other = replace(asked, cuts=Cuts(common=common))
+        assert "edge-loss" in check_program(two(), found.program, other).broken()
+
+
+def test_a_short_edge_goes_with_a_long_one() -> None:
+    """Of parts that hang together one has to touch along as much as is asked."""
+    three = nest(300, 120, *two().parts, part("C", rect(140, 70, 60, 30)))
+    sheet = with_loss(three, 1.5, 20.0, 0.05)
+    assert [loss.contour for loss in sheet.losses] == ["A.outer", "B.outer", "C.outer"]
+    assert list(lost_elsewhere(sheet, 1.5, Accepted(0.051, 20.0))) == []
+
+
+def test_a_mark_in_what_is_lost_is_told() -> None:
+    sheet = two()
+    engraved = replace(
+        sheet.parts[0], marks=(Contour("A.mark1", "A", "mark", Curve.of([(79.5, 30), (79.5, 50)], closed=False)),)
+    )
+    marked = replace(sheet, parts=(engraved, sheet.parts[1]))
+    found = made(marked, 1.5)
+    assert found is not None
+    assert any("made and then cut away" in text and "A.mark1" in text for text in found.verdict.warnings)
+
+
+def test_the_drawings_doubt_is_answered_where_the_loss_is_accepted() -> None:
+    noted = replace(validated(two()), drawn=None)
+    assert any("no room for the kerf" in note.text for note in noted.notes)
+    assert with_loss(noted, 1.5, 20.0, 0.05).notes == ()
+    assert with_loss(noted, 1.5, 61.0, 0.05).notes == noted.notes
 
 
 def test_an_outline_that_is_judged_otherwise_without_a_word_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
