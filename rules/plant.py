@@ -22,3 +22,4 @@ class Plant:
     locks: tuple[Lock, ...]
     process: str = "plasma"
     common_cuts: bool = False
+    longest_link_mm: float = 0.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,8 @@ from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.plain_values import Number
 from kerfwise.rules.options.quantities import DURATION, LENGTH
-from kerfwise.rules.rule import Rule, Violation
+from kerfwise.rules.plant import Plant
+from kerfwise.rules.rule import Rule, RuleSetting, Violation
 from kerfwise.rules.statements import Lag
 
 if TYPE_CHECKING:
@@ -47,7 +48,8 @@ class HeatLag(Rule[HeatLagOptions]):
     ## Links, tabs and other cuts
 
     - **Links**: Linked parts follow each other at once. Where the rule is hard it rules out the link, and so does a lag
-      in seconds; where it is soft the link is priced as any other near pair.
+      in seconds; where it is soft the link is priced as any other near pair. A profile whose links may all be no longer
+      than the `heat_radius` of such a rule is refused: it would have none.
     - **Tabs**: They change nothing: the metal beside a tab is as hot.
     - **Common cuts**: Parts with common edges are the nearest of neighbours. Where the rule is hard, something else
       is cut between two of them.
@@ -85,6 +87,18 @@ class HeatLag(Rule[HeatLagOptions]):
             ids = (contours[first].id, contours[second].id)
             sentence = f"between {ids[0]} and {ids[1]} there are at least {_wanted(options)}: they heat each other"
             yield Lag(first, second, self.about(ids, sentence), options.lag_cuts, options.lag_s)
+
+    def check_with(
+        self, options: HeatLagOptions, plant: Plant, rules: Mapping[str, RuleSetting]
+    ) -> Iterator[tuple[str, str]]:
+        parts_them = options.lag_s > 0 or (options.lag_cuts > 0 and rules[self.id].strength == "hard")
+        if parts_them and 0 < plant.longest_link_mm <= options.heat_radius_mm:
+            near = f"links of up to {plant.longest_link_mm:g} mm join parts nearer than {options.heat_radius_mm:g} mm"
+            yield (
+                "heat_radius",
+                f"{near}, between which the rule wants {_wanted(options)}: there would be none; make the rule soft "
+                "without a lag in seconds, let links be longer, or turn them off (cuts.links.longest: 0 mm)",
+            )
 
     def unjudged(self, nest: Nest, cuts: CutSequence, options: HeatLagOptions) -> str | None:
         timed = not options.lag_s or any(cut.end_s for cut in cuts) or not cuts

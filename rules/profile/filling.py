@@ -35,6 +35,7 @@ def known_plant(machine: Machine, material: Material, heat: Heat, locks: tuple[L
         locks=locks,
         process=machine.process,
         common_cuts=cuts.common.shortest_mm is not None,
+        longest_link_mm=cuts.links.longest_mm,
     )
 
 

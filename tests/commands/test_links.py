@@ -126,6 +126,27 @@ def test_a_length_below_nothing_is_refused(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    "lag", ["{strength: hard, heat_radius: 60 mm}", "{strength: soft, heat_radius: 80 mm, lag: 5 s}"]
+)
+def test_links_that_a_lag_of_heat_leaves_none_of_are_refused(folder: Path, lag: str) -> None:
+    (folder / "plant.yaml").write_text(f"{LINKS}rules: {{heat-lag: {lag}}}\n", encoding="utf-8")
+    told = solve()
+    assert (told.code, told.err.count("\n")) == (2, 1)
+    assert told.err.startswith("kerfwise: plant.yaml:4:")
+    assert "rules.heat-lag.heat_radius: links of up to 60 mm join parts nearer than" in told.err
+    assert sorted(file.name for file in folder.iterdir()) == ["nest.json", "plant.yaml"]
+
+
+def test_links_and_a_hard_lag_of_heat_are_a_named_conflict_where_no_order_keeps_it(folder: Path) -> None:
+    """Links may be longer than heat reaches; the parts of this row are nearer than that."""
+    (folder / "plant.yaml").write_text(LINKS + "rules: {heat-lag: {strength: hard}}\n", encoding="utf-8")
+    told = solve()
+    assert told.code == 1
+    assert "heat-lag: between A.outer and B.outer there are at least 1 other cut: they heat each other" in told.err
+    assert not (folder / "out.nc").exists()
+
+
+@pytest.mark.parametrize(
     ("more", "why"),
     [
         ("rules: {t-max: {strength: hard, limit: 1300 °C, dwells: true}}\n", "the rule t-max lets metal cool"),
