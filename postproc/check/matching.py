@@ -15,7 +15,7 @@ from kerfwise.encoder.geometry.segment import Box
 from kerfwise.encoder.nest import Nest
 
 from .program_rules import tolerance_mm
-from .rings import Side, torch_rings
+from .rings import Side, rings_of, torch_rings
 
 NEAR_MM = 2.0
 """A path further than this from every contour's ring cuts something that is not in the nest."""
@@ -43,7 +43,7 @@ class Matcher:
 
     def __init__(self, nest: Nest, kerf_mm: float) -> None:
         self.nest, self.kerf_mm = nest, kerf_mm
-        self.rings = torch_rings(nest.contours, kerf_mm)
+        self.rings = rings_of(nest, kerf_mm)
         self._lines = np.array([r if r is not None else shapely.LineString() for r in self.rings], dtype=object)
         self._tree = shapely.STRtree(self._lines)
 

@@ -17,7 +17,7 @@ from kerfwise.rules.rule import Violation
 
 from .covering.free import at_tabs
 from .program_rules import tolerance_mm
-from .rings import torch_rings
+from .rings import rings_of, torch_rings
 from .torch_run import TorchRun, line_of
 from .totals import end_of
 
@@ -26,11 +26,11 @@ def runs_from_cuts(nest: Nest, cuts: CutSequence, kerf_mm: float) -> tuple[tuple
     """The torch-on path of every new cut of a known contour, and where leads do not join what they should."""
     new = enumerate(cuts.new, cuts.made + 1)
     known = [(k, cut, nest.contour(cut.contour)) for k, cut in new if cut.contour in nest.index]
-    rings = torch_rings([contour for _, _, contour in known], kerf_mm)
+    of_nest = rings_of(nest, kerf_mm)
     runs: list[TorchRun] = []
     violations: list[Violation] = []
-    for (position, cut, contour), ring in zip(known, rings, strict=True):
-        faults = []
+    for position, cut, contour in known:
+        ring, faults = of_nest[nest.index[cut.contour]], []
         if ring is None:
             faults.append(("contour-geometry", f"the kerf of {kerf_mm:g} mm leaves nothing of {contour.id} to follow"))
             ring = contour.curve.line()

@@ -5,8 +5,8 @@ It is looked up once: which parts may take metal from around which, and which se
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence, Set
+from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -16,12 +16,17 @@ import shapely
 
 from kerfwise.arrays import Bools, Floats, Ints
 
+from .sights import Sights, sights_of
+
 QUADRANT = 4
 """Segments of a quarter round the corners of buffers: coarse, about a tenth of a millimetre at 12 mm."""
 FIELD_STRIPS = 5.0
 """The side of a field, in strips."""
 SIGHT_STRIPS = 1.0
 """Parts see each other over no more strips than this."""
+
+KEPT = 8
+"""So many sets of parts out are kept for each part that is in no strip with them."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -55,6 +60,7 @@ class Metal:
         self.tree = shapely.STRtree(self.areas)
         self.size: Any = shapely.area(self.areas)
         self.fields = fields_of(self.grown, FIELD_STRIPS * strip_mm)
+        self.wide = Wide()
         self._around: dict[int, Around] = {}
         shapely.prepare(self.swept)
         shapely.prepare(self.grown)
@@ -65,20 +71,68 @@ class Metal:
         return sights_of(self.areas, self.inner, self.grown, self.ground, SIGHT_STRIPS * self.strip_mm)
 
     def around(self, q: int) -> Around:
-        """What may take metal from around part `q`: looked up once."""
+        """What may take metal from around part `q`."""
         if q not in self._around:
-            x0, y0, x1, y1 = shapely.bounds(self.areas[q]).tolist()
-            r = self.strip_mm / 2
-            window = (x0 - r, y0 - r, x1 + r, y1 + r)  # farther metal holds none of half a strip around the part
-            reach = shapely.box(x0 - 3 * r, y0 - 3 * r, x1 + 3 * r, y1 + 3 * r)
-            near = self.tree.query(reach)
-            near = near[(near != q) & shapely.intersects(self.swept[near], shapely.box(*window))]
-            near = near[np.lexsort((near, shapely.distance(self.areas[near], self.areas[q])))]
-            lines = shapely.shortest_line(self.middle[q], self.areas[near])
-            ends = shapely.get_coordinates(lines).reshape(-1, 2, 2)
-            takes = shapely.intersects(self.swept[near], self.areas[q])
-            self._around[q] = Around(near, takes, ends[:, 1] - ends[:, 0], shapely.clip_by_rect(self.stiff, *window))
+            window = self._windows[q].tolist()  # farther metal holds none of half a strip around the part
+            of = slice(*self.near.begin[q : q + 2].tolist())
+            stiff = shapely.clip_by_rect(self.stiff, *window)
+            self._around[q] = Around(self.near.part[of], self.near.takes[of], self.near.towards[of], stiff)
         return self._around[q]
+
+    @cached_property
+    def near(self) -> Near:
+        """What may take metal from around every part: looked up for all at once."""
+        boxes = shapely.box(*(self._bounds + 1.5 * self.strip_mm * np.array([-1, -1, 1, 1])).T)
+        q, near = self.tree.query(boxes)
+        q, near = q[q != near], near[q != near]
+        meets = shapely.intersects(self.swept[near], shapely.box(*self._windows.T)[q])
+        q, near = q[meets], near[meets]
+        order = np.lexsort((near, shapely.distance(self.areas[near], self.areas[q]), q))
+        q, near = q[order], near[order]
+        ends = shapely.get_coordinates(shapely.shortest_line(self.middle[q], self.areas[near])).reshape(-1, 2, 2)
+        takes = shapely.intersects(self.swept[near], self.areas[q])
+        begin = np.searchsorted(q, np.arange(len(self.areas) + 1))
+        return Near(begin, q, near, takes, ends[:, 1] - ends[:, 0])
+
+    @cached_property
+    def _bounds(self) -> Floats:
+        return np.asarray(shapely.bounds(self.areas)).reshape(-1, 4)
+
+    @cached_property
+    def _windows(self) -> Floats:
+        """Half a strip around each part."""
+        return self._bounds + self.strip_mm / 2 * np.array([-1, -1, 1, 1])
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Near:
+    """What `Around` has, of all parts: that of part q is from `begin[q]` to `begin[q + 1]`; `of` is q."""
+
+    begin: Ints
+    of: Ints
+    part: Ints
+    takes: Bools
+    towards: Floats
+
+
+class Wide:
+    """Parts that are in no strip while certain parts around them are out, as looks at one order have found."""
+
+    def __init__(self) -> None:
+        self._known: dict[int, list[int]] = defaultdict(list)
+
+    def known(self, q: int, out: Bools) -> bool:
+        """Whether part `q` was seen to be in none with these of the parts around it out, or more."""
+        asked = _bits(out)
+        return any(asked & ~seen == 0 for seen in self._known.get(q, ()))
+
+    def note(self, q: int, out: Bools) -> None:
+        """Part `q` is in none with these of the parts around it out; the last few of such sets are kept."""
+        self._known[q] = [*self._known[q][1 - KEPT :], _bits(out)]
+
+
+def _bits(marked: Bools) -> int:
+    return int.from_bytes(np.packbits(marked).tobytes(), "big")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -105,58 +159,3 @@ def fields_of(grown: Any, side_mm: float) -> Fields:
     np.maximum.at(high, of, bounds[:, 2:])
     boxes = shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1])
     return Fields(of, boxes, shapely.STRtree(boxes))
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Sights:
-    """Straight lines from part to part that are metal all along until some other part is out.
-
-    `of[q]` are pairs (number of a line, part that it leads to); the lines `barred_by[q]` cross what part q takes with
-    it, those to the part itself included. `inner` is where the lines of each part begin.
-    """
-
-    count: int
-    of: list[list[tuple[int, int]]]
-    barred_by: list[Ints]
-    inner: list[tuple[float, float]]
-
-    def going_on(
-        self, parts: Sequence[int], barred: Bools, far_mm: float, known: Set[int] = frozenset()
-    ) -> set[int] | None:
-        """Parts on the metal of some parts, where lines that are not `barred` show that it is wider than `far_mm`.
-
-        They are those that were seen before that showed. It shows, too, where one of them is `known` to be on such
-        metal. None where it does not.
-        """
-        reached, seen = list(parts), set(parts)
-        low_x = low_y = math.inf
-        high_x = high_y = -math.inf
-        for q in reached:
-            x, y = self.inner[q]
-            low_x, low_y, high_x, high_y = min(low_x, x), min(low_y, y), max(high_x, x), max(high_y, y)
-            if q in known or high_x - low_x > far_mm or high_y - low_y > far_mm:
-                return seen
-            for sight, other in self.of[q]:
-                if other not in seen and not barred[sight]:
-                    seen.add(other)
-                    reached.append(other)
-        return None
-
-
-def sights_of(areas: Any, inner: Any, grown: Any, ground: Any, far_mm: float) -> Sights:
-    """Lines between parts that are no farther than `far_mm` from each other."""
-    one, other = shapely.STRtree(areas).query(areas, predicate="dwithin", distance=far_mm)
-    one, other = one[one < other], other[one < other]
-    xy = shapely.get_coordinates(inner)
-    lines = shapely.linestrings(np.stack([xy[one], xy[other]], axis=1))
-    shapely.prepare(ground)
-    held = shapely.contains_properly(ground, lines)
-    one, other, lines = one[held], other[held], lines[held]
-    of: list[list[tuple[int, int]]] = [[] for _ in areas]
-    for k, (a, b) in enumerate(zip(one.tolist(), other.tolist(), strict=True)):
-        of[a].append((k, b))
-        of[b].append((k, a))
-    line, by = shapely.STRtree(grown).query(lines, predicate="intersects")
-    order = np.argsort(by, kind="stable")
-    barred_by = np.split(line[order], np.searchsorted(by[order], np.arange(1, len(areas))))
-    return Sights(len(lines), of, barred_by, [(x, y) for x, y in xy.tolist()])

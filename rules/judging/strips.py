@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import shapely
 
-from kerfwise.arrays import Bools, Ints
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.geometry.segment import Box
 from kerfwise.encoder.kept import kept_with_nest
 from kerfwise.encoder.nest import Nest
@@ -46,25 +47,31 @@ class Cutting:
 
 
 class Uncut:
-    """What is left of the metal of one place while its parts are cut."""
+    """What is left of the metal of one place while its parts are cut: each at the cut that `at` (parts,) says.
 
-    def __init__(self, metal: Metal) -> None:
-        self.metal = metal
+    Parts that are never cut have a number that is larger than all.
+    """
+
+    def __init__(self, metal: Metal, at: Ints) -> None:
+        self.metal, self.at = metal, at
         self.out = np.zeros(len(metal.parts), dtype=bool)
         self.told = np.zeros(len(metal.parts), dtype=bool)
-        self.core: dict[int, Any] = {}
         self.barred = np.zeros(metal.sights.count, dtype=bool)
         self.gone: Any = np.full(len(metal.fields.boxes), shapely.Polygon(), dtype=object)
+        self._not_gone: list[list[int]] = [[] for _ in metal.fields.boxes]
+        self._in_strips = self._strips_begin()
+        self._seen_to_go_on = self._where_all_go_on()
 
     def cut(self, p: int) -> Iterator[tuple[str, list[int], list[int]]]:
         """Take part `p` out; what lies badly then, as (kind, out, left) in numbers of this place.
 
-        The first of `left` lies badly. A part that was told is not told again, and not looked at for strips again.
+        The first of `left` lies badly. A part that was told is not told again.
         """
+        if self.out[p]:
+            return
         self.out[p] = True
         self.barred[self.metal.sights.barred_by[p]] = True
-        field = self.metal.fields.of[p]
-        self.gone[field] = shapely.union(self.gone[field], self.metal.grown[p])
+        self._not_gone[self.metal.fields.of[p]].append(p)
         for look in (self._strips, self._islands):
             for kind, out, left in look(p):
                 if not self.told[left[0]]:
@@ -72,27 +79,60 @@ class Uncut:
                     yield kind, out, left
 
     def _strips(self, p: int) -> Iterator[tuple[str, list[int], list[int]]]:
-        """Looks at every part whose metal, as far as it matters, part `p` takes some of."""
-        metal = self.metal
-        x0, y0, x1, y1 = shapely.bounds(metal.swept[p]).tolist()
-        r = metal.strip_mm / 2
-        near = metal.tree.query(shapely.box(x0 - r, y0 - r, x1 + r, y1 + r))
-        near = np.sort(near[~self.out[near] & ~self.told[near]])
-        around = {q: of for q in near.tolist() if p in (of := metal.around(q)).parts}
-        cores = np.array([self.core.get(q, of.stiff) for q, of in around.items()], dtype=object)
-        self.core.update(zip(around, shapely.difference(cores, metal.swept[p]), strict=True))
-        out = {q: np.flatnonzero(self.out[of.parts]) for q, of in around.items()}
-        asked = [q for q, of in around.items() if self._on_both_sides(of, out[q])]
-        if asked:
-            cores = np.array([self.core[q] for q in asked], dtype=object)
-            for q in np.array(asked)[self._vanished(np.array(asked), cores)].tolist():
-                yield "strip", self._fewest(q, around[q], out[q]), [q]
+        """The parts that are in a strip once part `p` is out."""
+        for q in self._in_strips.get(p, ()):
+            if not self.told[q]:
+                around = self.metal.around(q)
+                yield "strip", self._fewest(q, around, np.flatnonzero(self.out[around.parts])), [q]
+
+    def _strips_begin(self) -> dict[int, list[int]]:
+        """Part → the parts that are in a strip from when it is out.
+
+        More parts out never widen a strip: what is in none just before it is cut itself was in none before.
+        """
+        metal, near = self.metal, self.metal.near
+        before = self.at[near.part] < self.at[near.of]
+        takers = np.flatnonzero(before & near.takes)
+        begin = np.searchsorted(near.of[takers], np.arange(len(self.out) + 1)).tolist()
+        rows = (takers[first:last] for first, last in pairwise(begin))
+        asked = [q for q, row in enumerate(rows) if _two_sides(near.towards[row])]
+        out = {q: before[near.begin[q] : near.begin[q + 1]] for q in asked}
+        asked = [q for q in asked if not metal.wide.known(q, out[q])]
+        found: dict[int, list[int]] = defaultdict(list)
+        in_turn = {}
+        for q in asked:
+            parts = metal.around(q).parts[out[q]]
+            in_turn[q] = parts[np.argsort(self.at[parts])]
+        cores = np.array([metal.around(q).stiff for q in asked], dtype=object)
+        for k in range(max(map(len, in_turn.values()), default=0)):
+            some = np.array([m for m, q in enumerate(asked) if k < len(in_turn[q])])
+            less = metal.swept[[in_turn[asked[m]][k] for m in some.tolist()]]
+            cores[some] = shapely.difference(cores[some], less)
+        vanished = self._vanished(np.array(asked, dtype=np.int64), cores) if asked else ()
+        for q, lies_in_strip in zip(asked, vanished, strict=True):
+            if lies_in_strip:
+                found[self._first(q, in_turn[q])].append(q)
+            else:
+                metal.wide.note(q, out[q])
+        return found
+
+    def _first(self, q: int, parts: Ints) -> int:
+        """The first of parts, cut one after the other, that leaves part `q` in a strip; the last one does."""
+        around = self.metal.around(q)
+        core, place = around.stiff, {part: k for k, part in enumerate(around.parts.tolist())}
+        before, last = parts[:-1].tolist(), int(parts[-1])
+        for k, p in enumerate(before, 1):
+            core = shapely.difference(core, self.metal.swept[p])
+            if self._on_both_sides(around, np.array([place[m] for m in before[:k]])) and bool(
+                self._vanished(np.array([q]), np.array([core], dtype=object))[0]
+            ):
+                return int(p)
+        return last
 
     @staticmethod
     def _on_both_sides(around: Around, out: Ints) -> bool:
         """Whether parts that take metal from the part lie in directions more than a right angle apart."""
-        towards = around.towards[out[around.takes[out]]]
-        return bool((towards @ towards.T < 0).any())
+        return _two_sides(around.towards[out[around.takes[out]]])
 
     def _vanished(self, parts: Ints, cores: Any) -> Bools:
         """Whether most of each part lies in metal that opening by half a strip leaves nothing of.
@@ -136,13 +176,13 @@ class Uncut:
 
         The first of the two is on the side with fewer parts: that is the one left behind.
         """
+        if self._all_go_on(p):
+            return
         metal = self.metal
         reach = ISLAND_STRIPS * metal.strip_mm
         window = _wider(metal.grown[p], reach)
         near = metal.tree.query(shapely.box(*window))
         gone, left = near[self.out[near]], near[~self.out[near]]
-        if self._all_go_on(left.tolist()):
-            return
         touching = gone[shapely.intersects(metal.grown[gone], metal.grown[p])]
         if len(left) == 0 or not self._divides(p, [int(k) for k in touching if k != p]):
             return
@@ -180,18 +220,22 @@ class Uncut:
     def _large(self, piece: Any, left: Ints) -> bool:
         """Whether parts that are still in show that a piece of metal goes on farther than islands do."""
         on_it = left[shapely.intersects(piece, self.metal.inner[left])].tolist()
-        return self.metal.sights.going_on(on_it, self.barred, self._island_mm) is not None
+        return self.metal.sights.goes_on(on_it, self.barred, self._island_mm)
 
-    def _all_go_on(self, left: Sequence[int]) -> bool:
-        """Whether the metal of every part still in is seen to go on farther than islands do."""
-        large: set[int] = set()
-        for q in left:
-            if q not in large:
-                seen = self.metal.sights.going_on([q], self.barred, self._island_mm, large)
-                if seen is None:
-                    return False
-                large |= seen
-        return True
+    def _all_go_on(self, p: int) -> bool:
+        """Whether the metal of every part still in around part `p` is seen to go on farther than islands do."""
+        return bool(self._seen_to_go_on[p])
+
+    def _where_all_go_on(self) -> Bools:
+        """See `_all_go_on`, of every part once it is out."""
+        reach = ISLAND_STRIPS * self.metal.strip_mm
+        x0, y0, x1, y1 = shapely.bounds(self.metal.grown).reshape(-1, 4).T
+        p, near = self.metal.tree.query(shapely.box(x0 - reach, y0 - reach, x1 + reach, y1 + reach))
+        until = self.metal.sights.goes_on_until(self.at, self._island_mm)
+        ends = (self.at[near] > self.at[p]) & (until[near] <= self.at[p])
+        seen = np.ones(len(self.out), dtype=bool)
+        seen[p[ends]] = False
+        return seen
 
     @property
     def _island_mm(self) -> float:
@@ -200,8 +244,12 @@ class Uncut:
 
     def _pieces(self, window: Box) -> Any:
         """The pieces of metal that is left in a window."""
-        gone = self.gone[self.metal.fields.tree.query(shapely.box(*window))]
-        gone = shapely.union_all(shapely.clip_by_rect(gone, *window))
+        fields = self.metal.fields.tree.query(shapely.box(*window))
+        for field in fields.tolist():
+            for p in self._not_gone[field]:
+                self.gone[field] = shapely.union(self.gone[field], self.metal.grown[p])
+            self._not_gone[field].clear()
+        gone = shapely.union_all(shapely.clip_by_rect(self.gone[fields], *window))
         return shapely.get_parts(shapely.difference(shapely.clip_by_rect(self.metal.ground, *window), gone))
 
     def _divides(self, p: int, touching: Sequence[int]) -> bool:
@@ -212,6 +260,11 @@ class Uncut:
         arcs = [arc for arc in shapely.get_parts(free) if arc.length > 0]
         ends = sum(not arc.is_closed for arc in arcs)
         return ends > 1
+
+
+def _two_sides(towards: Floats) -> bool:
+    """Whether directions (k, 2) are more than a right angle apart."""
+    return len(towards) > 1 and bool((towards @ towards.T < 0).any())
 
 
 def _wider(area: Any, by_mm: float) -> Box:
@@ -249,19 +302,25 @@ def _badly(nest: Nest, order: Sequence[str], strip_mm: float, web_mm: float) -> 
     number = {part.outer.id: k for k, part in enumerate(nest.parts)}
     grounds, where = _grounds(nest, strip_mm, web_mm)
     in_place = {part: p for ground in grounds.values() for p, part in enumerate(ground.parts)}
-    uncut = {place: Uncut(ground) for place, ground in grounds.items()}
+    first: dict[int, int] = {}
     for k, contour in enumerate(order, 1):
-        if contour not in number:
+        if contour in number:
+            first.setdefault(number[contour], k)
+    uncut = {
+        place: Uncut(ground, np.array([first.get(part, len(order) + 1) for part in ground.parts]))
+        for place, ground in grounds.items()
+    }
+    for part, k in first.items():
+        if (here := uncut.get(where[part])) is None:
             continue
-        ground = uncut[where[number[contour]]]
-        parts = ground.metal.parts
-        for kind, out, left in ground.cut(in_place[number[contour]]):
+        parts = here.metal.parts
+        for kind, out, left in here.cut(in_place[part]):
             yield Cutting(k, kind, tuple(parts[m] for m in out), tuple(parts[m] for m in left))
 
 
 @kept_with_nest(most=2)
 def _grounds(nest: Nest, strip_mm: float, web_mm: float) -> tuple[dict[str, Metal], list[str]]:
-    """The metal of each place by the id of its hole ("" for the sheet), and the place of each part."""
+    """The metal of each place with several parts by the id of its hole ("" for the sheet); the place of each part."""
     hosts = host_holes(nest)
     at = places(nest, hosts)
     where = [at[part.id] for part in nest.parts]
@@ -270,7 +329,7 @@ def _grounds(nest: Nest, strip_mm: float, web_mm: float) -> tuple[dict[str, Meta
     lying: dict[str, list[int]] = defaultdict(list)
     for k, of in enumerate(where):
         lying[of].append(k)
-    for place, own in sorted(lying.items()):
+    for place, own in sorted((place, own) for place, own in lying.items() if len(own) > 1):
         ground = shapely.make_valid(holes[place] if place else nest.sheet.polygon)
         areas = shapely.make_valid(np.array([nest.parts[k].outer.polygon for k in own], dtype=object))
         grounds[place] = Metal(ground, own, areas, strip_mm, web_mm)

@@ -24,6 +24,7 @@ from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStrips, NoNarrowStripsOptions
 from kerfwise.rules.judging import strips
+from kerfwise.tests.rules.judging.plain_strips import told_plainly
 from kerfwise.tests.rules.test_statements_agree import sheets
 
 RULE = NoNarrowStrips()
@@ -107,7 +108,8 @@ def test_few_looks_tell_which_of_many_parts_make_a_strip(monkeypatch: pytest.Mon
         looks.extend(parts.tolist())
         return vanishes(metal, parts, cores)
 
-    metal = strips.Uncut(next(iter(strips._grounds(field, 60.0, 25.0)[0].values())))
+    ground = next(iter(strips._grounds(field, 60.0, 25.0)[0].values()))
+    metal = strips.Uncut(ground, np.arange(1, 82))
     metal.out[:] = True
     metal.out[middle] = False
     around = metal.metal.around(middle)
@@ -141,7 +143,7 @@ def test_close_looks_find_the_islands_that_a_look_at_all_finds(seed: int, chance
     closely = sorted(strips._badly(found, order, 60.0, 25.0), key=repr)  # two islands of one cut come in either order
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(strips.Uncut, "_closed_off", plainly_closed_off)
-        patch.setattr(strips.Uncut, "_all_go_on", lambda uncut, left: False)
+        patch.setattr(strips.Uncut, "_all_go_on", lambda uncut, p: False)
         assert sorted(strips._badly(found, order, 60.0, 25.0), key=repr) == closely
 
 
@@ -159,7 +161,7 @@ def test_metal_is_seen_to_go_on_before_its_pieces_are_looked_for() -> None:
         patch.setattr(strips.Uncut, "_closed_off", noted)
         told = sorted(strips._badly(plate(1), order, 60.0, 25.0), key=repr)
         few = len(looks)
-        patch.setattr(strips.Uncut, "_all_go_on", lambda uncut, left: False)
+        patch.setattr(strips.Uncut, "_all_go_on", lambda uncut, p: False)
         assert sorted(strips._badly(plate(1), order, 60.0, 25.0), key=repr) == told
     assert 2 * few <= len(looks[few:])
 
@@ -196,3 +198,43 @@ def test_an_island_is_found_by_a_close_look() -> None:
         kinds = {cutting.kind for cutting in strips._badly(plate(1), order, 60.0, 25.0)}
     assert any(closely)
     assert "island" in kinds
+
+
+@cache
+def crowd(seed: int) -> Nest:
+    """Rectangles of many sizes, side by side in rows."""
+    chance, rows, y = Random(seed), list[tuple[float, float, float, float]](), 12.0
+    for _ in range(4):
+        x, high = 12.0, chance.choice([50.0, 90.0, 150.0])
+        while x < 900:
+            wide = chance.choice([30.0, 60.0, 120.0, 200.0])
+            rows.append((x, y, wide, high * chance.uniform(0.6, 1.0)))
+            x += wide + chance.choice([10.0, 18.0, 40.0])
+        y += high + 14
+    return nest(1150, y + 12, *(part(f"P{k}", rect(*row)) for k, row in enumerate(rows)))
+
+
+@settings(deadline=None, max_examples=10)
+@given(st.integers(1, 4), st.randoms(use_true_random=False), st.sampled_from([40.0, 60.0, 110.0]), st.booleans())
+def test_a_plain_look_at_every_cut_tells_the_same(seed: int, chance: Random, strip_mm: float, at_random: bool) -> None:
+    """Looks at one order after the other, of the same nest, tell what lies badly as one that knows nothing does."""
+    sheet = crowd(seed)
+    order = [p.outer.id for p in sheet.parts]
+    for _ in range(2):
+        for _ in range(6):
+            k = chance.randrange(len(order))
+            order.insert(chance.randrange(len(order)), order.pop(k))
+        if at_random:
+            chance.shuffle(order)
+        plainly = told_plainly(sheet, order, strip_mm, 25.0)
+        assert sorted((c.k, c.kind, c.left[0]) for c in strips._badly(sheet, order, strip_mm, 25.0)) == sorted(plainly)
+
+
+def test_the_plain_look_finds_strips_and_islands() -> None:
+    """The comparison above can fail."""
+    order = [p.outer.id for p in crowd(1).parts]
+    Random(3).shuffle(order)
+    assert {kind for mm in (60.0, 110.0) for _, kind, _ in told_plainly(crowd(1), order, mm, 25.0)} == {
+        "strip",
+        "island",
+    }
