@@ -12,6 +12,7 @@ from kerfwise.models.kernels import cores
 from kerfwise.models.problem.problem import Problem
 
 from .moves import Moves
+from .passages import Passage, cheapest, through
 
 WIDE = 2000
 """With more sites what moves cost is kept in half the bytes, rounded down."""
@@ -22,20 +23,33 @@ TURNS = 4
 
 
 def costs_of(
-    problem: Problem, sites: Ints, split: Problem, sooner: Bools, later: Bools, go: Callable[[], bool] = lambda: True
-) -> Floats | Float32s:
+    problem: Problem, sites: Ints, split: Problem, sooner: Bools, later: Bools, passages: Sequence[Passage] = (),
+    go: Callable[[], bool] = lambda: True,
+) -> Floats | Float32s:  # fmt: skip
     """What every move costs, as `Network` says.
 
-    `sites` are those of the problem that the sites of the `split` one stand for; `go` is asked now and then.
+    `sites` are those of the problem that the sites of the `split` one stand for. Where these are of the last contour of
+    one of the `passages`, a move leads to some site of its block. `go` is asked now and then.
     """
     m, moves = split.m, Moves(problem)
     cost = empty_costs(m)
     ends, charged = np.append(sites, problem.m), np.append(split.site_cost, 0)
     lawful, kind = _lawful(split.site_contour, sooner, later)
+    owner = problem.site_contour[sites]
+    inner = problem.sites_of(np.concatenate([p.inner for p in passages])) if passages else np.zeros(0, dtype=np.int64)
+    ways: list[tuple[slice, Ints, Floats]] = []
+    for passage in passages:
+        here = np.flatnonzero(owner == passage.last)
+        way = through(problem, passage, moves, sites[here], charged[here])
+        began = ways[-1][0].stop if ways else 0
+        ways.append((slice(began, began + len(way)), here, way))
 
     def work_out(start: int) -> None:
         rows = np.arange(start, min(start + ROWS, m + 1))
         part = moves.between(ends[rows], ends) + charged
+        entered = moves.between(ends[rows], inner)
+        for some, here, way in ways:
+            part[:, here] = cheapest(entered[:, some], way)
         part[~lawful[kind[rows]][:, kind]] = np.inf
         cost[rows] = part
         if cost.dtype != part.dtype and (above := cost[rows] > part).any():

@@ -27,6 +27,7 @@ from .flow_program import FlowProgram, sets_out_s
 from .inequalities import Inequalities, block_inequalities
 from .merged import merged
 from .network import Network, network_of
+from .passages import size_without_inner
 from .separation import Separation
 
 EVERY, EVERY_WIDE, WIDE = 1, 2, 2000
@@ -82,9 +83,10 @@ def flow_bound(
     if not 0 < problem.n <= MOST_CONTOURS:
         return FlowBound(0, 0.0)
     most_sites = int(min(MOST_SITES, math.sqrt(most_bytes / BYTES_A_MOVE)))
-    if problem.m > most_sites or sets_out_s(problem.n, problem.m) > SETTING_OUT * work:
+    contours, sites = size_without_inner(problem)
+    if sites > most_sites or sets_out_s(contours, sites) > SETTING_OUT * work:
         plan = Incumbent(tuple(int(problem.site_contour[s]) for s in plan.route), plan.cost)
-        problem = merged(problem)
+        problem, sites = merged(problem), contours
 
     def in_time() -> bool:
         """Whether the clock leaves time; all work is counted afterwards."""
@@ -93,7 +95,7 @@ def flow_bound(
     try:
         network = network_of(problem, plan.route, plan.cost, most_sites, in_time)
     except Stopped:
-        return FlowBound(0, sets_out_s(problem.n, problem.m))
+        return FlowBound(0, sets_out_s(contours, sites))
     loop = CutLoop(network, plan, work, progress, in_time, ends_s)
     with suppress(Stopped):
         loop.run(PATIENCE, LEAST_GAIN)

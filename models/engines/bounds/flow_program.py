@@ -30,7 +30,7 @@ FEW = 1000
 """Rounds of the simplex method that there is always time for."""
 PRODUCTS_PER_S, BESIDE = 2.5e10, 650
 """Of multipliers above 0 and moves, in the same way; and so many multipliers take as long as all else with a move."""
-MADE_PER_S = 4e6
+MADE_PER_S = 1e7
 """Moves whose costs are worked out, and that are gone through for the first ones."""
 NARROW = 24
 """Binary digits that narrow numbers hold."""

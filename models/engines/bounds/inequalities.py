@@ -47,8 +47,16 @@ class Inequalities:
 
     def across(self, leave: Ints, reach: Ints) -> csr_matrix:
         """How much each of some moves counts in every inequality, (k, moves)."""
-        over = self.tail[:, leave] & self.head[:, reach]
-        return csr_matrix(over.astype(np.float64) - self.into[:, reach])
+        starts = np.zeros(len(self) + 1, dtype=np.int64)
+        places, values = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
+        for k, (tail, head, into) in enumerate(zip(self.tail, self.head, self.into, strict=True)):
+            counts = (tail[leave] & head[reach]).view(np.int8)
+            if into.any():
+                counts = counts - into[reach]
+            places.append(np.flatnonzero(counts))
+            values.append(counts[places[-1]].astype(np.float64))
+            starts[k + 1] = starts[k] + len(places[-1])
+        return csr_matrix((np.concatenate(values), np.concatenate(places), starts), shape=(len(self), len(leave)))
 
     def worth(self, paid: Floats) -> Floats:
         """What multipliers (k,) make every move worth, (m + 1, m + 1)."""

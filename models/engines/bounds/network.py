@@ -2,7 +2,8 @@
 
 Many conditions ask of a site one thing: that some neighbour is still in, or already out. Then whatever leads to that
 site must keep clear of what comes after the neighbour, and the site follows nothing that another site forbids. Where a
-condition can be paid for, its site is there twice: once as it asks, once paid.
+condition can be paid for, its site is there twice: once as it asks, once paid. Blocks that their last contour can
+stand for are there by that alone.
 """
 
 from __future__ import annotations
@@ -13,13 +14,14 @@ from itertools import product
 
 import numpy as np
 
-from kerfwise.arrays import Bools, Float32s, Floats
+from kerfwise.arrays import Bools, Float32s, Floats, Ints
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import Crossings
 from kerfwise.models.problem.links import Links
 from kerfwise.models.problem.problem import Problem
 
 from .costs import costs_of
+from .passages import passages_of, renumbered, stand_for, without_inner
 
 MOST_SPLIT = 2
 """Conditions of a site that are paid for by a site of their own, at the most."""
@@ -29,13 +31,16 @@ MOST_SPLIT = 2
 class Network:
     """A problem of m sites that no plan undercuts, and what holds wherever a site of it is used.
 
-    `cost` (m + 1, m + 1) is that of every move with the site it leads to, home last, infinite where no plan has it: no
-    more than that where there are many sites, as narrow numbers do not hold all that wide ones do.
+    `contours` are those of the whole problem that its contours are: of some blocks the last one alone.
+    `cost` (m + 1, m + 1) is that of every move with the site it leads to, and with the way through such a block to its
+    last contour, home last, infinite where no plan has it: no more than that where there are many sites, as narrow
+    numbers do not hold all that wide ones do.
     `sooner[s, c]` says that contour c is out before site s is cut, `later[s, c]` that it is not; both (m + 1, n), all
     false for home. `plan` is the known plan on these sites.
     """
 
     problem: Problem
+    contours: Ints
     cost: Floats | Float32s
     sooner: Bools
     later: Bools
@@ -61,43 +66,56 @@ def network_of(
 
     `route` is a lawful route. No site is split where there would be more than `most_sites`. `go` is asked now and then.
     """
+    passages = passages_of(problem)
+    kept, number, last_of = stand_for(problem, passages)
     asked: list[list[Condition]] = [[] for _ in range(problem.m)]
     for condition in problem.conditions:
         if condition.when is not None:
             hard = condition.cost is not None and condition.cost > most
             asked[condition.when].append(replace(condition, cost=None) if hard else condition)
-    splits = _splits(problem, asked, MOST_SPLIT, most)
+    splits = _splits(problem, kept, asked, MOST_SPLIT, most)
     if len(splits) > most_sites:
-        splits = _splits(problem, asked, 0, most)
+        splits = _splits(problem, kept, asked, 0, most)
     sites = np.array([split.site for split in splits], dtype=np.int64)
-    contours = problem.site_contour[sites]
+    contours = number[problem.site_contour[sites]]
     paid = np.array([sum(c.cost or 0 for c in split.paid) for split in splits], dtype=np.int64)
     wide = [condition for condition in problem.conditions if condition.when is None]
+    left = (*wide, *(replace(c, when=k) for k, split in enumerate(splits) for c in split.left))
     split_problem = replace(
         problem,
-        first=np.searchsorted(contours, np.arange(problem.n + 1)).astype(np.int64),
+        n=len(kept),
+        ids=tuple(problem.ids[i] for i in kept.tolist()),
+        first=np.searchsorted(contours, np.arange(len(kept) + 1)).astype(np.int64),
         site_contour=contours,
         site_candidate=problem.site_candidate[sites],
         pierce_um=problem.pierce_um[sites],
         end_um=problem.end_um[sites],
         site_cost=problem.site_cost[sites] + paid,
-        conditions=(*wide, *(replace(c, when=k) for k, split in enumerate(splits) for c in split.left)),
+        before=np.ascontiguousarray(problem.before[np.ix_(kept, kept)]),
+        block=problem.block[kept],
+        conditions=tuple(renumbered(without_inner(c, last_of), number) for c in left),
+        soft_groups=(),
+        lags=(),
+        general=(),
         crossings=Crossings(),
         links=Links(),
         matrix=None,
     )
-    none = np.zeros((1, problem.n), dtype=np.bool_)
-    sooner = np.vstack([*(split.sooner[None] for split in splits), none])
-    later = np.vstack([*(split.later[None] for split in splits), none])
-    cost = costs_of(problem, sites, split_problem, sooner, later, go)
-    return Network(split_problem, cost, sooner, later, tuple(_on(splits, route, problem)))
+    none = np.zeros((1, len(kept)), dtype=np.bool_)
+    sooner = np.vstack([*(split.sooner[None, kept] for split in splits), none])
+    later = np.vstack([*(split.later[None, kept] for split in splits), none])
+    cost = costs_of(problem, sites, split_problem, sooner, later, passages, go)
+    return Network(split_problem, kept, cost, sooner, later, tuple(_on(splits, route, problem)))
 
 
-def _splits(problem: Problem, asked: list[list[Condition]], most: int, most_um: int) -> list[_Split]:
-    """All sites, as often as so many of their conditions can be met or paid for; none that costs more than a plan."""
+def _splits(problem: Problem, kept: Ints, asked: list[list[Condition]], most: int, most_um: int) -> list[_Split]:
+    """All sites of the contours kept, as often as so many of their conditions can be met or paid for.
+
+    None that costs more than a plan.
+    """
     dear = np.inf if len(problem.links) or problem.matrix is not None else most_um
     splits: list[_Split] = []
-    for i in range(problem.n):
+    for i in kept.tolist():
         near = [s for s in problem.sites(i) if problem.site_cost[s] <= dear]
         of_contour = [split for s in near for split in _splits_of(problem, s, asked[s], most)]
         of_contour = [s for s in of_contour if problem.site_cost[s.site] + sum(c.cost or 0 for c in s.paid) <= dear]
