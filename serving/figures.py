@@ -15,6 +15,7 @@ def figures_of(plan: Plan) -> dict[str, Any]:
         "light_mm": float(solve.objective - plan.heavy_mm),
         "bound_mm": None if solve.bound is None else float(solve.bound),
         "gap": None if solve.gap is None else float(solve.gap),
+        "light_gap": None if plan.light_gap is None else float(plan.light_gap),
         "status": solve.status,
         "idle_mm": float(plan.totals.idle_mm),
         "time_s": float(plan.totals.time_s),

@@ -64,7 +64,7 @@ def program_side(side: Side) -> Data:
         "end_s": short(max([side.times.total_s, *(cut["to_s"] for cut in cuts)])),
         "figures": {
             "cut_mm": short(job.on_mm), "idle_mm": short(job.idle_mm), "pierces": job.pierces, "status": "",
-            "gap": None, "proof": side.proof, "cost": None,
+            "gap": None, "light_gap": None, "proof": side.proof, "cost": None,
         },
         "said": [],
         "ok": side.verdict.ok,

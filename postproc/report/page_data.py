@@ -96,6 +96,7 @@ def side_data(nest: Nest, plan: Plan, home: Point) -> Data:
             "pierces": totals.pierces,
             "status": solve.status,
             "gap": solve.gap,
+            "light_gap": plan.light_gap,
         },
         "said": [],
         "ok": all(rule.holds for rule in plan.rules if rule.strength == "hard"),

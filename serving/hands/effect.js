@@ -1,5 +1,5 @@
 import { make } from "./elements.js";
-import { metres } from "./words.js";
+import { metres, provenShort } from "./words.js";
 
 /**
  * Figures of two plans side by side: as the profile is, and with what is changed.
@@ -39,7 +39,7 @@ function lasting(figures) { return figures ? `${Math.round(figures.time_s)} s` :
 /** @type {(figures: any) => string} */
 function provenOf(figures) {
   if (!figures) return "–";
-  return figures.status === "optimal" ? "yes" : figures.gap === null ? "no bound" : `gap ${(figures.gap * 100).toFixed(1)} %`;
+  return figures.status === "optimal" ? "yes" : provenShort(figures);
 }
 
 /** @type {(before: any, after: any) => string[]} */

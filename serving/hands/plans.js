@@ -1,6 +1,7 @@
 /** @import { Work } from "./work.js" */
 import { make } from "./elements.js";
 import { comparePlans } from "./views.js";
+import { provenShort } from "./words.js";
 
 /**
  * A panel of the plans that were made: a click goes back to one, and to what it was made of; two can be compared.
@@ -21,11 +22,10 @@ export function plansPanel(app, work) {
 
 /** @type {(work: Work, one: any, best: number) => HTMLElement} */
 function planRow(work, one, best) {
-  const { light_mm, idle_mm, status, gap, time_s, excuses } = one.figures, { shown } = work.state;
-  const proof = status === "optimal" ? "proven" : gap === null ? "no bound" : `gap ${(gap * 100).toFixed(1)} %`;
+  const { light_mm, idle_mm, time_s, excuses } = one.figures, { shown } = work.state;
   const more = light_mm > best + 0.5 ? `, costs ${((light_mm - best) / 1000).toFixed(3)} m more than the least` : ", costs the least";
   const flags = [one.stopped && "cancelled", !one.ok && `refused: ${one.broken.join(", ")}`, excuses && `${excuses} excused`, one.upto && `after cut ${one.upto}`];
-  const text = `idle ${(idle_mm / 1000).toFixed(3)} m, ${proof}, ${Math.round(time_s)} s${more}`;
+  const text = `idle ${(idle_mm / 1000).toFixed(3)} m, ${provenShort(one.figures)}, ${Math.round(time_s)} s${more}`;
   const compared = work.compared?.[1] === one.number;
   const compare = one.number === shown ? null : make("button", { type: "button", class: "compare", "aria-pressed": String(compared),
     "aria-label": `compare plan ${one.number} with plan ${shown}`, onclick: () => comparePlans(work, compared ? null : [shown, one.number]) }, "compare");

@@ -1,6 +1,6 @@
 /** @import { App } from "./app.js" */
 import { byId, make } from "./elements.js";
-import { clock, counted, metres } from "./words.js";
+import { clock, counted, metres, proven } from "./words.js";
 
 /**
  * The bar on top, and the panel that says what the sheet is, what it takes and what is proven.
@@ -38,10 +38,9 @@ export function factsPanel(app) {
 /** @type {(app: App) => [string, string][]} */
 function figuresOf(app) {
   const { figures, zones } = { figures: app.side.figures, zones: Math.max(0, ...app.side.cuts.map(cut => cut.zone)) };
-  const gap = figures.status === "optimal" ? "proven best" : figures.gap === null ? "no bound" : `the best is at most ${(100 * figures.gap).toFixed(1)} % below`;
   return [
     ["time", clock(app.stages[app.state.side].timeline.end_s)], ["cut", metres(figures.cut_mm)], ["idle", metres(figures.idle_mm)],
-    ["pierces", String(figures.pierces)], ["plan", gap], ["zones", String(zones)],
+    ["pierces", String(figures.pierces)], ["plan", proven(figures)], ["zones", String(zones)],
     ...(figures.cost ? /** @type {[string, string][]} */ ([["cost", figures.cost]]) : []),
   ];
 }

@@ -98,8 +98,8 @@
  * @property {Point} home
  * @property {number} made - cuts made before a stop
  * @property {number} end_s
- * @property {{cut_mm: number, idle_mm: number, pierces: number, status: string, gap: number | null, proof?: string,
- *   cost?: string | null}} figures
+ * @property {{cut_mm: number, idle_mm: number, pierces: number, status: string, gap: number | null,
+ *   light_gap: number | null, proof?: string, cost?: string | null}} figures
  * @property {string[]} said
  * @property {boolean} ok
  * @property {CutData[]} cuts

@@ -22,6 +22,33 @@ export function counted(count, word) {
   return `${count} ${word}${count === 1 ? "" : "s"}`;
 }
 
+/** @type {(share: number) => string} */
+export function percent(share) {
+  return `${(100 * share).toFixed(1)} %`;
+}
+
+/**
+ * What is proven of a plan: how far the best possible may be below it, and how far without the weight of excuses.
+ *
+ * @param {{status: string, gap: number | null, light_gap: number | null}} figures
+ * @returns {string}
+ */
+export function proven({ status, gap, light_gap }) {
+  if (status === "optimal") return "proven best";
+  if (gap === null) return "no bound";
+  return `the best is at most ${percent(gap)} below${light_gap === null ? "" : `, ${percent(light_gap)} without the weight of excuses`}`;
+}
+
+/**
+ * The same in few words, for a list: excuses are counted apart there.
+ *
+ * @param {{status: string, gap: number | null, light_gap: number | null}} figures
+ * @returns {string}
+ */
+export function provenShort({ status, gap, light_gap }) {
+  return status === "optimal" ? "proven" : gap === null ? "no bound" : `gap ${percent(light_gap ?? gap)}`;
+}
+
 /** @type {(place: readonly number[]) => string} */
 export function placeText(place) {
   return `(${place[0].toFixed(1)}, ${place[1].toFixed(1)})`;

@@ -12,7 +12,7 @@ import { paintNumbers } from "../page_files/route.js";
 import { notHeld } from "../page_files/rules.js";
 import { found } from "../page_files/search.js";
 import { countUpTo, momentAt, timelineOf, zonesOf } from "../page_files/timeline.js";
-import { clock, millimetres } from "../page_files/words.js";
+import { clock, millimetres, proven, provenShort } from "../page_files/words.js";
 import { placeOn, wayOf } from "../page_files/way.js";
 import { Work } from "../page_files/work.js";
 
@@ -278,4 +278,13 @@ test("of one server a later state counts, of another server any", () => {
   assert.notEqual(work.view, view); // its plan 1 is another one
   work.take({ server: "b", version: 2 });
   assert.deepEqual(at(), ["b", 2]);
+});
+
+test("a gap is said with and without the weight of excuses", () => {
+  const figures = { status: "feasible", gap: 0.0004, light_gap: 0.0108 };
+  assert.equal(proven(figures), "the best is at most 0.0 % below, 1.1 % without the weight of excuses");
+  assert.equal(provenShort(figures), "gap 1.1 %");
+  assert.equal(proven({ ...figures, light_gap: null }), "the best is at most 0.0 % below");
+  assert.deepEqual(["optimal", "feasible"].map(status => proven({ status, gap: null, light_gap: null })), ["proven best", "no bound"]);
+  assert.deepEqual(["optimal", "feasible"].map(status => provenShort({ status, gap: null, light_gap: null })), ["proven", "no bound"]);
 });

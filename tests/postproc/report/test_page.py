@@ -6,6 +6,7 @@ import base64
 import hashlib
 import json
 import re
+from dataclasses import replace
 from html import unescape
 from html.parser import HTMLParser
 from pathlib import Path
@@ -65,6 +66,18 @@ def test_the_page_has_nest_and_plan(plate: Nest) -> None:
     assert [names[cut["contour"]] for cut in side["cuts"]] == [p.cut.contour for p in plan.cuts]
     assert [cut["because"] for cut in side["cuts"]] == [list(p.because) for p in plan.cuts]
     assert data["nest"]["contours"][names.index("A.hole1")]["rows"] == [60, 120, 1, 180, 120, 1]
+
+
+@pytest.mark.parametrize(("excuses", "light"), [(1, 0.1), (0, None)])
+def test_the_page_has_the_gap_without_the_weight_of_excuses(plate: Nest, excuses: int, light: float | None) -> None:
+    plan = plausible_plan(plate)
+    solve = replace(
+        plan.solve, status="feasible", objective=1_010_000.0, bound=1_009_000.0, gap=1 / 1010, excuses=excuses
+    )
+    page = Read(draw(plate, replace(plan, solve=solve), ".html").decode())
+    (side,) = page.data["sides"]
+    assert (side["figures"]["gap"], side["figures"]["light_gap"]) == (1 / 1010, light)
+    assert "without the weight of excuses" in page.texts["module"]
 
 
 def test_the_page_of_a_spot_names_what_is_wrong(plate: Nest) -> None:
