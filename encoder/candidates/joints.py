@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment_arrays import SegmentArrays
 from kerfwise.encoder.nest import Contour
@@ -17,7 +17,7 @@ OFF_MM = 0.01
 """A joining point this far from where an entry asks for it is that of another entry."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Outline:
     """A contour to cut (number `index` of the nest) with its compensated path, both also as arrays.
 
@@ -27,40 +27,34 @@ class Outline:
     index: int
     contour: Contour
     path: Curve
-    path_reversed: Curve
     drawn: SegmentArrays
     path_drawn: SegmentArrays
     right: float
     half_kerf_mm: float
 
     @staticmethod
-    def of(index: int, contour: Contour, path: Curve, half_kerf_mm: float) -> Outline:
-        """The outline of a contour whose compensated path is known."""
-        right = 1.0 if contour.curve.is_ccw == (contour.kind == "outer") else -1.0
-        drawn = SegmentArrays.of(contour.curve)
-        return Outline(index, contour, path, path.reversed(), drawn, SegmentArrays.of(path), right, half_kerf_mm)
+    def of(paths: Mapping[int, tuple[Contour, Curve]], half_kerf_mm: float) -> dict[int, Outline]:
+        """The outlines of contours, by number, whose compensated paths are known."""
+        drawn = SegmentArrays.of(*(contour.curve for contour, _ in paths.values())).each()
+        path_drawn = SegmentArrays.of(*(path for _, path in paths.values())).each()
+        return {
+            k: Outline(k, contour, path, one, other, _right(contour), half_kerf_mm)
+            for (k, (contour, path)), one, other in zip(paths.items(), drawn, path_drawn, strict=True)
+        }
 
-    def joints(self, at_mm: Floats) -> tuple[Joints, NDArray[np.bool_]]:
-        """Entries at path lengths along the contour with where the torch joins, and which of them it really comes to.
+    @cached_property
+    def path_reversed(self) -> Curve:
+        """The path the other way round."""
+        return self.path.reversed()
 
-        The others lie in hollow corners, where the torch cannot come as close to the contour as elsewhere; they are
-        joined at the nearest place.
-        """
-        entry, before, after = self.drawn.frames(at_mm)
-        tangent = before + after
-        length = np.hypot(tangent[:, 0], tangent[:, 1])[:, None]
-        # Where the contour turns back there is no mean tangent: go straight on.
-        tangent = np.where(length > 1e-6, tangent / np.maximum(length, 1e-6), _left(before) * self.right)
-        out = -self.right * _left(tangent)
-        wanted = entry + self.half_kerf_mm * out
-        join_mm, off_mm = self.path_drawn.project(wanted)
-        join, _, _ = self.path_drawn.frames(join_mm)
-        reach = join - entry
-        distance_mm = np.hypot(reach[:, 0], reach[:, 1])[:, None]
-        moved = (off_mm > OFF_MM)[:, None] & (distance_mm > 1e-6)
-        out = np.where(moved, reach / np.maximum(distance_mm, 1e-6), out)
-        index = np.full(len(at_mm), self.index)
-        return Joints(index, at_mm, entry, join_mm, join, out), off_mm <= OFF_MM
+    @property
+    def around_mm(self) -> float:
+        """The length of the contour as drawn."""
+        return float(self.drawn.starts_mm[-1])
+
+    def joints(self, at_mm: Floats) -> tuple[Joints, Bools]:
+        """See `joints_at`."""
+        return joints_at([self], at_mm, np.zeros(len(at_mm), np.int64))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -81,7 +75,7 @@ class Joints:
     def __len__(self) -> int:
         return len(self.contour)
 
-    def take(self, rows: NDArray[np.bool_] | Ints) -> Joints:
+    def take(self, rows: Bools | Ints) -> Joints:
         """Some of the rows."""
         return Joints(
             self.contour[rows],
@@ -107,6 +101,39 @@ class Joints:
             np.concatenate([j.join for j in all_of]),
             np.concatenate([j.out for j in all_of]),
         )
+
+
+def joints_at(outlines: Sequence[Outline], at_mm: Floats, of: Ints) -> tuple[Joints, Bools]:
+    """Entries at path lengths along contours with where the torch joins, and which of them it really comes to.
+
+    `of` (m,), ascending, numbers the outline of each. The entries that the torch does not come to lie in hollow
+    corners, where it cannot come as close to the contour as elsewhere; they are joined at the nearest place.
+    """
+    if not outlines:
+        return Joints.joined([]), np.zeros(0, np.bool_)
+    drawn = SegmentArrays.joined([outline.drawn for outline in outlines])
+    paths = SegmentArrays.joined([outline.path_drawn for outline in outlines])
+    right = np.array([outline.right for outline in outlines])[of][:, None]
+    half_kerf_mm = np.array([outline.half_kerf_mm for outline in outlines])[of][:, None]
+    entry, before, after = drawn.frames(at_mm, of)
+    tangent = before + after
+    length = np.hypot(tangent[:, 0], tangent[:, 1])[:, None]
+    # Where the contour turns back there is no mean tangent: go straight on.
+    tangent = np.where(length > 1e-6, tangent / np.maximum(length, 1e-6), _left(before) * right)
+    out = -right * _left(tangent)
+    wanted = entry + half_kerf_mm * out
+    join_mm, off_mm = paths.project(wanted, of)
+    join, _, _ = paths.frames(join_mm, of)
+    reach = join - entry
+    distance_mm = np.hypot(reach[:, 0], reach[:, 1])[:, None]
+    moved = (off_mm > OFF_MM)[:, None] & (distance_mm > 1e-6)
+    out = np.where(moved, reach / np.maximum(distance_mm, 1e-6), out)
+    index = np.array([outline.index for outline in outlines], dtype=np.int64)[of]
+    return Joints(index, at_mm, entry, join_mm, join, out), off_mm <= OFF_MM
+
+
+def _right(contour: Contour) -> float:
+    return 1.0 if contour.curve.is_ccw == (contour.kind == "outer") else -1.0
 
 
 def _left(v: Floats) -> Floats:

@@ -29,7 +29,7 @@ def lead_outs(
     """
     ways = approaches.ways
     tails = [_overcut(ways, i, outlines, options.hole_overcut_mm) for i in range(len(ways))]
-    length_mm = np.array([tail.length_mm for tail in tails])
+    length_mm = np.array([tail.length_mm if len(tail.vertices) > 1 else 0.0 for tail in tails])
     if options.lead_out == "none" or not tails:
         return tails, length_mm, np.full(len(tails), False)
     leads = _leads(_ends(ways, tails), around, options)

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 import numpy as np
 
-from kerfwise.arrays import Bools, Floats
+from kerfwise.arrays import Bools
 from kerfwise.encoder.geometry.inscribed import narrower_than
 
 from .approaches import Approaches, ways
 from .candidate import LeadOptions
-from .entries import ANYWHERE, TIED_MM, Ranks, choose, places
-from .joints import Joints, Outline
+from .entries import ANYWHERE, TIED_MM, choose, choose_each, places
+from .joints import Joints, Outline, joints_at
 from .lead_in import edge_starts, lead_ins, least_clearance_mm
 from .surroundings import Surroundings
 from .tab_places import TabPlaces
@@ -25,30 +24,45 @@ DENSE = 48
 """Entries to try of a contour that has found none."""
 
 
-@dataclass(slots=True)
-class _Pool:
-    """The places of one contour that could be entries: those not tried yet are `fresh`, `taken_mm` have a lead."""
+class _Pools:
+    """The places of contours that could be entries: those not tried yet are `fresh`, those that are taken have a lead.
 
-    outline: Outline
-    joints: Joints
-    ranks: Ranks
-    fresh: Bools
-    taken_mm: list[float] = field(default_factory=list)
+    `of` numbers the outline of each joint, ascending.
+    """
 
-    @staticmethod
-    def of(outline: Outline, at_mm: Floats, ranks: Ranks) -> _Pool:
-        joints, reached = outline.joints(at_mm)
-        return _Pool(outline, joints, ranks, reached)
+    def __init__(self, outlines: Mapping[int, Outline], count: int, tabs: TabPlaces) -> None:
+        self.outlines, self._count = list(outlines.values()), count
+        at_mm, ranks, of = tabs.all_entries(self.outlines, *places(self.outlines, count))
+        self._joints, self._fresh = joints_at(self.outlines, at_mm, of)
+        self._ranks, self._of = ranks, of
+        self._around_mm = np.array([outline.around_mm for outline in self.outlines])
+        self._number = np.full(max(outlines, default=0) + 1, -1)
+        self._number[list(outlines)] = np.arange(len(outlines))
+        self._taken_mm, self._taken_of = np.zeros(0), np.zeros(0, np.int64)
 
-    def draw(self, count: int) -> Joints:
-        """The best entries that are still fresh, as many as are wanting of `count`."""
-        wanting = max(count - len(self.taken_mm), 0)
-        rows = np.flatnonzero(self.fresh) if wanting else np.zeros(0, np.int64)
-        around_mm = float(self.outline.drawn.starts_mm[-1])
-        chosen = choose(self.joints.entry_mm[rows], self.ranks[rows], around_mm, count, np.array(self.taken_mm))
-        drawn = rows[chosen[:wanting]]
-        self.fresh[drawn] = False
-        return self.joints.take(drawn)
+    def draw(self) -> Joints:
+        """The best entries that are still fresh, of each contour as many as are wanting."""
+        wanting = np.maximum(self._count - np.bincount(self._taken_of, minlength=len(self.outlines)), 0)
+        rows = np.flatnonzero(self._fresh)
+        taken = self._taken_mm, self._taken_of
+        at_mm, ranks, of = self._joints.entry_mm[rows], self._ranks[rows], self._of[rows]
+        drawn = rows[choose_each(at_mm, ranks, of, self._around_mm, self._count, wanting, *taken)]
+        self._fresh[drawn] = False
+        return self._joints.take(drawn)
+
+    def take(self, joints: Joints) -> None:
+        """These have a lead."""
+        at_mm = np.concatenate([self._taken_mm, joints.entry_mm])
+        of = np.concatenate([self._taken_of, self._number[joints.contour]])
+        order = np.lexsort((at_mm, of))
+        at_mm, of = at_mm[order], of[order]
+        new = (np.diff(of, prepend=-1) > 0) | (np.diff(at_mm, prepend=np.nan) != 0)
+        self._taken_mm, self._taken_of = at_mm[new], of[new]
+
+    def bare(self) -> list[Outline]:
+        """The contours of which nothing is taken."""
+        held = set(self._taken_of.tolist())
+        return [outline for k, outline in enumerate(self.outlines) if k not in held]
 
 
 def longest_lead_mm(outline: Outline, options: LeadOptions) -> float:
@@ -67,10 +81,7 @@ def approaches_to(
     locked = locked.take(np.isin(locked.contour, np.array(list(outlines), dtype=np.int64)))
     longest = {k: longest_lead_mm(outline, options) for k, outline in outlines.items()}
     tabs = options.tab_places or TabPlaces()
-    pools = {
-        k: _Pool.of(outline, *tabs.entries(outline, *places(outline, options.entries)))
-        for k, outline in outlines.items()
-    }
+    pools = _Pools(outlines, options.entries, tabs)
     found: list[Approaches] = []
 
     def tried(joints: Joints, patient: bool, from_edge: bool) -> Approaches:
@@ -86,17 +97,12 @@ def approaches_to(
 
     def taken(good: Approaches) -> None:
         found.append(good)
-        joints = good.ways.joints
-        for k, entry_mm in zip(joints.contour.tolist(), joints.entry_mm.tolist(), strict=True):
-            if entry_mm not in pools[k].taken_mm:
-                pools[k].taken_mm.append(entry_mm)
+        pools.take(good.ways.joints)
 
     taken(tried(locked, patient=True, from_edge=True))
     for round_ in range(ROUNDS):
-        drawn = Joints.joined([pool.draw(options.entries) for pool in pools.values()])
-        taken(tried(drawn, patient=False, from_edge=round_ == 0))
-    bare = [pool.outline for pool in pools.values() if not pool.taken_mm]
-    last = tried(Joints.joined([dense(outline) for outline in bare]), patient=True, from_edge=True)
+        taken(tried(pools.draw(), patient=False, from_edge=round_ == 0))
+    last = tried(Joints.joined([dense(outline) for outline in pools.bare()]), patient=True, from_edge=True)
     taken(last.take(_spread(last, outlines, options.entries)))
     return Approaches.joined(found)
 
@@ -109,7 +115,7 @@ def _too_narrow(outline: Outline, options: LeadOptions) -> bool:
 
 def dense(outline: Outline, count: int = DENSE) -> Joints:
     """Entries all around a contour."""
-    joints, reached = outline.joints(float(outline.drawn.starts_mm[-1]) * np.arange(count) / count)
+    joints, reached = outline.joints(outline.around_mm * np.arange(count) / count)
     return joints.take(reached)
 
 
@@ -120,7 +126,7 @@ def _spread(found: Approaches, outlines: Mapping[int, Outline], count: int) -> B
     for k in np.unique(joints.contour).tolist():
         rows = np.flatnonzero(joints.contour == k)
         at_mm = np.unique(joints.entry_mm[rows])
-        around_mm = float(outlines[k].drawn.starts_mm[-1])
+        around_mm = outlines[k].around_mm
         chosen = choose(at_mm, np.full(len(at_mm), ANYWHERE), around_mm, count, np.zeros(0))
         kept[rows] = np.isin(joints.entry_mm[rows], at_mm[chosen])
     return kept

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 import shapely
 
-from kerfwise.arrays import Bools, Floats
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
@@ -95,7 +96,7 @@ class TabPlaces:
         tabbed = self.wanted.get(outline.index)
         if tabbed is None:
             return at_mm, ranks
-        around_mm = float(outline.drawn.starts_mm[-1])
+        around_mm = outline.around_mm
         if not self.at_end:
             away = self._away(tabbed, at_mm, around_mm)
             return at_mm[away], ranks[away]
@@ -109,13 +110,28 @@ class TabPlaces:
         fits = tabbed.room.fits(every - half_mm, long_mm) | tabbed.room.fits(every + half_mm, long_mm)
         return every[fits], rank[fits]
 
+    def all_entries(
+        self, outlines: Sequence[Outline], at_mm: Floats, ranks: Ranks, of: Ints
+    ) -> tuple[Floats, Ranks, Ints]:
+        """The same of several contours; `of`, ascending, numbers the outline of each place."""
+        tabbed = [k for k, outline in enumerate(outlines) if outline.index in self.wanted]
+        if not tabbed:
+            return at_mm, ranks, of
+        ends = np.searchsorted(of, np.arange(len(outlines) + 1)).tolist()
+        pieces = [(at_mm[a:b], ranks[a:b]) for a, b in pairwise(ends)]
+        for k in tabbed:
+            pieces[k] = self.entries(outlines[k], *pieces[k])
+        count = [len(at) for at, _ in pieces]
+        whose = np.repeat(np.arange(len(outlines)), count)
+        return np.concatenate([at for at, _ in pieces]), np.concatenate([rank for _, rank in pieces]), whose
+
     def lawful(self, ways: Ways, outlines: Mapping[int, Outline]) -> Bools:
         """Which ways to join contours leave the tabs of these where they have room."""
         good = np.full(len(ways), True)
         joints = ways.joints
         for number in sorted(set(joints.contour.tolist()) & self.wanted.keys()):
             tabbed, rows = self.wanted[number], np.flatnonzero(joints.contour == number)
-            around_mm = float(outlines[number].drawn.starts_mm[-1])
+            around_mm = outlines[number].around_mm
             if not self.at_end:
                 good[rows] = self._away(tabbed, joints.entry_mm[rows], around_mm)
                 continue

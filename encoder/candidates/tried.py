@@ -72,7 +72,7 @@ def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, optio
     """Look for approaches to the contours of these numbers; marks need none, those of slits are whole candidates."""
     chosen = list(contours)
     small = _small_holes(nest, chosen, options.holes)
-    outlines: dict[int, Outline] = {}
+    paths: dict[int, tuple[Contour, Curve]] = {}
     uncut: dict[int, str] = {}
     beyond: dict[int, str] = {}
     for k in (k for k in chosen if k not in small):
@@ -81,12 +81,13 @@ def try_options(nest: Nest, contours: Iterable[int], around: Surroundings, optio
         try:
             if contour.encloses:
                 path = compensated(contour, options.kerf_mm)
-                outlines[k] = Outline.of(k, contour, path, options.kerf_mm / 2)
+                paths[k] = contour, path
         except InputError as error:
             uncut[k] = error.message
             continue
         if far := out_of_reach(contour, path, options.reach):
             beyond[k] = far
+    outlines = Outline.of(paths, options.kerf_mm / 2)
     narrow = _narrow(nest, [k for k in chosen if k not in small], outlines, options)
     rings = {k: outline.path for k, outline in outlines.items() if k not in narrow}
     drawn = {k: nest.contours[k].curve for k in chosen if nest.contours[k].kind in ("mark", "slit")}

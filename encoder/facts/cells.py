@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.ranges import laid_out
 
 from .outlines import ROUNDING_MM, Outlines
-from .ranges import laid_out
 from .sums import summed_by
 
 SPACING_MM = 2.5

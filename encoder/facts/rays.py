@@ -9,9 +9,9 @@ import numpy as np
 import shapely
 
 from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.encoder.ranges import laid_out
 
 from .cells import Cells
-from .ranges import laid_out
 
 CONTACT_MM = 0.05
 """Outlines that overlap by less than this touch; a contour's own curve nearer than this is the cell's own place."""

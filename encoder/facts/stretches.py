@@ -14,11 +14,11 @@ import numpy as np
 
 from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.candidates.candidate import Candidate
+from kerfwise.encoder.ranges import laid_out
 
 from .facts import Facing, Stretch
 from .neighbours import Outlook
 from .outlines import Outlines
-from .ranges import laid_out
 from .rays import NOTHING
 from .sums import summed_by, summed_by_pair
 

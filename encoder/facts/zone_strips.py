@@ -12,10 +12,10 @@ import numpy as np
 
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.cut import Side
+from kerfwise.encoder.ranges import laid_out
 
 from .facts import SIDES, FactOptions
 from .outlines import ROUNDING_MM, SAME_SHARE
-from .ranges import laid_out
 from .sides import AWAY, AXIS
 from .zone_blocks import Blocks
 from .zone_heat import fitting

@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import accumulate
 
 import numpy as np
 import shapely
@@ -62,7 +63,7 @@ class Curve:
     @cached_property
     def starts_mm(self) -> Floats:
         """Array (segments + 1,): path length from the start to the start of each segment, then the total."""
-        return np.concatenate([[0.0], np.cumsum([s.length_mm for s in self.segments])])
+        return np.array([0.0, *accumulate(s.length_mm for s in self.segments)])
 
     @property
     def length_mm(self) -> float:

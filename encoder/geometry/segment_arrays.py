@@ -1,7 +1,8 @@
-"""All segments of a curve as arrays, for questions about many points of it at once."""
+"""All segments of curves as arrays, for questions about many points of them at once."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -10,21 +11,25 @@ import numpy as np
 import shapely
 
 from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.ranges import laid_out
 
 from .curve import Curve
 
 COMPARED_AT_ONCE = 1 << 20
 """Pairs of a point and a segment that are compared each; where there are more, far segments are left out first."""
+_TOGETHER = 1 << 17
+"""Pairs of points and segments of several curves that are compared in one go."""
 _POINTS_AT_ONCE = 64
 _CHORD_MM = 0.01
 
 
 @dataclass(frozen=True, eq=False)
 class SegmentArrays:
-    """The n segments of a curve that has some. Arrays (n, 2) unless said otherwise.
+    """The n segments of curves that have some, curve after curve. Arrays (n, 2) unless said otherwise.
 
     `tangent_in` and `tangent_out` are the unit tangents at a segment's start and end; `bulge` (n,); `centre` and
-    `radius_mm` (n,) those of arcs, meaningless for lines; `starts_mm` (n + 1,) path lengths as in `Curve`.
+    `radius_mm` (n,) those of arcs, meaningless for lines. Those of curve k are `first[k]` … `first[k + 1] - 1`.
+    `starts_mm` (n + curves,) are path lengths as in `Curve`, one more for each curve than it has segments.
     """
 
     start: Floats
@@ -35,14 +40,16 @@ class SegmentArrays:
     centre: Floats
     radius_mm: Floats
     starts_mm: Floats
-    curve: Curve
+    first: Ints
+    curves: tuple[Curve, ...]
 
     @staticmethod
-    def of(curve: Curve) -> SegmentArrays:
-        """The segments of `curve`."""
-        start = np.array([s.start for s in curve.segments])
-        end = np.array([s.end for s in curve.segments])
-        bulge = np.array([s.bulge for s in curve.segments])
+    def of(*curves: Curve) -> SegmentArrays:
+        """The segments of some curves."""
+        segments = [s for curve in curves for s in curve.segments]
+        start = np.array([s.start for s in segments]).reshape(-1, 2)
+        end = np.array([s.end for s in segments]).reshape(-1, 2)
+        bulge = np.array([s.bulge for s in segments], dtype=np.float64)
         chord = end - start
         length = np.hypot(chord[:, 0], chord[:, 1])[:, None]
         # The tangent at an end of an arc is its chord turned by half the sweep, 2 atan(bulge).
@@ -52,21 +59,70 @@ class SegmentArrays:
         centre = (start + end) / 2 + across * length * ((1 - b * b) / (4 * b))[:, None]
         radius_mm = length[:, 0] * (1 + b * b) / (4 * np.abs(b))
         tangent_in, tangent_out = along * cos - across * sin, along * cos + across * sin
-        return SegmentArrays(start, end, bulge, tangent_in, tangent_out, centre, radius_mm, curve.starts_mm, curve)
+        starts_mm = np.concatenate([np.zeros(0), *(curve.starts_mm for curve in curves)])
+        first = np.cumsum([0, *(len(curve.segments) for curve in curves)])
+        return SegmentArrays(start, end, bulge, tangent_in, tangent_out, centre, radius_mm, starts_mm, first, curves)
+
+    @staticmethod
+    def joined(several: Sequence[SegmentArrays]) -> SegmentArrays:
+        """Those of all curves of several, in order."""
+        if len(several) == 1:
+            return several[0]
+        counts = [np.zeros(1, np.int64), *(np.diff(a.first) for a in several)]
+        return SegmentArrays(
+            np.concatenate([a.start for a in several]),
+            np.concatenate([a.end for a in several]),
+            np.concatenate([a.bulge for a in several]),
+            np.concatenate([a.tangent_in for a in several]),
+            np.concatenate([a.tangent_out for a in several]),
+            np.concatenate([a.centre for a in several]),
+            np.concatenate([a.radius_mm for a in several]),
+            np.concatenate([a.starts_mm for a in several]),
+            np.cumsum(np.concatenate(counts)),
+            tuple(curve for a in several for curve in a.curves),
+        )
+
+    def each(self) -> list[SegmentArrays]:
+        """Those of each curve by itself."""
+        found = []
+        for k, (curve, (a, b)) in enumerate(zip(self.curves, pairwise(self.first.tolist()), strict=True)):
+            rows, starts = slice(a, b), slice(a + k, b + k + 1)
+            found.append(
+                SegmentArrays(
+                    self.start[rows],
+                    self.end[rows],
+                    self.bulge[rows],
+                    self.tangent_in[rows],
+                    self.tangent_out[rows],
+                    self.centre[rows],
+                    self.radius_mm[rows],
+                    self.starts_mm[starts],
+                    np.array([0, b - a]),
+                    (curve,),
+                )
+            )
+        return found
 
     def __len__(self) -> int:
         return len(self.start)
 
     @cached_property
+    def lengths_mm(self) -> Floats:
+        """Array (curves,): the whole length of each."""
+        return np.asarray(self.starts_mm[self.first[1:] + np.arange(len(self.curves))])
+
+    @cached_property
     def turn_rad(self) -> Floats:
         """Array (n,): the angle that a closed curve turns through at the end of each segment, positive to the left."""
-        after = np.roll(self.tangent_in, -1, axis=0)
+        following = np.arange(1, len(self) + 1)
+        following[self.first[1:] - 1] = self.first[:-1]
+        after = self.tangent_in[following]
         return np.asarray(np.arctan2(_cross(self.tangent_out, after), (self.tangent_out * after).sum(axis=1)))
 
-    def frames(self, at_mm: Floats) -> tuple[Floats, Floats, Floats]:
-        """Points of a closed curve at path lengths (m,), and the unit tangents before and after them; arrays (m, 2).
+    def frames(self, at_mm: Floats, of: Ints | None = None) -> tuple[Floats, Floats, Floats]:
+        """Points of closed curves at path lengths (m,), and the unit tangents before and after them; arrays (m, 2).
 
-        The tangents differ at corners only.
+        The tangents differ at corners only. `of` (m,) numbers the curve of each point, where there are several.
 
         Examples
         --------
@@ -74,23 +130,37 @@ class SegmentArrays:
         >>> [a.tolist() for a in square.frames(np.array([10.0]))]
         [[[10.0, 0.0]], [[1.0, 0.0]], [[0.0, 1.0]]]
         """
-        at_mm = at_mm % self.starts_mm[-1]
-        k = np.clip(np.searchsorted(self.starts_mm, at_mm + 1e-9, side="right") - 1, 0, len(self) - 1)
-        fraction = (at_mm - self.starts_mm[k]) / (self.starts_mm[k + 1] - self.starts_mm[k])
+        of = np.zeros(len(at_mm), np.int64) if of is None else of
+        at_mm = at_mm % self.lengths_mm[of]
+        k = self._reached(at_mm + 1e-9, of)
+        start_mm = self.starts_mm[k + of]
+        fraction = (at_mm - start_mm) / (self.starts_mm[k + of + 1] - start_mm)
         f, bulge = np.clip(fraction, 0, 1)[:, None], self.bulge[k]
         points = self.start[k] + f * (self.end[k] - self.start[k])
         tangents = self.tangent_in[k]
-        angle = (4 * np.arctan(bulge))[:, None] * f
+        arc = np.flatnonzero(bulge)
+        angle = (4 * np.arctan(bulge[arc]))[:, None] * f[arc]
         cos, sin = np.cos(angle), np.sin(angle)
-        spoke = self.start[k] - self.centre[k]
-        arc = bulge != 0
-        points[arc] = (self.centre[k] + spoke * cos + _left(spoke) * sin)[arc]
-        tangents[arc] = (tangents * cos + _left(tangents) * sin)[arc]
-        at_start = at_mm - self.starts_mm[k] < 1e-9
-        return points, np.where(at_start[:, None], self.tangent_out[k - 1], tangents), tangents
+        spoke, along = self.start[k[arc]] - self.centre[k[arc]], tangents[arc]
+        points[arc] = self.centre[k[arc]] + spoke * cos + _left(spoke) * sin
+        tangents[arc] = along * cos + _left(along) * sin
+        at_start = at_mm - start_mm < 1e-9
+        before = self.tangent_out[np.where(k > self.first[of], k, self.first[of + 1]) - 1]
+        return points, np.where(at_start[:, None], before, tangents), tangents
 
-    def project(self, points: Floats) -> tuple[Floats, Floats]:
-        """Path lengths of the nearest points of the curve to `points` (m, 2), and the distances to them, mm.
+    def _reached(self, at_mm: Floats, of: Ints) -> Ints:
+        """The segments of curves on which path lengths lie: the last that begins there or before."""
+        low, high = self.first[of], self.first[of + 1] - 1
+        while (open_ := low < high).any():
+            middle = (low + high + 1) // 2
+            begun = self.starts_mm[middle + of] <= at_mm
+            low, high = np.where(open_ & begun, middle, low), np.where(open_ & ~begun, middle - 1, high)
+        return low
+
+    def project(self, points: Floats, of: Ints | None = None) -> tuple[Floats, Floats]:
+        """Path lengths of the nearest points of curves to `points` (m, 2), and the distances to them, mm.
+
+        `of` (m,), ascending, numbers the curve for each point, where there are several.
 
         Examples
         --------
@@ -98,6 +168,25 @@ class SegmentArrays:
         >>> [a.round(3).tolist() for a in circle.project(np.array([[0.0, -12.0]]))]
         [[15.708], [2.0]]
         """
+        if of is None or len(self.curves) == 1:
+            return self._project_on_one(points)
+        n = np.diff(self.first)
+        pairs = np.bincount(of, minlength=len(n)) * n
+        at_mm, far_mm = np.zeros(len(points)), np.zeros(len(points))
+        alone = pairs > COMPARED_AT_ONCE
+        every = self.each() if alone.any() else []
+        for k in np.flatnonzero(alone).tolist():
+            rows = of == k
+            at_mm[rows], far_mm[rows] = every[k].project(points[rows])
+        rows = np.flatnonzero(~alone[of])
+        piece = np.cumsum(n[of[rows]]) // _TOGETHER
+        for some in np.split(rows, np.flatnonzero(np.diff(piece)) + 1):
+            at_mm[some], far_mm[some] = self._nearest(
+                points[some], laid_out(self.first[of[some]], n[of[some]]), n[of[some]], of[some]
+            )
+        return at_mm, far_mm
+
+    def _project_on_one(self, points: Floats) -> tuple[Floats, Floats]:
         if len(points) * len(self) <= COMPARED_AT_ONCE:
             return self._project(points, np.arange(len(self)))
         chords, of = self._chords
@@ -113,37 +202,49 @@ class SegmentArrays:
 
     @cached_property
     def _chords(self) -> tuple[shapely.STRtree, Ints]:
-        """The curve in chords, and the segment of each."""
-        chords = [s.flatten(_CHORD_MM) for s in self.curve.segments]
+        """The curve, where there is one, in chords, and the segment of each."""
+        chords = [s.flatten(_CHORD_MM) for s in self.curves[0].segments]
         of = np.repeat(np.arange(len(chords)), [len(c) for c in chords])
         to = np.concatenate(chords)
         begins = np.concatenate([self.start[:1], to[:-1]])
         return shapely.STRtree(shapely.linestrings(np.stack([begins, to], axis=1))), of
 
     def _project(self, points: Floats, among: Ints) -> tuple[Floats, Floats]:
-        """The same, where the segments that may be nearest are known: every point is compared with each of them."""
-        start, end, centre, bulge = self.start[among], self.end[among], self.centre[among], self.bulge[among]
-        along = end - start
-        rel = points[:, None] - start
-        fraction = np.clip((rel * along).sum(axis=2) / (along * along).sum(axis=1), 0, 1)
+        """The same of one curve, where the segments that may be nearest are known: points are compared with each."""
+        none = np.zeros(len(points), np.int64)
+        return self._nearest(points, np.tile(among, len(points)), none + len(among), none)
+
+    def _nearest(self, points: Floats, k: Ints, count: Ints, of: Ints) -> tuple[Floats, Floats]:
+        """Each point, of one curve, compared with some of its segments: `count` of the numbers `k`, point after point.
+
+        Of segments that are equally near the first counts.
+        """
+        row = np.repeat(np.arange(len(points)), count)
+        at, start, centre, bulge = points[row], self.start[k], self.centre[k], self.bulge[k]
+        along = self.end[k] - start
+        rel = at - start
+        fraction = np.clip(_dot(rel, along) / _dot(along, along), 0, 1)
         arcs = np.flatnonzero(bulge)
         if len(arcs):
-            spoke, ray = start[arcs] - centre[arcs], points[:, None] - centre[arcs]
-            turn_rad = np.arctan2(_cross(spoke, ray), (spoke * ray).sum(axis=2))
+            spoke, ray = start[arcs] - centre[arcs], at[arcs] - centre[arcs]
+            turn_rad = np.arctan2(_cross(spoke, ray), _dot(spoke, ray))
             sweep_rad = 4 * np.arctan(bulge[arcs])
             on_arc = (np.sign(sweep_rad) * turn_rad) % (2 * np.pi) / np.abs(sweep_rad)
-            to_end = ray - (end - centre)[arcs]
-            nearer_start = ((ray - spoke) ** 2).sum(axis=2) <= (to_end**2).sum(axis=2)
-            fraction[:, arcs] = np.where(on_arc <= 1, on_arc, np.where(nearer_start, 0.0, 1.0))
-        feet = start + fraction[:, :, None] * along
+            to_end = ray - (self.end[k[arcs]] - centre[arcs])
+            to_start = ray - spoke
+            nearer_start = _dot(to_start, to_start) <= _dot(to_end, to_end)
+            fraction[arcs] = np.where(on_arc <= 1, on_arc, np.where(nearer_start, 0.0, 1.0))
+        feet = start + fraction[:, None] * along
         if len(arcs):
-            angle = (sweep_rad * fraction[:, arcs])[:, :, None]
-            feet[:, arcs] = centre[arcs] + spoke * np.cos(angle) + _left(spoke) * np.sin(angle)
-        squares = ((feet - points[:, None]) ** 2).sum(axis=2)
-        nearest = squares.argmin(axis=1)
-        rows, k = np.arange(len(points)), among[nearest]
-        length_mm = self.starts_mm[k + 1] - self.starts_mm[k]
-        return self.starts_mm[k] + fraction[rows, nearest] * length_mm, np.sqrt(squares[rows, nearest])
+            angle = (sweep_rad * fraction[arcs])[:, None]
+            feet[arcs] = centre[arcs] + spoke * np.cos(angle) + _left(spoke) * np.sin(angle)
+        gap = feet - at
+        squares = _dot(gap, gap)
+        least = np.minimum.reduceat(squares, np.cumsum(count) - count)
+        found = np.flatnonzero(squares == least[row])
+        found = found[np.diff(row[found], prepend=-1) > 0]
+        start_mm = self.starts_mm[k[found] + of]
+        return start_mm + fraction[found] * (self.starts_mm[k[found] + of + 1] - start_mm), np.sqrt(least)
 
 
 def _left(v: Floats) -> Floats:
@@ -153,3 +254,7 @@ def _left(v: Floats) -> Floats:
 
 def _cross(a: Floats, b: Floats) -> Floats:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
+def _dot(a: Floats, b: Floats) -> Floats:
+    return np.asarray(a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1])

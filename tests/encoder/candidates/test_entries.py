@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from kerfwise.encoder.by_hand import Rows, circle, rect
-from kerfwise.encoder.candidates.entries import CORNER, MIDDLE, choose, places
-from kerfwise.encoder.candidates.joints import Outline
+from kerfwise.encoder.candidates.entries import CORNER, MIDDLE, choose, choose_each, places
+from kerfwise.encoder.candidates.joints import Outline, joints_at
 from kerfwise.encoder.compensation import compensated
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Kind
@@ -17,11 +21,11 @@ ELL: Rows = [(0, 0), (20, 0), (20, 10), (10, 10), (10, 20), (0, 20)]
 def outline(rows: Rows, kind: Kind = "outer", over: bool = False) -> Outline:
     curve = Curve.of(rows).reversed() if over else Curve.of(rows)
     contour = Contour(f"P.{kind}", "P", kind, curve)
-    return Outline.of(0, contour, compensated(contour, 1.5), 0.75)
+    return Outline.of({0: (contour, compensated(contour, 1.5))}, 0.75)[0]
 
 
 def points(of: Outline, rank: int) -> set[tuple[float, float]]:
-    at_mm, ranks = places(of, 4)
+    at_mm, ranks, _ = places([of], 4)
     return {(round(x, 9), round(y, 9)) for x, y in map(of.contour.curve.point_at, at_mm[ranks == rank].tolist())}
 
 
@@ -52,6 +56,62 @@ def test_entries_keep_away_from_those_already_taken() -> None:
 
 def test_the_way_round_has_no_seam() -> None:
     assert choose(np.array([1.0, 99.0, 50.0]), np.full(3, CORNER), 100.0, 4, np.zeros(0)) == [0, 2]
+
+
+def chosen_by_hand(at_mm: list[float], ranks: list[int], around_mm: float, count: int, taken: list[float]) -> list[int]:
+    """One contour, rank by rank: the place farthest from all before it, while that is far enough."""
+    chosen: list[int] = []
+
+    def apart_mm(k: int) -> float:
+        held = [*taken, *(at_mm[c] for c in chosen)]
+        return min((min(abs(at_mm[k] - h), around_mm - abs(at_mm[k] - h)) for h in held), default=math.inf)
+
+    for rank in sorted(set(ranks)):
+        of_rank = [k for k in range(len(at_mm)) if ranks[k] == rank]
+        while len(chosen) < count:
+            farthest_mm = max(apart_mm(k) for k in of_rank)
+            if farthest_mm <= around_mm / (4 * count) + 1e-6:
+                break
+            chosen.append(next(k for k in of_rank if apart_mm(k) >= farthest_mm - 1e-6))
+    return chosen
+
+
+@st.composite
+def contours(draw: st.DrawFn) -> tuple[list[float], list[int], list[float], int]:
+    """Places, their ranks, those that are taken, and how many are wanting."""
+    whole = st.integers(0, 59).map(float)  # many are equally far from each other
+    at_mm = draw(st.lists(whole, max_size=9))
+    ranks = draw(st.lists(st.integers(0, 2), min_size=len(at_mm), max_size=len(at_mm)))
+    return at_mm, ranks, draw(st.lists(whole, max_size=3)), draw(st.integers(0, 4))
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.lists(contours(), min_size=1, max_size=4))
+def test_contours_side_by_side_choose_as_each_alone(
+    drawn: list[tuple[list[float], list[int], list[float], int]],
+) -> None:
+    at_mm, ranks, taken_mm = (np.array([x for one in drawn for x in one[column]]) for column in (0, 1, 2))
+    of, taken_of = (np.repeat(np.arange(len(drawn)), [len(one[k]) for one in drawn]) for k in (0, 2))
+    wanting = np.array([one[3] for one in drawn])
+    found = choose_each(at_mm, ranks, of, np.full(len(drawn), 60.0), 4, wanting, taken_mm, taken_of)
+    first = np.searchsorted(of, np.arange(len(drawn)))
+    expected = []
+    for k, (at, rank, taken, want) in enumerate(drawn):
+        expected += [int(first[k]) + c for c in chosen_by_hand(at, rank, 60.0, 4, taken)[:want]]
+    assert found.tolist() == expected
+
+
+def test_places_and_joints_of_several_contours_are_those_of_each() -> None:
+    several = [outline(ELL), outline(circle(0, 0, 9)), outline(rect(0, 0, 20, 20), "hole"), outline(ELL, over=True)]
+    at_mm, ranks, of = places(several, 4)
+    joints, reached = joints_at(several, at_mm, of)
+    for k, one in enumerate(several):
+        alone_mm, alone_ranks, _ = places([one], 4)
+        assert (at_mm[of == k].tolist(), ranks[of == k].tolist()) == (alone_mm.tolist(), alone_ranks.tolist())
+        alone, alone_reached = one.joints(alone_mm)
+        assert reached[of == k].tolist() == alone_reached.tolist()
+        for column in ("entry", "join_mm", "join", "out"):
+            assert getattr(joints, column)[of == k].tolist() == getattr(alone, column).tolist()
 
 
 def test_in_a_hollow_corner_there_is_no_joint_of_its_own() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.geometry import segment_arrays
@@ -40,6 +41,28 @@ def test_far_segments_may_be_left_out(drawn: Curve) -> None:
         patch.setattr(segment_arrays, "COMPARED_AT_ONCE", 0)
         near = arrays.project(asked)
     assert [a.tolist() for a in near] == [a.tolist() for a in each]
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.lists(star_rings(), min_size=2, max_size=5), st.booleans())
+def test_several_curves_at_once_are_answered_as_each_alone(drawn: list[Curve], one_is_large: bool) -> None:
+    random = np.random.default_rng(len(drawn))
+    alone = [SegmentArrays.of(curve) for curve in drawn]
+    of = np.sort(random.integers(0, len(drawn), 40))
+    at_mm, asked = random.uniform(-9, 99, 40), random.uniform(-25, 25, (40, 2))
+    with pytest.MonkeyPatch.context() as patch:
+        if one_is_large:
+            patch.setattr(segment_arrays, "COMPARED_AT_ONCE", 60)
+        patch.setattr(segment_arrays, "_TOGETHER", 50)
+        for together in (SegmentArrays.of(*drawn), SegmentArrays.joined(alone)):
+            every = [*together.frames(at_mm, of), *together.project(asked, of)]
+            each = [[*a.frames(at_mm[of == k]), *a.project(asked[of == k])] for k, a in enumerate(alone)]
+            for found, pieces in zip(every, zip(*each, strict=True), strict=True):
+                assert found.tolist() == np.concatenate(pieces).tolist()
+            assert together.turn_rad.tolist() == np.concatenate([a.turn_rad for a in alone]).tolist()
+            for one, same in zip(together.each(), alone, strict=True):
+                assert one.starts_mm.tolist() == same.starts_mm.tolist()
+                assert one.tangent_out.tolist() == same.tangent_out.tolist()
 
 
 def test_points_along_a_curve_of_many_vertices_are_compared_with_few_segments(monkeypatch: pytest.MonkeyPatch) -> None:
