@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from .packed import Packed
 from .wanted import Wanted
 
 
@@ -13,19 +14,19 @@ from .wanted import Wanted
 class Alternative:
     """A plan that was made, and what it was made of.
 
-    `sha256` is that of the nest's file. `files` are the plan's files by name, as `kerfwise solve` writes them. `page`
-    is what the page shows of it, as JSON; `figures` what a list of plans says of it. `stopped` says that the engines
-    were asked to end: then the command line may come further. `options` are those of the command line beside what is
-    wanted.
+    `sha256` is that of the nest's file. `files` are the plan's files by name, as `kerfwise solve` writes them; those
+    of the plan and the program are called `plan_file` and `program_file`. `page` is what the page shows of it, as JSON;
+    `figures` what a list of plans says of it. `stopped` says that the engines were asked to end: then the command line
+    may come further. `options` are those of the command line beside what is wanted.
     """
 
     number: int
     wanted: Wanted
     sha256: str
-    plan: str
-    program: str
-    page: str
-    files: Mapping[str, str]
+    files: Mapping[str, Packed]
+    plan_file: str
+    program_file: str
+    page: Packed
     figures: Mapping[str, Any]
     summary: str
     ok: bool
@@ -33,6 +34,16 @@ class Alternative:
     stopped: bool = False
     options: str = ""
     notes: tuple[str, ...] = field(default=())
+
+    @property
+    def plan(self) -> str:
+        """The plan, as JSON."""
+        return self.files[self.plan_file].text()
+
+    @property
+    def program(self) -> str:
+        """The NC text."""
+        return self.files[self.program_file].text()
 
     @property
     def command(self) -> str:

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers.read import BrokenNest
 from kerfwise.encoder.shown import shown
 from kerfwise.jobs.compare import Side, SideAsked, compare, side_of
@@ -62,7 +64,6 @@ class Desk:
         return {
             "file": nest.file,
             "sha256": nest.sha256,
-            "contours": [{"id": c.id, "part": c.part, "kind": c.kind} for c in nest.contours],
             "profile": profile.name,
             "notes": list(read.notes),
             "numbered": numbered,
@@ -102,6 +103,7 @@ class Desk:
         `locks` are what a drop there would lock, and `undone` those of before that it takes the place of.
         """
         explainer, mover = self._mover(wanted, plan)
+        contours = _contours_of(self._read(wanted).given.nest, contours)
         locks = self._locks_of(explainer, contours, place)
         gone = self._against(wanted, locks)
         moved, _ = mover.move(contours, place, [lock.because for lock in gone], look)
@@ -162,6 +164,15 @@ class Desk:
         if made_of.profile.get("sha256") != given.profile.sha256:  # it was changed on disk since it was read
             given = self._read(wanted, again=True).given
         return given, made_of
+
+
+def _contours_of(nest: Nest, names: Sequence[str]) -> list[str]:
+    """The contours that ids and parts stand for; InputError if there are none."""
+    parts = nest.part_of
+    found = [one for name in names for one in ([name] if name in nest.index else [c.id for c in parts.get(name, ())])]
+    if not found:
+        raise InputError(f"the nest has no {', '.join(repr(shown(name)) for name in names)}")
+    return list(dict.fromkeys(found))
 
 
 def _gives_way(explainer: Explainer, moved: Moved) -> list[str]:

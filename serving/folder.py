@@ -24,7 +24,10 @@ class Folder:
     path: Path
 
     def nests(self) -> Iterator[str]:
-        """Names of the nests in it and in the folders below, `/` between; hidden ones are left out."""
+        """Names of the nests in it and in the folders below, `/` between; hidden ones are left out.
+
+        A name that is no UTF-8 holds halves of characters that stand alone: no nest is opened by it (`is_readable`).
+        """
         found = 0
         for path in sorted(self.path.rglob("*")):
             name = path.relative_to(self.path)
@@ -46,6 +49,8 @@ class Folder:
         wanted = PurePosixPath(name)
         if wanted.is_absolute() or ".." in wanted.parts or "\\" in name or "\x00" in name or not wanted.parts:
             raise InputError(f"no nest of this folder has the name {shown(name)!r}")
+        if not is_readable(name):
+            raise InputError(f"{shown(name)!r} is no name in UTF-8: give the file, or its folder, another name")
         path = self.path.joinpath(*wanted.parts)
         try:
             inside = path.resolve().is_relative_to(self.path)
@@ -114,6 +119,17 @@ class Folder:
             )
         except (OSError, RuntimeError):
             return False
+
+
+def is_readable(name: str) -> bool:
+    """Whether a name is text; on Linux the name of a file may be any bytes.
+
+    Examples
+    --------
+    >>> is_readable("Träger.dxf"), is_readable(b"Tr\\xe4ger.dxf".decode("utf-8", "surrogateescape"))
+    (True, False)
+    """
+    return not any("\ud800" <= sign <= "\udfff" for sign in name)
 
 
 def _begins_as_nest(path: Path) -> bool:

@@ -26,12 +26,15 @@ from .conflicts import conflict_told, first_told
 from .edits import edited
 from .effect import Effects
 from .figures import figures_of
+from .packed import Packed
 from .wanted import Wanted, already_of, given_of
 
 TOLD_EACH_S = 0.1
 """What the engines reach is told no more often than this."""
 REMEDY_WORK = 0.5
 """Work for a first look at what a way out of a conflict would bring."""
+MORE_WORK = 4.0
+"""How many times as much goes into the next try, where little work has found no plan and no contradiction."""
 
 
 class Planner:
@@ -48,21 +51,28 @@ class Planner:
         return True
 
     def solve(self, wanted: Wanted, work: float = WORK, relax: bool = False) -> dict[str, Any]:
-        """The plan with its program, or the conflict; what the engines reach is told meanwhile."""
+        """The plan with its program, or the conflict; what the engines reach is told meanwhile.
+
+        Where less than the usual work finds neither a plan nor a contradiction, more is taken: `work` says how much.
+        """
         self._asking.begin()
         notes: list[str] = []
         given = given_of(wanted)
-        limits = options_for(given.nest, given.profile, work=work)
         listener = Listener(self._reached())
-        try:
-            done = plan_nest(
-                given, limits, already=already_of(wanted, given), relax=relax, listener=listener, tell=notes.append
-            )
-        except NoPlan as no_plan:
-            return {"conflict": conflict_told(no_plan, given.job)}
-        except RulesConflict as error:
-            return {"conflict": {"text": str(error), "clash": [], "relax": None, "notes": []}}
-        return self._planned(wanted, given, done, listener.stopped) | {"notes": [*map(shown, notes)]}
+        while True:
+            limits = options_for(given.nest, given.profile, work=work)
+            try:
+                done = plan_nest(
+                    given, limits, already=already_of(wanted, given), relax=relax, listener=listener, tell=notes.append
+                )
+            except NoPlan as no_plan:
+                if no_plan.conflict is None and work < WORK and not listener.stopped:
+                    work = min(WORK, MORE_WORK * work)
+                    continue
+                return {"conflict": conflict_told(no_plan, given.job)}
+            except RulesConflict as error:
+                return {"conflict": {"text": str(error), "clash": [], "relax": None, "notes": []}}
+            return self._planned(wanted, given, done, listener.stopped) | {"notes": [*map(shown, notes)], "work": work}
 
     def tried(self, wanted: Wanted, changes: list[dict[str, Any]], relax: bool = False) -> dict[str, Any]:
         """What a way out of a conflict would bring: a first plan's cost, or the sentence that is left in the way."""
@@ -98,16 +108,16 @@ class Planner:
         drawn = draw(given.nest, plan, ".svg", given.profile.home_on(given.nest))
         remnant = {str(path): text for path, text in remnant_files(program, given.nest, given.profile).items()}
         data = page_data(given, plan, made.verdict, made.program, heat=False, detail="none")
-        text = plan.to_json()
+        files = {program: made.program, plan_file: plan.to_json(), picture: drawn.decode("utf-8"), **remnant}
         return {
-            "plan": text,
             "sha256": given.nest.sha256,
-            "program": made.program,
-            "files": {program: made.program, plan_file: text, picture: drawn.decode("utf-8"), **remnant},
+            "files": {name: Packed.of(text) for name, text in files.items()},
+            "plan_file": plan_file,
+            "program_file": program,
             "ok": made.verdict.ok,
             "broken": [*made.verdict.broken()],
             "stopped": stopped,
-            "page": json.dumps(data, ensure_ascii=False),
+            "page": Packed.of(json.dumps(data, ensure_ascii=False)),
             "summary": "\n".join(summary_lines(plan)),
             "figures": figures_of(plan),
         }

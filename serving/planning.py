@@ -142,7 +142,7 @@ class Planning:
                 if "conflict" in told:
                     session.changed(solving=None, conflict=told["conflict"])
                 else:
-                    session.add(told, wanted, work, relax)
+                    session.add(told, wanted, relax)
             finally:
                 self._now = None
         current = session.current

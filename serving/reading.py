@@ -8,9 +8,11 @@ from starlette.requests import Request
 from starlette.responses import HTMLResponse, JSONResponse, Response
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.shown import shown
 
 from .answers import Answer, session_of, whole
 from .events import Stream
+from .folder import is_readable
 from .pages import list_page, static_file, worked_page
 from .profiles import profile_told
 from .server import Server
@@ -55,19 +57,22 @@ class Reading:
         return worked_page(self._session(request).name)
 
     async def nests(self, request: Request) -> Response:
-        """Names of the nests in the folder."""
-        return JSONResponse({"nests": [*self._server.folder.nests()], "first": self._first})
+        """Names of the nests in the folder, and, as they can be shown, those under which none can be opened."""
+        names = [*self._server.folder.nests()]
+        readable = [name for name in names if is_readable(name)]
+        unreadable = [shown(name) for name in names if not is_readable(name)]
+        return JSONResponse({"nests": readable, "unreadable": unreadable, "first": self._first})
 
     async def page(self, request: Request) -> Response:
         """What the page shows (`kerfwise-page/1`), of `?plan=2` or the shown plan; of two with `?plan=1&with=2`."""
         number, other, session = _plan(request), request.query_params.get("with"), self._session(request)
         if other is None:
-            text = await self._server.page(session, number)
+            data = await self._server.page(session, number)
         elif number is None:
             raise InputError("with: expected plan too, the number of the other plan")
         else:
-            text = await self._server.compared(session, number, whole(other))
-        return Response(text.encode("utf-8", "surrogatepass"), media_type="application/json")
+            data = await self._server.compared(session, number, whole(other))
+        return Response(data, media_type="application/json")
 
     async def heat(self, request: Request) -> Response:
         """How hot the shown plan makes the sheet, or null."""

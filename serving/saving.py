@@ -43,7 +43,7 @@ def save(session: Session, folder: Folder, profile_sha256: str) -> dict[str, Any
         raise InputError(f"{job.name} has changed on disk since it was read: open the nest again")
     if json.loads(current.plan)["profile"].get("sha256") != profile_sha256:
         raise InputError("the profile has changed on disk since this plan was made: plan again")
-    files: dict[Path, str | bytes] = {nest.with_name(name): text for name, text in current.files.items()}
+    files: dict[Path, str | bytes] = {nest.with_name(name): kept.text() for name, kept in current.files.items()}
     program, plan, picture = (nest.with_name(name) for name in named_after(nest))
     expect_own(nest, program, plan, picture)
     if wanted.old_plan is not None:

@@ -24,10 +24,8 @@ from .job_text import JobText
 from .news import News
 from .planning import Planning
 from .saving import text_of
-from .session import Session, contours_of, cut_up_to
+from .session import Session, cut_up_to
 from .wanted import Wanted, sha256_of
-
-MOST_SESSIONS = 40
 
 
 class Server:
@@ -74,8 +72,6 @@ class Server:
         opened = await self.asked("opened", wanted=wanted)
         there = self.sessions.get(key)  # the desk took its time, and another tab did not wait
         if there is None:
-            if len(self.sessions) >= MOST_SESSIONS:
-                raise InputError(f"{MOST_SESSIONS} nests are open: end the server and start it again")
             there = self.sessions[key] = Session(key, name, wanted, opened, self.news, on_disk=disk)
         elif there.read != read:
             there.opened_again(wanted, opened, disk)
@@ -103,7 +99,8 @@ class Server:
         version = session.version
         told = await self.asked("edited", wanted=session.wanted, changes=changes)
         session.expect(version)  # the desk took its time, and another tab did not wait
-        await self.want(session, replace(session.wanted, job_text=told["job_text"]))
+        text = told["job_text"] or (None if session.on_disk is None else "")  # no file, no text
+        await self.want(session, replace(session.wanted, job_text=text))
         undone: list[str] = told["undone"]
         return undone
 
@@ -118,25 +115,21 @@ class Server:
         """Count the first cuts of the shown plan as made."""
         await self.want(session, cut_up_to(session, upto))
 
-    async def page(self, session: Session, number: int | None = None) -> str:
+    async def page(self, session: Session, number: int | None = None) -> bytes:
         """What the page shows of the shown plan, or of another one, as JSON; of the nest alone where there is none."""
         plan = session.looked_at(number)
-        if plan is not None:
-            return plan.page
-        return json.dumps(await self.asked("page", wanted=session.wanted), ensure_ascii=False)
+        return plan.page.bytes() if plan is not None else _json(await self.asked("page", wanted=session.wanted))
 
-    async def compared(self, session: Session, number: int, other: int) -> str:
+    async def compared(self, session: Session, number: int, other: int) -> bytes:
         """What the page shows of two plans side by side, as JSON."""
         sides = [_side(session.alternative(one)) for one in (number, other)]
-        return json.dumps(await self.asked("compared", sides=sides), ensure_ascii=False)
+        return _json(await self.asked("compared", sides=sides))
 
     async def about(self, session: Session, question: str, number: int | None = None, **given: Any) -> Any:
         """What the desk answers about the shown plan, or another one."""
         plan = session.looked_at(number)
         if plan is None:
             raise InputError("there is no plan yet")
-        if "contours" in given:
-            given["contours"] = contours_of(session.opened, given["contours"])
         return await self.asked(question, wanted=plan.wanted, plan=plan.plan, **given)
 
     async def asked(self, question: str, **given: Any) -> Any:
@@ -164,6 +157,10 @@ class Server:
                 await to_thread.run_sync(partial(helper.ask, "ready"))
             except (Refused, Died):
                 return
+
+
+def _json(data: Any) -> bytes:
+    return json.dumps(data, ensure_ascii=False).encode("utf-8", "surrogatepass")
 
 
 def _side(plan: Alternative) -> tuple[str, Wanted, str]:

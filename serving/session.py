@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -35,7 +34,7 @@ class Session:
     wanted
         What is to be planned next.
     opened
-        What the desk says of it: contours, rules, locks.
+        What the desk says of it: profile, rules, locks.
     alternatives, shown
         The plans that were made, and the number of the one that is looked at; 0 for none.
     solving
@@ -109,10 +108,11 @@ class Session:
             raise InputError(f"there is no plan {number!r} in this session")
         return found
 
-    def add(self, told: dict[str, Any], wanted: Wanted, work: float, relax: bool) -> None:
+    def add(self, told: dict[str, Any], wanted: Wanted, relax: bool) -> None:
         """Keep a plan that was made, and show it."""
+        work = told["work"]
         options = (f" --work {work:g}" if work != WORK else "") + (" --relax" if relax else "")
-        keys = ("sha256", "plan", "program", "page", "files", "figures", "summary", "ok", "stopped")
+        keys = ("sha256", "files", "plan_file", "program_file", "page", "figures", "summary", "ok", "stopped")
         parts = {key: told[key] for key in keys}
         broken, notes = tuple(told["broken"]), tuple(told["notes"])
         made = Alternative(self.made + 1, wanted, **parts, broken=broken, options=options, notes=notes)
@@ -162,12 +162,3 @@ def cut_up_to(session: Session, upto: int) -> Wanted:
     if current is None:
         raise InputError("there is no plan yet that could be cut up to some place")
     return replace(session.wanted, old_plan=current.plan, upto=upto)
-
-
-def contours_of(opened: dict[str, Any], names: Sequence[str]) -> list[str]:
-    """The contours that ids and parts stand for."""
-    known = opened["contours"]
-    found = [c["id"] for name in names for c in known if name in (c["id"], c["part"])]
-    if not found:
-        raise InputError(f"the nest has no {', '.join(map(repr, names))}")
-    return list(dict.fromkeys(found))

@@ -69,6 +69,9 @@ COUNTED, COUNTED_FEW = 2e7, 5e6
 """Entries that are counted beforehand at the most, where there are `COUNTED_S` seconds or more; and where contours are
 so few that a bound is tried anyway."""
 COUNTED_S = 30.0
+GLANCE, GLANCED = 0.05, 200
+"""Work of a first glance before many sets are counted, and contours up to which it takes less than a second: a plan is
+shown while they are counted. It is no part of what a plan takes, so that a plan is the same whoever looks on."""
 LONGEST, LONGEST_ZONE = 36, 63
 """Contours in a stretch up to which a bound may make the ideals few; and in one of several, none of which is most of
 all."""
@@ -105,6 +108,7 @@ class _Run:
         self.most_bytes = table_bytes(options.memory_gb)
         self.known = Known()
         self.searcher: Searcher | None = None
+        self.glimpsed: Incumbent | None = None
         self.tried = False
         self.began_s = watch.seconds
 
@@ -130,6 +134,7 @@ class _Run:
             self._improve_and_bound()
         if not self._over() and self._takes("cp-sat", "nothing is proven yet"):
             self._cpsat(self._left())
+        self.known.offer(self.glimpsed, "search")  # what was shown is not lost, where the work was ended early
         return self.known
 
     def _improve_and_bound(self) -> None:
@@ -241,9 +246,19 @@ class _Run:
         if why := ideals.unfit(self.of_sets):
             self._leave_out("ideals", why)
             return
-        most = COUNTED_FEW if self.problem.n <= LONGEST else COUNTED
-        self.count = ideals.count_sets(self.of_sets, most * min(1.0, self._left() / COUNTED_S))
+        most = (COUNTED_FEW if self.problem.n <= LONGEST else COUNTED) * min(1.0, self._left() / COUNTED_S)
+        if most > COUNTED_FEW and self.problem.n <= GLANCED and self.options.member is None:
+            self._glance()
+        self.count = ideals.count_sets(self.of_sets, most, lambda: self.watch("ideals", None, None))
         self.known.work += self.count.work
+
+    def _glance(self) -> None:
+        """A first plan to be shown; no engine goes on from it."""
+        from .search import Searcher
+
+        searcher = Searcher(self.problem, self.options.seed)
+        searcher.run(GLANCE, self.options.time_s and GLANCE, self.watch.glimpse)
+        self.glimpsed = searcher.best
 
     def _at_once(self) -> bool:
         count, most_s = self.count, min(AT_ONCE_S, AT_ONCE * self._left())

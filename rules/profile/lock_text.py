@@ -16,7 +16,8 @@ from kerfwise.rules.options.yaml_positions import Problems, compose
 
 from .reader import read_locks
 
-_WORD = re.compile(r'"[^"]*"|[(\[][^)\]]*[)\]]|[^\s"(\[]\S*|\S')
+_QUOTED = r'"(?:[^"]|"")*"'
+_WORD = re.compile(_QUOTED + r'|[(\[][^)\]]*[)\]]|[^\s"(\[]\S*|\S')
 _NTH = re.compile(r"([1-9]\d{0,8})(?:st|nd|rd|th)")
 _NUMBERED = re.compile(r"^locks\[1\](\.|: )")
 _BY_ITSELF = {"first": "position", "last": "position", "cw": "direction", "ccw": "direction"}
@@ -44,7 +45,7 @@ EXPECTED = (
 def read_lock(text: str) -> Lock:
     """The lock that a line of text stands for, with the names as they are written; or that of a YAML mapping.
 
-    Names that hold blanks and a word of the language stand in double quotes.
+    Names that hold blanks and a word of the language stand in double quotes; in them a double quote is written twice.
 
     Raises
     ------
@@ -59,6 +60,8 @@ def read_lock(text: str) -> Lock:
     ('last', 5, False)
     >>> read_lock("P1.outer entry (10, 20.5)").entry, read_lock('"last one" tab off').contour
     ((10.0, 20.5), 'last one')
+    >>> read_lock('"3"" pipe" first').contour
+    '3" pipe'
     >>> read_lock("P1 in zone 2") == read_lock("{part: P1, zone: 2}")
     True
     """
@@ -142,7 +145,9 @@ def _says_nothing(words: Sequence[str]) -> str:
 
 
 def _name(words: Sequence[str]) -> str:
-    return " ".join(words[0].strip('"') if len(words) == 1 else word for word in words)
+    """The name that words are: one in double quotes stands for what is between them."""
+    name = " ".join(words)
+    return name[1:-1].replace('""', '"') if re.fullmatch(_QUOTED, name) else name
 
 
 def _written(name: str) -> str:
@@ -150,7 +155,8 @@ def _written(name: str) -> str:
     words = _WORD.findall(name)
     plain = " ".join(words) == name and not any(word in (*_DECISIONS, "no", "in") for word in words)
     plain = plain and not any(_NTH.fullmatch(word) for word in words) and not name.startswith(("{", '"', "(", "["))
-    return name if plain and name else f'"{name}"'
+    doubled = name.replace('"', '""')
+    return name if plain and name else f'"{doubled}"'
 
 
 def _point(point: Point) -> str:

@@ -23,5 +23,5 @@ function byKey(app, work, by) {
   const side = app.data.sides[0], k = side?.cuts.findIndex((/** @type {any} */ cut) => cut.contour === app.state.selected) ?? -1;
   const to = k + by;
   if (k < 0 || to < 0 || to >= side.cuts.length || !work.free) return;
-  void dropThere(work, { names: [app.data.nest.contours[app.state.selected].id], to: side.made + to + 1 });
+  void dropThere(work, { names: [app.data.nest.contours[app.state.selected].id], to: side.made + to + 1, plan: work.state.shown });
 }

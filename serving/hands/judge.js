@@ -5,7 +5,7 @@ import { lockAndPlan } from "./locking.js";
 
 const LOOK_MS = 150, BESIDE_PX = 14, UNDER_PX = 18, OVER_FINGER_PX = 40, RIM_PX = 4;
 
-/** @typedef {{names: string[], to: number}} Move contours, and the number that the first of them is to have */
+/** @typedef {{names: string[], to: number, plan: number}} Move contours, the number that the first of them is to have, and in which plan */
 
 /** Says by the pointer what a move would do. One question is asked at a time, and of places passed over none. */
 export class Judge {
@@ -24,6 +24,8 @@ export class Judge {
     this.#put(event);
     if (this.wanted && query(this.wanted, false) === query(move, false)) return;
     this.wanted = move;
+    this.place.className = "";
+    this.place.textContent = `${move.names.join(", ")} as number ${move.to} …`;
     if (!this.asking) void this.#ask();
   }
 
@@ -82,12 +84,12 @@ export class Judge {
 }
 
 /** @type {(move: Move, look: boolean) => string} */
-function query({ names, to }, look) {
-  return String(new URLSearchParams([...names.map(name => ["contours", name]), ["place", String(to)], ["look", look ? "1" : "0"]]));
+function query({ names, to, plan }, look) {
+  return String(new URLSearchParams([...names.map(name => ["contours", name]), ["place", String(to)], ["plan", String(plan)], ["look", look ? "1" : "0"]]));
 }
 
 /**
- * Locks contours where they were dropped, and plans.
+ * Locks contours where they were dropped, and plans; nothing where another plan than theirs is shown meanwhile.
  *
  * @param {Work} work
  * @param {Move} move
@@ -97,5 +99,5 @@ export async function dropThere(work, move) {
   const told = await askServer(`${work.path("move")}?${query(move, false)}`).catch(error => { work.say(error.message); return null; });
   if (!told) return;
   work.say(told.text);
-  await lockAndPlan(work, [...told.undone.map((/** @type {string} */ line) => ({ unlock: line })), ...told.locked.map((/** @type {string} */ line) => ({ lock: line }))]);
+  await lockAndPlan(work, [...told.undone.map((/** @type {string} */ line) => ({ unlock: line })), ...told.locked.map((/** @type {string} */ line) => ({ lock: line }))], move.plan);
 }

@@ -58,3 +58,4 @@ for (const nest of told.nests) {
   list.append(item);
 }
 main.append(list);
+if (told.unreadable.length) main.append(element("p", `Not to be opened, for their names are no UTF-8 (give them other names): ${told.unreadable.join(", ")}`));

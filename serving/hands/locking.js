@@ -41,7 +41,7 @@ function chosenButtons(app, work, place, drawTab) {
   const part = app.data.nest.parts[contour.part] ?? contour.id, name = quoted(contour.id);
   const cut = side?.cuts[k], number = k < 0 ? 0 : side.made + k + 1;
   const locks = work.state.locked.filter((/** @type {string} */ said) => said.includes(contour.id) || said.includes(part));
-  const both = (/** @type {string} */ said) => lockAndPlan(work, [{ lock: said }]);
+  const both = (/** @type {string} */ said) => lockAndPlan(work, [{ lock: said }], work.state.shown);
   const buttons = [
     make("b", {}, contour.id),
     make("button", { type: "button", onclick: () => both(`${quoted(part)} first`) }, "start here"),
@@ -59,14 +59,14 @@ function chosenButtons(app, work, place, drawTab) {
   place.replaceChildren(...buttons.filter(one => one !== null));
 }
 
-/** A name with blanks or signs stands in double quotes, which no name can hold that does. */
+/** A name as a lock says it: in double quotes, and one that it holds is written twice. */
 /** @param {string} id */
 export function quoted(id) {
-  return /^[\w.-]+$/.test(id) || id.includes('"') ? id : `"${id}"`;
+  return `"${id.replaceAll('"', '""')}"`;
 }
 
-/** @type {(work: Work, changes: object[]) => Promise<void>} */
-export async function lockAndPlan(work, changes) {
-  const told = await work.edit(changes);
+/** @type {(work: Work, changes: object[], plan?: number) => Promise<void>} */
+export async function lockAndPlan(work, changes, plan) {
+  const told = await work.edit(changes, plan);
   if (told && !work.state.solving) await planNow(work);
 }

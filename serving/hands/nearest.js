@@ -19,3 +19,23 @@ export function nearestOn(points, closed, x, y) {
   }
   return best;
 }
+
+/**
+ * The place that is so far along a closed line from its first point, round and round.
+ *
+ * @param {ArrayLike<number>} points x, y, x, y, … mm
+ * @param {number} along mm, less than 0 for the other way round
+ * @returns {{x: number, y: number}} mm
+ */
+export function placeAlong(points, along) {
+  const count = points.length / 2;
+  const sides = Array.from({ length: count }, (_, k) => {
+    const next = (k + 1) % count;
+    return Math.hypot(points[2 * next] - points[2 * k], points[2 * next + 1] - points[2 * k + 1]);
+  });
+  const all = sides.reduce((sum, side) => sum + side, 0);
+  let left = all > 0 ? ((along % all) + all) % all : 0, k = 0;
+  while (k < count - 1 && left > sides[k]) left -= sides[k++];
+  const next = (k + 1) % count, share = sides[k] > 0 ? left / sides[k] : 0;
+  return { x: points[2 * k] + share * (points[2 * next] - points[2 * k]), y: points[2 * k + 1] + share * (points[2 * next + 1] - points[2 * k + 1]) };
+}

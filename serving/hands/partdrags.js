@@ -65,18 +65,22 @@ export function partDrags(app, work, judge) {
     if (finger?.pointer === event.pointerId
       && (event.type !== "pointermove" || Math.hypot(event.clientX - finger.x, event.clientY - finger.y) > HELD_STILL_PX)) release();
     if (drag?.pointer !== event.pointerId) return Boolean(drag);
+    if (event.type === "pointermove" && !event.buttons) { // let go where nobody saw it
+      end();
+      return true;
+    }
     if (event.type === "pointermove") {
       [drag.x, drag.y] = onCanvas(event, stage);
       const k = stage.pick(drag.x, drag.y), { contours } = app.data.nest;
       drag.over = k >= 0 && k !== drag.contour && (contours[k].part !== contours[drag.contour].part || contours[k].part < 0) ? k : -1;
       if (drag.over < 0) judge.hide();
-      else judge.show(moveBefore(app, drag.names, drag.over), event);
+      else judge.show(moveBefore(app, work, drag.names, drag.over), event);
       stage.draw();
       return true;
     }
     const { names, over } = drag;
     end();
-    if (event.type === "pointerup" && over >= 0 && work.free) void dropThere(work, moveBefore(app, names, over));
+    if (event.type === "pointerup" && over >= 0 && work.free) void dropThere(work, moveBefore(app, work, names, over));
     return true;
   });
   addEventListener("keydown", event => {
@@ -109,10 +113,10 @@ function partOf(app, contour) {
 }
 
 /** A part goes before another: its place is that of the other's first cut, once the part is taken out. */
-/** @type {(app: any, names: string[], over: number) => Move} */
-function moveBefore(app, names, over) {
+/** @type {(app: any, work: Work, names: string[], over: number) => Move} */
+function moveBefore(app, work, names, over) {
   const side = app.data.sides[0], all = app.data.nest.contours;
   const left = side.cuts.map((/** @type {any} */ cut) => all[cut.contour]).filter((/** @type {any} */ one) => !names.includes(one.id));
   const first = left.findIndex((/** @type {any} */ one) => one.id === all[over].id || (one.part >= 0 && one.part === all[over].part));
-  return { names, to: side.made + Math.max(0, first) + 1 };
+  return { names, to: side.made + Math.max(0, first) + 1, plan: work.state.shown };
 }

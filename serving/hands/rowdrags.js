@@ -35,7 +35,7 @@ export function rowDrags(app, work, judge) {
     const { names, from, last } = drag;
     drag.to = rowUnder(holder, last.clientY, side().cuts.length);
     line.style.top = `${(drag.to > from ? drag.to + 1 : drag.to) * ROW_PX}px`;
-    judge.show({ names, to: side().made + placeOf(drag) }, last);
+    judge.show({ names, to: side().made + placeOf(drag), plan: work.state.shown }, last);
   };
   const end = () => {
     drag = null;
@@ -61,6 +61,7 @@ export function rowDrags(app, work, judge) {
   });
   addEventListener("pointermove", event => {
     if (drag?.begun.pointerId !== event.pointerId) return;
+    if (!event.buttons) return end(); // it was let go where nobody saw it: outside the window
     drag.last = event;
     if (!drag.far) {
       if (Math.hypot(event.clientX - drag.begun.clientX, event.clientY - drag.begun.clientY) < FAR_PX) return;
@@ -77,7 +78,7 @@ export function rowDrags(app, work, judge) {
     if (drag?.begun.pointerId !== event.pointerId) return;
     const { far, from, to, names } = drag, place = side().made + placeOf(drag);
     end();
-    if (far && to !== from && work.free) void dropThere(work, { names, to: place });
+    if (far && to !== from && work.free) void dropThere(work, { names, to: place, plan: work.state.shown });
   });
   addEventListener("pointercancel", event => { if (drag?.begun.pointerId === event.pointerId) end(); });
   work.on((_, what) => {

@@ -1,21 +1,25 @@
 /** @import { Work } from "./work.js" */
 import { onCanvas } from "./gestures.js";
 import { lockAndPlan, quoted } from "./locking.js";
-import { nearestOn } from "./nearest.js";
+import { nearestOn, placeAlong } from "./nearest.js";
 
-const REACH_PX = 40, MARK_PX = 14, MARK_WIDE_PX = 5;
+const STEP_PX = 6, FAR_STEP_PX = 60, REACH_PX = 40, MARK_PX = 14, MARK_WIDE_PX = 5;
+
+/** @type {Record<string, number>} */
+const SLIDES = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 };
 
 /** @typedef {{contour: number, x: number, y: number}} TabPlace a place of an outline, mm */
 
 /**
  * A tab is drawn: with the pointer on the drawing it slides along an outline, and where it is let go it is locked.
+ * On a chosen part the arrow keys slide it, and Enter locks it.
  *
  * @param {any} app
  * @param {Work} work
  * @returns {(contour: number) => void} begins to draw one on a contour, or with -1 on the outline that is nearest
  */
 export function tabDrawing(app, work) {
-  let drawing = false, on = -1;
+  let drawing = false, on = -1, along = 0;
   /** @type {number | null} the pointer that is down */
   let down = null;
   /** @type {TabPlace | null} */
@@ -34,12 +38,31 @@ export function tabDrawing(app, work) {
     if (drawing || work.compared) return end();
     drawing = true;
     on = contour;
-    work.say(`draw a tab: press on ${on < 0 ? "an outline" : `the outline of ${app.data.nest.contours[on].id}`}, slide along it, and let go where the tab is to be (Escape: none)`);
+    along = 0;
+    const keys = on < 0 ? "" : "; or slide it by the arrow keys, and press Enter";
+    work.say(`draw a tab: press on ${on < 0 ? "an outline" : `the outline of ${app.data.nest.contours[on].id}`}, slide along it, and let go where the tab is to be${keys} (Escape: none)`);
     show();
+  };
+  /** @param {TabPlace} place */
+  const lock = place => {
+    const name = quoted(app.data.nest.contours[place.contour].id);
+    void lockAndPlan(work, [{ lock: `${name} tab (${place.x.toFixed(2)}, ${place.y.toFixed(2)})` }], work.state.shown);
+  };
+  /** @param {number} px */
+  const slide = px => {
+    const [stage] = app.stages;
+    along += px / stage.camera.scale;
+    at = { contour: on, ...placeAlong(stage.scenery.outlines.points(on, 0), along) };
+    work.say(`a tab at (${at.x.toFixed(1)}, ${at.y.toFixed(1)})`);
+    stage.draw();
   };
   app.key("T", () => begin(outerOf(app, app.state.selected)), "draw a tab on the chosen part, or on any");
   app.gesture((/** @type {PointerEvent} */ event, /** @type {any} */ stage) => {
     if (!drawing || (down !== null && event.pointerId !== down)) return false;
+    if (down !== null && event.type === "pointermove" && !event.buttons) { // let go where nobody saw it
+      end();
+      return true;
+    }
     at = placeUnder(app, stage, on, event) ?? (down === null ? null : at);
     stage.draw();
     if (event.type === "pointermove") return down !== null;
@@ -52,17 +75,24 @@ export function tabDrawing(app, work) {
     if (down === null) return false;
     const place = at;
     end();
-    if (event.type === "pointerup" && place) {
-      const name = quoted(app.data.nest.contours[place.contour].id);
-      void lockAndPlan(work, [{ lock: `${name} tab (${place.x.toFixed(2)}, ${place.y.toFixed(2)})` }]);
-    }
+    if (event.type === "pointerup" && place) lock(place);
     return true;
   });
   addEventListener("keydown", event => {
-    if (event.key !== "Escape" || !drawing) return;
+    const typed = /^(INPUT|SELECT|TEXTAREA)$/.test(/** @type {HTMLElement} */ (event.target).tagName) && event.key !== "Escape";
+    if (!drawing || typed) return;
+    const step = on < 0 ? undefined : SLIDES[event.key];
+    if (step) slide(step * (event.shiftKey ? FAR_STEP_PX : STEP_PX));
+    else if (event.key === "Enter" && at && on >= 0) {
+      const place = at;
+      end();
+      lock(place);
+    } else if (event.key === "Escape") {
+      end();
+      work.say("no tab is drawn");
+    } else return;
+    event.preventDefault();
     event.stopPropagation();
-    end();
-    work.say("no tab is drawn");
   }, { capture: true });
   work.on((_, what) => { if (drawing && what === "drawn") end(); });
   app.layer((/** @type {CanvasRenderingContext2D} */ context, /** @type {any} */ stage) => {

@@ -70,11 +70,16 @@ export class Work {
    *
    * @param {string} what
    * @param {object} said
+   * @param {number} [plan] the plan that it is about: nothing is changed where another one is shown by then
    * @returns {Promise<any>} what the server told; null where it refused
    */
-  change(what, said) {
+  change(what, said, plan) {
     if (what === "cancel") return this.asked(what, said);
-    this.turn = this.turn.then(() => this.asked(what, said));
+    this.turn = this.turn.then(() => {
+      if (plan === undefined || plan === this.state.shown) return this.asked(what, said);
+      this.say("another plan is shown by now: look at it, and do it again");
+      return null;
+    });
     return this.turn;
   }
 
@@ -99,8 +104,11 @@ export class Work {
     }
   }
 
-  /** @param {object[]} changes of the job file */
-  edit(changes) { return this.change("edit", { changes }); }
+  /**
+   * @param {object[]} changes of the job file
+   * @param {number} [plan] the plan that they are about
+   */
+  edit(changes, plan) { return this.change("edit", { changes }, plan); }
 
   /** The plan that is looked at. */
   get plan() { return this.state.alternatives.find((/** @type {any} */ one) => one.number === this.state.shown) ?? null; }

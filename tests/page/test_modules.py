@@ -11,6 +11,7 @@ import pytest
 
 from kerfwise.postproc import report
 from kerfwise.postproc.report.page import bundled
+from kerfwise.serving.pages import ENTRY
 from kerfwise.tests.tools.typescript import compiler
 
 HERE = Path(__file__).parent
@@ -67,7 +68,10 @@ def test_modules_that_know_no_screen(modules: Path) -> None:
 
 
 @pytest.mark.typescript
-def test_the_script_of_the_page_is_one_module_without_a_name_twice(tmp_path: Path) -> None:
-    (tmp_path / "page.mjs").write_text(bundled("static.js"))
+@pytest.mark.parametrize("entry", ["static.js", ENTRY])
+def test_the_script_of_the_page_is_one_module_without_a_name_twice(tmp_path: Path, entry: str) -> None:
+    """Alone, and with the server's hands."""
+    hands = [(path.name, path.read_text()) for path in HANDS.glob("*.js")] if entry == ENTRY else []
+    (tmp_path / "page.mjs").write_text(bundled(entry, tuple(hands)))
     done = run(compiler()[0], "--check", "page.mjs", folder=tmp_path)
     assert done.returncode == 0, done.stderr

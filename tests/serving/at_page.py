@@ -9,7 +9,7 @@ from typing import Any
 
 from playwright.sync_api import Browser, ConsoleMessage, Page
 
-from kerfwise.tests.serving.conftest import TOKEN, Served, Tab
+from kerfwise.tests.serving.served import TOKEN, Served, Tab
 
 HEIGHTS = {1400: 900, 390: 844}
 WAIT_S = 60.0

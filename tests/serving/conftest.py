@@ -1,122 +1,33 @@
-"""A server on loopback with its two processes, for the tests of a file; each takes a folder of its own."""
+"""One server for the tests of this folder, and a browser for those of a file; each test takes a folder of its own."""
 
 from __future__ import annotations
 
-import contextlib
 import json
 import shutil
-import socket
-import threading
-import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import httpx
 import pytest
-import uvicorn
 from playwright.sync_api import Browser
 
-import kerfwise
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.serving.app import make_app
-from kerfwise.serving.folder import Folder
-from kerfwise.serving.run import config_of
-from kerfwise.serving.server import Server
+from kerfwise.tests.serving.at_page import AtPage
+from kerfwise.tests.serving.served import SMALL, TOKEN, WAIT_S, Open, Served, Tab, serving
 from kerfwise.tests.tools.browser import launched
 
-TOKEN = "the-token-of-the-tests"
-EXAMPLES = Path(kerfwise.__file__).parent / "examples" / "nests"
-WAIT_S = 120.0
-SMALL = """{"format": "kerfwise-nest/1", "sheet": {"width": 400, "height": 120}, "parts": [
- {"id": "A", "outer": [[20, 20], [100, 20], [100, 100], [20, 100]],
-  "holes": [[[50, 50], [70, 50], [70, 70], [50, 70]]]},
- {"id": "B", "outer": [[130, 20], [210, 20], [210, 100], [130, 100]]},
- {"id": "C", "outer": [[240, 20], [320, 20], [320, 100], [240, 100]]}]}
-"""
+Look = Callable[..., AtPage]
+WIDTHS = pytest.mark.parametrize("wide", [1400, 390])
+FIRST = ["A.hole1", "A.outer", "B.outer", "C.outer"]
 
 
-@dataclass
-class Tab:
-    """A browser's tab of one nest, as a test drives it."""
-
-    client: httpx.Client
-    id: str
-    version: int
-    nest: Path
-    wait_s: float = WAIT_S
-
-    def get(self, what: str, **query: Any) -> Any:
-        answer = self.client.get(f"/api/{self.id}/{what}", params=query)
-        assert answer.status_code == 200, answer.text
-        return answer.json()
-
-    def state(self) -> dict[str, Any]:
-        told: dict[str, Any] = self.get("state")
-        self.version = told["version"]
-        return told
-
-    def post(self, what: str, expected: int = 200, **said: Any) -> dict[str, Any]:
-        answer = self.client.post(f"/api/{self.id}/{what}", json={"version": self.version, **said})
-        assert answer.status_code == expected, (answer.status_code, answer.text)
-        told: dict[str, Any] = answer.json()
-        self.version = told.get("version", self.version)
-        return told
-
-    def edit(self, *changes: dict[str, str], expected: int = 200) -> dict[str, Any]:
-        return self.post("edit", expected, changes=list(changes))
-
-    def solved(self, **said: Any) -> dict[str, Any]:
-        self.post("solve", 202, **said)
-        return self.wait()
-
-    def wait(self, until: Callable[[dict[str, Any]], bool] = lambda state: state["solving"] is None) -> dict[str, Any]:
-        ends = time.monotonic() + self.wait_s
-        while not until(state := self.state()):
-            assert time.monotonic() < ends, state
-            time.sleep(0.02)
-        return state
-
-
-Open = Callable[..., Tab]
-
-
-@dataclass(frozen=True)
-class Served:
-    """A server that runs in this process, and where it listens."""
-
-    server: Server
-    port: int
-
-    @property
-    def address(self) -> str:
-        return f"http://127.0.0.1:{self.port}"
-
-
-@contextlib.contextmanager
-def serving(folder: Path, work: float = 1.0) -> Iterator[Served]:
-    """A server of a folder, on loopback, until the end of the context."""
-    listening = socket.create_server(("127.0.0.1", 0))
-    port = listening.getsockname()[1]
-    server = Server(Folder(folder.resolve()), work=work)
-    running = uvicorn.Server(config_of(make_app(server, TOKEN, port)))
-    thread = threading.Thread(target=running.run, args=([listening],), daemon=True)
-    thread.start()
-    try:
-        yield Served(server, port)
-    finally:
-        running.should_exit = True
-        thread.join(30)
-
-
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     with serving(tmp_path_factory.mktemp("nests")) as made:
         yield made
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def client(served: Served) -> Iterator[httpx.Client]:
     """A browser that has the token, on the server's own pages."""
     headers = {"origin": served.address, "x-kerfwise-token": TOKEN}
@@ -153,6 +64,32 @@ def plate(opened: Open) -> Tab:
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    """One browser for the tests of a file."""
+    """One browser for the tests of a file: while it runs, no test of its thread may begin a loop of its own."""
     with launched() as made:
         yield made
+
+
+@pytest.fixture
+def look(browser: Browser, served: Served) -> Iterator[Look]:
+    """Opens a nest's page; at the end nothing may be wrong in it, and nothing asked of anybody else."""
+    opened: list[AtPage] = []
+
+    def looks(tab: Tab | None = None, wide: int = 1400) -> AtPage:
+        at = AtPage(browser, served, wide)
+        opened.append(at)
+        if tab is not None:
+            at.open(tab)
+        return at
+
+    yield looks
+    for at in opened:
+        at.close()
+    assert [at.wrong for at in opened] == [[] for _ in opened]
+
+
+@pytest.fixture
+def planned(opened: Open) -> Tab:
+    """The small nest with its first plan."""
+    tab = opened()
+    tab.solved()
+    return tab

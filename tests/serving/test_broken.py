@@ -20,7 +20,7 @@ from kerfwise.serving.child import as_told
 from kerfwise.serving.desk import Desk
 from kerfwise.serving.wanted import Wanted
 from kerfwise.tests.serving.at_page import drop
-from kerfwise.tests.serving.conftest import TOKEN, Served
+from kerfwise.tests.serving.served import TOKEN, Served
 
 CROSSED = [[200, 20], [300, 20], [300, 100], [201, 100], [199, 98], [200, 100]]
 """It crosses itself near its last corner."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import http.client
+import json
+import os
 from collections.abc import AsyncIterator
 from pathlib import Path
 
@@ -12,10 +14,10 @@ import httpx
 import pytest
 
 from kerfwise.serving.app import make_app
-from kerfwise.serving.folder import Folder
+from kerfwise.serving.folder import Folder, is_readable
 from kerfwise.serving.guard import MOST_BODY_BYTES
 from kerfwise.serving.server import Server
-from kerfwise.tests.serving.conftest import SMALL, TOKEN, Open, Served
+from kerfwise.tests.serving.served import SMALL, TOKEN, Open, Served
 
 OWN = {"x-kerfwise-token": TOKEN}
 
@@ -184,3 +186,14 @@ def test_what_is_not_json_is_said(opened: Open, client: httpx.Client) -> None:
     for changes in (5, [3], "x", [{}]):
         assert tab.post("try", 422, changes=changes)["kind"] == "input"
     assert tab.state()["job_text"] is None
+
+
+def test_a_name_that_is_no_utf_8_is_listed_and_not_opened(served: Served, client: httpx.Client) -> None:
+    name = os.fsdecode(b"Tr\xe4ger.json")
+    (served.server.folder.path / name).write_text(SMALL, encoding="utf-8")
+    told = client.get("/api/nests").json()
+    assert told["unreadable"] == ["Tr\\udce4ger.json"]
+    assert all(is_readable(one) for one in told["nests"])
+    answer = client.post("/api/open", content=json.dumps({"nest": name}))
+    assert (answer.status_code, answer.json()["kind"]) == (422, "input")
+    assert answer.json()["message"].startswith("'Tr\\\\udce4ger.json' is no name in UTF-8: ")

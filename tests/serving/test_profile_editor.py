@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Browser, expect
 
 from kerfwise.rules.profile.profile import load_profile
-from kerfwise.tests.serving.conftest import TOKEN, Open, Served, Tab
+from kerfwise.tests.serving.served import TOKEN, Open, Served, Tab
 
 pytestmark = pytest.mark.slow
 

@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Page
 
 import kerfwise
-from kerfwise.tests.serving.conftest import Served
+from kerfwise.tests.serving.served import Served
 from kerfwise.tests.serving.walk_through import PICTURES, STEPS, picture, walk
 from kerfwise.tests.tools.browser import launched
 

@@ -16,7 +16,7 @@ from playwright.sync_api import Browser, Page
 
 import kerfwise
 from kerfwise.postproc.files import write_files
-from kerfwise.tests.serving.conftest import EXAMPLES, TOKEN, Served, serving
+from kerfwise.tests.serving.served import EXAMPLES, TOKEN, Served, serving
 from kerfwise.tests.tools.browser import launched
 
 PICTURES = Path(kerfwise.__file__).parent / "docs" / "walk-through"

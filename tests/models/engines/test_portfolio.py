@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import count
+from math import inf
+from typing import Any
 
 import pytest
 
@@ -181,3 +184,33 @@ def test_what_a_bound_has_reached_in_another_thread_is_told_with_the_next_news()
     watch.overhear(60)
     assert watch("search", 100, None)
     assert told == [("search", 100, 70)]
+
+
+def test_a_plan_is_shown_before_many_sets_are_counted_and_plans_stay_what_they_are(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    many = scattered(1, contours=40, sites=1, pairs=60)
+    told: list[int] = []
+    counted: list[int] = []
+    real = portfolio.ideals.count_sets
+
+    def listen(engine: str, cost: int | None, bound: int | None) -> bool:
+        told.extend([] if cost is None else [cost])
+        return True
+
+    def count_sets(given: Problem, most: float, going: Callable[[], bool]) -> Any:
+        counted.append(len(told))
+        return real(given, 1e4, going)
+
+    monkeypatch.setattr(portfolio.ideals, "count_sets", count_sets)
+    options = SolveOptions(work=0.3)
+    plans = []
+    for few in (0.0, inf):
+        monkeypatch.setattr(portfolio, "COUNTED_FEW", few)
+        told.clear()
+        known = run_portfolio(many, options, Watch(options, listen))
+        assert known.incumbent is not None
+        assert told == sorted(told, reverse=True)
+        plans.append((known.incumbent, known.bound_um, known.work, known.notes))
+    assert counted[0] > 0 == counted[1]
+    assert plans[0] == plans[1]

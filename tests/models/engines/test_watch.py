@@ -65,3 +65,23 @@ def test_another_problem_begins_without_costs() -> None:
     watch.begin()
     assert watch("ideals", None, 7)
     assert watch("ideals", 8, 7)
+
+
+def test_a_glimpse_is_told_and_counts_for_nothing_else() -> None:
+    clock, told = Clock(), list[tuple[int | None, int | None]]()
+
+    def listen(engine: str, cost: int | None, bound: int | None) -> bool:
+        told.append((cost, bound))
+        return cost != 80
+
+    watch = Watch(SolveOptions(gap=0.5, no_improvement_s=2.0), listen, clock)
+    assert watch.glimpse("search", 100, None)
+    clock.now = 5.0
+    assert watch("ideals", None, 90)
+    assert watch("search", 300, None)
+    assert told == [(100, None), (100, 90), (100, 90)]
+    assert not watch.glimpse("search", 80, None)
+    assert watch.stopped
+    watch.begin()
+    assert not watch("search", 400, None)
+    assert told[-1] == (400, None)

@@ -4,7 +4,7 @@ import test from "node:test";
 
 import { Camera } from "../page_files/camera.js";
 import { boundsOf, distanceTo, flattened, inside, simplified } from "../page_files/geometry.js";
-import { nearestOn } from "../page_files/nearest.js";
+import { nearestOn, placeAlong } from "../page_files/nearest.js";
 import { listenToNews } from "../page_files/news.js";
 import { Outlines } from "../page_files/outlines.js";
 import { placeOf, scrolledBy } from "../page_files/places.js";
@@ -193,6 +193,13 @@ test("numbers of the drawing never overlap", () => {
   for (const [k, a] of boxes.entries()) {
     for (const b of boxes.slice(k + 1)) assert.ok(a[0] >= b[2] || b[0] >= a[2] || a[1] >= b[3] || b[1] >= a[3], "two numbers meet");
   }
+});
+
+test("the place that is so far along an outline, round and round", () => {
+  const square = [0, 0, 10, 0, 10, 10, 0, 10];
+  assert.deepEqual([0, 4, 13, 35, 40, 44].map(mm => placeAlong(square, mm)).map(({ x, y }) => [x, y]), [[0, 0], [4, 0], [10, 3], [0, 5], [0, 0], [4, 0]]);
+  assert.deepEqual(placeAlong(square, -5), { x: 0, y: 5 });
+  assert.deepEqual(placeAlong([7, 7], 3), { x: 7, y: 7 });
 });
 
 test("the place of an outline that is nearest, on its last side too, at a corner and on a point", () => {

@@ -27,6 +27,8 @@ READ = {
     "P2 tab (5, 0)": Lock(contour="P2", tab=(5.0, 0.0)),
     "P2 in zone 3": Lock(part="P2", zone=3),
     '"last one" before "the first"': Lock(contour="last one", before="the first"),
+    '"3"" pipe" before """"': Lock(contour='3" pipe', before='"'),
+    '5" first': Lock(contour='5"', position="first"),
     "P1.outer before P2.outer": Lock(contour="P1.outer", before="P2.outer"),
     "  part#1.outer   before  part#2.hole1 ": Lock(contour="part#1.outer", before="part#2.hole1"),
     "P1.outer position first": Lock(contour="P1.outer", position="first"),
@@ -80,8 +82,9 @@ NAMES = st.one_of(
     st.from_regex(r"#[1-9][0-9]?", fullmatch=True),
     st.sampled_from(["part#1.outer", "A+B", "last", "no", "first one", "in zone 2", "2nd", "(x)", "Träger (x).outer",
                      "a  b", "{x}", "no link"]),
-    st.text(st.characters(exclude_categories=("Cc", "Cs", "Z"), exclude_characters='"'), min_size=1, max_size=12),
-)  # fmt: skip
+    st.text(st.characters(exclude_categories=("Cs",)), min_size=1, max_size=12),
+    st.text('"\\ ab(', min_size=1, max_size=8),
+).filter(str.strip)  # fmt: skip
 COORDINATES = st.floats(-1e5, 1e5).map(lambda value: round(value, 3))
 POINTS = st.tuples(COORDINATES, COORDINATES)
 ONE = st.one_of(

@@ -53,6 +53,13 @@ def test_it_gives_up_early_where_sets_are_bound_to_be_too_many() -> None:
     assert str(count).startswith("more than ")
 
 
+def test_counting_ends_where_nobody_wants_it_any_more() -> None:
+    layers = iter([True, True, False])
+    count = count_sets(scattered(1, contours=10, sites=3), math.inf, lambda: next(layers))
+    assert not count.whole
+    assert 0 < count.sets < count_sets(scattered(1, contours=10, sites=3), math.inf).sets
+
+
 def budget(additions: float, most_bytes: float, go: Callable[[], bool]) -> SweepBudget:
     return SweepBudget(Budget(additions), most_bytes, go)
 
