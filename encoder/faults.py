@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import inspect
 import sys
 from collections.abc import Callable, Iterator
 from functools import wraps
 from pathlib import Path
-from types import TracebackType
+from types import GeneratorType, TracebackType
 from typing import Any
 
 from .errors import InputError, KerfwiseError
@@ -71,9 +70,12 @@ def naming_the_rule(hook: Callable[..., Any]) -> Callable[..., Any]:
 
     @wraps(hook)
     def named(self: Any, *args: Any, **options: Any) -> Any:
-        with at_work(self, hook.__name__):
+        try:
             given = hook(self, *args, **options)
-        return _watched(given, at_work(self, hook.__name__)) if inspect.isgenerator(given) else given
+        except BaseException as error:  # asked for a million times, and mostly well
+            at_work(self, hook.__name__).__exit__(type(error), error, error.__traceback__)
+            raise
+        return _watched(given, at_work(self, hook.__name__)) if isinstance(given, GeneratorType) else given
 
     return named
 

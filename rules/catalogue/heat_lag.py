@@ -138,11 +138,12 @@ def _near(contours: Sequence[Contour], radius_mm: float) -> list[tuple[int, int]
     """Pairs of contours of different parts, given and sorted by number, that are nearer than the radius."""
     if not contours:
         return []
-    lines = [contour.line for contour in contours]
+    lines = np.array([contour.line for contour in contours], dtype=object)
+    part = np.unique([contour.part for contour in contours], return_inverse=True)[1]
     first, second = shapely.STRtree(lines).query(lines, "dwithin", distance=radius_mm)
-    forth = first < second
-    first, second = first[forth], second[forth]
+    apart = (first < second) & (part[first] != part[second])
+    first, second = first[apart], second[apart]
+    near = shapely.distance(lines[first], lines[second]) < radius_mm - ROUNDING_MM
+    first, second = first[near], second[near]
     order = np.lexsort((second, first))
-    pairs = zip(first[order].tolist(), second[order].tolist(), strict=True)
-    apart = [(a, b) for a, b in pairs if contours[a].part != contours[b].part]
-    return [(a, b) for a, b in apart if lines[a].distance(lines[b]) < radius_mm - ROUNDING_MM]
+    return list(zip(first[order].tolist(), second[order].tolist(), strict=True))

@@ -113,10 +113,10 @@ class PartRigidity(Rule[PartRigidityOptions]):
         return replace(given, web_mm=options.web_mm, head_share=options.head_share, tail_share=options.tail_share)
 
     def exempt(self, facts: Facts, options: PartRigidityOptions) -> Iterator[About]:
-        ends, tabbed = dict(self._ends(facts, options)), facts.tabbed
+        lacking, tabbed = dict(_lacking(facts, options)), facts.tabbed
         for contour in _outers(facts):
             own = facts.candidates_of(contour)
-            if own and contour not in tabbed and all(ends[c].bound > sum(ends[c].weights) for c in own):
+            if own and contour not in tabbed and all(lacking[c] > 0 for c in own):
                 name = facts.nest.contours[contour].id
                 yield self.about((name,), f"no way to cut {name} ends along rigid metal, whatever the order")
 
@@ -129,7 +129,7 @@ class PartRigidity(Rule[PartRigidityOptions]):
                 "along metal that holds it"
             )
             about = self.about((name,), sentence)
-            bound = math.ceil(options.rigid_min * total - solid - 1e-6)
+            bound = _bound(options, solid, total)
             literals = tuple(Before(contour, x) for x in neighbours)
             yield c, AtLeast(literals, lengths, bound, about, when=c)
 
@@ -183,6 +183,17 @@ class PartRigidity(Rule[PartRigidityOptions]):
 
 def _outers(facts: Facts) -> list[int]:
     return [facts.nest.index[part.outer.id] for part in facts.nest.parts]
+
+
+def _bound(options: PartRigidityOptions, solid: float, total: float) -> int:
+    """How much of what a tail faces must be still in, beside what is solid; hundredths of a millimetre."""
+    return math.ceil(options.rigid_min * total - solid - 1e-6)
+
+
+def _lacking(facts: Facts, options: PartRigidityOptions) -> Iterator[tuple[int, int]]:
+    """For every candidate of an outer contour: how much more must be in than its tail faces."""
+    for c, _, _, lengths, solid, total in _stretches(facts, facts.tail):
+        yield c, _bound(options, solid, total) - sum(lengths)
 
 
 def _stretches(

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 CHORD_MM = 0.002
 """Contours are measured by chords that lie this close to them."""
+COARSE_MM = 0.04
+"""More than the chords that those which may be near are found by lie off two contours."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +117,9 @@ def near_contours(facts: Facts, kerf_mm: float) -> list[tuple[int, int, float, P
     cut = np.array([k for k, c in enumerate(contours) if c.encloses], dtype=np.int64)
     if reach_mm <= 0 or len(cut) < 2:
         return []
+    coarse = np.array([contours[k].line for k in cut], dtype=object)
+    near = shapely.STRtree(coarse).query(coarse, predicate="dwithin", distance=reach_mm + COARSE_MM)
+    cut = cut[np.unique(near[:, near[0] != near[1]])]
     lines = np.array([contours[k].curve.line(CHORD_MM) for k in cut], dtype=object)
     inside = set(map(tuple, facts.contains.tolist()))
     i, j = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=reach_mm)

@@ -29,8 +29,9 @@ def contracted(n: int, pairs: Sequence[Link], together: Iterable[Sequence[int]])
     [(0, 2), (2, 0), (4, 5)]
     """
     chain = [link for members in together for link in pairwise(members)]
-    node = weak_components(n, _ends(chain)).tolist()
-    return [(node[a], node[b]) if node[a] != node[b] else (n + a, n + b) for a, b in pairs]
+    node, ends = weak_components(n, _ends(chain)), _ends(pairs)
+    links = np.where((node[ends[:, 0]] != node[ends[:, 1]])[:, None], node[ends], n + ends)
+    return list(zip(*links.T.tolist(), strict=True))
 
 
 def components(links: Sequence[Link]) -> list[list[int]]:
@@ -41,12 +42,12 @@ def components(links: Sequence[Link]) -> list[list[int]]:
     >>> components([(0, 1), (1, 2), (2, 1), (3, 3)])
     [[1, 2], [3]]
     """
-    size = 1 + max((max(link) for link in links), default=0)
-    label = strong_components(size, _ends(links))
+    ends = _ends(links)
+    label = strong_components(1 + int(ends.max(initial=0)), ends)[ends]
+    within = np.flatnonzero(label[:, 0] == label[:, 1])
     found: dict[int, list[int]] = defaultdict(list)
-    for k, (a, b) in enumerate(links):
-        if label[a] == label[b]:
-            found[int(label[a])].append(k)
+    for k, component in zip(within.tolist(), label[within, 0].tolist(), strict=True):
+        found[component].append(k)
     return sorted(found.values())
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from kerfwise.rules.stating.cycles import components, contracted, path
 
 
@@ -31,3 +34,23 @@ def test_path_is_the_shortest() -> None:
     assert path(links, range(4), 0, 3) == [3]
     assert path(links, range(3), 0, 3) == [0, 1, 2]
     assert path(links, range(4), 3, 0) is None
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.lists(st.tuples(st.integers(0, 5), st.integers(0, 5)), max_size=14), st.sets(st.integers(0, 5), max_size=3))
+def test_links_on_cycles_are_those_from_whose_end_one_comes_back(pairs: list[tuple[int, int]], run: set[int]) -> None:
+    """By walks over single links: contours of a run count as one, but for orders among themselves."""
+    node = {k: min(run) if k in run else k for k in range(6)}
+    links = [(node[a], node[b]) if node[a] != node[b] else (6 + a, 6 + b) for a, b in pairs]
+
+    def reached(start: int) -> set[int]:
+        found = {start}
+        while more := {b for a, b in links if a in found} - found:
+            found |= more
+        return found
+
+    found = components(contracted(6, pairs, [sorted(run)]))
+    assert sorted(k for of in found for k in of) == [k for k, (a, b) in enumerate(links) if a in reached(b)]
+    assert all(links[one][0] in reached(links[other][0]) for of in found for one in of for other in of)
+    assert found == sorted(found)
+    assert all(of == sorted(of) for of in found)
