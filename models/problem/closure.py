@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.components import strong_components
 from kerfwise.models.kernels import kept, suited
 
-from .bits import Masks
+from .bits import LOW, ONE, Masks, words
+
+_ROWS = 512
 
 
 def close(n: int, pairs: Sequence[tuple[int, int]] | Ints, block: Ints) -> Bools:
@@ -27,38 +30,47 @@ def close(n: int, pairs: Sequence[tuple[int, int]] | Ints, block: Ints) -> Bools
     sooner, later = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
     together = block[sooner] == block[later]
     names, member = np.unique(block, return_inverse=True)
-    lifted = np.zeros((len(names), len(names)), dtype=np.bool_)
-    lifted[member[sooner[~together]], member[later[~together]]] = True
-    before = transitive(lifted).take(member, axis=0).take(member, axis=1)
+    before = _closed(len(names), np.column_stack([member[sooner[~together]], member[later[~together]]]))
+    if not np.array_equal(member, np.arange(len(names))):
+        before = before.take(member, axis=0).take(member, axis=1)
     linked, place = np.unique(np.concatenate([sooner[together], later[together]]), return_inverse=True)
-    inside = np.zeros((len(linked), len(linked)), dtype=np.bool_)
-    inside[tuple(place.reshape(2, -1))] = True
-    before[np.ix_(linked, linked)] |= transitive(inside)
+    if len(linked):
+        before[np.ix_(linked, linked)] |= _closed(len(linked), place.reshape(2, -1).T)
     return before
 
 
 def transitive(direct: Bools) -> Bools:
     """Transitive closure of a square relation; members of a cycle get a true diagonal (and perhaps no more)."""
-    n = len(direct)
-    closed = packed(direct)
-    waiting = direct.sum(axis=1)
-    suited(_close, n * n)(np.ascontiguousarray(direct.T), waiting, closed)
-    on_cycle = _on_cycles(direct) if waiting.any() else np.zeros(n, dtype=np.bool_)
-    bits = np.unpackbits(closed.astype("<u8", copy=False).view(np.uint8), axis=1, count=n, bitorder="little")
-    whole = bits.view(np.bool_)
-    whole[on_cycle, on_cycle] = True
+    return _closed(len(direct), np.argwhere(direct))
+
+
+def _closed(n: int, links: Ints) -> Bools:
+    """The same of n things, of links (k, 2) from one to another, in any order and some perhaps more than once."""
+    sooner, later = np.divmod(np.unique(links[:, 1] * n + links[:, 0]), n)[::-1]
+    closed = np.zeros((n, words(n)), dtype=np.uint64)
+    np.bitwise_or.at(closed, (sooner, later >> 6), ONE << (later.astype(np.uint64) & LOW))
+    waiting = np.bincount(sooner, minlength=n)
+    first = np.searchsorted(later, np.arange(n + 1))
+    suited(_hand_on, n + closed.shape[1] * len(sooner))(first, sooner, waiting, closed)
+    whole = np.unpackbits(_little_endian(closed), axis=1, count=n, bitorder="little").view(np.bool_)
+    if waiting.any():
+        label = strong_components(n, np.column_stack([sooner, later]))
+        on_cycle = np.bincount(label, minlength=n)[label] > 1
+        whole[on_cycle, on_cycle] = True
     return whole
 
 
-def _on_cycles(direct: Bools) -> Bools:
-    label = strong_components(len(direct), np.argwhere(direct))
-    return np.asarray(np.bincount(label, minlength=len(direct))[label] > 1)
+def _little_endian(masks: Masks) -> NDArray[np.uint8]:
+    return masks.astype("<u8", copy=False).view(np.uint8)
 
 
 @kept(nogil=True)
-def _close(sooner: Bools, waiting: Ints, closed: Masks) -> None:  # pragma: no cover - compiled
-    """Hand on what comes after every contour, the last first; `waiting` counts those after it that are not done."""
-    n = len(sooner)
+def _hand_on(first: Ints, sooner: Ints, waiting: Ints, closed: Masks) -> None:  # pragma: no cover - compiled
+    """Hand on what comes after everything, the last first; `waiting` counts what comes after it and is not done.
+
+    What comes directly before j are `sooner[first[j]]` … `sooner[first[j + 1] - 1]`.
+    """
+    n = len(waiting)
     ready = np.empty(n, np.int64)
     count = 0
     for j in range(n):
@@ -68,14 +80,13 @@ def _close(sooner: Bools, waiting: Ints, closed: Masks) -> None:  # pragma: no c
     while count > 0:
         count -= 1
         j = ready[count]
-        for i in range(n):
-            if sooner[j, i]:
-                for w in range(closed.shape[1]):
-                    closed[i, w] |= closed[j, w]
-                waiting[i] -= 1
-                if waiting[i] == 0:
-                    ready[count] = i
-                    count += 1
+        for i in sooner[first[j] : first[j + 1]]:
+            for w in range(closed.shape[1]):
+                closed[i, w] |= closed[j, w]
+            waiting[i] -= 1
+            if waiting[i] == 0:
+                ready[count] = i
+                count += 1
 
 
 def immediate(before: Bools) -> Bools:
@@ -87,11 +98,16 @@ def immediate(before: Bools) -> Bools:
     >>> immediate(chain).astype(int).tolist()
     [[0, 1, 0], [0, 0, 1], [0, 0, 0]]
     """
-    rank = before.sum(axis=0)
-    latest_first = np.argsort(-rank, kind="stable").astype(np.int64)
     kept = np.zeros_like(before)
-    suited(_mark_immediate, before.size)(np.ascontiguousarray(before.T), packed(before.T), latest_first, kept)
+    mark_immediate(packed(before.T), kept)
     return kept
+
+
+def mark_immediate(sooner: Masks, near: Bools) -> None:
+    """Set `near[i, j]` where i comes before j with no third between them; rows of `sooner` are what comes before j."""
+    rank = np.bitwise_count(sooner).sum(axis=1, dtype=np.int64)
+    latest_first = np.argsort(-rank, kind="stable")
+    suited(_mark_immediate, len(rank) * len(rank))(sooner, rank, latest_first, near)
 
 
 def packed(relation: Bools) -> Masks:
@@ -103,29 +119,29 @@ def packed(relation: Bools) -> Masks:
     [[5]]
     """
     rows, columns = relation.shape
-    padded = np.zeros((rows, max(1, -(-columns // 64)) * 8), dtype=np.uint8)
-    padded[:, : -(-columns // 8)] = np.packbits(relation, axis=1, bitorder="little")
+    padded = np.zeros((rows, words(columns) * 8), dtype=np.uint8)
+    for k in range(0, rows, _ROWS):  # a relation turned over is copied for it
+        some = slice(k, k + _ROWS)
+        padded[some, : -(-columns // 8)] = np.packbits(relation[some], axis=1, bitorder="little")
     return padded.view("<u8").astype(np.uint64, copy=False)
 
 
 @kept(nogil=True)
-def _mark_immediate(
-    sooner: Bools, masks: Masks, latest_first: Ints, kept: Bools
-) -> None:  # pragma: no cover - compiled
+def _mark_immediate(sooner: Masks, rank: Ints, latest_first: Ints, near: Bools) -> None:  # pragma: no cover - compiled
     """Of what comes before every contour, all that is not before another of them; those of the highest rank first."""
-    n = len(sooner)
-    covered = np.empty(masks.shape[1], np.uint64)
-    for j in range(n):
+    covered = np.empty(sooner.shape[1], np.uint64)
+    for j in range(len(rank)):
         covered[:] = 0
-        left = sooner[j].sum()
+        left = rank[j]
         for i in latest_first:
             if left == 0:
                 break
-            if not sooner[j, i]:
+            word, bit = i >> 6, np.uint64(i & 63)
+            if not sooner[j, word] >> bit & np.uint64(1):
                 continue
             left -= 1
-            if covered[i >> 6] >> np.uint64(i & 63) & np.uint64(1):
+            if covered[word] >> bit & np.uint64(1):
                 continue
-            kept[i, j] = True
+            near[i, j] = True
             for w in range(len(covered)):
-                covered[w] |= masks[i, w]
+                covered[w] |= sooner[i, w]

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from kerfwise.arrays import Bools, Ints
 from kerfwise.models.kernels import kept, suited
 
-from .closure import immediate
+from .bits import Masks
+from .closure import mark_immediate, packed
 from .last import LastOf, digest
 
 _last = LastOf[NDArray[np.uint8]]()
@@ -43,7 +44,10 @@ def lawful_successors(before: Bools, block: Ints, apart: Iterable[tuple[int, int
     """
     n = len(before)
     lawful = np.zeros((n + 1, n + 1), dtype=np.bool_)
-    suited(_mark_lawful, 2 * n * n)(before, np.ascontiguousarray(before.T), immediate(before), block, lawful)
+    sooner = packed(before.T)
+    mark_immediate(sooner, lawful)
+    enters, leaves = _ends_of_blocks(before, block)
+    suited(_mark_lawful, n * n)(before, sooner, block, enters, leaves, lawful)
     lawful[n, :n] = ~before.any(axis=0)
     lawful[:n, n] = ~before.any(axis=1)
     for i, j in apart:
@@ -51,18 +55,29 @@ def lawful_successors(before: Bools, block: Ints, apart: Iterable[tuple[int, int
     return lawful
 
 
+def _ends_of_blocks(before: Bools, block: Ints) -> tuple[Bools, Bools]:
+    """Contours with none of their block before them, and with none after them."""
+    enters, leaves = np.ones(len(before), np.bool_), np.ones(len(before), np.bool_)
+    order = np.argsort(block, kind="stable")
+    for members in np.split(order, np.flatnonzero(np.diff(block[order])) + 1):
+        if len(members) > 1:
+            within = before[np.ix_(members, members)]
+            enters[members], leaves[members] = ~within.any(axis=0), ~within.any(axis=1)
+    return enters, leaves
+
+
 @kept(nogil=True)
 def _mark_lawful(  # pragma: no cover - compiled
-    before: Bools, after: Bools, near: Bools, block: Ints, lawful: Bools
+    before: Bools, sooner: Masks, block: Ints, enters: Bools, leaves: Bools, lawful: Bools
 ) -> None:
-    """Contours: not backwards, nothing in between, and blocks are entered at a first and left at a last of them."""
+    """Contours: not backwards, nothing in between, and blocks are entered at a first and left at a last of them.
+
+    Where nothing is in between is marked already; `sooner` are the sets of what comes before each.
+    """
     n = len(before)
-    enters, leaves = np.ones(n, np.bool_), np.ones(n, np.bool_)
     for i in range(n):
         for j in range(n):
-            if before[i, j] and block[i] == block[j]:
-                leaves[i] = enters[j] = False
-    for i in range(n):
-        for j in range(n):
-            if i != j and not after[i, j] and (near[i, j] or not before[i, j]):
+            if not before[i, j] and i != j and not sooner[i, j >> 6] >> np.uint64(j & 63) & np.uint64(1):
+                lawful[i, j] = True
+            if lawful[i, j]:
                 lawful[i, j] = block[i] == block[j] or (leaves[i] and enters[j])

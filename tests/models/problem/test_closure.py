@@ -4,7 +4,8 @@ import numpy as np
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from kerfwise.models.problem.closure import close
+from kerfwise.models.problem.closure import close, immediate
+from kerfwise.models.problem.successors import lawful_successors
 
 
 def plainly(n: int, pairs: list[tuple[int, int]], block: list[int]) -> np.ndarray:
@@ -48,3 +49,28 @@ def test_nothing_to_close() -> None:
 def test_orders_that_go_round_have_a_true_diagonal() -> None:
     assert close(3, [(0, 1), (1, 0)], np.array([0, 0, 2])).diagonal().tolist() == [True, True, False]
     assert close(4, [(0, 2), (3, 1)], np.array([0, 0, 2, 2])).diagonal().all()
+
+
+@given(orders(), st.lists(st.tuples(st.integers(0, 7), st.integers(0, 7)), max_size=2))
+def test_who_may_follow_whom_is_told_pair_by_pair(
+    given: tuple[int, list[tuple[int, int]], list[int]], far: list[tuple[int, int]]
+) -> None:
+    n, pairs, block = given
+    before = plainly(n, pairs, block)
+    apart = [(i, j) for i, j in far if i < n and j < n]
+    alike = [[k for k in range(n) if block[k] == block[i]] for i in range(n)]
+
+    def between(i: int, j: int) -> bool:
+        return any(before[i, k] and before[k, j] for k in range(n))
+
+    def follows(i: int, j: int) -> bool:
+        if i == j or before[j, i] or (before[i, j] and between(i, j)) or (i, j) in apart or (j, i) in apart:
+            return False
+        left_last = not any(before[i, k] for k in alike[i])
+        return block[i] == block[j] or (left_last and not any(before[k, j] for k in alike[j]))
+
+    expected = [[follows(i, j) for j in range(n)] + [not before[i].any()] for i in range(n)]
+    expected.append([not before[:, j].any() for j in range(n)] + [False])
+    assert lawful_successors(before, np.array(block), apart).tolist() == expected
+    near = [[bool(before[i, j]) and not between(i, j) for j in range(n)] for i in range(n)]
+    assert immediate(before).tolist() == near
