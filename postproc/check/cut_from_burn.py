@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -15,24 +17,51 @@ from kerfwise.encoder.nest import Contour
 from kerfwise.postproc.check.reader.program import Burn
 from kerfwise.rules.rule import Violation
 
+from .followed_rings import surely_on
 from .matching import Match
 from .program_rules import tolerance_mm
 from .splitting import Pieces, split
 from .torch_run import TorchRun, line_of
 
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Taken:
+    """The path of a burn taken apart, and its round as a line; `on_ring` says that this is known to lie on the ring."""
+
+    pieces: Pieces
+    loop: shapely.LineString
+    on_ring: bool = False
+
+
 CutFound = tuple[Cut, TorchRun, list[Violation]]
 
 
-def cut_from_burn(
-    burn: Burn, path: shapely.LineString, contour: Contour, match: Match, kerf_mm: float, zone: int, position: int
-) -> CutFound:
-    """The cut that a burn makes of the contour it matches, its path taken apart, and what is wrong with it."""
-    marks = burn.tool != 0
+def taken_apart(
+    burns: Sequence[Burn],
+    paths: Sequence[shapely.LineString],
+    contours: Sequence[Contour],
+    matches: Sequence[Match],
+    kerf_mm: float,
+) -> list[Taken]:
+    """What leads to the contours that burns match, once round, and what leads away."""
+    rows = zip(burns, contours, matches, strict=True)
+    apart = [_apart(burn, contour, match) for burn, contour, match in rows]
+    loops = [line_of(pieces.loop) or path for pieces, path in zip(apart, paths, strict=True)]
+    on_ring = surely_on([match.ring for match in matches], loops, tolerance_mm(kerf_mm))
+    return [Taken(*row) for row in zip(apart, loops, on_ring.tolist(), strict=True)]
+
+
+def _apart(burn: Burn, contour: Contour, match: Match) -> Pieces:
     if contour.kind == "slit":
-        pieces = _at_mouth(burn.path, contour.curve)
-    else:
-        pieces = (split(burn.path, match.ring.length) if contour.encloses else None) or _whole(burn.path)
-    loop = line_of(pieces.loop) or path
+        return _at_mouth(burn.path, contour.curve)
+    return (split(burn.path, match.ring.length) if contour.encloses else None) or _whole(burn.path)
+
+
+def cut_from_burn(
+    burn: Burn, taken: Taken, contour: Contour, match: Match, kerf_mm: float, zone: int, position: int
+) -> CutFound:
+    """The cut that a burn makes of the contour it matches, and what is wrong with it."""
+    marks, pieces, loop = burn.tool != 0, taken.pieces, taken.loop
     join = _xy(pieces.loop, 0)
     along_mm, _ = contour.curve.project(join)
     entry = join if not contour.encloses else contour.curve.point_at(along_mm)
@@ -43,14 +72,12 @@ def cut_from_burn(
     )  # fmt: skip
     where = f"line {burn.line}"
     run = TorchRun(position, where, contour, line_of(lead_in), loop, line_of(pieces.lead_out), marks)
-    wrong = list(_wrong(contour, match, pieces, loop, kerf_mm, marks))
+    wrong = list(_wrong(contour, match, taken, kerf_mm, marks))
     return cut, run, [Violation(rule, (contour.id,), f"{where}: {text}", (position,)) for rule, text in wrong]
 
 
-def _wrong(
-    contour: Contour, match: Match, pieces: Pieces, loop: shapely.LineString, kerf_mm: float, marks: bool
-) -> list[tuple[str, str]]:
-    found = []
+def _wrong(contour: Contour, match: Match, taken: Taken, kerf_mm: float, marks: bool) -> list[tuple[str, str]]:
+    found, pieces = [], taken.pieces
     allowed = tolerance_mm(kerf_mm)
     name = contour.id
     if marks and contour.kind != "mark":
@@ -64,7 +91,9 @@ def _wrong(
         found.append(("kerf-side", f"the torch runs on {name} itself: the kerf of {kerf_mm:g} mm is not allowed for"))
     if pieces.gap_mm > allowed and contour.curve.closed:
         found.append(("contour-geometry", f"{name} is not closed: {pieces.gap_mm:.3f} mm are left"))
-    off_mm = max(match.deviation_mm, beyond_mm(match.ring, shapely.get_coordinates(loop), allowed))
+    off_mm = match.deviation_mm
+    if not taken.on_ring:
+        off_mm = max(off_mm, beyond_mm(match.ring, shapely.get_coordinates(taken.loop), allowed))
     if off_mm > allowed:
         found.append(("contour-geometry", f"the torch is up to {off_mm:.2f} mm off where {name} asks for it"))
     again = split(pieces.lead_out, match.ring.length) if contour.encloses else None

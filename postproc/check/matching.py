@@ -14,6 +14,7 @@ from kerfwise.encoder.geometry.distances import beyond_mm
 from kerfwise.encoder.geometry.segment import Box
 from kerfwise.encoder.nest import Nest
 
+from .followed_rings import surely_cover
 from .program_rules import tolerance_mm
 from .rings import Side, rings_of, torch_rings
 
@@ -84,6 +85,11 @@ class Matcher:
             for k, (line, contour) in enumerate(zip(lines, likeliest, strict=True))
             if contour is not None and (ring := self._ring_for(line, contour, "right")) is not None
         ]
+        sure = surely_cover([lines[k] for k, _, _ in asked], [ring for _, _, ring in asked], tolerance_mm(self.kerf_mm))
+        for known, (k, contour, ring) in zip(sure.tolist(), asked, strict=True):
+            if known:
+                found[k] = Match(contour, "right", ring, 0.0)
+        asked = [row for known, row in zip(sure.tolist(), asked, strict=True) if not known]
         for begin in range(0, len(asked), _AT_ONCE):
             some = asked[begin : begin + _AT_ONCE]
             paths = np.array([lines[k] for k, _, _ in some], dtype=object)

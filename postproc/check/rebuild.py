@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 
@@ -17,8 +17,8 @@ from kerfwise.encoder.tabs import TabOptions
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.rules.rule import Violation
 
-from .cut_from_burn import cut_from_burn
-from .matching import Matcher
+from .cut_from_burn import Taken, cut_from_burn, taken_apart
+from .matching import Match, Matcher
 from .names import folded, ids_by_name
 from .pierce_pass import named as told_of_holes
 from .planned import Planned
@@ -92,6 +92,7 @@ def rebuild(
     violations: list[Violation] = list(before.violations)
     warnings: list[str] = []
     pierces: list[Pierce] = []
+    taken = _taken_apart(nest, burns, paths, matches, several, kerf_mm)
     for k, (burn, path, words, name, match) in enumerate(zip(burns, paths, told, named, matches, strict=True)):
         pierces += _pierced(holes, len(cuts) + 1, burn.line)
         if k in several:
@@ -115,7 +116,7 @@ def rebuild(
         if words and name is not None and name != match.contour:
             warnings.append(f"line {burn.line}: the comment names {nest.contours[name].id}, but {contour.id} is cut")
         zone = int(words["zone"]) if words else zones.get(contour.id, 0) if burn.torch > 1 else 0
-        cut, run, wrong = cut_from_burn(burn, path, contour, match, kerf_mm, zone, len(cuts) + 1)
+        cut, run, wrong = cut_from_burn(burn, taken[k], contour, match, kerf_mm, zone, len(cuts) + 1)
         if burn.unlit:
             cut, run, more = with_tabs(cut, run, burn, kerf_mm)
             wrong = [*wrong, *more]
@@ -129,6 +130,23 @@ def rebuild(
     sequence = replace(sequence, pierces=told_of_holes(pierces, sequence.cuts)) if pierces else sequence
     sequence = sequence if planned is None else planned.completed(sequence)
     return Rebuilt(sequence, tuple(runs), tuple(violations), tuple(warnings), before.broken_off)
+
+
+def _taken_apart(
+    nest: Nest,
+    burns: Sequence[Burn],
+    paths: Sequence[shapely.LineString],
+    matches: Sequence[Match | None],
+    several: Collection[int],
+    kerf_mm: float,
+) -> dict[int, Taken]:
+    """The paths of burns that match one contour each, by number, taken apart."""
+    matched = {k: match for k, match in enumerate(matches) if match is not None and k not in several}
+    contours = [nest.contours[match.contour] for match in matched.values()]
+    taken = taken_apart(
+        [burns[k] for k in matched], [paths[k] for k in matched], contours, list(matched.values()), kerf_mm
+    )
+    return dict(zip(matched, taken, strict=True))
 
 
 def _together(cuts: Sequence[Cut], lines: Sequence[int]) -> tuple[Cut, ...]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
 import shapely
 
 from kerfwise.encoder.cut import CutSequence, Side
@@ -85,12 +86,15 @@ def _in_mouths(nest: Nest) -> tuple[Ids, ...]:
     hulls = shapely.convex_hull(outlines)
     centroids = shapely.centroid([part.outer.polygon for part in nest.parts])
     inside, hull = shapely.STRtree(hulls).query(centroids, "dwithin", distance=ON_HULL_MM)
-    around = [nest.parts[k].outer for k in hull]
-    within = shapely.contains([outer.polygon for outer in around], centroids[inside])
-    within &= ~shapely.dwithin([outer.line for outer in around], centroids[inside], ON_HULL_MM)
-    pairs = same_place(nest, inside[~within], hull[~within])
-    hollow = {part.id for part in {b.id: b for _, b in pairs}.values() if _is_hollow(part.outer)}
-    return tuple((a.outer.id, b.outer.id) for a, b in pairs if b.id in hollow)
+    areas = np.array([part.outer.polygon for part in nest.parts], dtype=object)
+    within = shapely.contains(areas[hull], centroids[inside])
+    within &= ~shapely.dwithin(np.array(outlines, dtype=object)[hull], centroids[inside], ON_HULL_MM)
+    first, then = same_place(nest, inside[~within], hull[~within])
+    hollow = np.zeros(len(nest.parts), dtype=bool)
+    for k in np.unique(then).tolist():
+        hollow[k] = _is_hollow(nest.parts[k].outer)
+    pairs = zip(first[hollow[then]].tolist(), then[hollow[then]].tolist(), strict=True)
+    return tuple((nest.parts[a].outer.id, nest.parts[b].outer.id) for a, b in pairs)
 
 
 def _is_hollow(outer: Contour) -> bool:

@@ -96,7 +96,10 @@ def _ahead(nest: Nest, start_side: Side) -> tuple[Ids, ...]:
     start = shapely.get_coordinates(shapely.centroid([part.outer.polygon for part in nest.parts]))
     rays = shapely.linestrings(np.stack([start, start + reach], axis=1))
     ahead, met = shapely.STRtree(outlines).query(rays, "dwithin", distance=GRAZE_MM)
-    middles, around = shapely.points(start[ahead]), [nest.parts[k].outer for k in met]
-    within = shapely.contains([outer.polygon for outer in around], middles)
-    within &= ~shapely.dwithin([outer.line for outer in around], middles, GRAZE_MM)
-    return tuple((a.outer.id, b.outer.id) for a, b in same_place(nest, ahead[~within], met[~within]))
+    middles = shapely.points(start)[ahead]
+    areas = np.array([part.outer.polygon for part in nest.parts], dtype=object)
+    within = shapely.contains(areas[met], middles)
+    within &= ~shapely.dwithin(np.array(outlines, dtype=object)[met], middles, GRAZE_MM)
+    first, then = same_place(nest, ahead[~within], met[~within])
+    ids = np.array([part.outer.id for part in nest.parts], dtype=object)
+    return tuple(zip(ids[first].tolist(), ids[then].tolist(), strict=True))

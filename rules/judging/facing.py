@@ -98,6 +98,7 @@ class Facing:
         within = of[1:] == of[:-1]
         self.begin: Floats = points[:-1][within]
         self.end: Floats = points[1:][within]
+        self._xy: Floats = np.ascontiguousarray(np.hstack([self.begin, self.end]).T)
         self.owner: Ints = np.array(owners, dtype=np.int64)[of[1:][within]]
         self.tree = shapely.STRtree(shapely.linestrings(np.stack([self.begin, self.end], axis=1)))
         self.web_mm, self.edge_band_mm = web_mm, edge_band_mm
@@ -131,8 +132,10 @@ class Facing:
     def _met(self, start: Floats, end: Floats, part: Ints) -> tuple[Ints, Ints]:
         """The numbers of rays and of chords that meet: mostly told by the sides that ends lie on, else by shapely."""
         ray, chord = self._near(start, end, part)
-        u_at = _side(start[ray], end[ray], self.begin[chord])
-        v_at = _side(start[ray], end[ray], self.end[chord])
+        (x, y), (dx, dy) = start.T, (end - start).T
+        x, y, dx, dy = x[ray], y[ray], dx[ray], dy[ray]
+        u_at = dx * (self._xy[1][chord] - y) - dy * (self._xy[0][chord] - x)
+        v_at = dx * (self._xy[3][chord] - y) - dy * (self._xy[2][chord] - x)
         maybe = np.flatnonzero(~_surely_alike(u_at, v_at))
         ray, chord, u_at, v_at = ray[maybe], chord[maybe], u_at[maybe], v_at[maybe]
         p, q, u, v = start[ray], end[ray], self.begin[chord], self.end[chord]

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
 import shapely
 
 from kerfwise.arrays import Ints
 from kerfwise.encoder.kept import kept_with_nest
-from kerfwise.encoder.nest import Contour, Nest, Part
+from kerfwise.encoder.nest import Contour, Nest
 
 
 @kept_with_nest(most=2)
@@ -39,9 +40,11 @@ def places(nest: Nest, host: Mapping[str, Contour]) -> dict[str, str]:
     return {part.id: host[part.id].id if part.id in host else "" for part in nest.parts}
 
 
-def same_place(nest: Nest, first: Ints, second: Ints) -> list[tuple[Part, Part]]:
-    """The pairs of different parts that lie in the same place, given and sorted by their numbers in the nest."""
+def same_place(nest: Nest, first: Ints, second: Ints) -> tuple[Ints, Ints]:
+    """The pairs of different parts that lie in the same place, as sorted numbers in the nest."""
     at = places(nest, host_holes(nest))
-    pairs = sorted(zip(first.tolist(), second.tolist(), strict=True))
-    parts = nest.parts
-    return [(parts[a], parts[b]) for a, b in pairs if a != b and at[parts[a].id] == at[parts[b].id]]
+    number = {name: k for k, name in enumerate(dict.fromkeys(at.values()))}
+    place = np.array([number[at[part.id]] for part in nest.parts], dtype=np.int64)
+    same = (first != second) & (place[first] == place[second])
+    order = np.lexsort((second[same], first[same]))
+    return first[same][order], second[same][order]

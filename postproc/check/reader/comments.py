@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from kerfwise.encoder.errors import InputError
 
@@ -18,8 +18,7 @@ COMMENT = " "
 """Stands for a comment between words: no number goes on behind it."""
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
+class Row(NamedTuple):
     """A row of a program: `code` are its characters outside comments, without blanks, in capitals; a comment between
     words is one `COMMENT`.
 

@@ -36,7 +36,7 @@ class Filter:
         InputError
             With line and column, for a row that the filter would change, or obey.
         """
-        if found := _MAGIC.search(raw):
+        if ("(" in raw or ";" in raw) and (found := _MAGIC.search(raw)):
             raise InputError(
                 f"QtPlasmaC obeys '{found[0]}' in a comment: not supported here; take it out",
                 line=line,
@@ -89,7 +89,9 @@ class Filter:
         )
 
     def _starts(self, text: str, line: int, absolute: bool) -> None:
-        code = re.sub(r"^([gm])0+(?=[0-9])", r"\1", text.lower().replace(" ", ""))
+        code = text.lower().replace(" ", "")
+        if code[1:2] == "0":
+            code = re.sub(r"^([gm])0+(?=[0-9])", r"\1", code)
         if not self.raised and re.search("g0|g1|m3", code):
             self.raised = True
             if not absolute:
@@ -104,5 +106,5 @@ class Filter:
             self.track.fault(
                 line, "program-state", "QtPlasmaC starts no tool before a line that begins with G0 or G1 and X or Y"
             )
-        if re.match(r"m5(?![0-9])", code):
+        if code.startswith("m5") and re.match(r"m5(?![0-9])", code):
             self.moved = False

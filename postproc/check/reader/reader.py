@@ -121,8 +121,9 @@ class Machine:
 
     def _names_program(self, block: Block) -> bool:
         """Whether a block only gives the program's number, as some controls want it to."""
-        alone = not (block.g or block.m) and list(block.words) == [self.control.program]
-        return alone and not self.track.burns and self.track.open is None
+        if block.g or block.m or self.track.burns or self.track.open is not None:
+            return False
+        return list(block.words) == [self.control.program]
 
     def expect_end(self) -> None:
         """Refuse a program that has come to no end."""

@@ -153,17 +153,18 @@ class Track:
 
     def feed(self, segment: Segment, feed_mm_s: float, line: int) -> None:
         """Move along a line or an arc at cutting feed."""
-        seconds = segment.length_mm / feed_mm_s
+        length_mm = segment.length_mm
+        seconds = length_mm / feed_mm_s
         self.clock_s += seconds
         self.at = segment.end
         if self.open is None:
-            if segment.length_mm > 0:
+            if length_mm > 0:
                 self._over.append((segment, feed_mm_s))
-            self._idle(segment.length_mm, line)
-            self.slow_travel.append(MoveStretch(line, segment.length_mm))
+            self._idle(length_mm, line)
+            self.slow_travel.append(MoveStretch(line, length_mm))
         else:
             self.moving_s += seconds
-            if segment.length_mm > _NOTHING_MM:
+            if length_mm > _NOTHING_MM:
                 self.open.step_feeds_mm_s.append(feed_mm_s)
             self.open.rows.append((*segment.start, segment.bulge))
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import NamedTuple
 
 from kerfwise.encoder.errors import InputError
 
@@ -34,8 +35,7 @@ _NOT_READ: Mapping[str, str] = {
 } | dict.fromkeys("ABCUVW", "only the axes X and Y are checked; post the program for these")  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class Word:
+class Word(NamedTuple):
     """A letter with its number, as text too, and the column it begins in, from 1."""
 
     letter: str
@@ -44,14 +44,13 @@ class Word:
     column: int
 
 
-@dataclass(frozen=True, slots=True)
-class Block:
+class Block(NamedTuple):
     """One line: its G and M words, its other words by letter, and its comments; `line` counts from 1."""
 
     line: int
     g: tuple[Word, ...] = ()
     m: tuple[Word, ...] = ()
-    words: Mapping[str, Word] = field(default_factory=dict)
+    words: Mapping[str, Word] = MappingProxyType({})
     comments: tuple[str, ...] = ()
 
     def of(self, letter: str, else_: float = 0.0) -> float:
@@ -61,6 +60,8 @@ class Block:
 
     def has_g(self, *codes: float) -> bool:
         """Whether one of these G words is there."""
+        if len(self.g) == 1:  # most blocks
+            return self.g[0].value in codes
         return any(word.value in codes for word in self.g)
 
     def refused(self, message: str, word: Word | None = None) -> InputError:
