@@ -18,7 +18,7 @@ import shapely
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats
-from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.curve import Curve, lines_of
 from kerfwise.encoder.geometry.distances import distances_mm
 from kerfwise.encoder.geometry.segment import Point
 
@@ -151,8 +151,8 @@ def _surely_kept(
     sure = np.zeros(len(contours), dtype=np.bool_)
     for chord_mm in ((most_mm - half_mm) / 8, more_mm / 8):
         left = [k for k, c in enumerate(contours) if not sure[k] and c.id in paths]
-        lines = np.array([contours[k].curve.line(chord_mm) for k in left], dtype=object)
-        rings = np.array([paths[contours[k].id].line(chord_mm / 2) for k in left], dtype=object)
+        lines = lines_of([contours[k].curve for k in left], chord_mm)
+        rings = lines_of([paths[contours[k].id] for k in left], chord_mm / 2)
         rings = shapely.simplify(rings, chord_mm / 2)  # paths of very many chords too
         near = shapely.buffer(rings, most_mm - 2 * chord_mm - SLACK_MM, quad_segs=FEW)
         sure[left] = shapely.covers(near, lines)

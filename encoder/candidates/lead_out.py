@@ -28,8 +28,8 @@ def lead_outs(
     without either the curve is the joint alone.
     """
     ways = approaches.ways
-    tails = [_overcut(ways, i, outlines, options.hole_overcut_mm) for i in range(len(ways))]
-    length_mm = np.array([tail.length_mm if len(tail.vertices) > 1 else 0.0 for tail in tails])
+    tails = _overcuts(ways, outlines, options.hole_overcut_mm)
+    length_mm = np.array([tail.length_mm for tail in tails])
     if options.lead_out == "none" or not tails:
         return tails, length_mm, np.full(len(tails), False)
     leads = _leads(_ends(ways, tails), around, options)
@@ -40,16 +40,23 @@ def lead_outs(
     return tails, length_mm + leads.length_mm, leads.length_mm > 0
 
 
-def _overcut(ways: Ways, i: int, outlines: Mapping[int, Outline], overcut_mm: float) -> Curve:
-    """What is cut twice, as an open curve; the joint alone for outer contours."""
+def _overcuts(ways: Ways, outlines: Mapping[int, Outline], overcut_mm: float) -> list[Curve]:
+    """What is cut twice, as open curves; the joints alone for outer contours."""
     joints = ways.joints
-    outline = outlines[int(joints.contour[i])]
-    if outline.contour.kind == "outer" or overcut_mm <= 0:
-        return Curve(np.array([[*joints.join[i], 0.0]]), closed=False)
-    path, at_mm = outline.path, float(joints.join_mm[i])
-    if path.is_ccw != bool(ways.ccw[i]):
-        path, at_mm = outline.path_reversed, path.length_mm - at_mm
-    return path.between(at_mm, min(overcut_mm, path.length_mm))
+    alone = np.column_stack([joints.join, np.zeros(len(ways))])[:, None]
+    tails = []
+    for i, (k, join_mm, ccw) in enumerate(
+        zip(joints.contour.tolist(), joints.join_mm.tolist(), ways.ccw.tolist(), strict=True)
+    ):
+        outline = outlines[k]
+        if outline.contour.kind == "outer" or overcut_mm <= 0:
+            tails.append(Curve(alone[i], closed=False))
+            continue
+        path, at_mm = outline.path, join_mm
+        if path.is_ccw != ccw:
+            path, at_mm = outline.path_reversed, path.length_mm - at_mm
+        tails.append(path.between(at_mm, min(overcut_mm, path.length_mm)))
+    return tails
 
 
 def _ends(ways: Ways, tails: list[Curve]) -> Ways:

@@ -176,10 +176,10 @@ def _lead_ends(number: int, candidate: Candidate) -> list[tuple[int, tuple[float
     """
     found: list[tuple[int, tuple[float, ...], bool]] = []
     if candidate.lead_in is not None:
-        segments = candidate.lead_in.segments
+        segments = list(candidate.lead_in.made_anew())
         found += [(number, (*s.start, *s.end, s.bulge, s.length_mm), s is segments[-1]) for s in segments]
     if candidate.lead_out is not None and candidate.leaves:
-        last = candidate.lead_out.segments[-1]
+        *_, last = candidate.lead_out.made_anew()
         found.append((number, (*last.end, *last.start, -last.bulge, last.length_mm), True))
     return found
 

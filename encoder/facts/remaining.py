@@ -19,6 +19,8 @@ from .outlines import outlines_of
 
 def loose_in(nest: Nest, out: frozenset[str]) -> dict[str, str]:
     """Contours that can no longer be cut, each with the contour around it that is out."""
+    if not out:
+        return {}
     ids = [c.id for c in nest.contours]
     parents = parents_of(outlines_of(nest)).tolist()
     return loose_contours(nest, {ids[k]: ids[p] for k, p in enumerate(parents) if p >= 0}, out)

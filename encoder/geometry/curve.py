@@ -7,13 +7,14 @@ quarter of the arc's sweep, positive for a counter-clockwise arc; 0 is a straigh
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats, Ints
 
@@ -55,10 +56,14 @@ class Curve:
     @cached_property
     def segments(self) -> tuple[Segment, ...]:
         """The lines and arcs in order; zero-length ones are left out."""
+        return tuple(self.made_anew())
+
+    def made_anew(self) -> Iterator[Segment]:
+        """The same, not kept: for the many short curves, such as leads, that are asked once or twice."""
         v = self.vertices.tolist()
         ends = v[1:] + v[:1] if self.closed else v[1:]
         made = (Segment((a[0], a[1]), (b[0], b[1]), a[2]) for a, b in zip(v, ends, strict=False))
-        return tuple(s for s in made if s.length_mm > 1e-9)
+        return (s for s in made if s.length_mm > 1e-9)
 
     @cached_property
     def starts_mm(self) -> Floats:
@@ -68,6 +73,8 @@ class Curve:
     @property
     def length_mm(self) -> float:
         """Path length, mm."""
+        if not self.closed and len(self.vertices) <= 2:
+            return sum((s.length_mm for s in self.made_anew()), 0.0)
         return float(self.starts_mm[-1])
 
     @cached_property
@@ -165,6 +172,9 @@ class Curve:
     def _flattened(self, tolerance_mm: float) -> Floats:
         if not self.segments:
             return self.vertices[:1, :2].copy()
+        whole = len(self.segments) == len(self.vertices) - (not self.closed)
+        if whole and not self.vertices[:, 2].any():
+            return self.vertices[:, :2].copy()
         count = [1, *(s.chords_within(tolerance_mm) for s in self.segments)]
         ends = [self.segments[0].start, *(s.end for s in self.segments)]
         straight = max(count) == 1
@@ -184,6 +194,28 @@ class Curve:
     def moved(self, dx_mm: float, dy_mm: float) -> Curve:
         """The curve shifted by (dx, dy)."""
         return Curve(self.vertices + np.array([dx_mm, dy_mm, 0.0]), self.closed)
+
+
+def lines_of(curves: Sequence[Curve], tolerance_mm: float) -> NDArray[np.object_]:
+    """As `Curve.line` of each; their points are not kept.
+
+    Examples
+    --------
+    >>> [line.wkt for line in lines_of([Curve.of([(0, 0), (4, 0), (4, 3)]), Curve.of([(1, 1)], closed=False)], 0.1)]
+    ['LINESTRING (0 0, 4 0, 4 3, 0 0)', 'LINESTRING (1 1, 1 1)']
+    """
+    rows = []
+    for curve in curves:
+        points = curve._kept.get(tolerance_mm) if curve.closed else None
+        points = curve._flattened(tolerance_mm) if points is None else points
+        rows += [points, points[:1] if curve.closed or len(points) < 2 else points[:0]]
+    if not rows:
+        return np.zeros(0, dtype=object)
+    count = [len(points) + len(first) for points, first in zip(rows[::2], rows[1::2], strict=True)]
+    lines: NDArray[np.object_] = shapely.linestrings(
+        np.concatenate(rows), indices=np.repeat(np.arange(len(curves)), count)
+    )
+    return lines
 
 
 def _with_arcs(segments: Sequence[Segment], count: Ints, ends: Floats) -> Floats:
