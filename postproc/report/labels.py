@@ -70,10 +70,9 @@ def _of_part(
         for hole in part.holes
         if hole.id in labels
     }
-    tried = _place_part(part, metal, labels, wanted_mm, in_holes, outer_first=False)
-    if in_holes and _smallest(tried) < _ENOUGH * wanted_mm:  # without holes it would be the same again
-        again = _place_part(part, metal, labels, wanted_mm, in_holes, outer_first=True)
-        tried = max(tried, again, key=_smallest)
+    tried = _place_part(part, metal, labels, wanted_mm, in_holes, outer_first=False) or {}
+    if in_holes and (above_mm := _smallest(tried)) < _ENOUGH * wanted_mm:  # without holes it would be the same again
+        return _place_part(part, metal, labels, wanted_mm, in_holes, outer_first=True, above_mm=above_mm) or tried
     return tried
 
 
@@ -146,10 +145,11 @@ def _place_part(
     wanted_mm: float,
     in_holes: Mapping[str, TextPlace | None],
     outer_first: bool,
-) -> dict[str, TextPlace]:
+    above_mm: float = 0.0,
+) -> dict[str, TextPlace] | None:
     """The labels of one part, each in what the ones before it leave of the metal (or anywhere, if they leave none).
 
-    `in_holes` is where those of holes stand within them.
+    `in_holes` is where those of holes stand within them. None where one of them is no larger than `above_mm`.
     """
     whole, open_lines = metal, (*part.marks, *part.slits)
     contours = (part.outer, *part.holes, *open_lines) if outer_first else (*part.holes, part.outer, *open_lines)
@@ -165,10 +165,13 @@ def _place_part(
         else:
             place = in_holes[contour.id]
             if place is None or place.size_mm < _ENOUGH * wanted_mm:
-                beside = _beside(metal, contour, label, wanted_mm, 0.0 if place is None else place.size_mm)
+                least_mm = 0.0 if place is None else max(above_mm, place.size_mm)
+                beside = _beside(metal, contour, label, wanted_mm, least_mm)
                 if beside is not None and (place is None or beside.size_mm > place.size_mm):
                     place = beside
         if place is not None:
+            if place.size_mm <= above_mm:
+                return None
             places[contour.id] = place
             metal = metal.difference(place.box().buffer(0.12 * place.size_mm, join_style="mitre"))
     return places

@@ -23,6 +23,8 @@ AT_ONCE = 1 << 16
 """Spots that are looked at together: more would take memory, and no less time."""
 DOUBT_MM2 = 1e-6
 """Areas this small may be rounding: a thousand times what it makes of a sheet of a hundred metres."""
+FLAT_MM2 = 1e-6
+"""An outline that leaves less than this of its convex hull has no mouth that a look could go across."""
 RAYS_IN_BOX = 4
 CONTACT_MM = 0.05
 """Outlines that overlap by less touch; a contour's own line nearer than this is where one stands."""
@@ -102,6 +104,8 @@ class Facing:
         self.owner: Ints = np.array(owners, dtype=np.int64)[of[1:][within]]
         self.tree = shapely.STRtree(shapely.linestrings(np.stack([self.begin, self.end], axis=1)))
         self.web_mm, self.edge_band_mm = web_mm, edge_band_mm
+        outlines = np.array([part.outer.polygon for part in nest.parts], dtype=object)
+        self.convex: Bools = shapely.area(shapely.convex_hull(outlines)) - shapely.area(outlines) < FLAT_MM2
 
     def faced(self, spots: Spots) -> Ints:
         """What each spot faces: the number of a part, EDGE or SOLID."""
@@ -158,6 +162,9 @@ class Facing:
         low = np.minimum.reduceat(np.minimum(start, end), first)
         high = np.maximum.reduceat(np.maximum(start, end), first)
         box, chord = self.tree.query(shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1]))
+        looks = part[first][box]
+        other = (self.owner[chord] != looks) | ~self.convex[looks]  # a look out of a convex part meets only where it is
+        box, chord = box[other], chord[other]
         times = count[box]
         within = np.arange(int(times.sum())) - np.repeat(np.cumsum(times) - times, times)
         return np.repeat(first[box], times) + within, np.repeat(chord, times)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import shapely
 
+from kerfwise.arrays import Bools
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest
@@ -56,7 +57,12 @@ def over_older_kerfs(
         return
     burns = list(_burns_of(finished, kerf_mm))
     tree = shapely.STRtree([burn.line for burn in burns])
-    pierced = [row for row in through if not row[1].linked and row[0] not in let and _pierces(nest, row[1])]
+    through_metal = _through_metal(nest, [cut for _, cut, _ in through])
+    pierced = [
+        row
+        for row, holed in zip(through, through_metal.tolist(), strict=True)
+        if holed and not row[1].linked and row[0] not in let
+    ]
     points = shapely.points(np.array([cut.pierce for _, cut, _ in pierced]).reshape(-1, 2))
     least_mm = kerf_mm / 2 + splash_mm
     reach_mm = np.array([burn.reach_mm for burn in burns])
@@ -120,10 +126,10 @@ def _burns(nest: Nest, cut: Cut) -> bool:
     return nest.contour(cut.contour).shapes_part
 
 
-def _pierces(nest: Nest, cut: Cut) -> bool:
-    """Whether the torch pierces metal; not where it comes in from the edge of the sheet."""
-    at, sheet = shapely.Point(cut.pierce), nest.sheet.polygon
-    return bool(shapely.intersects(sheet, at)) and float(shapely.distance(sheet.boundary, at)) > SLACK_MM
+def _through_metal(nest: Nest, cuts: Sequence[Cut]) -> Bools:
+    """Whether the torch pierces metal where each cut begins; not where it comes in from the edge of the sheet."""
+    at, sheet = shapely.points(np.array([cut.pierce for cut in cuts]).reshape(-1, 2)), nest.sheet.polygon
+    return np.asarray(shapely.intersects(sheet, at) & (shapely.distance(sheet.boundary, at) > SLACK_MM))
 
 
 def _older(burn: _BurntLine, position: int, contour: Contour) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import pytest
 import shapely
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 from kerfwise.encoder.by_hand import Rows, circle, nest, part, rect
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
+from kerfwise.postproc.report import labels
 from kerfwise.postproc.report.labels import Label, place_labels
 from kerfwise.postproc.report.text_room import TextPlace
 
@@ -123,3 +125,24 @@ def test_every_label_is_inside_and_none_overlap(wide: float, high: float, radii:
         metal = plate.part_of[contour.part].polygon
         assert metal.covers(box) or (contour.kind == "hole" and contour.polygon.covers(box))
     assert overlaps(places) == []
+
+
+def test_a_second_order_is_given_up_only_where_it_is_no_better(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without an end before all labels stand, the better of both orders is the same."""
+    plates = [
+        nest(900, 900, part("A", rect(0, 0, wide, high), [circle(wide * at, high / 2, high * share)]))
+        for wide in (20, 34, 50)
+        for high in (10, 16, 24)
+        for at, share in ((0.15, 0.1), (0.3, 0.25), (0.5, 0.35))
+    ]
+    quick = [place_labels(plate, numbered(plate) | {"A.outer": Label("1000")}, 12.0) for plate in plates]
+    placed, ended = labels._place_part, list[bool]()
+
+    def to_the_end(*given: Any, outer_first: bool, above_mm: float = 0.0) -> dict[str, TextPlace] | None:
+        ended.append(placed(*given, outer_first=outer_first, above_mm=above_mm) is None)
+        found = placed(*given, outer_first=outer_first) or {}
+        return found if labels._smallest(found) > above_mm else None
+
+    monkeypatch.setattr(labels, "_place_part", to_the_end)
+    assert [place_labels(plate, numbered(plate) | {"A.outer": Label("1000")}, 12.0) for plate in plates] == quick
+    assert set(ended) == {True, False}

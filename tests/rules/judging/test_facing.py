@@ -37,7 +37,26 @@ def test_looks_meet_the_chords_that_shapely_says(rays: list[tuple[int, int, int,
     begin = np.array([(x + 20, y + 20) for x, y, _, _ in rays], dtype=np.float64)
     end = begin + np.array([(dx, dy) if dx or dy else (1, 0) for _, _, dx, dy in rays]) / 4
     judged = Facing(plate, 25.0, 25.0)
+    judged.convex[:] = False  # these looks begin anywhere
     found = judged._met(begin, end, np.zeros(len(rays), dtype=np.int64))
     lines = shapely.linestrings(np.stack([begin, end], axis=1))
     told = judged.tree.query(lines, predicate="intersects")
     assert sorted(zip(*(of.tolist() for of in found), strict=True)) == sorted(zip(*told.tolist(), strict=True))
+
+
+@settings(deadline=None, max_examples=20)
+@given(sheets())
+def test_looks_out_of_convex_parts_need_not_be_held_against_these(sheet: Nest) -> None:
+    assume(sheet.parts)
+    lines = [part.outer.line for part in sheet.parts]
+    spots = Spots.joined([spots_along(k, line, 0.0, line.length, 60) for k, line in enumerate(lines)])
+    outlines = Facing(sheet, 25.0, 25.0)
+    found = outlines.faced(spots).tolist()
+    outlines.convex[:] = False
+    assert outlines.faced(spots).tolist() == found
+
+
+def test_a_channel_is_not_convex() -> None:
+    channel = [(0, 0), (40, 0), (40, 10), (10, 10), (10, 30), (40, 30), (40, 40), (0, 40)]
+    plate = nest(200, 100, part("A", [(x + 5, y + 5) for x, y in channel]), part("B", rect(80, 5, 20, 20)))
+    assert Facing(plate, 25.0, 25.0).convex.tolist() == [False, True]
