@@ -48,17 +48,17 @@ def cells_of(outlines: Outlines) -> Cells:
     contour_from = np.cumsum(per_contour_mm) - per_contour_mm
     middle = np.repeat(contour_from, count) + (number + 0.5) * np.repeat(per_contour_mm / count, count)
 
+    tangent = step / np.where(chord_mm > 0, chord_mm, 1.0)[:, None]
+    outwards = np.where(outlines.is_ccw[of], 1.0, -1.0)[:, None]
+    normal = outwards * np.column_stack([tangent[:, 1], -tangent[:, 0]])
     # A middle on a corner looks along the normal of the chord that begins there.
     chord = np.searchsorted(chord_from, middle + ROUNDING_MM, side="right") - 1
     share = (middle - chord_from[chord]) / chord_mm[chord]
-    tangent = step[chord] / chord_mm[chord, None]
-    contour = np.repeat(outers, count)
-    outwards = np.where(outlines.is_ccw[contour], 1.0, -1.0)[:, None]
     cell_mm = np.repeat(length_mm / count, count)
     return Cells(
-        contour=contour,
+        contour=np.repeat(outers, count),
         point=start[chord] + step[chord] * share[:, None],
-        normal=outwards * np.column_stack([tangent[:, 1], -tangent[:, 0]]),
+        normal=normal[chord],
         from_mm=number * cell_mm,
         length_mm=cell_mm,
     )

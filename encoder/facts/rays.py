@@ -17,7 +17,7 @@ CONTACT_MM = 0.05
 """Outlines that overlap by less than this touch; a contour's own curve nearer than this is the cell's own place."""
 CELLS_PER_BOX = 8
 BOXES_AT_ONCE = 20_000
-PAIRS_AT_ONCE = 1 << 21
+PAIRS_AT_ONCE = 1 << 18
 """Pairs of a cell and a piece that are intersected in one go, which takes a hundred bytes of memory for each."""
 NOTHING = -1
 
@@ -41,13 +41,13 @@ def first_hits(cells: Cells, obstacles: Obstacles, reach_mm: float) -> tuple[Int
     owner, distance_mm = np.full(k, NOTHING), np.full(k, np.inf)
     tree = shapely.STRtree(shapely.linestrings(np.stack([obstacles.start, obstacles.end], axis=1)))
     first, count = _boxes_of(cells.contour)
-    ends = np.stack([cells.point - CONTACT_MM * cells.normal, cells.point + reach_mm * cells.normal])
-    low, high = ends.min(axis=0), ends.max(axis=0)
     for chunk in range(0, len(first), BOXES_AT_ONCE):
         begin, cells_in = first[chunk : chunk + BOXES_AT_ONCE], count[chunk : chunk + BOXES_AT_ONCE]
-        stop = begin[-1] + cells_in[-1]
-        x0, y0 = np.minimum.reduceat(low[begin[0] : stop], begin - begin[0]).T
-        x1, y1 = np.maximum.reduceat(high[begin[0] : stop], begin - begin[0]).T
+        all_in = slice(begin[0], begin[-1] + cells_in[-1])
+        point, normal = cells.point[all_in], cells.normal[all_in]
+        ends = np.stack([point - CONTACT_MM * normal, point + reach_mm * normal])
+        x0, y0 = np.minimum.reduceat(ends.min(axis=0), begin - begin[0]).T
+        x1, y1 = np.maximum.reduceat(ends.max(axis=0), begin - begin[0]).T
         box, piece = tree.query(shapely.box(x0, y0, x1, y1))
         for some in _at_once(box, cells_in):
             cell = laid_out(begin[box[some]], cells_in[box[some]])
