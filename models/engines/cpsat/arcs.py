@@ -11,7 +11,11 @@ from kerfwise.arrays import Bools, Ints
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.problem import Problem
 
+from .in_time import GoOn, always
 from .moves import Out, arc_of_move, out_by_then
+
+LOOKS = 1000
+"""Pairs of contours from one question whether to go on to the next."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -40,13 +44,18 @@ def count_site_arcs(problem: Problem, lawful: Bools) -> int:
     return int(sites @ lawful @ sites)
 
 
-def site_arcs(problem: Problem, lawful: Bools) -> ArcLiterals:
-    """Every lawful arc between sites, at the cost of its idle travel and of what it crosses in any lawful order."""
+def site_arcs(problem: Problem, lawful: Bools, go_on: GoOn = always) -> ArcLiterals:
+    """Every lawful arc between sites, at the cost of its idle travel and of what it crosses in any lawful order.
+
+    `go_on` is asked now and then.
+    """
     groups = np.argwhere(lawful).astype(np.int64)
     first = np.append(problem.first, problem.m + 1)
     sites = np.arange(problem.m + 1)
     tails, heads, costs = [], [], []
-    for i, j in groups.tolist():
+    for k, (i, j) in enumerate(groups.tolist()):
+        if k % LOOKS == 0:
+            go_on()
         leave, reach = sites[first[i] : first[i + 1]], sites[first[j] : first[j + 1]]
         tails.append(np.repeat(leave, len(reach)))
         heads.append(np.tile(reach, len(leave)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import assert_never
 
 import numpy as np
@@ -13,28 +13,34 @@ from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Before, Enough, Literal, Pick
 
 from .arcs import ArcLiterals
+from .in_time import GoOn, always
 from .positions import distances, windows, windows_of_steps
 from .times import cuts_ms, moves_ms
 from .variables import Variables
 
 
-def add_constraints(model: CpModel, problem: Problem, arcs: ArcLiterals, v: Variables) -> None:
-    """Everything that is hard, and what ties soft statements to their penalties."""
-    _one_site_a_contour(model, problem, v)
-    _one_round_trip(model, v)
-    _travel_joins_contours(model, arcs, v)
-    _travel_joins_picked_sites(model, problem, arcs, v)
-    _positions_follow_the_route(model, problem, v)
-    _positions_leave_room(model, problem, v)
-    _orders_hold(model, problem, v)
-    _blocks_stay_together(model, problem, v)
-    _order_literals_agree_with_positions(model, v)
-    _conditions_are_met(model, problem, v)
-    _lags_are_kept(model, problem, v)
-    _general_statements_hold(model, problem, v)
-    _moves_over_parts_are_paid_for(model, v)
-    _the_clock_runs_along_the_route(model, problem, arcs, v)
-    _cooling_takes_its_time(model, problem, v)
+def add_constraints(model: CpModel, problem: Problem, arcs: ArcLiterals, v: Variables, go_on: GoOn = always) -> None:
+    """Everything that is hard, and what ties soft statements to their penalties; `go_on` is asked before each."""
+    families: tuple[Callable[[], None], ...] = (
+        lambda: _one_site_a_contour(model, problem, v),
+        lambda: _one_round_trip(model, v),
+        lambda: _travel_joins_contours(model, arcs, v),
+        lambda: _travel_joins_picked_sites(model, problem, arcs, v),
+        lambda: _positions_follow_the_route(model, problem, v),
+        lambda: _positions_leave_room(model, problem, v),
+        lambda: _orders_hold(model, problem, v),
+        lambda: _blocks_stay_together(model, problem, v),
+        lambda: _order_literals_agree_with_positions(model, v),
+        lambda: _conditions_are_met(model, problem, v),
+        lambda: _lags_are_kept(model, problem, v),
+        lambda: _general_statements_hold(model, problem, v),
+        lambda: _moves_over_parts_are_paid_for(model, v),
+        lambda: _the_clock_runs_along_the_route(model, problem, arcs, v),
+        lambda: _cooling_takes_its_time(model, problem, v),
+    )
+    for add_family in families:
+        go_on()
+        add_family()
 
 
 def _one_site_a_contour(model: CpModel, problem: Problem, v: Variables) -> None:

@@ -14,6 +14,7 @@ from kerfwise.models.problem.problem import Problem
 from .arcs import ArcLiterals
 from .constraints import add_constraints
 from .hint import add_hint
+from .in_time import GoOn, always
 from .objective import limit_objective, set_objective
 from .outcome import CpsatOutcome
 from .run import CpsatRun, run_solver
@@ -27,9 +28,10 @@ def solve_whole(
     start: Incumbent | None,
     bound_um: int,
     progress: Progress,
+    go_on: GoOn,
 ) -> CpsatOutcome:
     """Solve the model of the whole problem, given a lawful route and a proven lower bound."""
-    model, v = build_model(problem, arcs)
+    model, v = build_model(problem, arcs, go_on)
     limit_objective(model, bound_um, None if start is None else start.cost)
     if start is not None:
         add_hint(model, problem, arcs, v, start.route)
@@ -46,11 +48,11 @@ def solve_whole(
     return CpsatOutcome(found, bound, proven, interrupted=done.interrupted, work=done.work)
 
 
-def build_model(problem: Problem, arcs: ArcLiterals) -> tuple[CpModel, Variables]:
-    """The model of a problem over these arcs."""
+def build_model(problem: Problem, arcs: ArcLiterals, go_on: GoOn = always) -> tuple[CpModel, Variables]:
+    """The model of a problem over these arcs; `go_on` is asked between its families of constraints."""
     model = CpModel()
     v = make_variables(model, problem, arcs)
-    add_constraints(model, problem, arcs, v)
+    add_constraints(model, problem, arcs, v, go_on)
     set_objective(model, problem, arcs, v)
     return model, v
 

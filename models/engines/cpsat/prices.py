@@ -17,6 +17,7 @@ from kerfwise.arrays import Ints
 from kerfwise.models.problem.problem import Problem
 
 from .arcs import ArcLiterals
+from .in_time import GoOn, always
 
 ROUNDS = 200
 EFFORT = 100_000_000
@@ -38,12 +39,18 @@ class PricedArcs:
     bound: int
 
 
-def price_sites(problem: Problem, arcs: ArcLiterals, target_um: int | None, rounds: int = ROUNDS) -> PricedArcs:
-    """Look for prices that make the bound as high as can be; `target_um` is the cost of a known route."""
+def price_sites(
+    problem: Problem, arcs: ArcLiterals, target_um: int | None, rounds: int = ROUNDS, go_on: GoOn = always
+) -> PricedArcs:
+    """Look for prices that make the bound as high as can be; `target_um` is the cost of a known route.
+
+    `go_on` is asked every round.
+    """
     costs = arcs.cost + np.append(problem.site_cost, 0)[arcs.head]
     prices = best = np.zeros(problem.m + 1, dtype=np.int64)
     bound, step, waited = 0.0, 1.0, 0
     for _ in range(min(rounds, EFFORT // (len(costs) + (problem.n + 1) ** 2))):
+        go_on()
         least, reached = _assigned(problem.n, arcs, costs + prices[arcs.head] - prices[arcs.tail])
         if least > bound:
             bound, best, waited = least, prices, 0

@@ -15,6 +15,7 @@ from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Before
 
 from .hint import add_hint
+from .in_time import GoOn
 from .model import build_model, proven_bound
 from .objective import limit_objective
 from .outcome import CpsatOutcome
@@ -29,13 +30,14 @@ def solve_relaxed(
     start: Incumbent | None,
     bound_um: int,
     progress: Progress,
+    go_on: GoOn,
 ) -> CpsatOutcome:
     """A proven lower bound from the cheapest arcs between contours; no route but `start` comes back.
 
     Every route of the whole problem is one of the relaxed problem, and costs no less there.
     """
     relaxed = by_contours(problem)
-    model, v = build_model(relaxed, priced.arcs)
+    model, v = build_model(relaxed, priced.arcs, go_on)
     # `bound_um` need not hold for the relaxed problem, and is no limit to it
     limit_objective(model, priced.bound, None if start is None else start.cost)
     if start is not None:

@@ -7,6 +7,7 @@ from kerfwise.models.kernels import running_s
 from kerfwise.models.problem.problem import Problem
 
 from .arcs import count_site_arcs, site_arcs
+from .in_time import Stopped, asked, until
 from .model import solve_whole
 from .outcome import CpsatOutcome
 from .prices import NEVER, price_sites
@@ -39,34 +40,29 @@ def solve_cpsat(
     AssertionError
         If the model and `models/problem/evaluate` disagree about a route: a bug in one of them.
     """
-    progress = _until(progress, None if options.time_s is None else running_s() + options.time_s)
+    progress = until(progress, None if options.time_s is None else running_s() + options.time_s)
     if problem.n == 0:
         return CpsatOutcome(Incumbent((), 0), 0, proven_optimal=True)
     if problem.n > MAX_CONTOURS:
         return CpsatOutcome(start)
-    lawful = problem.successors()
-    count = count_site_arcs(problem, lawful)
-    if count > MOST_ARCS:
-        return CpsatOutcome(start)
-    arcs = site_arcs(problem, lawful)
-    priced = price_sites(problem, arcs, None if start is None else start.cost)
-    if priced.bound >= NEVER:
-        return CpsatOutcome(None, infeasible=True)
-    bound_um = max(bound_um, priced.bound)
-    if not progress(ENGINE, None if start is None else start.cost, bound_um):
-        return CpsatOutcome(start, bound_um)
-    if count <= max_arcs:
-        return solve_whole(problem, arcs, options, start, bound_um, progress)
-    if len(priced.arcs.cost) <= max_arcs:
-        return solve_relaxed(problem, priced, options, start, bound_um, progress)
+    go_on = asked(ENGINE, progress, None if start is None else start.cost, bound_um)
+    try:
+        go_on()
+        lawful = problem.successors()
+        count = count_site_arcs(problem, lawful)
+        if count > MOST_ARCS:
+            return CpsatOutcome(start)
+        arcs = site_arcs(problem, lawful, go_on)
+        priced = price_sites(problem, arcs, None if start is None else start.cost, go_on=go_on)
+        if priced.bound >= NEVER:
+            return CpsatOutcome(None, infeasible=True)
+        bound_um = max(bound_um, priced.bound)
+        go_on = asked(ENGINE, progress, None if start is None else start.cost, bound_um)
+        go_on()
+        if count <= max_arcs:
+            return solve_whole(problem, arcs, options, start, bound_um, progress, go_on)
+        if len(priced.arcs.cost) <= max_arcs:
+            return solve_relaxed(problem, priced, options, start, bound_um, progress, go_on)
+    except Stopped:
+        pass
     return CpsatOutcome(start, bound_um)
-
-
-def _until(progress: Progress | None, deadline: float | None) -> Progress:
-    """Asks `progress`, and says stop from the deadline on."""
-
-    def going(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
-        heard = progress is None or progress(engine, cost_um, bound_um)
-        return heard and (deadline is None or running_s() < deadline)
-
-    return going
