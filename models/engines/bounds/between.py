@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from kerfwise.arrays import Floats
+from kerfwise.arrays import Bools, Floats
 
 from .inequalities import Inequalities
 from .least_cuts import Flow
@@ -25,12 +25,27 @@ LEAST = 0.02
 
 
 class Between:
-    """Looks for inequalities that a flow on the way to the cheapest one breaks; moves are only ever added."""
+    """Looks for inequalities that a flow on the way to the cheapest one breaks.
+
+    Moves come behind those of before; where some are dropped, `keep` is told.
+    """
 
     def __init__(self, separation: Separation) -> None:
         self._separation = separation
         self._amount: Floats | None = None
         self._beside: Floats = np.zeros(0)
+
+    def uses(self, moves: int) -> Bools:
+        """Which of the first so many moves the flow inside has, (moves,)."""
+        used = np.zeros(moves, dtype=np.bool_)
+        if self._amount is not None:
+            used[: len(self._amount)] = self._amount >= LITTLE
+        return used
+
+    def keep(self, kept: Bools) -> None:
+        """Go on with these of the moves."""
+        if self._amount is not None:
+            self._amount = self._amount[kept[: len(self._amount)]]
 
     def broken(self, cheapest: Flow, beside: Floats, go: Callable[[], bool]) -> Inequalities:
         """Inequalities that the cheapest flow breaks; `beside` are the columns beside its moves."""

@@ -155,6 +155,7 @@ class CutLoop:
             if (flow.complete or flow.inequalities > self._most) and best > (1 + RISEN) * self._dropped_at:
                 flow.drop_idle(self._kept)
                 self._dropped_at = best
+            between.keep(flow.drop_dear(between.uses(len(flow.moves.leave))))
             flow.ask(found)
         if flow.look_at_all():
             best = max(best, flow.bound)

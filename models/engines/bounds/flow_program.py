@@ -32,6 +32,10 @@ PRODUCTS_PER_S, BESIDE = 2.5e10, 650
 """Of multipliers above 0 and moves, in the same way; and so many multipliers take as long as all else with a move."""
 MADE_PER_S = 1e7
 """Moves whose costs are worked out, and that are gone through for the first ones."""
+MANY_MOVES, FEWER_MOVES = 8, 5
+"""Moves for every site, beyond which the dearest are dropped, and how many stay."""
+DEAR_UM = 1.0
+"""A move that is no dearer than this is not dropped."""
 NARROW = 24
 """Binary digits that narrow numbers hold."""
 
@@ -77,7 +81,7 @@ class FlowProgram:
         self.ask(inequalities)
         self.work = self._moves.open.size / MADE_PER_S
         self.bound, self.value, self.complete, self.restricted = 0.0, 0.0, False, False
-        self._idle = np.zeros(0, dtype=np.bool_)
+        self._idle, self._reduced = np.zeros(0, dtype=np.bool_), np.zeros(0)
         self._multipliers: Multipliers | None = None
 
     def solve(self, work: float) -> bool:
@@ -99,6 +103,7 @@ class FlowProgram:
                 return False
         paid = np.maximum(solved.multiplier[n + self._m + 2 :], 0.0)
         self._idle = paid <= 1e-9
+        self._reduced = solved.reduced[len(self._beside_cost) :]
         columns = len(self._beside_cost)
         self.beside = np.clip(solved.value[:columns], 0.0, 1.0)
         self.moves = Flow(self._leave, self._reach, np.maximum(solved.value[columns:], 0.0))
@@ -174,6 +179,24 @@ class FlowProgram:
         if missing is not None:
             open_ = moves.open[missing]
             self._use(missing[0][open_], missing[1][open_])
+
+    def drop_dear(self, in_use: Bools) -> Bools:
+        """Drop the moves that the last multipliers leave dearest where there are many, and say which moves stay.
+
+        Those `in_use` (moves,) stay, and those that have come since.
+        """
+        known, fewer = len(self._reduced), FEWER_MOVES * (self._m + 1)
+        kept = np.ones(len(self._leave), dtype=np.bool_)
+        if known <= MANY_MOVES * (self._m + 1):
+            return kept
+        enough = max(float(np.partition(self._reduced, fewer)[fewer]), DEAR_UM)
+        kept[:known] = (self._reduced <= enough) | in_use[:known] | self._moves.is_own(self._leave, self._reach)[:known]
+        gone = np.flatnonzero(~kept)
+        self._program.drop_columns(len(self._beside_cost) + gone)
+        self._moves.used[self._leave[gone], self._reach[gone]] = False
+        self._leave, self._reach = self._leave[kept], self._reach[kept]
+        self._reduced = self._reduced[kept[:known]]
+        return kept
 
     def restrict(self, allowed: Bools) -> None:
         """Go on with these moves alone, (m + 1, m + 1).

@@ -80,6 +80,12 @@ class AllMoves:
         leave, reach = np.nonzero(wanted)
         return leave, reach
 
+    def is_own(self, leave: Ints, reach: Ints) -> Bools:
+        """Which of these moves are the known plan's."""
+        row, column = self._own
+        wide = len(self._owner)
+        return np.asarray(np.isin(leave * wide + reach, row * wide + column))
+
     def costs(self, leave: Ints, reach: Ints) -> Floats:
         """What moves cost: those of the known plan that are not allowed as much as a plan more."""
         cost: Floats = self._cost[leave, reach].astype(np.float64)

@@ -29,10 +29,11 @@ MOST_ROUNDS = 2**31 - 1
 
 @dataclass(frozen=True, eq=False, slots=True)
 class MasterSolution:
-    """A solution: the value of every column and the multiplier of every row."""
+    """A solution: the value of every column, the multiplier of every row, and what these leave of columns' costs."""
 
     value: Floats
     multiplier: Floats
+    reduced: Floats
 
 
 class RestrictedMaster(Protocol):
@@ -53,6 +54,9 @@ class RestrictedMaster(Protocol):
 
     def drop_rows(self, rows: Ints) -> None:
         """Drop some of the rows that were added, counted from the first equation on; those after them move up."""
+
+    def drop_columns(self, columns: Ints) -> None:
+        """Drop some columns, none of them in use; those after them move up."""
 
     def limit(self, columns: Ints, most: Floats) -> None:
         """Keep these columns at no more than so much each from now on."""
@@ -105,6 +109,11 @@ class GoesOn:
         if len(rows):
             self._told(self._highs.deleteRows(len(rows), rows.astype(np.int32)))
 
+    def drop_columns(self, columns: Ints) -> None:
+        if len(columns):
+            self._value = np.delete(self._value, columns)
+            self._told(self._highs.deleteCols(len(columns), columns.astype(np.int32)))
+
     def limit(self, columns: Ints, most: Floats) -> None:
         if len(columns):
             self._lawful = self._lawful and bool((self._value[columns] <= most).all())
@@ -126,7 +135,7 @@ class GoesOn:
         self._lawful = True
         found = self._highs.getSolution()
         self._value = np.array(found.col_value)
-        return MasterSolution(self._value, np.array(found.row_dual))
+        return MasterSolution(self._value, np.array(found.row_dual), np.array(found.col_dual))
 
     def _add_rows(self, entries: csr_matrix, least: Floats, most: Floats) -> None:
         if len(least):
@@ -165,6 +174,12 @@ class Anew:
         kept[rows] = False
         self._entries, self._least = self._entries[kept], self._least[kept[len(self._right) :]]
 
+    def drop_columns(self, columns: Ints) -> None:
+        self._cost, self._most = np.delete(self._cost, columns), np.delete(self._most, columns)
+        kept = np.ones(self._entries.shape[1], dtype=np.bool_)
+        kept[columns] = False
+        self._entries = self._entries[:, kept]
+
     def limit(self, columns: Ints, most: Floats) -> None:
         self._most[columns] = most
 
@@ -188,7 +203,8 @@ class Anew:
         if solved.x is None or solved.status != 0:
             return None
         paid = -solved.ineqlin.marginals if many else self._least
-        return MasterSolution(solved.x, np.append(solved.eqlin.marginals, paid))
+        reduced = solved.lower.marginals + solved.upper.marginals
+        return MasterSolution(solved.x, np.append(solved.eqlin.marginals, paid), reduced)
 
 
 def _sparse(entries: csr_matrix) -> tuple[int, Ints, Ints, Floats]:

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kerfwise.arrays import Floats
-from kerfwise.models.engines.bounds import flow, flow_bound
+from kerfwise.arrays import Bools, Floats
+from kerfwise.models.engines.bounds import flow, flow_bound, flow_program
 from kerfwise.models.engines.bounds.costs import Stopped, by_threads
 from kerfwise.models.engines.bounds.demands import DemandColumns
-from kerfwise.models.engines.bounds.flow_program import sets_out_s
+from kerfwise.models.engines.bounds.flow_program import FlowProgram, sets_out_s
 from kerfwise.models.engines.bounds.inequalities import block_inequalities
 from kerfwise.models.engines.bounds.least_cuts import Flow
 from kerfwise.models.engines.bounds.network import Network, network_of
@@ -218,3 +218,23 @@ def test_an_excuse_is_in_the_bound() -> None:
     dear = problem(row, pairs=[(0, 1)], conditions=[Condition(1, (0,), (-1,), 0, About("held", (), ""), cost=10**9)])
     best = best_of(dear)
     assert flow_bound(dear, best, 5.0).bound in (best.cost - 1, best.cost)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_bound_holds_where_dear_moves_are_dropped_again_and_again(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = scattered(seed, 6, 2, pairs=seed)
+    best = best_of(seen)
+    whole = flow_bound(seen, best, 5.0).bound
+    dropped: list[int] = []
+    drop_dear = FlowProgram.drop_dear
+
+    def noted(program: FlowProgram, in_use: Bools) -> Bools:
+        kept = drop_dear(program, in_use)
+        dropped.append(int((~kept).sum()))
+        return kept
+
+    monkeypatch.setattr(FlowProgram, "drop_dear", noted)
+    monkeypatch.setattr(flow_program, "MANY_MOVES", 0)
+    monkeypatch.setattr(flow_program, "FEWER_MOVES", 0)
+    assert 0.999 * whole <= flow_bound(seen, best, 5.0).bound <= best.cost
+    assert sum(dropped) > 0

@@ -53,6 +53,7 @@ def test_going_on_and_starting_anew_find_the_same_cost(seed: int) -> None:
             assert (table[3:] @ solved.value >= least - 1e-6).all()
             assert (solved.value >= -1e-9).all()
             assert (cost - solved.multiplier @ table >= -1e-6).all()
+            assert np.allclose(solved.reduced, cost - solved.multiplier @ table, atol=1e-6)
             assert solved.multiplier @ np.append(right, least) == pytest.approx(cost @ solved.value, abs=1e-6)
 
 
@@ -122,3 +123,18 @@ def _in_steps(program: GoesOn, most: int = 3) -> float:
             return float(program._highs.getInfo().objective_function_value)
         assert program.iterations == most
     raise AssertionError("no end")
+
+
+@pytest.mark.parametrize("kind", [GoesOn, Anew])
+def test_columns_that_are_not_in_use_can_be_dropped(kind: type[RestrictedMaster]) -> None:
+    program = kind(np.array([4.0]))  # type: ignore[call-arg]
+    program.add_columns(np.array([5.0, 2.0, 9.0, 3.0]), csr_matrix([[1.0, 1.0, 1.0, 1.0]]))
+    solved = program.solve(100)
+    assert solved is not None
+    assert solved.reduced.tolist() == [3.0, 0.0, 7.0, 1.0]
+    program.drop_columns(np.array([0, 2]))
+    program.add_rows(csr_matrix([[0.0, 1.0]]), np.array([1.0]))
+    program.add_columns(np.array([1.0]), csr_matrix([[1.0], [0.0]]), 2.0)
+    solved = program.solve(100)
+    assert solved is not None
+    assert solved.value.tolist() == [1.0, 1.0, 2.0]
