@@ -79,16 +79,17 @@ def kept(**options: Any) -> Callable[[F], F]:
     """A decorator: a function that numba compiles with its `options`, once for each machine and kind of arguments."""
 
     def made(function: F) -> F:
-        return cast(F, Kernel(function, options, keep=True))
+        return cast(F, Kernel(function, {**options, "no_cfunc_wrapper": True}, keep=True))
 
     return made
 
 
 def inner(**options: Any) -> Callable[[F], F]:
-    """A decorator for a function that only kernels call: it is kept with those."""
+    """A decorator for a function that only kernels call: it is kept with those, and Python cannot call it."""
 
     def made(function: F) -> F:
-        return cast(F, Kernel(function, options, keep=False))
+        alone = {"no_cfunc_wrapper": True, "no_cpython_wrapper": True}
+        return cast(F, Kernel(function, {**options, **alone}, keep=False))
 
     return made
 

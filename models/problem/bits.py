@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.models.kernels import kept
+from kerfwise.models.kernels import inner
 
 Masks = NDArray[np.uint64]
 
@@ -35,7 +35,7 @@ def masks_of(sets: Sequence[Sequence[int]], n: int) -> Masks:
     return masks
 
 
-@kept(nogil=True)
+@inner(nogil=True)
 def bit_number(bit: np.uint64) -> int:  # pragma: no cover - compiled
     """The number of the only bit that is set."""
     number = 0
@@ -54,7 +54,7 @@ def bit_number(bit: np.uint64) -> int:  # pragma: no cover - compiled
     return number
 
 
-@kept(nogil=True)
+@inner(nogil=True)
 def missing(wanted: Masks, mask: Masks) -> bool:  # pragma: no cover - compiled
     """Whether some of the wanted contours are not in the set."""
     for w in range(len(wanted)):  # noqa: SIM110 - numba has no generators here
@@ -63,7 +63,7 @@ def missing(wanted: Masks, mask: Masks) -> bool:  # pragma: no cover - compiled
     return False
 
 
-@kept(nogil=True)
+@inner(nogil=True)
 def has(mask: Masks, k: int) -> bool:  # pragma: no cover - compiled
     """Whether contour k is in the set."""
     return bool(mask[k >> 6] >> (np.uint64(k) & LOW) & ONE)

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from kerfwise.arrays import Bools, Floats, Ints
-from kerfwise.models.kernels import cores, kept, suited
+from kerfwise.models.kernels import cores, inner, kept, suited
 
 THREADS = cores()
 SLOTS_AT_FIRST = 1 << 10
@@ -132,7 +132,7 @@ def _crossed(  # pragma: no cover - compiled
     return rows[:, :count].copy()
 
 
-@kept(nogil=True)
+@inner(nogil=True)
 def _crosses(p: Floats, q: Floats, areas: Areas, a: int) -> bool:  # pragma: no cover - compiled
     """Whether the move from p to q meets area a.
 

@@ -8,7 +8,7 @@ from kerfwise.arrays import Floats, Int32s, Ints
 from kerfwise.models.engines.ideals.kernels import asked, leaving
 from kerfwise.models.engines.ideals.local import HARD
 from kerfwise.models.engines.ideals.sets import cut_one_more, find_slot, ready_word
-from kerfwise.models.kernels import kept
+from kerfwise.models.kernels import inner, kept
 from kerfwise.models.problem.bits import LOW, ONE, Masks, bit_number, has
 from kerfwise.models.problem.crossings import FORBIDDEN
 
@@ -157,7 +157,7 @@ def gather(  # pragma: no cover - compiled
     return count
 
 
-@kept(nogil=True)
+@inner(nogil=True)
 def _crossing(tables: BeamTables, leave: int, reach: int, mask: Masks) -> int:  # pragma: no cover - compiled
     """What a move costs for the contours that are out; `FORBIDDEN` if it is not lawful."""
     move = tables.cross_at[leave, reach]

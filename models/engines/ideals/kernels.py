@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats, Int16s, Int32s, Ints
-from kerfwise.models.kernels import kept
+from kerfwise.models.kernels import inner, kept
 from kerfwise.models.problem.bits import Masks, has, missing
 
 from .local import HARD, StepTerms
@@ -139,7 +139,7 @@ def sweep(  # pragma: no cover - compiled
             if not has(masks[k], i):
                 to_come += rest.price[i]
         for e in range(entry_from[a], entry_from[a + 1]):
-            i = contour[e]
+            i = int(np.int64(contour[e]))
             if crossed or grouped:
                 _least_of_each(moves, terms, masks[k], i, first, have, row, owner, count, never, best)
             else:
@@ -158,7 +158,7 @@ def sweep(  # pragma: no cover - compiled
             living[place[e]] = lives
 
 
-@kept(nogil=True)
+@inner(nogil=True)
 def _keep(  # pragma: no cover - compiled
     site_cost: Ints,
     span: tuple[np.uint64, np.uint64, np.uint64],
@@ -179,7 +179,7 @@ def _keep(  # pragma: no cover - compiled
     return count > 0
 
 
-@kept(nogil=True)
+@inner(nogil=True)
 def _keep_asked(  # pragma: no cover - compiled
     terms: StepTerms,
     mask: Masks,
@@ -202,7 +202,7 @@ def _keep_asked(  # pragma: no cover - compiled
     return lives
 
 
-@kept(nogil=True)
+@inner(nogil=True)
 def _least(  # pragma: no cover - compiled
     table: Costs, base: int, pad: int, have: Costs, row: Ints, count: int, never: int, best: Costs
 ) -> None:
@@ -219,7 +219,7 @@ def _least(  # pragma: no cover - compiled
             best[d] = min(best[d], min(one, two))
 
 
-@kept(nogil=True)
+@inner(nogil=True)
 def _least_of_each(  # pragma: no cover - compiled
     moves: MoveTable,
     terms: StepTerms,
@@ -271,7 +271,7 @@ def crossing_in_set(moves: MoveTable, mask: Masks, row: int, column: int) -> int
     return over * moves.price
 
 
-@kept(nogil=True)
+@inner(nogil=True)
 def asked(terms: StepTerms, mask: Masks, i: int, column: np.int64) -> int:  # pragma: no cover - compiled
     """What the conditions make cutting contour i at a site cost when a set is out."""
     cost = 0

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kerfwise.arrays import Int16s, Int32s, Ints
-from kerfwise.models.kernels import kept, suited
+from kerfwise.models.kernels import inner, kept, suited
 from kerfwise.models.problem.bits import LOW, ONE, Masks, bit_number, missing, words
 
 from .local import OrderSets
@@ -70,7 +70,7 @@ def grow(orders: OrderSets, sets: Sets, alive: Ints, entries: int) -> tuple[Sets
     return Sets(masks, ready, pending, width, hashes), contour, target, entry_from
 
 
-@kept(nogil=True)
+@inner(nogil=True)
 def ready_word(orders: OrderSets, ready: Masks, pending: Int32s, k: int, w: int) -> np.uint64:  # pragma: no cover
     """Word w of what may be cut next, once set k is out."""
     bits = ready[k, w]
@@ -98,7 +98,7 @@ def _count(  # pragma: no cover - compiled
     return entries, states, additions
 
 
-@kept(nogil=True)
+@inner(nogil=True)
 def find_slot(  # pragma: no cover - compiled
     slots: Int32s, key: np.uint64, masks: Masks, hashes: Masks, source: Masks, word: int, bit: np.uint64
 ) -> int:
@@ -122,7 +122,7 @@ def find_slot(  # pragma: no cover - compiled
     return int(slot)
 
 
-@kept(nogil=True)
+@inner(nogil=True)
 def cut_one_more(  # pragma: no cover - compiled
     orders: OrderSets, mask: Masks, ready: Masks, i: int, new_mask: Masks, new_ready: Masks
 ) -> int:

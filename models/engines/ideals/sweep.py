@@ -17,7 +17,7 @@ from .kernels import RestBound
 from .lattice import SweptLayer, SweptStretch, sweep_layers, walk_back
 from .local import Local, localise
 from .series import series
-from .stretches import dearest, entrance_of, home_from, make_moves, never
+from .stretches import NARROW, dearest, entrance_of, home_from, make_moves, never
 
 Rests = Callable[[int, Local, frozenset[int]], Callable[[int], RestBound]]
 """Of a stretch, by its number, what it is and what comes before it: what plans still cost after so many cuts of it."""
@@ -26,8 +26,19 @@ Rests = Callable[[int, Local, frozenset[int]], Callable[[int], RestBound]]
 def sweep_through(
     problem: Problem, known: int | None, rests: Rests, budget: SweepBudget, threads: Executor
 ) -> Incumbent | None:
-    """The best route of all that cost no more than `known`, None where there is none; `TooLarge` over the budget."""
-    limit = dearest(problem) if known is None else known
+    """The best route of all that cost no more than `known`, None where there is none; `TooLarge` over the budget.
+
+    Where nothing is known, routes whose costs fit in narrow numbers are looked for first: most plans need no excuse.
+    """
+    most = dearest(problem) if known is None else known
+    if known is None and most >= NARROW:
+        found = _sweep(problem, NARROW - 1, rests, budget, threads)
+        if found is not None:
+            return found
+    return _sweep(problem, most, rests, budget, threads)
+
+
+def _sweep(problem: Problem, limit: int, rests: Rests, budget: SweepBudget, threads: Executor) -> Incumbent | None:
     swept: list[tuple[SweptStretch, list[SweptLayer]]] = []
     ways, costs, earlier = np.array([HOME]), entrance_of([0], limit), frozenset[int]()
     total = None

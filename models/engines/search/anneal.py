@@ -13,7 +13,7 @@ from .recreate import recreate
 from .ruin import ruin
 from .sites import choose_sites, refresh_sites
 from .sop_exchange import swap_towards
-from .state import BEST, BROKEN, CLIMBS, COST, LAWLESS, LENGTH, PRICE, START, TAKEN, TRIES, WORK, State
+from .state import BEST, BROKEN, CLIMBS, COST, LAWLESS, LENGTH, PRICE, START, TAKEN, TRIES, WORK, YES, State
 from .tables import SearchTables
 from .three_opt import PER_TRIAL, three_opt
 
@@ -21,43 +21,57 @@ DEAREST = 1 << 40  # the most that a broken statement counts, µm
 EXCHANGES = 4  # work on exchanges for one of ruins, where they are quick
 MOST = 12  # contours taken out at once
 RUINS, FEW_RUINS, LONG = 0.1, 0.03, 300  # share of ruins among the moves, the rest are swaps: fewer on long routes
-GO_ON, MAKE_ROUTE, TAKE_ROUTE = 0, 1, 2  # what to do before a walk
 FORCED = 0.3  # share of ruins in which a site is forced, where that makes sense
 MUCH = 0.4  # chance of overlooking a place where a trial is to differ
 JUDGE = 128  # trials between two looks at how many of them were lawful
 
 
 @entry
-def walk(tables: SearchTables, state: State, first: int, until: int, hot: float, cold: float) -> None:
-    """Search until `number[WORK]` reaches `until`; the temperature, µm, falls from `hot` to `cold` on the way.
-
-    Before that, make a first route to stand on, or stand on the route that is the trial; `first` says which.
-    """
-    if first == MAKE_ROUTE:
+def begin(tables: SearchTables, state: State, make: bool) -> None:
+    """Make a first route to stand on, or stand on the route that is the trial."""
+    if make:
         nearest_first(tables, state)
-    if first != GO_ON:
-        _stand(tables, state, first == MAKE_ROUTE)
+    _stand(tables, state, make)
+
+
+@entry
+def walk(tables: SearchTables, state: State, until: int, hot: float, cold: float) -> None:
+    """Search until `number[WORK]` reaches `until`; the temperature, µm, falls from `hot` to `cold` on the way."""
     swaps = 1.0 - max(FEW_RUINS, RUINS * min(1.0, LONG / tables.legs.n))
     start = state.number[WORK]
     while state.number[WORK] < until:
-        done = (state.number[WORK] - start) / (until - start)
-        temperature = hot * (cold / hot) ** done
+        temperature = _temperature(state, start, until, hot, cold)
         limit = -temperature * np.log(1.0 - share(state.random))
-        if tables.arcs.plain > 0:
-            before = state.number[WORK]
-            _settle(tables, state, _shuffle(tables, state), limit)
-            three_opt(tables, state, temperature, EXCHANGES * (state.number[WORK] - before) // PER_TRIAL)
-        elif share(state.random) < swaps:
+        if share(state.random) < swaps:
             state.number[WORK] += 60
             if swap_towards(tables, state, limit):
-                _settle(tables, state, True, limit)
+                _settle(tables, state, YES, limit)
         else:
-            choose = _shuffle(tables, state)
-            change = _settle(tables, state, choose, limit)
+            change = _settle(tables, state, _shuffle(tables, state), limit)
             if change > 0:
                 state.climb[state.number[CLIMBS] % len(state.climb)] = change
                 state.number[CLIMBS] += 1
         _judge(state, temperature)
+
+
+@entry
+def walk_plain(tables: SearchTables, state: State, until: int, hot: float, cold: float) -> None:
+    """The same for plain problems, with exchanges of arcs; a kernel apart, as either takes seconds to compile."""
+    start = state.number[WORK]
+    while state.number[WORK] < until:
+        temperature = _temperature(state, start, until, hot, cold)
+        limit = -temperature * np.log(1.0 - share(state.random))
+        before = state.number[WORK]
+        _settle(tables, state, _shuffle(tables, state), limit)
+        three_opt(tables, state, temperature, EXCHANGES * (state.number[WORK] - before) // PER_TRIAL)
+        _judge(state, temperature)
+
+
+@compiled
+def _temperature(state: State, start: int, until: int, hot: float, cold: float) -> float:
+    """The temperature, µm, at the work done so far."""
+    done = (state.number[WORK] - start) / (until - start)
+    return float(hot * (cold / hot) ** done)
 
 
 @compiled

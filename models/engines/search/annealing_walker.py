@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from kerfwise.arrays import Ints
 
-from .anneal import GO_ON, MAKE_ROUTE, TAKE_ROUTE, walk
+from .anneal import begin, walk, walk_plain
 from .state import CLIMBS, COST, LENGTH, PRICE, TRADED, TRADES, new_state
 from .structs import for_kernels
 from .tables import SearchTables
@@ -39,7 +39,7 @@ class AnnealingWalker(Walker):
     def start(self) -> None:
         number = self.arrays.number
         if number[LENGTH] == 0:
-            walk(self._tables, self._state, MAKE_ROUTE, 0, 1.0, 1.0)
+            begin(self._tables, self._state, True)
         number[PRICE] = 1 + 10 * int(number[COST]) // self._fields.legs.n
 
     def descend(self, chunk: int) -> None:
@@ -58,10 +58,11 @@ class AnnealingWalker(Walker):
         self.arrays.order[:] = self._fields.legs.contour[sites]
         self.arrays.position[self.arrays.order] = np.arange(len(sites))
         self.arrays.site[self.arrays.order] = sites
-        walk(self._tables, self._state, TAKE_ROUTE, 0, 1.0, 1.0)
+        begin(self._tables, self._state, False)
 
     def go(self, chunk: int, hot: float, cold: float) -> None:
-        walk(self._tables, self._state, GO_ON, self.work + chunk, hot, cold)
+        on = walk_plain if self._fields.arcs.plain else walk
+        on(self._tables, self._state, self.work + chunk, hot, cold)
 
     def _lively(self, look: int) -> float:
         """The temperature at which `LIVELY` of the exchanges are taken and change the cost, by looks of that length."""

@@ -12,13 +12,12 @@ F = TypeVar("F", bound=Callable[..., object])
 
 # Kernels hold no arrays of their own, so that none need be counted (`_nrt`); they are called from kernels alone or
 # from Python alone.
-_OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True, "_nrt": False}
-_INNER: dict[str, Any] = {**_OPTIONS, "no_cpython_wrapper": True}
+_OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
 
 
 def compiled(function: F) -> F:
     """Compile a function of numbers, arrays and structs that other compiled functions call."""
-    return inner(**_INNER)(function)
+    return inner(**_OPTIONS)(function)
 
 
 def entry(function: F) -> F:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 
 from .arcs import gap_cost
 from .chance import high, rather_low, short
 from .compiled import compiled
 from .line import may_reverse, may_swap, reverse, sum_reversed, swap_places
-from .state import State
+from .state import NO, YES, State
 from .tables import SearchTables
 
-KINDS = 6
+KINDS = cast(int, np.int64(6))
 
 
 @compiled
@@ -27,7 +29,7 @@ def try_reversal(tables: SearchTables, state: State, where: np.uint64, how: np.u
     if arcs.near_count[x] == 0:
         return 0
     y = arcs.near[x, rather_low(where, arcs.near_count[x])]
-    q = int(state.place[y])
+    q = int(np.int64(state.place[y]))
     kind = high(how, KINDS)
     size = short(how)
     if kind == 0:
@@ -35,12 +37,12 @@ def try_reversal(tables: SearchTables, state: State, where: np.uint64, how: np.u
     if kind == 1:
         return _reverse(tables, state, p, q, limit)
     if kind == 2:
-        return _move(tables, state, p + 1, q + 1 - size, q + 1, False, limit)
+        return _move(tables, state, p + 1, q + 1 - size, q + 1, NO, limit)
     if kind == 3:
-        return _move(tables, state, p + 1, p + 1 + size, q + 1, False, limit)
+        return _move(tables, state, p + 1, p + 1 + size, q + 1, NO, limit)
     if kind == 4:
-        return _move(tables, state, p, p + size, q, True, limit)
-    return _move(tables, state, q + 1 - size, q + 1, p + 1, True, limit)
+        return _move(tables, state, p, p + size, q, YES, limit)
+    return _move(tables, state, q + 1 - size, q + 1, p + 1, YES, limit)
 
 
 @compiled

@@ -14,6 +14,8 @@ from .tables import SearchTables
 # Typed, because numba compiles a function anew for each literal that it is called with.
 START = cast(int, np.int64(0))
 NOWHERE = cast(int, np.int64(-1))
+ONE = cast(int, np.int64(1))
+YES, NO = cast(bool, np.bool_(True)), cast(bool, np.bool_(False))
 
 # What `State.number` holds.
 LENGTH = 0  # contours in the trial

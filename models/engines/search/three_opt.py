@@ -12,7 +12,7 @@ from .chance import chunk, draw_number, high, odd, rather_low, short
 from .compiled import compiled
 from .line import lay_out, may_swap, sum_reversed, swap_places, take_up
 from .reversals import try_reversal
-from .state import BEST, COST, TRADED, TRADES, WORK, State
+from .state import BEST, COST, ONE, TRADED, TRADES, WORK, State
 from .tables import SearchTables
 
 PER_TRIAL = 13  # operations
@@ -24,7 +24,7 @@ def three_opt(tables: SearchTables, state: State, temperature: float, trials: in
     arcs = tables.arcs
     lay_out(state)
     if arcs.even > 0:
-        sum_reversed(arcs, state, 1)
+        sum_reversed(arcs, state, ONE)
     cost, best = state.number[COST], state.number[BEST]
     taken = 0
     for _ in range(trials):
@@ -63,7 +63,7 @@ def _try_swap(tables: SearchTables, state: State, where: np.uint64, how: np.uint
     if arcs.near_count[x] == 0:
         return 0
     y = arcs.near[x, rather_low(where, arcs.near_count[x])]
-    q = int(place[y])
+    q = int(np.int64(place[y]))
     if q == p + 1:
         return 0
     follows, leads = line[p + 1], line[q - 1]

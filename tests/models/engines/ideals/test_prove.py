@@ -13,6 +13,7 @@ from kerfwise.models import kernels
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.ideals.prove import applies
 from kerfwise.models.engines.ideals.series import series
+from kerfwise.models.engines.ideals.stretches import NARROW
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.kernels import Kernel
 from kerfwise.models.problem.evaluate import broken, route_cost
@@ -53,6 +54,18 @@ def test_the_same_proof_in_plain_python_as_compiled(drawn: Problem) -> None:
     assert compiled is not None
     assert plain is not None
     assert plain.incumbent == compiled.incumbent
+
+
+@pytest.mark.slow
+@settings(max_examples=40, deadline=None)
+@given(problems())
+def test_plans_that_cost_more_than_narrow_numbers_hold_are_found_too(drawn: Problem) -> None:
+    assume(drawn.n > 0)
+    tiny = replace(drawn, general=(), lags=(), site_cost=drawn.site_cost + NARROW)
+    best, proof = cheapest(tiny), prove(tiny, None, work=10)
+    assert proof is not None
+    assert (proof.incumbent and proof.incumbent.cost) == (best and best.cost)
+    assert best is None or best.cost >= NARROW
 
 
 @pytest.mark.slow
