@@ -8,7 +8,8 @@ by examples/gen_sheet.py, seed 1. Each plate and each start has a process of its
 processor, all threads together: other programs on the machine hardly change them. What takes more than M minutes of
 those is ended: the phases that were over by then have their seconds, the others a stroke. With --kept the seconds of
 each plate are kept in FOLDER, in a file for each checkout, with the kernels, and plates that stand there are not run
-again: the largest take long. Below the tables stands what phases_remarks.md says of them.
+again: the largest take long. `--contours` without numbers measures the starts alone, `--starts` without names none.
+Below the tables stands what phases_remarks.md says of them.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from pathlib import Path
 from kerfwise.benchmarks import phase_clock
 from kerfwise.benchmarks.checkout import Checkout
 from kerfwise.benchmarks.phase_tables import Spent, Start, phase_table, start_table
+from kerfwise.examples.gen_sheet import make_sheet
 
 HERE = Path(__file__).resolve().parents[1]
 PAGE = """\
@@ -56,7 +58,9 @@ STARTS: dict[str, tuple[str, ...]] = {
     "16 contours": ("e1x_6.json",),
     "16 contours, a limit of 5 s": ("e1x_6.json", "--time-limit", "5"),
     "41 contours": ("plate40.json", "--work", "5"),
+    "115 contours": ("115", "--work", "1"),
 }
+"""What is started: an example, or a plate made of so many contours, and the options of `solve`."""
 CHILD = """
 import atexit, sys, time
 compiled = []
@@ -105,10 +109,13 @@ class Tree(Checkout):
         return answer
 
     def start(self, words: Sequence[str], kept: str) -> Start:
-        """A `solve` of an example."""
+        """A `solve` of an example, or of a made plate."""
         nest, *options = words
         with tempfile.TemporaryDirectory() as out:
             path = HERE / "examples" / "nests" / nest
+            if nest.isdecimal():
+                path = Path(out) / "made.json"
+                path.write_text(json.dumps(make_sheet(1, int(nest))), encoding="utf-8", newline="\n")
             done = self.ended(["-c", CHILD, "solve", str(path), *options], kept, Path(out))
         cpu_s, kernels = done.stderr.rpartition("\nused ")[2].split()
         return Start(float(cpu_s), int(kernels))

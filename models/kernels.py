@@ -17,8 +17,9 @@ from typing import Any, TypeVar, cast
 
 F = TypeVar("F", bound=Callable[..., object])
 
-PLAIN_STEPS = 150_000
-"""Steps that a process takes in plain Python for one kernel, before that is compiled or loaded: about 0.15 s."""
+PLAIN_STEPS = 400_000
+"""Steps that a process takes in plain Python for one kernel, before that is compiled or loaded: about 0.4 s, as loading
+takes."""
 
 _lock = threading.RLock()
 

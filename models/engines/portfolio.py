@@ -69,9 +69,10 @@ COUNTED, COUNTED_FEW = 2e7, 5e6
 """Entries that are counted beforehand at the most, where there are `COUNTED_S` seconds or more; and where contours are
 so few that a bound is tried anyway."""
 COUNTED_S = 30.0
-GLANCE, GLANCED = 0.05, 200
-"""Work of a first glance before many sets are counted, and contours up to which it takes less than a second: a plan is
-shown while they are counted. It is no part of what a plan takes, so that a plan is the same whoever looks on."""
+GLANCE, GLANCED, GLANCED_FROM = 0.05, 200, 500_000
+"""Work of a first glance while sets are counted, contours up to which it takes less than a second, and entries that are
+counted before: a plan is shown while many are counted, and where they are few the search need not be compiled. It is no
+part of what a plan takes, so that a plan is the same whoever looks on."""
 LONGEST, LONGEST_ZONE = 36, 63
 """Contours in a stretch up to which a bound may make the ideals few; and in one of several, none of which is most of
 all."""
@@ -109,6 +110,7 @@ class _Run:
         self.known = Known()
         self.searcher: Searcher | None = None
         self.glimpsed: Incumbent | None = None
+        self.glanced = False
         self.tried = False
         self.began_s = watch.seconds
 
@@ -247,15 +249,21 @@ class _Run:
             self._leave_out("ideals", why)
             return
         most = (COUNTED_FEW if self.problem.n <= LONGEST else COUNTED) * min(1.0, self._left() / COUNTED_S)
-        if most > COUNTED_FEW and self.problem.n <= GLANCED and self.options.member is None:
-            self._glance()
-        self.count = ideals.count_sets(self.of_sets, most, lambda: self.watch("ideals", None, None))
+        self.count = ideals.count_sets(self.of_sets, most, self._counting)
         self.known.work += self.count.work
+
+    def _counting(self, entries: int) -> bool:
+        """Whether to go on counting; where it takes long, there is a first plan to be shown."""
+        few = entries < GLANCED_FROM or self.problem.n > GLANCED
+        if not (few or self.glanced or self.options.member):
+            self._glance()
+        return self.watch("ideals", None, None)
 
     def _glance(self) -> None:
         """A first plan to be shown; no engine goes on from it."""
         from .search import Searcher
 
+        self.glanced = True
         searcher = Searcher(self.problem, self.options.seed)
         searcher.run(GLANCE, self.options.time_s and GLANCE, self.watch.glimpse)
         self.glimpsed = searcher.best

@@ -14,6 +14,8 @@ from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.models.kernels import cores, inner, kept, suited
 
 THREADS = cores()
+STEPS_A_MOVE = 8
+"""Turns of inner loops that it takes to tell whether a move crosses an area."""
 SLOTS_AT_FIRST = 1 << 10
 GROUPS_AT_ONCE = 8
 
@@ -71,7 +73,7 @@ def crossed_areas(
     made = _edges_of(areas)
 
     done = np.cumsum([0, *(len(moves.leave) * len(moves.reach) * len(moves.areas) for moves in groups)])
-    cross = suited(_crossed, float(done[-1]))
+    cross = suited(_crossed, STEPS_A_MOVE * float(done[-1]))
 
     def look(moves: IdleMoves) -> tuple[Ints, Ints, Ints]:
         ends = np.concatenate([moves.leave, moves.reach])

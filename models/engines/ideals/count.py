@@ -65,11 +65,11 @@ def additions_of(additions: float, entries: int, states: int) -> float:
     return additions + ADDITIONS_AN_ENTRY * entries + ADDITIONS_A_STATE * states
 
 
-def count_sets(problem: Problem, most_entries: float, going: Callable[[], bool] = lambda: True) -> Count:
+def count_sets(problem: Problem, most_entries: float, going: Callable[[int], bool] = lambda _: True) -> Count:
     """Count until there are more than `most_entries`, fewer where sets are long, or are bound to be.
 
     Where the sets of the first layers are already more than their share, those of the middle would be far too many.
-    `going` is asked before each layer whether to go on.
+    `going` is asked before each layer whether to go on, and told how many there are so far.
     """
     stretches = series(problem)
     most_entries *= min(1.0, 2 / words(max(map(len, stretches), default=0)))
@@ -84,7 +84,7 @@ def count_sets(problem: Problem, most_entries: float, going: Callable[[], bool] 
             entries, states = entries + ahead.entries, states + ahead.states
             additions += ahead.additions
             done += 1
-            if entries > most_entries * min(1.0, 2 * done / problem.n) or not going():
+            if entries > most_entries * min(1.0, 2 * done / problem.n) or not going(entries):
                 return Count(len(stretches), max(map(len, stretches)), sets, entries, states, additions, False)
             layer, *_ = grow(orders, layer, alive, ahead.entries)
             sets += len(layer)

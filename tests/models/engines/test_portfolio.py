@@ -186,7 +186,7 @@ def test_what_a_bound_has_reached_in_another_thread_is_told_with_the_next_news()
     assert told == [("search", 100, 70)]
 
 
-def test_a_plan_is_shown_before_many_sets_are_counted_and_plans_stay_what_they_are(
+def test_a_plan_is_shown_while_many_sets_are_counted_and_plans_stay_what_they_are(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     many = scattered(1, contours=40, sites=1, pairs=60)
@@ -198,15 +198,16 @@ def test_a_plan_is_shown_before_many_sets_are_counted_and_plans_stay_what_they_a
         told.extend([] if cost is None else [cost])
         return True
 
-    def count_sets(given: Problem, most: float, going: Callable[[], bool]) -> Any:
+    def count_sets(given: Problem, most: float, going: Callable[[int], bool]) -> Any:
+        count = real(given, 1e4, going)
         counted.append(len(told))
-        return real(given, 1e4, going)
+        return count
 
     monkeypatch.setattr(portfolio.ideals, "count_sets", count_sets)
     options = SolveOptions(work=0.3)
     plans = []
     for few in (0.0, inf):
-        monkeypatch.setattr(portfolio, "COUNTED_FEW", few)
+        monkeypatch.setattr(portfolio, "GLANCED_FROM", few)
         told.clear()
         known = run_portfolio(many, options, Watch(options, listen))
         assert known.incumbent is not None

@@ -55,7 +55,7 @@ def test_it_gives_up_early_where_sets_are_bound_to_be_too_many() -> None:
 
 def test_counting_ends_where_nobody_wants_it_any_more() -> None:
     layers = iter([True, True, False])
-    count = count_sets(scattered(1, contours=10, sites=3), math.inf, lambda: next(layers))
+    count = count_sets(scattered(1, contours=10, sites=3), math.inf, lambda entries: next(layers))
     assert not count.whole
     assert 0 < count.sets < count_sets(scattered(1, contours=10, sites=3), math.inf).sets
 
